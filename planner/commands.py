@@ -1,0 +1,29 @@
+"""What does the platform fly?  The command table: plain data, made by one part and judged by another."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+COMMAND_STEP_S = 0.2  # Sumarokov 2016: the platform is fed every 0.2 s
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommandTable:
+    """Angle and rate of each axis every `COMMAND_STEP_S`, counted from `epoch_utc`.
+
+    epoch_utc: a whole multiple of 0.2 s after its UTC second.
+    axis_names: (m,).  angle_rad, rate_rad_s: shape (n, m), row k at epoch_utc + 0.2 k s
+    (SI seconds).  Between rows the platform flies the cubic Hermite of the two rows.
+    """
+
+    epoch_utc: datetime
+    axis_names: tuple[str, ...]
+    angle_rad: NDArray[np.float64]
+    rate_rad_s: NDArray[np.float64]
+
+    @property
+    def t_s(self) -> NDArray[np.float64]:
+        """Seconds since the epoch of each row; k/5 is the closest double to 0.2 k, 0.2*k is not."""
+        return np.arange(len(self.angle_rad)) / 5.0

@@ -1,0 +1,103 @@
+"""What can be refused, and what does a refusal tell the planner?
+
+Each class is one kind of refusal; `app/errors.py` maps classes to HTTP statuses in one
+table.  The message explains the physics and the way out; the attributes carry the same
+facts for programs.  Bugs are not refusals: they are left to crash.
+"""
+
+from datetime import datetime
+from typing import ClassVar
+
+
+class Refusal(Exception):
+    """A request that can't be fulfilled as it stands.
+
+    field: the request field at fault, dotted (`sessions.0.start`).
+    axis, limit: the axis and the limit that break ("rate", "acceleration", ...).
+    at_utc: when the limit breaks.  earliest_feasible_start_utc: the nearest session start
+    that works, on the command grid.
+    """
+
+    slug: ClassVar[str] = "refused"
+    title: ClassVar[str] = "The request can't be fulfilled"
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        field: str | None = None,
+        axis: str | None = None,
+        limit: str | None = None,
+        at_utc: datetime | None = None,
+        earliest_feasible_start_utc: datetime | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.field = field
+        self.axis = axis
+        self.limit = limit
+        self.at_utc = at_utc
+        self.earliest_feasible_start_utc = earliest_feasible_start_utc
+
+
+class InvalidInput(Refusal):
+    """A value no scenario can have, found after the request's shape was accepted."""
+
+    slug = "invalid-input"
+    title = "The request holds a value that makes no sense"
+
+
+class InvalidMessage(InvalidInput):
+    """A TLE or CCSDS message that can't be read."""
+
+    slug = "invalid-message"
+    title = "The orbit or attitude message can't be read"
+
+
+class OutsideCoverage(Refusal):
+    """The orbit, attitude or Earth orientation is not known at the instants asked for."""
+
+    slug = "outside-coverage"
+    title = "The orbit or attitude is not known at that time"
+
+
+class NotVisible(Refusal):
+    """The target is below the horizon, behind the Earth or under the elevation asked for."""
+
+    slug = "not-visible"
+    title = "The target can't be seen during the session"
+
+
+class Unreachable(Refusal):
+    """No pair of axis angles, or none within the stops, points at the target."""
+
+    slug = "unreachable"
+    title = "The platform can't point there"
+
+
+class TrackBreaksLimit(Refusal):
+    """Following the target needs more rate or acceleration than an axis has."""
+
+    slug = "track-breaks-limit"
+    title = "Tracking the target breaks a limit of the platform"
+
+
+class InfeasibleSlew(Refusal):
+    """The axis can't get from its state to the track in the time available."""
+
+    slug = "infeasible-slew"
+    title = "The slew doesn't fit in the time available"
+
+
+class SolverFailed(Refusal):
+    """A problem certified feasible that the solver left unsolved: our failure, not the user's."""
+
+    slug = "solver-failed"
+    title = "The solver found no trajectory"
+
+
+class VerificationFailed(Refusal):
+    """A plan the independent judge rejects; never returned as good."""
+
+    slug = "verification-failed"
+    title = "The plan failed its verification"

@@ -1,0 +1,8 @@
+"""Which platforms are known by name?"""
+
+from planner.platforms.iss_hrc import ISS_HRC
+from planner.platforms.two_axis import AxisLimits, TwoAxisPlatform
+
+PLATFORMS = {platform.name: platform for platform in (ISS_HRC,)}
+
+__all__ = ["PLATFORMS", "AxisLimits", "TwoAxisPlatform"]

@@ -1,0 +1,96 @@
+"""What is a two-axis platform: which axes, which limits, how is it mounted?"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.spec import spec
+
+Vector3 = tuple[float, float, float]
+UNIT_TOLERANCE = 1e-6
+
+
+@spec
+class AxisLimits:
+    """Mechanical limits of one gimbal axis; zero is the axis's index mark.
+
+    rate_min_rad_s: below this commanded rate friction makes the drive oscillate; it is
+    reported, not forbidden.
+    """
+
+    angle_min_rad: float
+    angle_max_rad: float
+    rate_max_rad_s: float
+    acceleration_max_rad_s2: float
+    jerk_max_rad_s3: float
+    rate_min_rad_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.angle_min_rad < self.angle_max_rad:
+            raise ValueError(
+                f"hard stops out of order: {self.angle_min_rad} >= {self.angle_max_rad} rad"
+            )
+        for name in ("rate_max_rad_s", "acceleration_max_rad_s2", "jerk_max_rad_s3"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
+        if not 0.0 <= self.rate_min_rad_s < self.rate_max_rad_s:
+            raise ValueError(f"rate_min_rad_s must lie in [0, rate_max), not {self.rate_min_rad_s}")
+
+
+@spec
+class TwoAxisPlatform:
+    """Line of sight in the platform frame is R(outer, a) R(inner, b) zero_direction.
+
+    outer_*: the axis fixed to the base (alpha of the HRC); inner_*: the one it carries
+    (beta).  Axes and zero direction are unit vectors in the platform frame.
+    q_platform_from_body_xyzw: the mount, scalar last.
+    Source: Sumarokov 2016, eq. 10-11.
+    """
+
+    name: str
+    outer_name: str
+    outer_axis_platform: Vector3
+    outer_limits: AxisLimits
+    inner_name: str
+    inner_axis_platform: Vector3
+    inner_limits: AxisLimits
+    zero_direction_platform: Vector3
+    q_platform_from_body_xyzw: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        for name in (
+            "outer_axis_platform",
+            "inner_axis_platform",
+            "zero_direction_platform",
+            "q_platform_from_body_xyzw",
+        ):
+            norm = math.hypot(*getattr(self, name))
+            if not abs(norm - 1.0) <= UNIT_TOLERANCE:
+                raise ValueError(f"{name} must have unit length, not {norm}")
+        if abs(np.dot(self.outer_axis_platform, self.inner_axis_platform)) > math.cos(
+            math.radians(1.0)
+        ):
+            raise ValueError("the two axes are within 1 deg of parallel: one direction is lost")
+
+    @property
+    def axis_names(self) -> tuple[str, str]:
+        """Column order of every angle array of this platform."""
+        return (self.outer_name, self.inner_name)
+
+    @property
+    def axis_limits(self) -> tuple[AxisLimits, AxisLimits]:
+        """In the order of `axis_names`."""
+        return (self.outer_limits, self.inner_limits)
+
+    @property
+    def axes_platform(self) -> NDArray[np.float64]:
+        """Unit vectors of the axes, shape (2, 3), in the order of `axis_names`."""
+        axes = np.array([self.outer_axis_platform, self.inner_axis_platform])
+        return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+    @property
+    def q_platform_from_body(self) -> Rotation:
+        """The mount: `q_platform_from_body.apply(v_body)` gives `v_platform`."""
+        return Rotation.from_quat(self.q_platform_from_body_xyzw)
