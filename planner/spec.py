@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import Any, TypeVar, dataclass_transform
+from typing import TypeVar, dataclass_transform
 
 T = TypeVar("T")
 
@@ -19,7 +19,7 @@ def spec(cls: type[T]) -> type[T]:
     """
     own_check = cls.__dict__.get("__post_init__")
 
-    def __post_init__(self: Any) -> None:  # noqa: N807 (dataclasses calls it by this name)
+    def __post_init__(self: object) -> None:  # noqa: N807 (dataclasses calls it by this name)
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, float) and not math.isfinite(value):

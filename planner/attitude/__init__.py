@@ -1,0 +1,24 @@
+"""Which attitude laws are known?"""
+
+from typing import Protocol, get_args
+
+from scipy.spatial.transform import Rotation
+
+from planner.attitude.inertial import InertialAttitude
+from planner.attitude.lvlh import LvlhAttitude
+from planner.frames.time_scales import Instants
+from planner.orbits import OrbitStates
+
+
+class AttitudeLaw(Protocol):
+    """What every law answers."""
+
+    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+        """n rotations, `states` being the orbit at the same n instants."""
+        ...
+
+
+Attitude = LvlhAttitude | InertialAttitude
+ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(Attitude)}
+
+__all__ = ["ATTITUDES", "Attitude", "AttitudeLaw"]

@@ -1,8 +1,9 @@
 """Which platforms are known by name?"""
 
+from planner.platforms.definition import AxisDefinition, PlatformDefinition
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.platforms.two_axis import AxisLimits, TwoAxisPlatform
 
 PLATFORMS = {platform.name: platform for platform in (ISS_HRC,)}
 
-__all__ = ["PLATFORMS", "AxisLimits", "TwoAxisPlatform"]
+__all__ = ["PLATFORMS", "AxisDefinition", "AxisLimits", "PlatformDefinition", "TwoAxisPlatform"]

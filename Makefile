@@ -1,0 +1,42 @@
+# `make plan` and `make test` set everything up by themselves; see README.md.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: setup plan serve test lint check format oracles clean
+
+setup: .venv/installed
+
+.venv/installed: requirements-dev.txt pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@
+
+plan: setup
+	$(BIN)/slewtrack plan examples/las_vegas_2015.json --csv out/las_vegas_2015.csv --plot out/las_vegas_2015.png
+
+serve: setup
+	$(BIN)/slewtrack serve
+
+test: setup
+	$(BIN)/pytest -n 2
+
+lint: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/vulture
+
+check: lint test
+
+format: setup
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+requirements:
+	$(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --no-emit-index-url --no-emit-trusted-host --no-header --strip-extras -o requirements.txt --extra plot pyproject.toml
+	$(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --no-emit-index-url --no-emit-trusted-host --no-header --strip-extras -o requirements-dev.txt --extra dev pyproject.toml
+
+clean:
+	rm -rf .venv out build *.egg-info

@@ -1,0 +1,158 @@
+"""What is to be planned?  One value with everything the planner and its judge need."""
+
+import math
+from collections.abc import Mapping
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.attitude import Attitude
+from planner.commands import COMMAND_STEP_S
+from planner.frames.time_scales import elapsed_s, require_offset, utc_text
+from planner.orbits import Orbit
+from planner.platforms import TwoAxisPlatform
+from planner.spec import spec
+from planner.targets import Target
+
+ZERO_PER_AXIS: Mapping[str, float] = {}
+
+
+@spec
+class InitialState:
+    """Where the platform is, and how it moves, when the table begins.
+
+    One entry per axis of the platform, by the axis's name.  `epoch` becomes row 0 and so
+    must be a whole multiple of 0.2 s after its UTC second.
+    """
+
+    epoch: datetime
+    angles_deg: Mapping[str, float]
+    rates_deg_s: Mapping[str, float] = ZERO_PER_AXIS
+    accelerations_deg_s2: Mapping[str, float] = ZERO_PER_AXIS
+
+    def __post_init__(self) -> None:
+        require_offset("epoch", self.epoch)
+        if self.epoch.microsecond % round(COMMAND_STEP_S * 1e6):
+            before_us = self.epoch.microsecond // 200_000 * 200_000
+            before = self.epoch.replace(microsecond=before_us)
+            raise ValueError(
+                f"epoch must be a multiple of 0.2 s after the UTC second, as row 0 of the table; "
+                f"the last one before {utc_text(self.epoch, 6)} is {utc_text(before, 1)}"
+            )
+        for name in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
+            for axis, value in getattr(self, name).items():
+                if not math.isfinite(value):
+                    raise ValueError(f"{name}.{axis} must be a finite number, not {value}")
+
+
+@spec
+class Session:
+    """One target held from `start` to `stop`."""
+
+    target: Target
+    start: datetime
+    stop: datetime
+
+    def __post_init__(self) -> None:
+        require_offset("start", self.start)
+        require_offset("stop", self.stop)
+        duration_s = elapsed_s(self.stop, self.start)
+        if duration_s <= 0.0:
+            raise ValueError(
+                f"stop ({utc_text(self.stop)}) must come after start ({utc_text(self.start)})"
+            )
+        if duration_s < COMMAND_STEP_S:
+            raise ValueError(
+                f"a session lasts at least one command step, 0.2 s, not {duration_s:.3f} s"
+            )
+
+
+@spec
+class SlewOptions:
+    """How the platform gets onto the track.
+
+    jerk_max_deg_s3: replaces the platform's own jerk limit on both axes.
+    filter_*: the spline's first-order low-pass (Sumarokov 2016, p. 91), None for none;
+    with compensation the join is aimed ahead by the filter's lag.
+    """
+
+    method: str = "ocp"
+    objective: Literal["smooth", "minimum_time"] = "smooth"
+    jerk_max_deg_s3: float | None = None
+    filter_cutoff_hz: float | None = 2.0
+    filter_lag_compensation: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("jerk_max_deg_s3", "filter_cutoff_hz"):
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise ValueError(f"{name} must be positive, not {value}")
+
+
+@spec
+class Scenario:
+    """A carrier, a platform on it, its state, and the sessions to fly in order of time."""
+
+    name: str = ""
+    orbit: Orbit
+    attitude: Attitude
+    platform: TwoAxisPlatform
+    initial_state: InitialState
+    sessions: tuple[Session, ...]
+    slew: SlewOptions = SlewOptions()
+
+    def __post_init__(self) -> None:
+        if not self.sessions:
+            raise ValueError("sessions must hold at least one session")
+        earliest_utc = self.initial_state.epoch
+        for number, session in enumerate(self.sessions):
+            if session.start < earliest_utc:
+                raise ValueError(
+                    f"sessions.{number}.start ({utc_text(session.start)}) must not come before "
+                    f"{utc_text(earliest_utc)}, when the platform is still busy"
+                )
+            earliest_utc = session.stop
+        self._check_initial_state()
+
+    def _check_initial_state(self) -> None:
+        names = self.platform.axis_names
+        state = self.initial_state
+        for field in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
+            given = getattr(state, field)
+            if given is not ZERO_PER_AXIS and set(given) != set(names):
+                raise ValueError(
+                    f"initial_state.{field} must name the axes {', '.join(names)} of "
+                    f"{self.platform.name}, not {', '.join(given) or 'none'}"
+                )
+        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+            angle, rate, acceleration = (self.initial_motion(axis)[k] for k in range(3))
+            checks = (
+                ("angles_deg", angle, limits.angle_min_rad, limits.angle_max_rad, "deg"),
+                ("rates_deg_s", rate, -limits.rate_max_rad_s, limits.rate_max_rad_s, "deg/s"),
+                (
+                    "accelerations_deg_s2",
+                    acceleration,
+                    -limits.acceleration_max_rad_s2,
+                    limits.acceleration_max_rad_s2,
+                    "deg/s2",
+                ),
+            )
+            for field, value, low, high, unit in checks:
+                if not low <= value <= high:
+                    raise ValueError(
+                        f"initial_state.{field}.{axis} is {math.degrees(value):.6g} {unit}, outside "
+                        f"the limits {math.degrees(low):.6g}..{math.degrees(high):.6g} {unit}"
+                    )
+
+    def initial_motion(self, axis: str) -> NDArray[np.float64]:
+        """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""
+        state = self.initial_state
+        return np.deg2rad(
+            [
+                state.angles_deg[axis],
+                state.rates_deg_s.get(axis, 0.0),
+                state.accelerations_deg_s2.get(axis, 0.0),
+            ]
+        )
