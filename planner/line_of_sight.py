@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
-from planner.frames.geodesy import up_itrf
+from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris, OrbitStates
 from planner.targets import Target
@@ -99,7 +99,8 @@ def _elevation(
     r_target_itrf_m: NDArray[np.float64],
     c_itrf_from_eci_: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    up_eci = np.einsum("nji,nj->ni", c_itrf_from_eci_, up_itrf(r_target_itrf_m))
+    latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_target_itrf_m)
+    up_eci = np.einsum("nji,nj->ni", c_itrf_from_eci_, up_itrf(latitude_rad, longitude_rad))
     to_sat_m = states.r_sat_eci_m - r_target_eci_m
     return np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / np.linalg.norm(to_sat_m, axis=1))
 

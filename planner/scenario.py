@@ -118,32 +118,26 @@ class Scenario:
 
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
-        state = self.initial_state
         for field in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
-            given = getattr(state, field)
+            given = getattr(self.initial_state, field)
             if given is not ZERO_PER_AXIS and set(given) != set(names):
                 raise ValueError(
                     f"initial_state.{field} must name the axes {', '.join(names)} of "
                     f"{self.platform.name}, not {', '.join(given) or 'none'}"
                 )
         for axis, limits in zip(names, self.platform.axis_limits, strict=True):
-            angle, rate, acceleration = (self.initial_motion(axis)[k] for k in range(3))
-            checks = (
-                ("angles_deg", angle, limits.angle_min_rad, limits.angle_max_rad, "deg"),
-                ("rates_deg_s", rate, -limits.rate_max_rad_s, limits.rate_max_rad_s, "deg/s"),
-                (
-                    "accelerations_deg_s2",
-                    acceleration,
-                    -limits.acceleration_max_rad_s2,
-                    limits.acceleration_max_rad_s2,
-                    "deg/s2",
-                ),
+            rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
+            ranges_rad = (
+                ("angles_deg", limits.angle_min_rad, limits.angle_max_rad),
+                ("rates_deg_s", -rate_max, rate_max),
+                ("accelerations_deg_s2", -acceleration_max, acceleration_max),
             )
-            for field, value, low, high, unit in checks:
+            motion_rad = self.initial_motion(axis)
+            for value, (field, low, high) in zip(motion_rad, ranges_rad, strict=True):
                 if not low <= value <= high:
                     raise ValueError(
-                        f"initial_state.{field}.{axis} is {math.degrees(value):.6g} {unit}, outside "
-                        f"the limits {math.degrees(low):.6g}..{math.degrees(high):.6g} {unit}"
+                        f"initial_state.{field}.{axis} is {math.degrees(value):.6g}, outside its "
+                        f"limits {math.degrees(low):.6g}..{math.degrees(high):.6g}"
                     )
 
     def initial_motion(self, axis: str) -> NDArray[np.float64]:

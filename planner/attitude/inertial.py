@@ -38,7 +38,7 @@ class InertialAttitude:
                 f"q_body_from_eci_xyzw must have unit length, not {norm:.6g}; divide it by its norm"
             )
 
-    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:  # noqa: ARG002
+    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; the orbit plays no part."""
         since_epoch_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch)
         turned_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))

@@ -24,7 +24,7 @@ class LvlhAttitude:
     pitch_deg: float = 0.0
     roll_deg: float = 0.0
 
-    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:  # noqa: ARG002
+    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""
         yaw_pitch_roll_rad = np.deg2rad([self.yaw_deg, self.pitch_deg, self.roll_deg])
         q_body_from_lvlh = Rotation.from_euler("ZYX", yaw_pitch_roll_rad).inv()

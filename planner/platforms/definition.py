@@ -38,7 +38,7 @@ class AxisDefinition:
 
 @spec
 class PlatformDefinition:
-    """A two-axis platform: `outer` is fixed to the base and carries `inner`; see TwoAxisPlatform."""
+    """A `TwoAxisPlatform`: `outer` is fixed to the base and carries `inner`."""
 
     name: str
     outer: AxisDefinition
