@@ -1,0 +1,132 @@
+"""What did the judge find?  Plain data: margins, pointing errors, findings, a verdict."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal
+
+Limit = Literal[
+    "angle_min",
+    "angle_max",
+    "rate",
+    "acceleration",
+    "jerk",
+    "acceleration_jump",
+    "pointing",
+    "elevation",
+    "occlusion",
+    "table",
+    "initial_state",
+    "coverage",
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One thing wrong with a table; an `error` fails it.
+
+    limit: which promise breaks; axis: None when it isn't one axis's.
+    t_s: seconds since the table's epoch, and the same instant in UTC: the worst instant for
+    limits, the first for structural faults; None when the fault has no instant.
+    """
+
+    severity: Literal["error", "warning"]
+    limit: Limit
+    axis: str | None
+    t_s: float | None
+    at_utc: datetime | None
+    detail: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitMargin:
+    """The closest one axis comes to one limit, anywhere along the Hermite between rows.
+
+    limit_value, extreme, margin: rad, rad/s, rad/s2 or rad/s3 by the kind of limit; margin
+    is negative when the limit is broken.  extreme keeps its sign, limit_value is the bound
+    on the magnitude, except for the two angle stops.
+    acceleration_jump: step of the acceleration from one cell to the next (from the initial
+    acceleration at row 0), bounded by what a plan within the jerk limit can show.
+    """
+
+    axis: str
+    limit: Limit
+    limit_value: float
+    extreme: float
+    margin: float
+    t_s: float
+    at_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointingError:
+    """Angle between boresight and apparent target over a set of instants."""
+
+    max_rad: float
+    rms_rad: float
+    max_t_s: float
+    max_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
+class EarthFixedView:
+    """How an Earth-fixed target is seen over a session.
+
+    elevation_min_rad: of the carrier in the target's sky, geodetic, without refraction.
+    range_*_m: geometric, both ends at the same instant.
+    miss_across_max_m: pointing error at the target, across the line of sight.
+    miss_on_ground_max_m: the same carried along the line of sight onto the target's
+    horizontal plane; None when the target's horizon hides the carrier at some instant.
+    """
+
+    elevation_min_rad: float
+    elevation_min_utc: datetime
+    range_min_m: float
+    range_min_utc: datetime
+    range_max_m: float
+    miss_across_max_m: float
+    miss_on_ground_max_m: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlowStretch:
+    """An axis commanded below its least smooth drive rate: allowed, but it will oscillate."""
+
+    axis: str
+    start_s: float
+    stop_s: float
+    start_utc: datetime
+    stop_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionReport:
+    """One session, judged from the row at or before its start to the row at or after its stop.
+
+    at_rows, between_rows, overall: over the rows, over the instants between them, over both.
+    slow_stretches: in order of axis, then of time.
+    """
+
+    number: int
+    start_utc: datetime
+    stop_utc: datetime
+    at_rows: PointingError
+    between_rows: PointingError
+    overall: PointingError
+    view: EarthFixedView
+    slow_stretches: tuple[SlowStretch, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerificationReport:
+    """The verdict on one command table.
+
+    passed: no finding is an error.  taken_as_given: the inputs the judge did not derive
+    again ("orbit" always; an attitude or target it has no derivation of its own for).
+    sessions, limits: empty when the table's structure is too broken to fly.
+    """
+
+    passed: bool
+    findings: tuple[Finding, ...]
+    sessions: tuple[SessionReport, ...]
+    limits: tuple[LimitMargin, ...]
+    taken_as_given: tuple[str, ...]
