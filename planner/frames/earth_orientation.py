@@ -1,0 +1,152 @@
+"""How is the Earth oriented?  ITRF and TEME against ECI (GCRF axes), EME2000 against GCRF.
+
+IAU 2006/2000A precession-nutation with the IERS's UT1, polar motion and celestial pole
+offsets.  Precession, nutation, pole and UT1 - TAI are computed on a 120 s grid and
+interpolated linearly (they bend by less than 1e-9 arcsec in between); the rotation angle is
+computed at every instant.
+"""
+
+from datetime import UTC, datetime, timedelta
+
+import erfa
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import OutsideCoverage
+from planner.frames.iers import earth_orientation_table
+from planner.frames.time_scales import DAY_S, MJD_JD, TT_MINUS_TAI_S, Instants
+
+# d(ERA)/d(UT1): IERS Conventions 2010, eq. 5.15
+OMEGA_EARTH_RAD_S = 2.0 * np.pi * 1.00273781191135448 / DAY_S
+NODE_STEP_S = 120.0
+_MJD_EPOCH = datetime(1858, 11, 17, tzinfo=UTC)
+
+# Mean equator and equinox of J2000.0 to GCRF: IERS Conventions 2010, 5.5.4 (frame bias, 23 mas)
+C_GCRF_FROM_EME2000: NDArray[np.float64] = erfa.bp00(2451545.0, 0.0)[0].T.copy()
+C_GCRF_FROM_EME2000.setflags(write=False)
+
+
+def c_itrf_from_eci(instants: Instants) -> NDArray[np.float64]:
+    """Rotation matrices from GCRF to ITRF axes, shape (n, 3, 3).
+
+    Leaves out diurnal and semi-diurnal tides in pole and UT1 (3 cm on the ground at most).
+    Raises OutsideCoverage before 1973; past the end of the IERS data see
+    `earth_orientation_warning`.  Source: IERS Conventions 2010, 5.4-5.5 (CIO based).
+    """
+    return _celestial_to_terrestrial(instants)[0]
+
+
+def c_itrf_from_teme(instants: Instants) -> NDArray[np.float64]:
+    """Rotation matrices from SGP4's TEME to ITRF axes, shape (n, 3, 3).
+
+    Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
+    """
+    at = _interpolated(instants)
+    jd1, jd2 = instants.tai_jd()
+    theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
+    return np.asarray(_polar_motion(at) @ _rotation_z(theta))
+
+
+def itrf_from_eci_state(
+    r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64], instants: Instants
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Position and velocity relative to the rotating Earth, each (n, 3), in ITRF axes.
+
+    Leaves out the motion of the Earth's axis itself (2e-5 m/s in low orbit).
+    """
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
+    r_itrf_m = np.einsum("nij,nj->ni", c, r_eci_m)
+    v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - np.cross(omega_itrf_rad_s, r_itrf_m)
+    return r_itrf_m, v_itrf_m_s
+
+
+def eci_from_itrf_state(
+    r_itrf_m: NDArray[np.float64], v_itrf_m_s: NDArray[np.float64], instants: Instants
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Inverse of `itrf_from_eci_state`."""
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
+    v_inertial_itrf_m_s = v_itrf_m_s + np.cross(omega_itrf_rad_s, r_itrf_m)
+    return np.einsum("nji,nj->ni", c, r_itrf_m), np.einsum("nji,nj->ni", c, v_inertial_itrf_m_s)
+
+
+def iers_data_end_utc() -> datetime:
+    """Last day with UT1 and pole, the IERS's predictions included."""
+    return _MJD_EPOCH + timedelta(days=float(earth_orientation_table().mjd_utc[-1]))
+
+
+def earth_orientation_warning(instants: Instants) -> str | None:
+    """What to tell the user when instants lie past the end of the IERS data, else None."""
+    past_days = float(
+        np.max(instants.utc_mjd(), initial=0.0) - earth_orientation_table().mjd_utc[-1]
+    )
+    if past_days <= 0.0:
+        return None
+    return (
+        f"Earth orientation data end on {iers_data_end_utc():%Y-%m-%d}, {past_days:.1f} days too "
+        "early: the last values are held and the ground target may be off by about "
+        f"{0.5 * past_days:.1f} m east or west; install a newer astropy-iers-data"
+    )
+
+
+def _celestial_to_terrestrial(
+    instants: Instants,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s."""
+    at = _interpolated(instants)
+    jd1, jd2 = instants.tai_jd()
+    era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
+    c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
+    w = _polar_motion(at)
+    ut1_rate = 1.0 + at[:, 7]
+    return w @ _rotation_z(era) @ c_cirs_from_eci, w[:, :, 2] * (OMEGA_EARTH_RAD_S * ut1_rate)[
+        :, None
+    ]
+
+
+def _polar_motion(at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrices from the intermediate (CIP, TIO) to ITRF axes, shape (n, 3, 3)."""
+    return np.asarray(erfa.pom00(at[:, 4], at[:, 5], at[:, 6]))
+
+
+def _rotation_z(angle_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Frame rotations about z, shape (n, 3, 3)."""
+    c = np.zeros((len(angle_rad), 3, 3))
+    c[:, 0, 0] = c[:, 1, 1] = np.cos(angle_rad)
+    c[:, 0, 1] = np.sin(angle_rad)
+    c[:, 1, 0] = -c[:, 0, 1]
+    c[:, 2, 2] = 1.0
+    return c
+
+
+def _interpolated(instants: Instants) -> NDArray[np.float64]:
+    """Columns X, Y, s (rad), UT1 - TAI (s), xp, yp, s' (rad), d(UT1 - TAI)/dt, shape (n, 8)."""
+    jd1, jd2 = instants.tai_jd()
+    position = ((jd1 - MJD_JD) + jd2) * (DAY_S / NODE_STEP_S)
+    cell = np.floor(position)
+    cells, which = np.unique(cell, return_inverse=True)
+    nodes = np.union1d(cells, cells + 1.0)
+    first = np.searchsorted(nodes, cells)
+    values = _at_nodes(nodes)
+    slope = values[first + 1] - values[first]
+    u = (position - cell)[:, None]
+    at = np.asarray(values[first][which] + u * slope[which])
+    return np.concatenate([at, slope[which, 3:4] / NODE_STEP_S], axis=1)
+
+
+def _at_nodes(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Columns X, Y, s, UT1 - TAI, xp, yp, s' at multiples of 120 s of TAI, shape (m, 7)."""
+    epoch_utc = datetime(2000, 1, 1, tzinfo=UTC)
+    tai_offset_s = nodes * NODE_STEP_S - (51544.0 * DAY_S + 32.0)  # TAI - UTC of that epoch
+    utc_mjd = Instants(epoch_utc, tai_offset_s).utc_mjd()
+    table = earth_orientation_table()
+    if len(utc_mjd) and utc_mjd.min() < table.mjd_utc[0]:
+        raise OutsideCoverage(
+            "Earth orientation is not known before 1973-01-02 (finals2000A); use later times"
+        )
+    eop = table.at(utc_mjd)
+    whole, rest = np.divmod(nodes * NODE_STEP_S, DAY_S)
+    tt = (MJD_JD + whole, (rest + TT_MINUS_TAI_S) / DAY_S)
+    x, y, s = erfa.xys06a(*tt)
+    return np.stack(
+        [x + eop[:, 3], y + eop[:, 4], s, eop[:, 0], eop[:, 1], eop[:, 2], erfa.sp00(*tt)], axis=1
+    )

@@ -1,0 +1,60 @@
+"""Where on the Earth is it?  WGS84 geodetic coordinates against ITRF positions.
+
+WGS84 is taken identical to ITRF (they agree to centimetres).
+"""
+
+import erfa
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+WGS84_A_M = 6378137.0  # NGA.STND.0036, table 3.1
+WGS84_F = 1.0 / 298.257223563  # NGA.STND.0036, table 3.1
+
+
+def itrf_from_geodetic(
+    latitude_rad: ArrayLike, longitude_rad: ArrayLike, height_m: ArrayLike
+) -> NDArray[np.float64]:
+    """ITRF position, shape (..., 3) of the inputs' common shape; height above the ellipsoid."""
+    latitude, longitude, height = np.broadcast_arrays(latitude_rad, longitude_rad, height_m)
+    sin_latitude = np.sin(latitude)
+    e2 = WGS84_F * (2.0 - WGS84_F)
+    normal_m = WGS84_A_M / np.sqrt(1.0 - e2 * sin_latitude**2)
+    equatorial_m = (normal_m + height) * np.cos(latitude)
+    return np.stack(
+        [
+            equatorial_m * np.cos(longitude),
+            equatorial_m * np.sin(longitude),
+            (normal_m * (1.0 - e2) + height) * sin_latitude,
+        ],
+        axis=-1,
+    )
+
+
+def geodetic_from_itrf(
+    r_itrf_m: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Geodetic latitude, longitude in (-pi, pi] (rad) and height (m), each of shape (...).
+
+    Good to 1e-8 m anywhere farther than 50 km from the Earth's centre; at the poles the
+    longitude is that of the sign-carrying zero x, y.  Source: Fukushima 2006, by ERFA's gc2gde.
+    """
+    longitude, latitude, height = erfa.gc2gde(WGS84_A_M, WGS84_F, r_itrf_m)
+    return np.asarray(latitude), np.asarray(longitude), np.asarray(height)
+
+
+def up_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> NDArray[np.float64]:
+    """Outward normal of the ellipsoid, unit vectors of shape (..., 3)."""
+    latitude, longitude = np.broadcast_arrays(latitude_rad, longitude_rad)
+    cos_latitude = np.cos(latitude)
+    return np.stack(
+        [cos_latitude * np.cos(longitude), cos_latitude * np.sin(longitude), np.sin(latitude)],
+        axis=-1,
+    )
+
+
+def c_enu_from_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> NDArray[np.float64]:
+    """Rotation matrices to local east, north, up axes, shape (..., 3, 3)."""
+    latitude, longitude = np.broadcast_arrays(latitude_rad, longitude_rad)
+    east = np.stack([-np.sin(longitude), np.cos(longitude), np.zeros_like(longitude)], axis=-1)
+    up = up_itrf(latitude, longitude)
+    return np.stack([east, np.cross(up, east), up], axis=-2)

@@ -1,0 +1,19 @@
+"""Which way are the axes of the local orbital frame (LVLH)?"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+
+def q_lvlh_from_eci(
+    r_sat_eci_m: NDArray[np.float64], v_sat_eci_m_s: NDArray[np.float64]
+) -> Rotation:
+    """n rotations to LVLH axes: +Z geocentric nadir, +Y against the orbit normal, +X forward.
+
+    r_sat_eci_m, v_sat_eci_m_s: shape (n, 3), inertial, not parallel to each other.
+    Source: CCSDS 500.0-G-4 (LVLH); NASA's use for the ISS.
+    """
+    z = -r_sat_eci_m / np.linalg.norm(r_sat_eci_m, axis=-1, keepdims=True)
+    minus_h = np.cross(v_sat_eci_m_s, r_sat_eci_m)
+    y = minus_h / np.linalg.norm(minus_h, axis=-1, keepdims=True)
+    return Rotation.from_matrix(np.stack([np.cross(y, z), y, z], axis=-2))

@@ -1,0 +1,199 @@
+"""When is it?  UTC with its leap seconds, TAI, TT and UT1.
+
+Inside a positive leap second a `datetime` can't say 23:59:60.x; here it is the second
+occurrence of 23:59:59.x, marked by `fold=1`.  Every function of this module reads and
+writes that; comparison operators of `datetime` do not.
+"""
+
+import re
+from bisect import bisect_right
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import OutsideCoverage
+from planner.frames.iers import earth_orientation_table, leap_seconds
+
+JulianDate = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+DAY_S = 86400.0
+MJD_JD = 2400000.5
+TT_MINUS_TAI_S = 32.184
+_ORIGIN_UTC = datetime(1972, 1, 1, tzinfo=UTC)
+_ORIGIN_MJD = 41317
+_US = 1_000_000
+_DAY_US = 86_400 * _US
+_TEXT = re.compile(
+    r"(\d{4}-\d{2}-\d{2})[Tt ](\d{2}:\d{2}):(\d{2})(?:[.,](\d{1,9}))?([Zz]|[+-]\d{2}:\d{2})?"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Instants:
+    """Instants given as SI seconds since an epoch; leap seconds are counted.
+
+    epoch_utc: aware.  t_s: shape (n,).
+    """
+
+    epoch_utc: datetime
+    t_s: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.t_s)
+
+    def tai_jd(self) -> JulianDate:
+        """TAI as a two-part Julian date, each part of shape (n,); resolves 0.1 ns."""
+        day, rest_us = divmod(tai_us(self.epoch_utc), _DAY_US)
+        jd1 = np.full(len(self.t_s), MJD_JD + _ORIGIN_MJD + day)
+        return jd1, (rest_us / _US + self.t_s) / DAY_S
+
+    def tt_jd(self) -> JulianDate:
+        """Terrestrial time as a two-part Julian date."""
+        jd1, jd2 = self.tai_jd()
+        return jd1, jd2 + TT_MINUS_TAI_S / DAY_S
+
+    def ut1_jd(self) -> JulianDate:
+        """UT1 as a two-part Julian date; past the end of the IERS data UT1 - TAI is held."""
+        jd1, jd2 = self.tai_jd()
+        ut1_minus_tai_s = earth_orientation_table().at(self.utc_mjd())[:, 0]
+        return jd1, jd2 + ut1_minus_tai_s / DAY_S
+
+    def utc_jd(self) -> JulianDate:
+        """UTC as SOFA's quasi Julian date: a day with a leap second has 86401 s; resolves 1 us."""
+        starts_tai_s, starts_utc_s, offsets_s = (
+            np.array(column) / _US for column in _leap_table_us()
+        )
+        tai_s = tai_us(self.epoch_utc) / _US + self.t_s
+        row = np.searchsorted(starts_tai_s, tai_s, side="right") - 1
+        utc_s = tai_s - offsets_s[row]
+        next_utc_s = np.append(starts_utc_s, np.inf)[row + 1]
+        # In a leap second the old offset still holds, so the count runs past the day's end.
+        day = np.floor(utc_s / DAY_S) - (utc_s >= next_utc_s)
+        day_length_s = DAY_S + ((day + 1.0) * DAY_S == next_utc_s)
+        return MJD_JD + _ORIGIN_MJD + day, (utc_s - day * DAY_S) / day_length_s
+
+    def utc_mjd(self) -> NDArray[np.float64]:
+        """UTC as a modified quasi Julian date in one number (resolves 1 us), for daily tables."""
+        jd1, jd2 = self.utc_jd()
+        return (jd1 - MJD_JD) + jd2
+
+    def utc_text(self, decimals: int = 3) -> list[str]:
+        """RFC 3339 with Z, rounded to at most 6 decimals; a leap second reads 23:59:60."""
+        start_us = tai_us(self.epoch_utc)
+        return [
+            _text(start_us + round(t_us), decimals) for t_us in (self.t_s * float(_US)).tolist()
+        ]
+
+
+def utc_from_text(text: str) -> datetime:
+    """Aware UTC from RFC 3339 text; refuses a time without Z or offset.
+
+    Digits past the microsecond are rounded (4 mm along an ISS orbit).
+    """
+    match = _TEXT.fullmatch(text.strip())
+    if match is None:
+        raise ValueError(f"{text!r} is no RFC 3339 time; write it like 2015-02-27T17:34:00.000Z")
+    day, minute, second, fraction, offset = match.groups()
+    if offset is None:
+        raise ValueError(f"{text!r} has no UTC offset; append Z if it is UTC")
+    in_leap_second = second == "60"
+    shown = f"{day}T{minute}:{'59' if in_leap_second else second}{offset.upper()}"
+    try:
+        moment = datetime.fromisoformat(shown).astimezone(UTC)
+    except ValueError as error:
+        raise ValueError(f"{text!r} is no time: {error}") from None
+    fraction_us = round(int(fraction or "0") * 10.0 ** (6 - len(fraction or "0")))
+    if in_leap_second:
+        moment = moment.replace(fold=1)
+        if not _is_leap_second(moment):
+            raise ValueError(f"{text!r}: there was no leap second at that time")
+    return _datetime(tai_us(moment) + fraction_us)
+
+
+def utc_text(epoch_utc: datetime, decimals: int = 3) -> str:
+    """RFC 3339 with Z, rounded to at most 6 decimals; a leap second reads 23:59:60."""
+    return _text(tai_us(epoch_utc), decimals)
+
+
+def require_offset(field: str, moment: datetime) -> None:
+    """Refuse a naive time, for the field of a request that carries it."""
+    if moment.utcoffset() is None:
+        raise ValueError(f"{field} ({moment.isoformat()}) has no UTC offset; append Z if it is UTC")
+
+
+def elapsed_s(until_utc: datetime, since_utc: datetime) -> float:
+    """SI seconds from since_utc to until_utc, leap seconds counted; exact to 1 us."""
+    return (tai_us(until_utc) - tai_us(since_utc)) / _US
+
+
+def shifted_utc(epoch_utc: datetime, t_s: float) -> datetime:
+    """UTC t_s SI seconds after the epoch, rounded to 1 us: the inverse of `elapsed_s`."""
+    return _datetime(tai_us(epoch_utc) + round(t_s * _US))
+
+
+def tai_us(moment_utc: datetime) -> int:
+    """Microseconds of TAI since 1972-01-01 TAI."""
+    if moment_utc.utcoffset() is None:
+        raise ValueError(f"{moment_utc.isoformat()} has no UTC offset; append Z if it is UTC")
+    _, starts_utc_us, offsets_us = _leap_table_us()
+    utc_us = (moment_utc - _ORIGIN_UTC) // timedelta(microseconds=1)
+    if utc_us < 0:
+        raise OutsideCoverage(
+            f"{moment_utc.isoformat()} is before 1972, when UTC got its leap seconds; "
+            "use a later epoch"
+        )
+    offset_us = offsets_us[bisect_right(starts_utc_us, utc_us) - 1]
+    return utc_us + offset_us + (_US if _is_leap_second(moment_utc) else 0)
+
+
+@cache
+def _leap_table_us() -> tuple[list[int], list[int], list[int]]:
+    """Where each TAI - UTC begins, on TAI's and on UTC's own count, and its value (us)."""
+    leaps = leap_seconds()
+    starts_utc_us = [(mjd - _ORIGIN_MJD) * _DAY_US for mjd in leaps.first_day_mjd]
+    offsets_us = [seconds * _US for seconds in leaps.tai_minus_utc_s]
+    starts_tai_us = [a + b for a, b in zip(starts_utc_us, offsets_us, strict=True)]
+    return starts_tai_us, starts_utc_us, offsets_us
+
+
+def _is_leap_second(moment_utc: datetime) -> bool:
+    """Whether `fold` marks this 23:59:59.x as 23:59:60.x."""
+    if not moment_utc.fold:
+        return False
+    _, starts_utc_us, _ = _leap_table_us()
+    utc_us = (moment_utc - _ORIGIN_UTC) // timedelta(microseconds=1)
+    return bisect_right(starts_utc_us, utc_us) < bisect_right(starts_utc_us, utc_us + _US)
+
+
+def _utc_us(moment_tai_us: int) -> tuple[int, bool]:
+    """UTC microseconds since 1972-01-01, and whether they repeat 23:59:59 as 23:59:60."""
+    starts_tai_us, starts_utc_us, offsets_us = _leap_table_us()
+    row = bisect_right(starts_tai_us, moment_tai_us) - 1
+    if row < 0:
+        raise OutsideCoverage(
+            "that is before 1972, when UTC got its leap seconds; go less far back"
+        )
+    utc_us = moment_tai_us - offsets_us[row]
+    if row + 1 < len(starts_utc_us) and utc_us >= starts_utc_us[row + 1]:
+        return utc_us - _US, True
+    return utc_us, False
+
+
+def _datetime(moment_tai_us: int) -> datetime:
+    utc_us, in_leap_second = _utc_us(moment_tai_us)
+    moment = _ORIGIN_UTC + timedelta(microseconds=utc_us)
+    return moment.replace(fold=1) if in_leap_second else moment
+
+
+def _text(moment_tai_us: int, decimals: int) -> str:
+    if not 0 <= decimals <= 6:
+        raise ValueError(f"decimals must lie in 0..6, not {decimals}")
+    step_us = 10 ** (6 - decimals)
+    utc_us, in_leap_second = _utc_us((moment_tai_us + step_us // 2) // step_us * step_us)
+    moment = _ORIGIN_UTC + timedelta(microseconds=utc_us)
+    second = 60 if in_leap_second else moment.second
+    fraction = f".{moment.microsecond:06d}"[: decimals + 1] if decimals else ""
+    return f"{moment:%Y-%m-%dT%H:%M}:{second:02d}{fraction}Z"
