@@ -1,8 +1,9 @@
 # `make plan` and `make test` set everything up by themselves; see README.md.
 PYTHON ?= python3
 BIN := .venv/bin
+LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-emit-find-links
 
-.PHONY: setup plan serve test lint check format oracles clean
+.PHONY: setup plan serve test lint check format requirements clean
 
 setup: .venv/installed
 
@@ -34,9 +35,9 @@ format: setup
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-requirements:
-	$(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --no-emit-index-url --no-emit-trusted-host --no-header --strip-extras -o requirements.txt --extra plot pyproject.toml
-	$(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --no-emit-index-url --no-emit-trusted-host --no-header --strip-extras -o requirements-dev.txt --extra dev pyproject.toml
+requirements: setup
+	$(LOCK) -o requirements.txt --extra plot pyproject.toml
+	$(LOCK) -o requirements-dev.txt --extra dev pyproject.toml
 
 clean:
 	rm -rf .venv out build *.egg-info
