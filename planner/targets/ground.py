@@ -9,15 +9,14 @@ from numpy.typing import NDArray
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.spec import spec
+from planner.targets.earth_fixed import EarthFixedTarget
 
 
 @spec
-class GroundTarget:
+class GroundTarget(EarthFixedTarget):
     """A point fixed to the Earth, in WGS84 geodetic coordinates.
 
     height_m: above the ellipsoid, not above sea level.
-    min_elevation_deg: the carrier must stand at least this high in the target's sky over
-    the whole session, measured from the plane of the ellipsoid, without refraction.
     Source: Sumarokov 2016, eq. 8.
     """
 
@@ -28,14 +27,15 @@ class GroundTarget:
     min_elevation_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        if not -90.0 <= self.latitude_deg <= 90.0:
-            raise ValueError(f"latitude_deg must lie in -90..90, not {self.latitude_deg}")
-        if not -180.0 <= self.longitude_deg <= 360.0:
-            raise ValueError(f"longitude_deg must lie in -180..360, not {self.longitude_deg}")
-        if not -1000.0 <= self.height_m <= 100e3:
-            raise ValueError(f"height_m must lie in -1000..100000 m, not {self.height_m}")
-        if not 0.0 <= self.min_elevation_deg < 90.0:
-            raise ValueError(f"min_elevation_deg must lie in [0, 90), not {self.min_elevation_deg}")
+        for name, low, high in (
+            ("latitude_deg", -90.0, 90.0),
+            ("longitude_deg", -180.0, 360.0),
+            ("height_m", -1000.0, 100e3),
+            ("min_elevation_deg", 0.0, 90.0),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value}")
 
     def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
         """Shape (n, 3), the same point n times."""
