@@ -1,0 +1,53 @@
+"""Where does a target seem to be, seen from the moving carrier?"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.time_scales import Instants
+from planner.orbits import OrbitStates
+
+SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
+
+
+@dataclass(frozen=True, kw_only=True)
+class ApparentDirection:
+    """A target at n instants, after light time and aberration.
+
+    direction_eci: unit vectors, shape (n, 3).  range_m: shape (n,).
+    clearance_rad: shape (n,), how far the target is inside the region where it can be
+    seen; negative where it can't.
+    """
+
+    direction_eci: NDArray[np.float64]
+    range_m: NDArray[np.float64]
+    clearance_rad: NDArray[np.float64]
+
+
+class VisibleTarget(Protocol):
+    """A target that is pointed at by looking along its apparent direction."""
+
+    def apparent(self, instants: Instants, states: OrbitStates) -> ApparentDirection:
+        """The target seen from the orbit's `states` at the same n instants."""
+        ...
+
+    def hidden_because(self, clearance_rad: float) -> str:
+        """Why a negative clearance means it can't be seen, for a refusal."""
+        ...
+
+
+def aberrated(
+    direction: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Direction in which a moving observer sees light that comes from `direction`.
+
+    Both (n, 3) in the same inertial axes; unit vectors in and out.
+    Source: Explanatory Supplement to the Astronomical Almanac (2013), eq. 7.40.
+    """
+    beta = v_observer_m_s / SPEED_OF_LIGHT_M_S
+    inverse_gamma = np.sqrt(1.0 - np.sum(beta**2, axis=1, keepdims=True))
+    along = np.sum(direction * beta, axis=1, keepdims=True)
+    seen = inverse_gamma * direction + (1.0 + along / (1.0 + inverse_gamma)) * beta
+    return np.asarray(seen / (1.0 + along))
