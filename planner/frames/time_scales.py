@@ -110,7 +110,7 @@ def utc_from_text(text: str) -> datetime:
         moment = moment.replace(fold=1)
         if not _is_leap_second(moment):
             raise ValueError(f"{text!r}: there was no leap second at that time")
-    return _datetime(tai_us(moment) + fraction_us)
+    return utc_from_tai_us(tai_us(moment) + fraction_us)
 
 
 def utc_text(epoch_utc: datetime, decimals: int = 3) -> str:
@@ -131,7 +131,7 @@ def elapsed_s(until_utc: datetime, since_utc: datetime) -> float:
 
 def shifted_utc(epoch_utc: datetime, t_s: float) -> datetime:
     """UTC t_s SI seconds after the epoch, rounded to 1 us: the inverse of `elapsed_s`."""
-    return _datetime(tai_us(epoch_utc) + round(t_s * _US))
+    return utc_from_tai_us(tai_us(epoch_utc) + round(t_s * _US))
 
 
 def tai_us(moment_utc: datetime) -> int:
@@ -182,7 +182,8 @@ def _utc_us(moment_tai_us: int) -> tuple[int, bool]:
     return utc_us, False
 
 
-def _datetime(moment_tai_us: int) -> datetime:
+def utc_from_tai_us(moment_tai_us: int) -> datetime:
+    """Inverse of `tai_us`."""
     utc_us, in_leap_second = _utc_us(moment_tai_us)
     moment = _ORIGIN_UTC + timedelta(microseconds=utc_us)
     return moment.replace(fold=1) if in_leap_second else moment
