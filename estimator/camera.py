@@ -1,0 +1,174 @@
+"""Which direction does a pixel look in, and which pixel sees a direction?
+
+Pinhole with Brown-Conrady distortion, OpenCV's conventions: +Z out of the lens, +X right,
++Y down, pixel centres at whole numbers, coefficients in the order k1, k2, p1, p2, k3.
+Source: Brown 1966; the OpenCV camera model.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.spec import spec
+
+Floats = NDArray[np.float64]
+Polygon = tuple[tuple[float, float], ...]
+
+MAX_SIDE_PX = 16384
+_NEWTON_STEPS = 12
+_CONVERGED = 1e-9  # of the focal length: 1e-5 px at most
+
+
+@spec
+class HorizonCamera:
+    """One camera as calibrated, and how it sits on the body.
+
+    mask: polygons in pixels that hide the craft's own structure.
+    """
+
+    name: str
+    width_px: int
+    height_px: int
+    fx_px: float
+    fy_px: float
+    cx_px: float
+    cy_px: float
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    q_camera_from_body_xyzw: tuple[float, float, float, float]
+    mask: tuple[Polygon, ...] = ()
+
+    def __post_init__(self) -> None:
+        for field in ("width_px", "height_px"):
+            if not 16 <= getattr(self, field) <= MAX_SIDE_PX:
+                raise ValueError(
+                    f"{field} must lie between 16 and {MAX_SIDE_PX}, not {getattr(self, field)}"
+                )
+        for field in ("fx_px", "fy_px"):
+            if getattr(self, field) <= 1.0:
+                raise ValueError(f"{field} is a focal length in pixels, not {getattr(self, field)}")
+        for field in ("distortion", "q_camera_from_body_xyzw"):
+            if not np.all(np.isfinite(getattr(self, field))):
+                raise ValueError(f"{field} must hold finite numbers, not {getattr(self, field)}")
+        norm = float(np.linalg.norm(self.q_camera_from_body_xyzw))
+        if abs(norm - 1.0) > 1e-3:
+            raise ValueError(
+                f"q_camera_from_body_xyzw must be a unit quaternion; its norm is {norm:.4f}"
+            )
+        for polygon in self.mask:
+            if len(polygon) < 3 or not np.all(np.isfinite(polygon)):
+                raise ValueError("mask: each polygon needs at least three finite [x, y] corners")
+        border = _border_px(self.width_px, self.height_px)
+        if not np.all(np.isfinite(_undistorted(self, border))):
+            raise ValueError(
+                f"distortion {list(self.distortion)} folds the image over before its edge; "
+                "give coefficients that stay monotone out to the corners"
+            )
+
+    @property
+    def q_camera_from_body(self) -> Rotation:
+        return Rotation.from_quat(self.q_camera_from_body_xyzw)
+
+    def rays_body(self, pixel: Floats) -> Floats:
+        """Unit vectors in body axes that pixels (n, 2) look along, shape (n, 3).
+
+        NaN where the distortion can't be undone, which is only outside the image.
+        """
+        plane = _undistorted(self, pixel)
+        rays = np.column_stack([plane, np.ones(len(plane))])
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        return np.asarray(rays @ self.q_camera_from_body.as_matrix())
+
+    def pixels(self, rays_body: Floats) -> Floats:
+        """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""
+        ray = rays_body @ self.q_camera_from_body.as_matrix().T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            plane = np.where(ray[:, 2:] > 1e-3, ray[:, :2] / ray[:, 2:], np.nan)
+        # Outside the corner's radius the polynomial may fold back into the image.
+        reach = 1.1 * np.max(np.linalg.norm(_corners(self), axis=1))
+        plane[np.hypot(plane[:, 0], plane[:, 1]) > reach] = np.nan
+        distorted, _ = _distorted(plane, self.distortion)
+        return distorted * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
+
+    def sees(self, pixel: Floats, margin_px: float = 0.0) -> NDArray[np.bool_]:
+        """Which pixels (n, 2) lie in the image, at least the margin from its edge."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(
+                (pixel[:, 0] >= margin_px)
+                & (pixel[:, 0] <= self.width_px - 1 - margin_px)
+                & (pixel[:, 1] >= margin_px)
+                & (pixel[:, 1] <= self.height_px - 1 - margin_px)
+            )
+
+    @property
+    def rad_per_px(self) -> float:
+        """Angle of a pixel near the axis."""
+        return 2.0 / (self.fx_px + self.fy_px)
+
+    @property
+    def boresight_body(self) -> Floats:
+        return np.asarray(self.q_camera_from_body.as_matrix()[2])
+
+
+def _distorted(plane: Floats, distortion: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Distorted normalised coordinates (n, 2) and their Jacobian (n, 2, 2)."""
+    k1, k2, p1, p2, k3 = distortion
+    x, y = plane[:, 0], plane[:, 1]
+    r2 = x * x + y * y
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3))
+    distorted = np.column_stack(
+        [
+            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ]
+    )
+    jacobian = np.empty((len(plane), 2, 2))
+    jacobian[:, 0, 0] = radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x
+    jacobian[:, 0, 1] = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
+    jacobian[:, 1, 0] = jacobian[:, 0, 1]
+    jacobian[:, 1, 1] = radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x
+    return distorted, jacobian
+
+
+def _undistorted(camera: HorizonCamera, pixel: Floats) -> Floats:
+    """Normalised coordinates (n, 2) by Newton's method; NaN where it finds no monotone root."""
+    wanted = (pixel - [camera.cx_px, camera.cy_px]) / [camera.fx_px, camera.fy_px]
+    if not any(camera.distortion):
+        return np.asarray(wanted)
+    plane = wanted.copy()
+    with np.errstate(all="ignore"):
+        for _ in range(_NEWTON_STEPS):
+            distorted, jacobian = _distorted(plane, camera.distortion)
+            error = distorted - wanted
+            a, b, c, d = jacobian[:, 0, 0], jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1]
+            determinant = a * d - b * c
+            plane[:, 0] -= (d * error[:, 0] - b * error[:, 1]) / determinant
+            plane[:, 1] -= (a * error[:, 1] - c * error[:, 0]) / determinant
+        distorted, jacobian = _distorted(plane, camera.distortion)
+        good = (
+            (np.abs(distorted - wanted).max(axis=1) < _CONVERGED)
+            & (np.linalg.det(jacobian) > 0.0)
+            & (np.einsum("ni,nij,nj->n", plane, jacobian, plane) >= 0.0)
+        )
+    plane[~good] = np.nan
+    return plane
+
+
+def _border_px(width_px: int, height_px: int) -> Floats:
+    x = np.linspace(0.0, width_px - 1.0, 17)
+    y = np.linspace(0.0, height_px - 1.0, 17)
+    return np.concatenate(
+        [
+            np.column_stack([x, np.zeros(17)]),
+            np.column_stack([x, np.full(17, height_px - 1.0)]),
+            np.column_stack([np.zeros(17), y]),
+            np.column_stack([np.full(17, width_px - 1.0), y]),
+        ]
+    )
+
+
+def _corners(camera: HorizonCamera) -> Floats:
+    right, bottom = camera.width_px - 1.0, camera.height_px - 1.0
+    return _undistorted(
+        camera, np.array([[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]])
+    )

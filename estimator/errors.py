@@ -1,0 +1,41 @@
+"""What can be refused before an image is even measured?
+
+A frame that shows no usable horizon is not a refusal: it is the answer `not_observable`
+with a `Reason`.  Only requests and uploads that can't be read at all are refused.
+"""
+
+from enum import StrEnum
+from typing import ClassVar
+
+from planner.errors import InvalidInput
+
+
+class InvalidImage(InvalidInput):
+    """An upload that is no picture of the kinds we read, is damaged, or is too large."""
+
+    slug: ClassVar[str] = "invalid-image"
+    title: ClassVar[str] = "The image can't be read"
+
+
+class InvalidCamera(InvalidInput):
+    """A camera that doesn't fit its image, or cameras without a position that makes sense."""
+
+    slug: ClassVar[str] = "invalid-camera"
+    title: ClassVar[str] = "The camera doesn't fit"
+
+
+class Reason(StrEnum):
+    """Why a camera's frame, or all of them together, gave no vertical."""
+
+    ALL_BLACK = "the frame is black: nothing in it is brighter than the noise"
+    SATURATED = "the frame is saturated nearly everywhere"
+    NO_HORIZON = "no bright-to-dark edge has the shape and the size of the Earth's limb"
+    NO_SKY = "no dark sky outside the best candidate limb: ground, clouds or glare fill the frame"
+    SHORT_ARC = "the visible arc of the limb is too short"
+    BROKEN_ARC = "too little of the limb that should be visible was found"
+    NIGHT_SIDE = "the Sun is below the limb in view: a daylight limb can't be there"
+    BLURRED = "the edge found is far too soft for the limb: a terminator, glow or cloud edge"
+    LIMB_HEIGHT = "the edge lies at a height the limb doesn't have: airglow, aurora or cloud tops"
+    RESIDUALS = "the edge found does not follow the limb's shape; suspect the intrinsics"
+    CAMERAS_DISAGREE = "cameras see horizons that contradict each other: check mounts and order"
+    ELSEWHERE = "the limb found in the other cameras is not in this frame"

@@ -1,0 +1,119 @@
+"""What is asked of the horizon estimator?  The fields of `POST /v1/horizon/estimates`."""
+
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+
+from estimator.camera import Floats, HorizonCamera
+from estimator.limb_geometry import WGS84_B_M, Limb
+from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
+from planner.frames.geodesy import WGS84_A_M
+from planner.frames.solar_system import r_sun_eci_m
+from planner.frames.time_scales import Instants, require_offset
+from planner.spec import spec
+
+MAX_CAMERAS = 16
+NIGHT_LIMB_KM = 60.0
+_MAX_RANGE_KM = 500_000.0
+
+
+@spec
+class Position:
+    """Where the craft is at the request's epoch."""
+
+    frame: Literal["ITRF", "EME2000", "GCRF"]
+    position_km: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        if not np.all(np.isfinite(self.position_km)):
+            raise ValueError(f"position_km must be finite, not {list(self.position_km)}")
+
+
+@spec
+class Body:
+    """The body whose limb is seen; by default the Earth with its limb in daylight.
+
+    limb_height_km: height of the limb's steepest brightness above the ellipsoid, and its
+    1-sigma scatter.  Left out, it is the daylight limb's, low Sun included, and frames whose
+    limb lies in the dark are refused.  Heights above 60 km mean the airglow layer at night.
+    """
+
+    a_km: float = WGS84_A_M / 1e3
+    b_km: float = WGS84_B_M / 1e3
+    limb_height_km: float | None = None
+    limb_height_sigma_km: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.5 * self.a_km <= self.b_km <= self.a_km:
+            raise ValueError(
+                f"b_km must lie between half of a_km and a_km ({self.a_km}), not {self.b_km}"
+            )
+        if self.a_km < 100.0:
+            raise ValueError(f"a_km is a planet's equatorial radius, not {self.a_km} km")
+        if (self.limb_height_km is None) != (self.limb_height_sigma_km is None):
+            raise ValueError("give limb_height_km and limb_height_sigma_km together, or neither")
+        if self.limb_height_km is not None and not -20.0 <= self.limb_height_km <= 1000.0:
+            raise ValueError(f"limb_height_km must be in -20..1000 km, not {self.limb_height_km}")
+        if self.limb_height_sigma_km is not None and self.limb_height_sigma_km < 0.0:
+            raise ValueError("limb_height_sigma_km must not be negative")
+
+
+@spec
+class PredictedAttitude:
+    """The attitude to be checked; sigma_deg is its 1-sigma error about each axis."""
+
+    q_body_from_eci_xyzw: tuple[float, float, float, float]
+    sigma_deg: float
+
+    def __post_init__(self) -> None:
+        norm = float(np.linalg.norm(self.q_body_from_eci_xyzw))
+        if not abs(norm - 1.0) <= 1e-3:
+            raise ValueError(
+                f"q_body_from_eci_xyzw must be a unit quaternion; its norm is {norm:.4f}"
+            )
+        if not 0.0 <= self.sigma_deg <= 180.0:
+            raise ValueError(f"sigma_deg must lie in 0..180, not {self.sigma_deg}")
+
+
+@spec
+class HorizonRequest:
+    """Images of one instant, one per camera in the cameras' order, and what is known."""
+
+    epoch: datetime
+    position: Position
+    cameras: tuple[HorizonCamera, ...]
+    body: Body = Body()
+    predicted: PredictedAttitude | None = None
+    overlay: bool = False
+
+    def __post_init__(self) -> None:
+        require_offset("epoch", self.epoch)
+        if not 1 <= len(self.cameras) <= MAX_CAMERAS:
+            raise ValueError(f"cameras: 1 to {MAX_CAMERAS}, not {len(self.cameras)}")
+        names = [camera.name for camera in self.cameras]
+        if len(set(names)) < len(names):
+            raise ValueError(f"cameras need names of their own, not {names}")
+        range_km = float(np.linalg.norm(self.position.position_km))
+        if not self.body.a_km * 1.003 < range_km < _MAX_RANGE_KM:
+            raise ValueError(
+                f"position_km is {range_km:.1f} km from the body's centre; it must be above "
+                f"{self.body.a_km * 1.003:.0f} and below {_MAX_RANGE_KM:.0f} km"
+            )
+
+
+class Surroundings:
+    """The Earth, the limb and the Sun at a request's epoch, in ITRF axes."""
+
+    def __init__(self, epoch: datetime, position: Position, body: Body) -> None:
+        instants = Instants(epoch, np.zeros(1))
+        self.c_itrf_from_eci: Floats = c_itrf_from_eci(instants)[0]
+        r_m = np.array(position.position_km) * 1e3
+        if position.frame == "EME2000":
+            r_m = C_GCRF_FROM_EME2000 @ r_m
+        if position.frame != "ITRF":
+            r_m = self.c_itrf_from_eci @ r_m
+        self.body = body
+        self.limb = Limb(r_m, body.a_km * 1e3, body.b_km * 1e3)
+        sun_m = self.c_itrf_from_eci @ r_sun_eci_m(instants)[0]
+        self.sun_itrf: Floats = sun_m / np.linalg.norm(sun_m)

@@ -1,0 +1,55 @@
+"""What does a real image sensor make of a scene?  The renderer's lens and electronics."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.spec import spec
+
+Floats = NDArray[np.float64]
+Image = NDArray[np.uint8] | NDArray[np.uint16]
+
+
+@spec
+class Sensor:
+    """Lens blur, noise, depth and coding of an image.
+
+    exposure: brightness of the scene's 97th percentile as a fraction of saturation.
+    gamma: 1 for raw data, 2.2 for a camera's JPEG.  full_well_e 0 means no noise at all.
+    jpeg_quality: None for none.
+    """
+
+    blur_px: float = 0.7
+    exposure: float = 0.7
+    full_well_e: float = 20e3
+    read_noise_e: float = 12.0
+    gamma: float = 1.0
+    bits: int = 8
+    colour: bool = False
+    jpeg_quality: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.bits not in (8, 16):
+            raise ValueError(f"bits must be 8 or 16, not {self.bits}")
+        if self.gamma <= 0.0 or self.exposure <= 0.0:
+            raise ValueError("gamma and exposure must be positive")
+
+    def expose(self, scene: Floats, rng: np.random.Generator) -> Image:
+        """A picture (h, w) or, in colour, (h, w, 3) of a scene's radiance (h, w, 3)."""
+        light = scene if self.colour else scene.mean(axis=2)
+        light = cv2.GaussianBlur(light, (0, 0), self.blur_px) if self.blur_px > 0 else light
+        brightest = float(np.percentile(light[::4, ::4], 97.0))
+        light = light * (self.exposure / max(brightest, 1e-12))
+        if self.full_well_e > 0.0:
+            electrons = rng.normal(
+                light * self.full_well_e, np.sqrt(light * self.full_well_e + self.read_noise_e**2)
+            )
+            light = electrons / self.full_well_e
+        light = np.clip(light, 0.0, 1.0) ** (1.0 / self.gamma)
+        if self.bits == 16:
+            return np.asarray(np.rint(light * 65535.0), dtype=np.uint16)
+        picture = np.asarray(np.rint(light * 255.0), dtype=np.uint8)
+        if self.jpeg_quality is None:
+            return picture
+        _, coded = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, self.jpeg_quality])
+        return np.asarray(cv2.imdecode(coded, cv2.IMREAD_UNCHANGED), dtype=np.uint8)
