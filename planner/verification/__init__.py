@@ -1,0 +1,23 @@
+"""The independent judge of command tables."""
+
+from planner.verification.judge import verify
+from planner.verification.report import (
+    EarthFixedView,
+    Finding,
+    LimitMargin,
+    PointingError,
+    SessionReport,
+    SlowStretch,
+    VerificationReport,
+)
+
+__all__ = [
+    "EarthFixedView",
+    "Finding",
+    "LimitMargin",
+    "PointingError",
+    "SessionReport",
+    "SlowStretch",
+    "VerificationReport",
+    "verify",
+]

@@ -1,0 +1,110 @@
+"""Where does a direction fixed to the platform point in inertial space?
+
+Derived again from the orbit's states by the definitions of the attitude laws, as plain
+vectors and matrices.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.attitude import AttitudeLaw
+from planner.attitude.inertial import InertialAttitude
+from planner.attitude.lvlh import LvlhAttitude
+from planner.frames.time_scales import Instants
+from planner.orbits import OrbitStates
+from planner.platforms import TwoAxisPlatform
+from planner.verification.clock import elapsed_us
+
+DERIVED_LAWS = (LvlhAttitude, InertialAttitude)  # any other law's rotations are taken as given
+
+
+def boresight_platform(
+    platform: TwoAxisPlatform, angle_rad: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Unit vectors, shape (n, 3), for angles of shape (n, 2), outer axis first.
+
+    Source: Sumarokov 2016, eq. 11, by Rodrigues' formula: the inner axis turns first, carried
+    by the outer one.
+    """
+    carried = turned(
+        np.asarray(platform.zero_direction_platform),
+        np.asarray(platform.inner_axis_platform),
+        angle_rad[:, 1],
+    )
+    boresight = turned(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
+    return np.asarray(boresight / np.linalg.norm(boresight, axis=1, keepdims=True))
+
+
+def eci_from_platform(
+    vector_platform: NDArray[np.float64],
+    platform: TwoAxisPlatform,
+    attitude: AttitudeLaw,
+    instants: Instants,
+    states: OrbitStates,
+) -> NDArray[np.float64]:
+    """Vectors fixed to the platform, shape (n, 3), in ECI at the n instants."""
+    c_platform_from_body = _matrix(platform.q_platform_from_body_xyzw)
+    vector_body = vector_platform @ c_platform_from_body  # rows times C: C transposed, applied
+    if isinstance(attitude, LvlhAttitude):
+        return _eci_from_lvlh(vector_body @ _c_body_from_lvlh(attitude), states)
+    if isinstance(attitude, InertialAttitude):
+        return _eci_from_spinning(vector_body, attitude, instants)
+    return np.asarray(attitude.q_body_from_eci(instants, states).inv().apply(vector_body))
+
+
+def turned(
+    vectors: NDArray[np.float64], axis: NDArray[np.float64], angle_rad: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Vectors, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
+    unit = axis / np.linalg.norm(axis)
+    cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
+    along = (vectors @ unit)[..., None] * unit
+    return np.asarray(along + cos * (vectors - along) + sin * np.cross(unit, vectors))
+
+
+def _eci_from_lvlh(vector_lvlh: NDArray[np.float64], states: OrbitStates) -> NDArray[np.float64]:
+    """+Z to the Earth's centre, +Y against the orbit normal, +X completing (near the velocity)."""
+    r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
+    down = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
+    forward_m_s = v - np.sum(v * down, axis=1, keepdims=True) * down
+    forward = forward_m_s / np.sqrt(np.sum(forward_m_s * forward_m_s, axis=1, keepdims=True))
+    right = np.cross(down, forward)
+    x, y, z = (vector_lvlh[:, k, None] for k in range(3))
+    return np.asarray(x * forward + y * right + z * down)
+
+
+def _c_body_from_lvlh(attitude: LvlhAttitude) -> NDArray[np.float64]:
+    """Yaw, pitch, roll in that order (3-2-1).  Source: Wertz 1978, table E-1."""
+    yaw, pitch, roll = np.deg2rad([attitude.yaw_deg, attitude.pitch_deg, attitude.roll_deg])
+    cy, sy, cp, sp, cr, sr = (f(a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
+    return np.array(
+        [
+            [cp * cy, cp * sy, -sp],
+            [sr * sp * cy - cr * sy, sr * sp * sy + cr * cy, sr * cp],
+            [cr * sp * cy + sr * sy, cr * sp * sy - sr * cy, cr * cp],
+        ]
+    )
+
+
+def _eci_from_spinning(
+    vector_body: NDArray[np.float64], attitude: InertialAttitude, instants: Instants
+) -> NDArray[np.float64]:
+    """The body turns about an axis fixed both in itself and in inertial space."""
+    rate_rad_s = np.deg2rad(attitude.omega_body_deg_s)
+    speed_rad_s = float(np.linalg.norm(rate_rad_s))
+    if speed_rad_s > 0.0:
+        since_s = instants.t_s + elapsed_us(instants.epoch_utc, attitude.epoch) / 1e6
+        vector_body = turned(vector_body, rate_rad_s, speed_rad_s * since_s)
+    return np.asarray(vector_body @ _matrix(attitude.q_body_from_eci_xyzw))
+
+
+def _matrix(q_xyzw: tuple[float, float, float, float]) -> NDArray[np.float64]:
+    """The rotation v -> q v q* as a matrix; q needs no unit length."""
+    x, y, z, w = np.asarray(q_xyzw) / np.linalg.norm(q_xyzw)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )

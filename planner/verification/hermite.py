@@ -1,0 +1,148 @@
+"""What does an axis do between two rows?  The cubic Hermite, and its extremes in closed form."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.commands import COMMAND_STEP_S
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A value and where it is reached, t_s in seconds since the table's epoch."""
+
+    value: float
+    t_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class AxisHermite:
+    """One axis through its rows, `COMMAND_STEP_S` apart.
+
+    angle_rad, rate_rad_s: shape (n,), n >= 2.  Within cell k, u seconds after row k, the angle
+    is angle + rate u + half_acceleration u^2 + sixth_jerk u^3.
+    """
+
+    angle_rad: NDArray[np.float64]
+    rate_rad_s: NDArray[np.float64]
+
+    @cached_property
+    def half_acceleration(self) -> NDArray[np.float64]:
+        """Shape (n - 1,), rad/s2."""
+        step = np.diff(self.angle_rad) / COMMAND_STEP_S
+        return np.asarray(
+            (3.0 * step - 2.0 * self.rate_rad_s[:-1] - self.rate_rad_s[1:]) / COMMAND_STEP_S
+        )
+
+    @cached_property
+    def sixth_jerk(self) -> NDArray[np.float64]:
+        """Shape (n - 1,), rad/s3."""
+        step = np.diff(self.angle_rad) / COMMAND_STEP_S
+        return np.asarray(
+            (self.rate_rad_s[:-1] + self.rate_rad_s[1:] - 2.0 * step) / COMMAND_STEP_S**2
+        )
+
+    @property
+    def acceleration_after_row(self) -> NDArray[np.float64]:
+        """Shape (n - 1,): where each cell begins."""
+        return 2.0 * self.half_acceleration
+
+    @property
+    def acceleration_before_row(self) -> NDArray[np.float64]:
+        """Shape (n - 1,): where each cell ends."""
+        return 2.0 * self.half_acceleration + 6.0 * self.sixth_jerk * COMMAND_STEP_S
+
+    def angle_at(
+        self, cell: NDArray[np.intp] | slice, u_s: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Angle u_s after the row the cell begins with; shapes broadcast."""
+        a, r = self.angle_rad[:-1][cell], self.rate_rad_s[:-1][cell]
+        h, j = self.half_acceleration[cell], self.sixth_jerk[cell]
+        return np.asarray(a + u_s * (r + u_s * (h + u_s * j)))
+
+    def rate_at(
+        self, cell: NDArray[np.intp] | slice, u_s: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """As `angle_at`, rad/s."""
+        h, j = self.half_acceleration[cell], self.sixth_jerk[cell]
+        return np.asarray(self.rate_rad_s[:-1][cell] + u_s * (2.0 * h + u_s * 3.0 * j))
+
+    def crossings_s(self, rate_rad_s: float) -> NDArray[np.float64]:
+        """When in its cell the rate passes a value, shape (2, n - 1); NaN where it doesn't."""
+        return _quadratic_roots(
+            3.0 * self.sixth_jerk, 2.0 * self.half_acceleration, self.rate_rad_s[:-1] - rate_rad_s
+        )
+
+    def angle_extremes(self) -> tuple[Extreme, Extreme]:
+        """Least and greatest angle anywhere."""
+        turning = _inside(self.crossings_s(0.0))
+        every = slice(None)
+        values = [self.angle_rad[:-1], *(self.angle_at(every, u) for u in turning)]
+        least, greatest = self._extremes(values, [np.zeros(len(turning[0])), *turning])
+        last = Extreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / 5.0)
+        return (
+            min(least, last, key=lambda extreme: extreme.value),
+            max(greatest, last, key=lambda extreme: extreme.value),
+        )
+
+    def rate_extreme(self) -> Extreme:
+        """Greatest magnitude of the rate, with its sign."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turning = _inside(-self.half_acceleration / (3.0 * self.sixth_jerk))
+        every = slice(None)
+        start = np.zeros_like(turning)
+        stop = np.full_like(turning, COMMAND_STEP_S)
+        values = [self.rate_rad_s[:-1], self.rate_at(every, turning), self.rate_rad_s[1:]]
+        return _greatest_magnitude(self._extremes(values, [start, turning, stop]))
+
+    def acceleration_extreme(self) -> Extreme:
+        """Greatest magnitude of the acceleration, linear in each cell, with its sign."""
+        start = np.zeros_like(self.half_acceleration)
+        values = [self.acceleration_after_row, self.acceleration_before_row]
+        return _greatest_magnitude(self._extremes(values, [start, start + COMMAND_STEP_S]))
+
+    def jerk_extreme(self) -> Extreme:
+        """Greatest magnitude of the jerk, constant in each cell, with its sign; cell's start."""
+        start = np.zeros_like(self.sixth_jerk)
+        return _greatest_magnitude(self._extremes([6.0 * self.sixth_jerk], [start]))
+
+    def acceleration_jump_extreme(self, initial_acceleration_rad_s2: float) -> Extreme:
+        """Greatest step of the acceleration at a row; before row 0 it is the initial one."""
+        before = np.concatenate([[initial_acceleration_rad_s2], self.acceleration_before_row[:-1]])
+        jumps = self.acceleration_after_row - before
+        return _greatest_magnitude(self._extremes([jumps], [np.zeros_like(jumps)]))
+
+    def _extremes(
+        self, values: list[NDArray[np.float64]], u_s: list[NDArray[np.float64]]
+    ) -> tuple[Extreme, Extreme]:
+        stacked, into_cell_s = np.stack(values), np.stack(u_s)
+        found = []
+        for where in (np.argmin(stacked), np.argmax(stacked)):
+            kind, cell = np.unravel_index(where, stacked.shape)
+            found.append(
+                Extreme(float(stacked[kind, cell]), float(cell / 5.0 + into_cell_s[kind, cell]))
+            )
+        return found[0], found[1]
+
+
+def _greatest_magnitude(extremes: tuple[Extreme, Extreme]) -> Extreme:
+    return max(extremes, key=lambda extreme: abs(extreme.value))
+
+
+def _inside(u_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Clipped into the cell, so that whatever comes of rounding lies on the curve; NaN to 0."""
+    return np.clip(np.nan_to_num(u_s, nan=0.0), 0.0, COMMAND_STEP_S)
+
+
+def _quadratic_roots(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Real roots of a u^2 + b u + c, shape (2, n), NaN or infinite where there is none.
+
+    Source: Press 2007, Numerical Recipes, eq. 5.6.4 (no cancellation between b and the root).
+    """
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        q = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
+        return np.stack([q / a, c / q])

@@ -1,0 +1,150 @@
+"""How close does each axis come to its limits, anywhere between the first and the last row?"""
+
+import math
+from collections.abc import Iterator
+from datetime import datetime
+
+import numpy as np
+
+from planner.commands import COMMAND_STEP_S, CommandTable
+from planner.frames.time_scales import shifted_utc
+from planner.platforms import AxisLimits
+from planner.scenario import Scenario
+from planner.verification.hermite import AxisHermite, Extreme
+from planner.verification.report import Finding, Limit, LimitMargin, SlowStretch
+
+# A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
+RELATIVE_TOLERANCE = 1e-6
+
+# Greatest step of acceleration between two cells, in units of jerk limit x cell length, when the
+# rows sample one smooth plan: with w the share of the cell still to come, its Hermite starts with
+# an acceleration wrong by the integral of (3 w^2 - 2 w) jerk, at most 8/27, and ends likewise.
+# More than that means angles and rates that don't belong to one plan within the jerk limit.
+ACCELERATION_JUMP = 2.0 * 8.0 / 27.0
+
+_UNITS: dict[Limit, str] = {
+    "angle_min": "deg",
+    "angle_max": "deg",
+    "rate": "deg/s",
+    "acceleration": "deg/s2",
+    "jerk": "deg/s3",
+    "acceleration_jump": "deg/s2",
+}
+
+
+def limit_margins(table: CommandTable, scenario: Scenario) -> tuple[LimitMargin, ...]:
+    """For every axis: both stops, rate, acceleration, jerk, steps of acceleration at rows."""
+    jerk_max_deg_s3 = scenario.slew.jerk_max_deg_s3
+    return tuple(
+        LimitMargin(
+            axis=axis,
+            limit=limit,
+            limit_value=bound,
+            extreme=extreme.value,
+            margin=_margin(limit, extreme.value, bound),
+            t_s=extreme.t_s,
+            at_utc=shifted_utc(table.epoch_utc, extreme.t_s),
+        )
+        for column, (axis, limits) in enumerate(
+            zip(scenario.platform.axis_names, scenario.platform.axis_limits, strict=True)
+        )
+        for limit, bound, extreme in _extremes(
+            axis_hermite(table, column),
+            limits,
+            limits.jerk_max_rad_s3 if jerk_max_deg_s3 is None else math.radians(jerk_max_deg_s3),
+            float(scenario.initial_motion(axis)[2]),
+        )
+    )
+
+
+def limit_findings(margins: tuple[LimitMargin, ...], scenario: Scenario) -> Iterator[Finding]:
+    """One error for each limit that is broken by more than rounding."""
+    half_travel_rad = {
+        axis: 0.5 * (limits.angle_max_rad - limits.angle_min_rad)
+        for axis, limits in zip(
+            scenario.platform.axis_names, scenario.platform.axis_limits, strict=True
+        )
+    }
+    for margin in margins:
+        is_stop = margin.limit in ("angle_min", "angle_max")
+        scale = half_travel_rad[margin.axis] if is_stop else margin.limit_value
+        if margin.margin < -RELATIVE_TOLERANCE * scale:
+            unit = _UNITS[margin.limit]
+            yield Finding(
+                severity="error",
+                limit=margin.limit,
+                axis=margin.axis,
+                t_s=margin.t_s,
+                at_utc=margin.at_utc,
+                detail=(
+                    f"{margin.axis} reaches {math.degrees(margin.extreme):.6g} {unit}, "
+                    f"{math.degrees(-margin.margin):.3g} {unit} past its limit of "
+                    f"{math.degrees(margin.limit_value):.6g} {unit} ({margin.limit}), "
+                    f"{margin.t_s:.3f} s after the table's epoch"
+                ),
+            )
+
+
+def axis_hermite(table: CommandTable, column: int) -> AxisHermite:
+    """One axis of the table as it is flown."""
+    return AxisHermite(table.angle_rad[:, column], table.rate_rad_s[:, column])
+
+
+def slow_stretches(
+    axis: str,
+    hermite: AxisHermite,
+    rate_min_rad_s: float,
+    rows: range,
+    epoch_utc: datetime,
+) -> Iterator[SlowStretch]:
+    """Where the rate stays below rate_min between the first and the last of `rows`, exactly."""
+    starts_s = np.arange(len(hermite.angle_rad) - 1) / 5.0
+    crossings_s = np.concatenate(
+        [hermite.crossings_s(rate_min_rad_s), hermite.crossings_s(-rate_min_rad_s)]
+    )
+    with np.errstate(invalid="ignore"):
+        in_cell = (crossings_s > 0.0) & (crossings_s < COMMAND_STEP_S)
+    edges_s = np.unique(
+        np.concatenate([np.arange(rows[0], rows[-1] + 1) / 5.0, (starts_s + crossings_s)[in_cell]])
+    )
+    edges_s = edges_s[(edges_s >= rows[0] / 5.0) & (edges_s <= rows[-1] / 5.0)]
+    middle_s = 0.5 * (edges_s[:-1] + edges_s[1:])
+    cell = np.clip((middle_s * 5.0).astype(np.intp), rows[0], rows[-1] - 1)
+    slow = np.abs(hermite.rate_at(cell, middle_s - cell / 5.0)) < rate_min_rad_s
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]])))
+    for first, last in zip(changes[::2], changes[1::2], strict=True):
+        start_s, stop_s = float(edges_s[first]), float(edges_s[last])
+        yield SlowStretch(
+            axis=axis,
+            start_s=start_s,
+            stop_s=stop_s,
+            start_utc=shifted_utc(epoch_utc, start_s),
+            stop_utc=shifted_utc(epoch_utc, stop_s),
+        )
+
+
+def _extremes(
+    hermite: AxisHermite,
+    limits: AxisLimits,
+    jerk_max_rad_s3: float,
+    initial_acceleration_rad_s2: float,
+) -> Iterator[tuple[Limit, float, Extreme]]:
+    least, greatest = hermite.angle_extremes()
+    yield "angle_min", limits.angle_min_rad, least
+    yield "angle_max", limits.angle_max_rad, greatest
+    yield "rate", limits.rate_max_rad_s, hermite.rate_extreme()
+    yield "acceleration", limits.acceleration_max_rad_s2, hermite.acceleration_extreme()
+    yield "jerk", jerk_max_rad_s3, hermite.jerk_extreme()
+    yield (
+        "acceleration_jump",
+        ACCELERATION_JUMP * jerk_max_rad_s3 * COMMAND_STEP_S,
+        hermite.acceleration_jump_extreme(initial_acceleration_rad_s2),
+    )
+
+
+def _margin(limit: Limit, extreme: float, bound: float) -> float:
+    if limit == "angle_min":
+        return extreme - bound
+    if limit == "angle_max":
+        return bound - extreme
+    return bound - abs(extreme)

@@ -1,0 +1,115 @@
+"""Is the table whole: right epoch, axes and beginning, finite, long enough for every session?"""
+
+import math
+from collections.abc import Iterator
+from datetime import datetime
+
+import numpy as np
+
+from planner.commands import CommandTable
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.scenario import Scenario, Session
+from planner.verification.clock import elapsed_us
+from planner.verification.report import Finding
+
+STEP_US = 200_000
+ROWS_MIN = 2
+# A tenth of what pointing may err by; solvers meet their end conditions to about a thousandth.
+INITIAL_ANGLE_TOLERANCE_RAD = math.radians(0.01 / 3600.0)
+INITIAL_RATE_TOLERANCE_RAD_S = math.radians(0.01 / 3600.0)
+
+
+def unflyable(table: CommandTable, scenario: Scenario) -> Finding | None:
+    """What leaves nothing to judge, else None."""
+    names = scenario.platform.axis_names
+    shape = table.angle_rad.shape
+    if table.epoch_utc.utcoffset() is None:
+        return _fault("the epoch has no UTC offset")
+    if table.axis_names != names:
+        return _fault(
+            f"the axes are {', '.join(table.axis_names)}, the platform's {', '.join(names)}"
+        )
+    if shape != table.rate_rad_s.shape or len(shape) != 2 or shape[1] != len(names):
+        return _fault(
+            f"angles of shape {shape} and rates of shape {table.rate_rad_s.shape} are no table "
+            f"of {len(names)} axes"
+        )
+    if shape[0] < ROWS_MIN:
+        return _fault(f"a table needs at least {ROWS_MIN} rows, not {shape[0]}")
+    finite = np.isfinite(table.angle_rad) & np.isfinite(table.rate_rad_s)
+    if not finite.all():
+        row, column = (int(index) for index in np.argwhere(~finite)[0])
+        return Finding(
+            severity="error",
+            limit="table",
+            axis=names[column],
+            t_s=row / 5.0,
+            at_utc=shifted_utc(table.epoch_utc, row / 5.0),
+            detail=f"row {row} of {names[column]} holds no finite number",
+        )
+    return None
+
+
+def structure_findings(table: CommandTable, scenario: Scenario) -> Iterator[Finding]:
+    """Faults that still leave limits and pointing to judge."""
+    epoch_utc = table.epoch_utc
+    if epoch_utc.microsecond % STEP_US:
+        yield _fault(f"the epoch {utc_text(epoch_utc, 6)} is no multiple of 0.2 s after its second")
+    late_us = elapsed_us(epoch_utc, scenario.initial_state.epoch)
+    if late_us:
+        yield _fault(
+            f"the epoch {utc_text(epoch_utc, 6)} is {late_us / 1e6:+g} s from the initial state's"
+        )
+    yield from _initial_state_findings(table, scenario)
+    for number, session in enumerate(scenario.sessions):
+        rows = session_rows(session, epoch_utc)
+        if not covers(table, rows):
+            yield Finding(
+                severity="error",
+                limit="coverage",
+                axis=None,
+                t_s=None,
+                at_utc=None,
+                detail=(
+                    f"sessions.{number} needs rows {rows[0]}..{rows[-1]}, "
+                    f"the table has 0..{len(table.angle_rad) - 1}"
+                ),
+            )
+
+
+def session_rows(session: Session, epoch_utc: datetime) -> range:
+    """From the row at or before the start to the row at or after the stop, both included."""
+    first = elapsed_us(session.start, epoch_utc) // STEP_US
+    last = -(-elapsed_us(session.stop, epoch_utc) // STEP_US)
+    return range(first, last + 1)
+
+
+def covers(table: CommandTable, rows: range) -> bool:
+    """Whether the table holds all these rows."""
+    return rows[0] >= 0 and rows[-1] < len(table.angle_rad)
+
+
+def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator[Finding]:
+    for column, axis in enumerate(scenario.platform.axis_names):
+        angle_rad, rate_rad_s, _ = scenario.initial_motion(axis)
+        angle_off_rad = float(table.angle_rad[0, column] - angle_rad)
+        rate_off_rad_s = float(table.rate_rad_s[0, column] - rate_rad_s)
+        if (
+            abs(angle_off_rad) > INITIAL_ANGLE_TOLERANCE_RAD
+            or abs(rate_off_rad_s) > INITIAL_RATE_TOLERANCE_RAD_S
+        ):
+            yield Finding(
+                severity="error",
+                limit="initial_state",
+                axis=axis,
+                t_s=0.0,
+                at_utc=table.epoch_utc,
+                detail=(
+                    f"row 0 of {axis} is {math.degrees(angle_off_rad):+.3g} deg and "
+                    f"{math.degrees(rate_off_rad_s):+.3g} deg/s from the initial state"
+                ),
+            )
+
+
+def _fault(detail: str) -> Finding:
+    return Finding(severity="error", limit="table", axis=None, t_s=None, at_utc=None, detail=detail)
