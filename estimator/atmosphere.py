@@ -33,14 +33,14 @@ class Atmosphere:
 
     air_scale_m: scale height of the air.  dust_optical_depth: vertical, of the dust near the
     ground, whose scale height is dust_scale_m.  haze_optical_depth: vertical, of a layer in
-    the stratosphere at 20 km.  airglow: brightness along the limb as a fraction of white.
+    the stratosphere at 18 km.  airglow: brightness along the limb as a fraction of white.
     """
 
     air_scale_m: float = 7.6e3
     air_density: float = 1.0
     dust_optical_depth: float = 0.10
     dust_scale_m: float = 1.6e3
-    haze_optical_depth: float = 0.004
+    haze_optical_depth: float = 0.0015
     ozone: float = 1.0
     airglow: float = 0.0
     airglow_height_m: float = 90.0e3
@@ -192,7 +192,7 @@ def _extinction_per_m(air: Atmosphere, height: Floats) -> tuple[Floats, Floats, 
     """Air relative to sea level; dust; ozone per unit vertical depth."""
     air_e = air.air_density * np.exp(-height / air.air_scale_m)
     near_ground = air.dust_optical_depth / air.dust_scale_m * np.exp(-height / air.dust_scale_m)
-    haze = np.exp(-0.5 * ((height - 20e3) / 3e3) ** 2) / (3e3 * np.sqrt(2.0 * np.pi))
+    haze = np.exp(-0.5 * ((height - 18e3) / 5e3) ** 2) / (5e3 * np.sqrt(2.0 * np.pi))
     ozone = np.exp(-0.5 * ((height - 22e3) / 5e3) ** 2) / (5e3 * np.sqrt(2.0 * np.pi))
     return air_e, near_ground + air.haze_optical_depth * haze, air.ozone * ozone
 

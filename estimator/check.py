@@ -1,0 +1,75 @@
+"""Does the measured vertical agree with the planned attitude?"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+Floats = NDArray[np.float64]
+
+INCONSISTENT_BELOW = 1e-3
+
+
+class Verdict(StrEnum):
+    """What the images say; `measured` when there was no attitude to compare with."""
+
+    CONSISTENT = "consistent"
+    INCONSISTENT = "inconsistent"
+    NOT_OBSERVABLE = "not_observable"
+    MEASURED = "measured"
+
+
+@dataclass(frozen=True)
+class AttitudeCheck:
+    """The measured nadir against the predicted one.
+
+    angle_rad: between them; along_rad and across_rad: its parts along the two covariance axes.
+    probability: that errors of the stated sizes alone would differ by this much or more
+    (chi-square, two degrees of freedom).  The turn about nadir is not measured.
+    """
+
+    angle_rad: float
+    along_rad: float
+    across_rad: float
+    probability: float
+
+    @property
+    def verdict(self) -> Verdict:
+        ok = self.probability >= INCONSISTENT_BELOW
+        return Verdict.CONSISTENT if ok else Verdict.INCONSISTENT
+
+
+def across_axes(nadir_body: Floats) -> Floats:
+    """Two unit vectors (2, 3) across a nadir: body X, or Y where nadir is along X, made square
+    to it, and the third that completes a right-handed set with nadir last."""
+    start = np.array([1.0, 0.0, 0.0])
+    if abs(nadir_body[0]) > 0.9:
+        start = np.array([0.0, 1.0, 0.0])
+    first = start - (start @ nadir_body) * nadir_body
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(nadir_body, first)])
+
+
+def check_attitude(
+    nadir_body: Floats, covariance_rad2: Floats, predicted_body: Floats, sigma_rad: float
+) -> AttitudeCheck:
+    """covariance_rad2: (2, 2) on `across_axes(nadir_body)`; sigma_rad: of the prediction."""
+    axes = across_axes(nadir_body)
+    angle = float(
+        np.arctan2(np.linalg.norm(np.cross(nadir_body, predicted_body)), nadir_body @ predicted_body)
+    )
+    sideways = axes @ predicted_body
+    length = float(np.linalg.norm(sideways))
+    offset = sideways * (angle / length) if length > 0.0 else sideways
+    # From the prediction to the measurement.
+    offset = -offset
+    combined = covariance_rad2 + sigma_rad**2 * np.eye(2)
+    distance2 = float(offset @ np.linalg.solve(combined, offset))
+    return AttitudeCheck(
+        angle_rad=angle,
+        along_rad=float(offset[0]),
+        across_rad=float(offset[1]),
+        probability=float(chi2.sf(distance2, 2)),
+    )

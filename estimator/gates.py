@@ -1,0 +1,111 @@
+"""Is what was fitted really the limb, or does it only look like one?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.camera import HorizonCamera
+from estimator.errors import Reason
+from estimator.images import Frame
+from estimator.limb import LimbPoints
+from estimator.limb_geometry import Limb
+from estimator.nadir import Fit
+
+Floats = NDArray[np.float64]
+
+MIN_ARC_RAD = np.deg2rad(5.0)
+MIN_ARC_OF_ALL_RAD = np.deg2rad(10.0)
+_INLIER_SIGMA = 3.0
+_MIN_SHARE_OF_ARC = 0.35
+_MIN_INLIERS = 0.60
+_MIN_CONTRAST = 0.35
+_MAX_WIDTH_M = 28e3
+_MAX_WIDTH_PX = 4.0
+_BLACK = 0.012
+_SATURATED_SHARE = 0.85
+_SUN_SET_DEG = -4.0
+_HEIGHT_M = (2e3, 45e3)
+
+
+@dataclass(frozen=True)
+class CameraFit:
+    """How one camera's limb agrees with the fit.
+
+    reason: None when it does.  arc_rad: azimuth over which the limb was found where the fit
+    says.  residual_px: rms about the fit.  inlier (n,): over the camera's columns.
+    """
+
+    reason: Reason | None
+    arc_rad: float
+    residual_px: float
+    inlier: NDArray[np.bool_]
+
+
+def unusable_frame(frame: Frame) -> Reason | None:
+    """What already the brightness of a frame rules out."""
+    seen = frame.grey[::2, ::2][frame.usable[::2, ::2]]
+    if seen.size < 64:
+        return Reason.NO_HORIZON
+    top = float(np.percentile(seen, 99.7))
+    if top < max(_BLACK, 2.0 * frame.step):
+        return Reason.ALL_BLACK
+    if float(np.mean(seen > 0.985)) > _SATURATED_SHARE:
+        return Reason.SATURATED
+    return None
+
+
+def judge_camera(
+    points: LimbPoints, residual: Floats, tolerance: Floats, camera: HorizonCamera, reach_m: float
+) -> CameraFit:
+    """One camera's limb against the joint fit."""
+    with np.errstate(invalid="ignore"):
+        inlier = points.found & (np.abs(residual) < _INLIER_SIGMA * tolerance)
+    open_columns = max(int(np.sum(~points.blocked)), 1)
+    arc = float(np.sum(inlier)) * points.step_rad
+    rms = float(np.sqrt(np.mean(residual[inlier] ** 2))) if inlier.any() else np.nan
+    residual_px = rms / camera.rad_per_px
+    share_found = np.sum(inlier) / max(int(np.sum(points.found)), 1)
+    reason: Reason | None = None
+    if points.arc_rad < MIN_ARC_RAD:
+        reason = Reason.SHORT_ARC if len(points) else Reason.ELSEWHERE
+    elif np.sum(points.found) < 0.1 * open_columns:
+        reason = Reason.NO_HORIZON
+    elif np.sum(inlier) < _MIN_SHARE_OF_ARC * open_columns or share_found < _MIN_INLIERS:
+        reason = Reason.RESIDUALS if np.sum(points.found) > 0.7 * open_columns else (
+            Reason.BROKEN_ARC
+        )
+    elif arc < MIN_ARC_RAD:
+        reason = Reason.SHORT_ARC
+    else:
+        width_m = float(np.median(points.width_m[inlier]))
+        pixel_m = camera.rad_per_px * reach_m
+        if width_m > max(_MAX_WIDTH_M, _MAX_WIDTH_PX * pixel_m):
+            reason = Reason.BLURRED
+        elif float(np.median(points.contrast[inlier])) < _MIN_CONTRAST:
+            reason = Reason.NO_SKY
+    return CameraFit(reason=reason, arc_rad=arc, residual_px=residual_px, inlier=inlier)
+
+
+def judge_height(fit: Fit, limb_height_m: float | None, sigma_m: float) -> Reason | None:
+    """limb_height_m: None for the daylight limb, else what the request says it is."""
+    if limb_height_m is None:
+        low, high = _HEIGHT_M
+    else:
+        reach = 5.0 * sigma_m + 2e3
+        low, high = limb_height_m - reach, limb_height_m + reach
+    return None if low <= fit.height_m <= high else Reason.LIMB_HEIGHT
+
+
+def sunlit(limb: Limb, direction_itrf: Floats, height_m: float, sun_itrf: Floats) -> Floats:
+    """Which limb points the Sun still reaches, (n,) of bool."""
+    elevation = limb.sun_elevation_rad(direction_itrf, height_m, sun_itrf)
+    return np.asarray(np.rad2deg(elevation) > _SUN_SET_DEG)
+
+
+def never_sunlit(limb: Limb, height_m: float, sun_itrf: Floats) -> bool:
+    """Whether no point of the whole limb has the Sun above it, whichever way the craft looks."""
+    azimuth = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+    return not bool(
+        np.any(sunlit(limb, limb.directions_itrf(azimuth, height_m), height_m, sun_itrf))
+    )

@@ -1,0 +1,148 @@
+"""What arrives as an image, and what does the estimator take from it?
+
+Decoding trusts nothing: the kind is known by the file's first bytes, the size by its header,
+and both are checked before a decoder sees the file.  `decode_image` is meant to run in a
+disposable process.  EXIF rotation is ignored on purpose: the camera model describes the
+sensor's pixels as they were read out, whichever way up somebody wants to look at them.
+"""
+
+import os
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+MAX_IMAGE_PIXELS = 50_000_000
+MAX_IMAGE_BYTES = 64_000_000
+os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(MAX_IMAGE_PIXELS))
+
+import cv2  # noqa: E402 (reads the cap above when it is loaded)
+
+from estimator.camera import HorizonCamera  # noqa: E402
+from estimator.errors import InvalidImage  # noqa: E402
+
+Floats = NDArray[np.float64]
+Grey = NDArray[np.float32]
+Pixels = NDArray[np.uint8] | NDArray[np.uint16]
+
+_KINDS = "PNG, JPEG or TIFF of 8 or 16 bit"
+# Start-of-frame markers; C4, C8, CC are tables.
+_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+
+
+@dataclass(frozen=True)
+class Frame:
+    """grey: brightness 0..1, (h, w).  usable: False where masked or transparent.
+
+    step: the smallest difference of brightness the file can hold.
+    """
+
+    grey: Grey
+    usable: NDArray[np.bool_]
+    step: float
+
+
+def decode_image(content: bytes, field: str = "images") -> Pixels:
+    """Pixels (h, w), (h, w, 3) or (h, w, 4), BGR order, 8 or 16 bit, not rotated.
+
+    Raises InvalidImage(field) for anything but a whole PNG, JPEG or TIFF within the caps.
+    """
+    if len(content) > MAX_IMAGE_BYTES:
+        raise InvalidImage(
+            f"the file has {len(content)} bytes; at most {MAX_IMAGE_BYTES} are read", field=field
+        )
+    width, height = _header_size(content, field)
+    if width * height > MAX_IMAGE_PIXELS or width < 1 or height < 1:
+        raise InvalidImage(
+            f"the image is {width} x {height} pixels; at most {MAX_IMAGE_PIXELS} are read",
+            field=field,
+        )
+    try:
+        pixels = cv2.imdecode(np.frombuffer(content, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        pixels = None
+    if pixels is None:
+        raise InvalidImage("the image is damaged or incomplete; send the whole file", field=field)
+    if pixels.dtype not in (np.uint8, np.uint16) or pixels.shape[:2] != (height, width):
+        raise InvalidImage(f"the image must be a {_KINDS}, not {pixels.dtype}", field=field)
+    return np.asarray(pixels)
+
+
+def prepare(pixels: Pixels, camera: HorizonCamera, field: str) -> Frame:
+    """Brightness of an image for a camera.  Raises InvalidImage when sizes differ."""
+    if pixels.shape[:2] != (camera.height_px, camera.width_px):
+        height, width = pixels.shape[:2]
+        raise InvalidImage(
+            f"the image is {width} x {height} pixels but camera {camera.name!r} has "
+            f"{camera.width_px} x {camera.height_px}; send the sensor's own pixels, unrotated",
+            field=field,
+        )
+    full = 65535.0 if pixels.dtype == np.uint16 else 255.0
+    usable = np.ones(pixels.shape[:2], dtype=np.uint8)
+    if pixels.ndim == 3 and pixels.shape[2] == 4:
+        usable[pixels[..., 3] < 0.5 * full] = 0
+        pixels = np.ascontiguousarray(pixels[..., :3])
+    if pixels.ndim == 3 and pixels.shape[2] == 3:
+        grey = cv2.transform(pixels.astype(np.float32), np.full((1, 3), 1.0 / 3.0))
+    else:
+        grey = pixels.reshape(pixels.shape[:2]).astype(np.float32)
+    for polygon in camera.mask:
+        cv2.fillPoly(usable, [np.rint(np.array(polygon)).astype(np.int32)], 0)
+    return Frame(grey=grey / np.float32(full), usable=usable.astype(bool), step=1.0 / full)
+
+
+def _header_size(content: bytes, field: str) -> tuple[int, int]:
+    """Width and height that the file's header claims."""
+    size = None
+    if content[:8] == b"\x89PNG\r\n\x1a\n":
+        if len(content) >= 24 and content[12:16] == b"IHDR":
+            size = struct.unpack(">II", content[16:24])
+    elif content[:3] == b"\xff\xd8\xff":
+        size = _jpeg_size(content)
+    elif content[:4] in (b"II*\0", b"MM\0*"):
+        size = _tiff_size(content)
+    else:
+        raise InvalidImage(f"this is no image we read; send a {_KINDS}", field=field)
+    if size is None:
+        raise InvalidImage("the image's header is damaged; send the whole file", field=field)
+    return size
+
+
+def _jpeg_size(content: bytes) -> tuple[int, int] | None:
+    at = 2
+    while at + 9 < len(content):
+        if content[at] != 0xFF:
+            return None
+        marker = content[at + 1]
+        if marker == 0xFF or 0xD0 <= marker <= 0xD7:
+            at += 1 if marker == 0xFF else 2
+            continue
+        length = int.from_bytes(content[at + 2 : at + 4], "big")
+        if marker in _JPEG_FRAMES:
+            height, width = struct.unpack(">HH", content[at + 5 : at + 9])
+            return width, height
+        if length < 2:
+            return None
+        at += 2 + length
+    return None
+
+
+def _tiff_size(content: bytes) -> tuple[int, int] | None:
+    order = "<" if content[:2] == b"II" else ">"
+    if len(content) < 8:
+        return None
+    start = struct.unpack(order + "I", content[4:8])[0]
+    if start + 2 > len(content):
+        return None
+    found = {}
+    entries = struct.unpack(order + "H", content[start : start + 2])[0]
+    for k in range(min(entries, 512)):
+        entry = content[start + 2 + 12 * k : start + 14 + 12 * k]
+        if len(entry) < 12:
+            return None
+        tag, kind = struct.unpack(order + "HH", entry[:4])
+        if tag in (256, 257) and kind in (3, 4):
+            form = "H" if kind == 3 else "I"
+            found[tag] = struct.unpack(order + form, entry[8 : 8 + struct.calcsize(form)])[0]
+    return (found[256], found[257]) if len(found) == 2 else None

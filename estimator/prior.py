@@ -1,0 +1,70 @@
+"""What is known of the limb and the attitude before an image is looked at?"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.limb import AIR_SCALE_M
+from estimator.nadir import ROUGHNESS_M, Prior
+from estimator.request import NIGHT_LIMB_KM, PredictedAttitude, Surroundings
+from scipy.spatial.transform import Rotation
+
+Floats = NDArray[np.float64]
+
+# The daylight limb in the middle of the visible band (systems.md section 2).
+DAYLIGHT_LIMB_M = 17.5e3
+DAYLIGHT_LIMB_SIGMA_M = 4.0e3
+_UNKNOWN_HEADING_RAD = np.deg2rad(20.0)
+_LEAST_HEADING_RAD = np.deg2rad(1.0)
+_CLIPPED_RISE_M, _CLIPPED_SIGMA_M = 5e3, 5e3
+
+
+def prior_of(around: Surroundings, predicted: PredictedAttitude | None) -> Prior:
+    """The limb's height as the request or the daylight gives it, and the heading's hold.
+
+    Without a prediction the heading is tried all round, in steps this prior bridges.
+    """
+    heading = _UNKNOWN_HEADING_RAD
+    if predicted is not None:
+        heading = max(np.deg2rad(predicted.sigma_deg), _LEAST_HEADING_RAD)
+    body = around.body
+    if body.limb_height_km is None or body.limb_height_sigma_km is None:
+        return Prior(
+            height_m=DAYLIGHT_LIMB_M,
+            height_sigma_m=DAYLIGHT_LIMB_SIGMA_M,
+            heading_sigma_rad=heading,
+            roughness_m=ROUGHNESS_M,
+            sun_itrf=around.sun_itrf,
+        )
+    sigma_m = body.limb_height_sigma_km * 1e3
+    return Prior(
+        height_m=body.limb_height_km * 1e3,
+        height_sigma_m=sigma_m,
+        heading_sigma_rad=heading,
+        # A limb said to be known to the metre is no rougher than that.
+        roughness_m=min(ROUGHNESS_M, sigma_m + 1.0),
+        sun_itrf=None,
+    )
+
+
+def overexposed(prior: Prior) -> Prior:
+    """The prior of a limb that is saturated up to its edge: what is seen is its faint top."""
+    return Prior(
+        height_m=prior.height_m + _CLIPPED_RISE_M,
+        height_sigma_m=float(np.hypot(prior.height_sigma_m, _CLIPPED_SIGMA_M)),
+        heading_sigma_rad=prior.heading_sigma_rad,
+        roughness_m=prior.roughness_m,
+        sun_itrf=prior.sun_itrf,
+    )
+
+
+def air_scale_m(around: Surroundings) -> float:
+    """Scale height of the limb's profile; 0 where it is no exponential atmosphere."""
+    height_km = around.body.limb_height_km
+    daylight = height_km is None or 5.0 < height_km < NIGHT_LIMB_KM
+    return AIR_SCALE_M if daylight else 0.0
+
+
+def predicted_c_body_from_itrf(around: Surroundings, predicted: PredictedAttitude) -> Floats:
+    """The predicted attitude (3, 3) against ITRF axes."""
+    q = Rotation.from_quat(predicted.q_body_from_eci_xyzw)
+    return np.asarray(q.as_matrix() @ around.c_itrf_from_eci.T)

@@ -1,0 +1,299 @@
+"""Which of the nadirs voted for is a horizon that stands up to every test?"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.camera import HorizonCamera
+from estimator.candidates import Edges, find_edges
+from estimator.errors import Reason
+from estimator.gates import (
+    MIN_ARC_OF_ALL_RAD,
+    CameraFit,
+    judge_camera,
+    judge_height,
+    never_sunlit,
+    sunlit,
+    unusable_frame,
+)
+from estimator.images import Frame
+from estimator.limb import LimbPoints, find_limb
+from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to
+from estimator.prior import air_scale_m, overexposed
+from estimator.request import Surroundings
+from estimator.voting import vote
+
+Floats = NDArray[np.float64]
+
+_BAND_RAD = np.deg2rad(0.5)
+_FIRST_WINDOW_RAD = np.deg2rad(1.4)
+_WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
+_TRIED = 5
+_PROMISING = 0.25
+_CLIPPED_SHARE = 0.3
+_HEADINGS = 8
+_DISAGREE_SIGMA = 5.0
+_SEED = 20161
+
+
+@dataclass(frozen=True)
+class View:
+    """What one camera contributes: its frame, and why it was set aside before the search."""
+
+    camera: HorizonCamera
+    frame: Frame
+    unusable: Reason | None
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """The horizon found, or why none was.
+
+    fits: the fit, or one for each heading tried with its weight when no heading was known.
+    cameras: one per view; points likewise, empty ones for views not used.
+    """
+
+    reason: Reason | None
+    fits: tuple[tuple[float, Fit], ...]
+    cameras: tuple[CameraFit, ...]
+    points: tuple[LimbPoints, ...]
+
+    @property
+    def best(self) -> Fit:
+        return max(self.fits, key=lambda weighted: weighted[0])[1]
+
+
+@dataclass(frozen=True)
+class Search:
+    """Everything that stays the same while nadirs are tried."""
+
+    around: Surroundings
+    prior: Prior
+    c_predicted: Floats | None
+
+    @property
+    def heading_known(self) -> bool:
+        return self.c_predicted is not None
+
+    @property
+    def daylight(self) -> bool:
+        return self.around.body.limb_height_km is None
+
+    def start(self, nadir_body: Floats) -> Floats:
+        if self.c_predicted is None:
+            return attitude_facing(nadir_body, self.around.limb)
+        return turned_to(self.c_predicted, nadir_body, self.around.limb)
+
+
+def look(frame: Frame, camera: HorizonCamera) -> View:
+    return View(camera=camera, frame=frame, unusable=unusable_frame(frame))
+
+
+def find_horizon(views: list[View], search: Search) -> Horizon:
+    """The best horizon in all views together."""
+    if search.daylight and never_sunlit(
+        search.around.limb, search.prior.height_m, search.around.sun_itrf
+    ):
+        return _none(views, Reason.NIGHT_SIDE)
+    edges = [
+        find_edges(view.frame, view.camera, _SEED + k) if view.unusable is None else None
+        for k, view in enumerate(views)
+    ]
+    found = _best_of_votes(views, edges, search)
+    if found.reason is not None:
+        return found
+    return _with_no_dissent(found, views, edges, search)
+
+
+def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search) -> Horizon:
+    limb, prior = search.around.limb, search.prior
+    eta_rad = float(np.arcsin((limb.mean_radius_m + prior.height_m) / limb.range_m))
+    predicted = None
+    if search.c_predicted is not None:
+        predicted = search.c_predicted @ limb.nadir_geodetic_itrf
+    votes = vote([e for e in edges if e is not None], eta_rad, _BAND_RAD, predicted, _SEED)
+    failed: list[Horizon] = []
+    for candidate in votes[:_TRIED]:
+        tried = _try(views, search, search.start(candidate.nadir_body))
+        if tried.reason is None:
+            return tried
+        failed.append(tried)
+    if not failed:
+        reasons = {view.unusable for view in views}
+        only = reasons.pop() if len(reasons) == 1 else None
+        return _none(views, only or Reason.NO_HORIZON)
+    return max(failed, key=lambda h: sum(c.arc_rad for c in h.cameras))
+
+
+def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon:
+    """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
+    limb, prior = search.around.limb, search.prior
+    scale_m = air_scale_m(search.around)
+    # Heading unknown: the first rounds take the limb as if the Sun stood high everywhere.
+    rough = prior if search.heading_known else replace(prior, sun_itrf=None)
+    active = [view.unusable is None for view in views]
+    result = None
+    c, height = c_body_from_itrf, prior.height_m
+    for window in (_FIRST_WINDOW_RAD, *_WINDOWS_RAD):
+        points = [
+            _points(view, search, c, height, window, scale_m, on)
+            for view, on in zip(views, active, strict=True)
+        ]
+        if _mostly_clipped(points) and search.daylight:
+            rough = overexposed(prior) if search.heading_known else replace(
+                overexposed(prior), sun_itrf=None
+            )
+        result = fit(points, limb, c, rough)
+        c, height = result.c_body_from_itrf, result.height_m
+        cameras = _judged(views, points, result, search)
+        if window == _FIRST_WINDOW_RAD:
+            if all(c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)):
+                return _failed(views, points, result, cameras)
+            continue
+        active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
+        if not any(active):
+            return _failed(views, points, result, cameras)
+    assert result is not None
+    if not all(active):
+        points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
+    fits = _all_headings(points, limb, result, rough, search)
+    result = max(fits, key=lambda weighted: weighted[0])[1]
+    judged = _judged(views, points, result, search)
+    cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
+    horizon = Horizon(
+        reason=None, fits=tuple(fits), cameras=tuple(cameras), points=tuple(points)
+    )
+    return replace(horizon, reason=_verdict(horizon, search))
+
+
+def _points(
+    view: View,
+    search: Search,
+    c: Floats,
+    height: float,
+    window_rad: float,
+    scale_m: float,
+    active: bool,
+) -> LimbPoints:
+    limb = search.around.limb
+    points = find_limb(view.frame, view.camera, limb, c, height, window_rad, scale_m)
+    if not active:
+        return _emptied(points)
+    if search.daylight and search.heading_known and len(points):
+        direction = limb.directions_itrf(points.azimuth_rad, height)
+        lit = sunlit(limb, direction, height, search.around.sun_itrf)
+        points = replace(points, found=points.found & lit, blocked=points.blocked | ~lit)
+    return points
+
+
+def _all_headings(
+    points: list[LimbPoints], limb: object, first: Fit, prior: Prior, search: Search
+) -> list[tuple[float, Fit]]:
+    if search.heading_known:
+        return [(1.0, fit(points, search.around.limb, first.c_body_from_itrf, prior))]
+    nadir = search.around.limb.nadir_geodetic_itrf
+    nadir_body = first.c_body_from_itrf @ nadir
+    held = replace(prior, sun_itrf=search.prior.sun_itrf)
+    fits = [
+        fit(
+            points,
+            search.around.limb,
+            attitude_facing(nadir_body, search.around.limb, heading),
+            held,
+        )
+        for heading in np.arange(_HEADINGS) * (2.0 * np.pi / _HEADINGS)
+    ]
+    # Half the evidence: the limb's own height varies in ways that look like a heading.
+    evidence = -0.25 * np.array([f.cost for f in fits])
+    weight = np.exp(evidence - evidence.max())
+    return [(float(w), f) for w, f in zip(weight / weight.sum(), fits, strict=True)]
+
+
+def _judged(
+    views: list[View], points: list[LimbPoints], result: Fit, search: Search
+) -> list[CameraFit]:
+    reach_m = search.around.limb.touch_range_m(result.height_m)
+    judged = []
+    for view, p, residual, tolerance in zip(
+        views, points, result.residual_rad, result.tolerance_rad, strict=True
+    ):
+        verdict = judge_camera(p, residual, tolerance, view.camera, reach_m)
+        judged.append(replace(verdict, reason=view.unusable or verdict.reason))
+    return judged
+
+
+def _verdict(horizon: Horizon, search: Search) -> Reason | None:
+    """What speaks against the horizon as a whole."""
+    good = [c for c in horizon.cameras if c.reason is None]
+    if not good:
+        return next(c.reason for c in horizon.cameras)
+    if sum(c.arc_rad for c in good) < MIN_ARC_OF_ALL_RAD:
+        return Reason.SHORT_ARC
+    limb_height_km = search.around.body.limb_height_km
+    return judge_height(
+        horizon.best,
+        None if limb_height_km is None else limb_height_km * 1e3,
+        search.prior.height_sigma_m,
+    )
+
+
+def _with_no_dissent(
+    found: Horizon, views: list[View], edges: list[Edges | None], search: Search
+) -> Horizon:
+    """Refuse when a camera that was left out sees a good horizon of its own elsewhere."""
+    best = found.best
+    nadir_body = best.c_body_from_itrf @ search.around.limb.nadir_itrf
+    for k, camera_fit in enumerate(found.cameras):
+        if camera_fit.reason is None or views[k].unusable is not None:
+            continue
+        alone = _best_of_votes([views[k]], [edges[k]], search)
+        if alone.reason is not None:
+            continue
+        other = alone.best
+        angle = np.linalg.norm(
+            other.c_body_from_itrf @ search.around.limb.nadir_itrf - nadir_body
+        )
+        spread = np.sqrt(
+            np.trace(best.covariance[:2, :2]) + np.trace(other.covariance[:2, :2])
+        )
+        if angle > _DISAGREE_SIGMA * spread:
+            cameras = list(found.cameras)
+            cameras[k] = replace(camera_fit, reason=Reason.CAMERAS_DISAGREE)
+            return replace(found, reason=Reason.CAMERAS_DISAGREE, cameras=tuple(cameras))
+    return found
+
+
+def _mostly_clipped(points: list[LimbPoints]) -> bool:
+    clipped = [p.clipped[p.found] for p in points if p.found.any()]
+    return bool(clipped) and float(np.mean(np.concatenate(clipped))) > _CLIPPED_SHARE
+
+
+def _emptied(points: LimbPoints) -> LimbPoints:
+    return replace(points, found=np.zeros(len(points), dtype=bool))
+
+
+def _failed(
+    views: list[View], points: list[LimbPoints], result: Fit, cameras: list[CameraFit]
+) -> Horizon:
+    reasons = [c.reason for c in cameras if c.reason is not None]
+    longest = max(cameras, key=lambda c: c.arc_rad)
+    return Horizon(
+        reason=longest.reason or (reasons[0] if reasons else Reason.NO_HORIZON),
+        fits=((1.0, result),),
+        cameras=tuple(cameras),
+        points=tuple(points),
+    )
+
+
+def _none(views: list[View], reason: Reason) -> Horizon:
+    cameras = tuple(
+        CameraFit(
+            reason=view.unusable or reason,
+            arc_rad=0.0,
+            residual_px=float("nan"),
+            inlier=np.zeros(0, dtype=bool),
+        )
+        for view in views
+    )
+    return Horizon(reason=reason, fits=(), cameras=cameras, points=())
