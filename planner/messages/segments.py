@@ -1,0 +1,135 @@
+"""What is common to the segments of CCSDS ephemeris messages (OEM, AEM), in either notation?"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import InvalidMessage
+from planner.frames.time_scales import utc_from_tai_us
+from planner.messages.epochs import TIME_SYSTEMS, EpochReader
+
+MAX_CHARACTERS = 32_000_000  # five times NASA's 15-day file with a node every minute
+
+
+@dataclass
+class RawSegment:
+    """Texts of one segment as they stand in the message; `lines` numbers the rows.
+
+    message: "OEM" or "AEM".  line: where the segment begins.
+    """
+
+    message: str
+    line: int
+    metadata: dict[str, str]
+    epochs: list[str]
+    rows: list[list[str]]
+    lines: list[int]
+
+    def refuse(self, what: str, line: int | None = None) -> NoReturn:
+        """Say what is wrong with the segment, and in which line (its first by default)."""
+        refuse(self.message, line or self.line, what)
+
+    def stated(self, key: str) -> str:
+        """A metadata value there is no going on without."""
+        if key not in self.metadata:
+            self.refuse(f"the segment's metadata lack {key}")
+        return self.metadata[key]
+
+
+@dataclass(frozen=True, eq=False)
+class TimeAxis:
+    """epoch_utc: the whole microsecond at or before the first row.
+
+    t_s: shape (n,), strictly increasing SI seconds since it.  useable_s: first and last
+    instant that may be interpolated, same clock.
+    """
+
+    epoch_utc: datetime
+    t_s: NDArray[np.float64]
+    useable_s: tuple[float, float]
+
+
+def refuse(message: str, line: int, what: str) -> NoReturn:
+    """Say what is wrong with the message, and in which line."""
+    raise InvalidMessage(f"{message} line {line}: {what}")
+
+
+def require_size(message: str, content: str) -> None:
+    """Refuse a text no reader should be kept busy with."""
+    if len(content) > MAX_CHARACTERS:
+        raise InvalidMessage(
+            f"the {message} has {len(content)} characters, more than the {MAX_CHARACTERS} "
+            "accepted; send only the days around the session",
+        )
+
+
+def is_xml(content: str) -> bool:
+    """Whether the text is XML rather than keyword = value."""
+    return content.lstrip("\ufeff \t\r\n").startswith("<")
+
+
+def creation_utc(text: str | None) -> datetime | None:
+    """CREATION_DATE, or None where it is absent or unreadable: only the age is lost."""
+    if text is None:
+        return None
+    try:
+        return utc_from_tai_us(EpochReader("UTC").tai_ns(text) // 1000)
+    except ValueError:
+        return None
+
+
+def time_axis(raw: RawSegment) -> TimeAxis:
+    """Epochs of the rows; refused when out of order, or too few to interpolate."""
+    time_system = raw.stated("TIME_SYSTEM").upper()
+    if time_system not in TIME_SYSTEMS:
+        raw.refuse(f"TIME_SYSTEM {time_system!r} is not supported; use one of {TIME_SYSTEMS}")
+    if len(raw.rows) < 2:
+        raw.refuse(f"the segment has {len(raw.rows)} states; at least 2 are needed")
+    reader = EpochReader(time_system)
+    tai_ns = np.array(
+        [_tai_ns(raw, reader, *pair) for pair in zip(raw.lines, raw.epochs, strict=True)]
+    )
+    backward = np.flatnonzero(np.diff(tai_ns) <= 0)
+    if len(backward):
+        row = int(backward[0]) + 1
+        raw.refuse(f"epoch {raw.epochs[row]} is not after the one before", raw.lines[row])
+    anchor_us = int(tai_ns[0]) // 1000
+    t_s = (tai_ns - anchor_us * 1000) / 1e9
+    first_s, last_s = float(t_s[0]), float(t_s[-1])
+    useable_s = []
+    for key, default_s in (("USEABLE_START_TIME", first_s), ("USEABLE_STOP_TIME", last_s)):
+        text = raw.metadata.get(key)
+        if text is None:
+            useable_s.append(default_s)
+        else:
+            stated_s = (_tai_ns(raw, reader, raw.line, text) - anchor_us * 1000) / 1e9
+            useable_s.append(min(max(stated_s, first_s), last_s))
+    return TimeAxis(utc_from_tai_us(anchor_us), t_s, (useable_s[0], useable_s[1]))
+
+
+def _tai_ns(raw: RawSegment, reader: EpochReader, line: int, text: str) -> int:
+    try:
+        return reader.tai_ns(text)
+    except ValueError as error:
+        raw.refuse(str(error), line)
+
+
+def numbers(raw: RawSegment, columns: int) -> NDArray[np.float64]:
+    """The first `columns` numbers of every row, shape (n, columns), all finite."""
+    table = np.array([_floats(row[:columns]) for row in raw.rows])
+    wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))
+    if len(wrong):
+        first = int(wrong[0])
+        shown = " ".join(raw.rows[first])[:80]
+        raw.refuse(f"{shown!r} are no {columns} finite numbers", raw.lines[first])
+    return table
+
+
+def _floats(row: list[str]) -> list[float]:
+    try:
+        return [float(text) for text in row]
+    except ValueError:
+        return [np.nan] * len(row)
