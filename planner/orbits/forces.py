@@ -1,0 +1,95 @@
+"""What accelerates a satellite?  Earth, Sun, Moon and air, at many instants at once."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.frames.geodesy import geodetic_from_itrf
+from planner.frames.solar_system import r_moon_eci_m, r_sun_eci_m
+from planner.frames.time_scales import Instants
+from planner.orbits.atmosphere import density_kg_m3
+from planner.orbits.gravity import earth_gravity
+from planner.spec import spec
+
+GM_SUN_M3_S2 = 1.32712440041e20  # DE421
+GM_MOON_M3_S2 = 4.902800076e12  # DE421
+
+
+@spec
+class Drag:
+    """How the air resists the satellite: coefficient * area / mass is all that matters."""
+
+    mass_kg: float
+    area_m2: float
+    coefficient: float
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """Everything about the forces that depends on time alone, at n instants.
+
+    c_itrf_from_eci: shape (n, 3, 3).  r_sun_eci_m, r_moon_eci_m: shape (n, 3).
+    """
+
+    drag: Drag
+    c_itrf_from_eci: NDArray[np.float64]
+    r_sun_eci_m: NDArray[np.float64]
+    r_moon_eci_m: NDArray[np.float64]
+
+    def acceleration_eci_m_s2(
+        self, r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Total acceleration, shape (n, 3), the k-th state at the k-th instant.
+
+        Leaves out tides (3e-7 m/s^2), relativity (2e-8) and sunlight (2e-8 for the ISS).
+        """
+        c = self.c_itrf_from_eci
+        r_itrf_m = np.einsum("nij,nj->ni", c, r_eci_m)
+        attraction = earth_gravity().acceleration_itrf_m_s2(r_itrf_m)
+        return np.asarray(
+            np.einsum("nji,nj->ni", c, attraction)
+            + _third_body(GM_SUN_M3_S2, self.r_sun_eci_m, r_eci_m)
+            + _third_body(GM_MOON_M3_S2, self.r_moon_eci_m, r_eci_m)
+            + self._drag(r_eci_m, v_eci_m_s, r_itrf_m)
+        )
+
+    def _drag(
+        self,
+        r_eci_m: NDArray[np.float64],
+        v_eci_m_s: NDArray[np.float64],
+        r_itrf_m: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """The air turns with the Earth; its axis is taken from the third row of the matrix."""
+        omega_eci_rad_s = OMEGA_EARTH_RAD_S * self.c_itrf_from_eci[:, 2]
+        v_air_m_s = v_eci_m_s - np.cross(omega_eci_rad_s, r_eci_m)
+        _, _, height_m = geodetic_from_itrf(r_itrf_m)
+        density = density_kg_m3(r_eci_m, height_m, self.r_sun_eci_m)
+        ballistic = self.drag.coefficient * self.drag.area_m2 / self.drag.mass_kg
+        speed_m_s = np.linalg.norm(v_air_m_s, axis=1)
+        return np.asarray(-0.5 * ballistic * (density * speed_m_s)[:, None] * v_air_m_s)
+
+
+def forces_at(instants: Instants, drag: Drag) -> Forces:
+    """Forces at n instants."""
+    return Forces(
+        drag=drag,
+        c_itrf_from_eci=c_itrf_from_eci(instants),
+        r_sun_eci_m=r_sun_eci_m(instants),
+        r_moon_eci_m=r_moon_eci_m(instants),
+    )
+
+
+def _third_body(
+    gm_m3_s2: float, r_body_m: NDArray[np.float64], r_sat_m: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Pull on the satellite less the pull on the Earth, shape (n, 3)."""
+    to_body_m = r_body_m - r_sat_m
+    return np.asarray(
+        gm_m3_s2
+        * (
+            to_body_m / np.linalg.norm(to_body_m, axis=1, keepdims=True) ** 3
+            - r_body_m / np.linalg.norm(r_body_m, axis=1, keepdims=True) ** 3
+        )
+    )

@@ -1,0 +1,210 @@
+"""Where is the satellite according to an ephemeris message (CCSDS OEM)?"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import InvalidMessage, OutsideCoverage
+from planner.frames.earth_orientation import (
+    C_GCRF_FROM_EME2000,
+    c_itrf_from_eci,
+    c_itrf_from_teme,
+    eci_from_itrf_state,
+)
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.messages.oem import Oem, OemSegment, read_oem
+from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.hermite import hermite, hermite_error_m
+from planner.orbits.smooth_arcs import smooth_arcs
+from planner.spec import spec
+
+NODES = 6
+WARN_ERROR_M = 1.0
+REFUSE_ERROR_M = 100.0
+_EDGE_S = 1e-6
+
+
+@spec
+class OemOrbit:
+    """The text of a CCSDS OEM, KVN or XML, as published."""
+
+    source: Literal["oem"] = "oem"
+    content: str
+
+    def __post_init__(self) -> None:
+        try:
+            _ = self.message
+        except InvalidMessage as refusal:
+            raise ValueError(refusal.detail) from None
+
+    @cached_property
+    def message(self) -> Oem:
+        """Read once, at construction."""
+        return read_oem(self.content)
+
+    def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "OemEphemeris":
+        """Raises OutsideCoverage where the message's useable times leave a gap."""
+        arcs: list[Arc] = []
+        covered_utc = start_utc
+        for segment in self.message.segments:
+            first_utc, last_utc = (shifted_utc(segment.epoch_utc, t) for t in segment.useable_s)
+            wanted = first_utc <= covered_utc <= last_utc and (not arcs or last_utc > covered_utc)
+            if not wanted:
+                continue
+            arcs += _arcs(segment, covered_utc, min(last_utc, stop_utc))
+            covered_utc = last_utc
+            if covered_utc >= stop_utc:
+                break
+        else:
+            raise OutsideCoverage(
+                f"the OEM says nothing between {utc_text(covered_utc)} and {utc_text(stop_utc)}; "
+                f"it covers {_coverage(self.message)}",
+                field="orbit.content",
+            )
+        return OemEphemeris(
+            epoch_utc=self.message.creation_utc or self.message.segments[0].epoch_utc,
+            start_utc=start_utc,
+            stop_utc=stop_utc,
+            warnings=tuple(dict.fromkeys(arc.warning for arc in arcs if arc.warning)),
+            arcs=tuple(arcs),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """A stretch without a kink: node_s from epoch_utc, positions and velocities in ECI.
+
+    stop_utc: the next arc takes over there.
+    """
+
+    epoch_utc: datetime
+    stop_utc: datetime
+    node_s: NDArray[np.float64]
+    r_eci_m: NDArray[np.float64]
+    v_eci_m_s: NDArray[np.float64]
+    nodes: int
+    warning: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class OemEphemeris:
+    """Hermite interpolation within each arc, never across a burn or a segment's end."""
+
+    epoch_utc: datetime
+    start_utc: datetime
+    stop_utc: datetime
+    warnings: tuple[str, ...]
+    arcs: tuple[Arc, ...]
+    kind: Kind = "oem"
+
+    def states(self, instants: Instants) -> OrbitStates:
+        """Velocity is the exact derivative of position; raises OutsideCoverage."""
+        refuse_outside(instants, self.start_utc, self.stop_utc)
+        r_m, v_m_s = np.empty((len(instants), 3)), np.empty((len(instants), 3))
+        todo = np.ones(len(instants), dtype=bool)
+        for arc in self.arcs:
+            t_s = elapsed_s(instants.epoch_utc, arc.epoch_utc) + instants.t_s
+            here = todo & (t_s <= elapsed_s(arc.stop_utc, arc.epoch_utc) + _EDGE_S)
+            if here.any():
+                r_m[here], v_m_s[here] = hermite(
+                    arc.node_s, arc.r_eci_m, arc.v_eci_m_s, t_s[here], arc.nodes
+                )
+                todo &= ~here
+        return OrbitStates(r_m, v_m_s)
+
+    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+        """Time since the message was made, shape (n,); zero before."""
+        return np.maximum(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s, 0.0)
+
+
+def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:
+    """Arcs of one segment that together cover start to stop."""
+    start_s, stop_s = (elapsed_s(t, segment.epoch_utc) for t in (start_utc, stop_utc))
+    last = len(segment.t_s) - 1
+    low = max(int(np.searchsorted(segment.t_s, start_s, side="right")) - NODES // 2, 0)
+    high = min(int(np.searchsorted(segment.t_s, stop_s)) + NODES // 2, last)
+    near = slice(low, high + 1)
+    node_s = segment.t_s[near]
+    r_m, v_m_s = _eci(segment, near)
+    arcs = []
+    for arc in smooth_arcs(Instants(segment.epoch_utc, node_s), r_m, v_m_s):
+        window = slice(arc.first, arc.last + 1)
+        if node_s[arc.last] < start_s - _EDGE_S or node_s[arc.first] > stop_s:
+            continue
+        asked_s = (max(start_s, node_s[arc.first]), min(stop_s, node_s[arc.last]))
+        nodes = 2 if arc.thrust_m_s2 else NODES
+        middle_s = _middles(node_s[window], *asked_s)
+        error_m = hermite_error_m(node_s[window], r_m[window], v_m_s[window], middle_s, nodes)
+        gap_s = float(np.max(np.diff(node_s[window])))
+        # The thrust may start or stop anywhere in a cell.
+        error_m += arc.thrust_m_s2 * gap_s**2 / 8.0
+        arcs.append(
+            Arc(
+                epoch_utc=segment.epoch_utc,
+                stop_utc=shifted_utc(segment.epoch_utc, float(node_s[arc.last])),
+                node_s=node_s[window],
+                r_eci_m=r_m[window],
+                v_eci_m_s=v_m_s[window],
+                nodes=nodes,
+                warning=_warning(segment, middle_s, error_m, gap_s, arc.thrust_m_s2),
+            )
+        )
+    return arcs
+
+
+def _middles(node_s: NDArray[np.float64], start_s: float, stop_s: float) -> NDArray[np.float64]:
+    """Middles of the cells between start and stop, at least one."""
+    first = min(int(np.searchsorted(node_s, start_s, side="right")) - 1, len(node_s) - 2)
+    last = max(int(np.searchsorted(node_s, stop_s)), first + 1)
+    return 0.5 * (node_s[first:last] + node_s[first + 1 : last + 1])
+
+
+def _warning(
+    segment: OemSegment,
+    middle_s: NDArray[np.float64],
+    error_m: NDArray[np.float64],
+    gap_s: float,
+    thrust_m_s2: float,
+) -> str | None:
+    """What to say about an arc; raises OutsideCoverage where its nodes are too far apart."""
+    worst = int(np.argmax(error_m))
+    at_utc = shifted_utc(segment.epoch_utc, float(middle_s[worst]))
+    burn = f" during a burn of {thrust_m_s2 * 1e3:.2f} mm/s^2" if thrust_m_s2 else ""
+    said = (
+        f"the OEM's nodes near {utc_text(at_utc, 0)}, up to {gap_s:.0f} s apart{burn}, leave the "
+        f"position between them uncertain by some {error_m[worst]:.1f} m"
+    )
+    if error_m[worst] > REFUSE_ERROR_M:
+        raise OutsideCoverage(
+            f"{said}; send the ephemeris with closer nodes (240 s do in low orbit, 10 s in burns)",
+            field="orbit.content",
+            at_utc=at_utc,
+        )
+    return said if error_m[worst] > WARN_ERROR_M else None
+
+
+def _eci(segment: OemSegment, near: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Some nodes' positions and velocities in ECI, shape (n, 3)."""
+    r_m, v_m_s = segment.r_m[near], segment.v_m_s[near]
+    at_nodes = Instants(segment.epoch_utc, segment.t_s[near])
+    if segment.frame == "ITRF":
+        return eci_from_itrf_state(r_m, v_m_s, at_nodes)
+    if segment.frame == "TEME":
+        c_eci_from_itrf = np.swapaxes(c_itrf_from_eci(at_nodes), 1, 2)
+        c = c_eci_from_itrf @ c_itrf_from_teme(at_nodes)
+        return np.einsum("nij,nj->ni", c, r_m), np.einsum("nij,nj->ni", c, v_m_s)
+    if segment.frame == "EME2000":
+        return r_m @ C_GCRF_FROM_EME2000.T, v_m_s @ C_GCRF_FROM_EME2000.T
+    return r_m, v_m_s
+
+
+def _coverage(message: Oem) -> str:
+    spans = [
+        " to ".join(utc_text(shifted_utc(segment.epoch_utc, t)) for t in segment.useable_s)
+        for segment in message.segments
+    ]
+    return ", ".join(spans[:3]) + (f" and {len(spans) - 3} more spans" if len(spans) > 3 else "")

@@ -1,0 +1,210 @@
+"""Where will a satellite be that was at this place with this velocity?"""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import OutsideCoverage
+from planner.frames.earth_orientation import (
+    C_GCRF_FROM_EME2000,
+    OMEGA_EARTH_RAD_S,
+    eci_from_itrf_state,
+)
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
+from planner.orbits.atmosphere import HEIGHT_MIN_M
+from planner.orbits.collocation import SEGMENT_S, Segment, node_times_s, propagate_segment
+from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.forces import Drag, forces_at
+from planner.orbits.gravity import GM_M3_S2, RADIUS_M
+from planner.orbits.paper_model import PaperEphemeris, paper_ephemeris
+from planner.spec import spec
+
+WARN_AGE_S = {"full": 6.0 * 3600.0, "j2j4": 900.0}
+REFUSE_AGE_S = 3.0 * 86400.0
+_PERIGEE_MIN_M = RADIUS_M - 22e3 + HEIGHT_MIN_M  # 22 km: the Earth's flattening
+
+_SHORTEST_S = 1.0  # so that a plan at the epoch has a polynomial too
+
+Vector3 = tuple[float, float, float]
+
+
+@spec
+class StateVectorOrbit:
+    """Position and velocity at an epoch, from the Earth's centre.
+
+    An ITRF velocity is relative to the rotating Earth.  force_model: `full` is the 36x36
+    field, Sun, Moon and drag (0.2 m after 900 s); `j2j4` the paper's (56 m).  Mass, area and
+    drag coefficient default to the ISS, about the mean of its published ephemeris headers.
+    """
+
+    source: Literal["state"] = "state"
+    frame: Literal["ITRF", "EME2000", "GCRF"]
+    epoch: datetime
+    position_km: Vector3
+    velocity_km_s: Vector3
+    force_model: Literal["full", "j2j4"] = "full"
+    mass_kg: float = 450e3
+    drag_area_m2: float = 1500.0
+    drag_coefficient: float = 2.0
+
+    def __post_init__(self) -> None:
+        tai_us(self.epoch)
+        for name in ("position_km", "velocity_km_s"):
+            if not all(map(math.isfinite, getattr(self, name))):
+                raise ValueError(f"{name} must be three finite numbers, not {getattr(self, name)}")
+        if not self.mass_kg > 0.0:
+            raise ValueError(f"mass_kg must be positive, not {self.mass_kg}")
+        for name in ("drag_area_m2", "drag_coefficient"):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
+        _check_orbit(self)
+
+    def ephemeris(
+        self, start_utc: datetime, stop_utc: datetime
+    ) -> "PropagatedEphemeris | PaperEphemeris":
+        """Propagates from the epoch, forward and backward as far as the span asks.
+
+        Raises OutsideCoverage beyond 3 days from the epoch, or when the satellite falls.
+        """
+        start_s, stop_s = (elapsed_s(t, self.epoch) for t in (start_utc, stop_utc))
+        age_s = max(abs(start_s), abs(stop_s))
+        said = (
+            f"the state's epoch {utc_text(self.epoch, 0)} is {age_s / 3600.0:.2f} h from the plan"
+        )
+        if age_s > REFUSE_AGE_S:
+            raise OutsideCoverage(
+                f"{said}; beyond {REFUSE_AGE_S / 3600.0:.0f} h drag is not known well enough; "
+                "send a newer state",
+                field="orbit.epoch",
+            )
+        warnings: tuple[str, ...] = ()
+        if age_s > WARN_AGE_S[self.force_model]:
+            warnings = (f"{said}: expect an error of some {_error_m(self, age_s):.0f} m",)
+        r_eci_m, v_eci_m_s = _state_eci(self)
+        if self.force_model == "j2j4":
+            return paper_ephemeris(self.epoch, r_eci_m, v_eci_m_s, start_utc, stop_utc, warnings)
+        segments = [
+            segment
+            for span_s in (min(start_s, 0.0), max(stop_s, _SHORTEST_S))
+            for segment in _propagated(self, r_eci_m, v_eci_m_s, span_s)
+        ]
+        return PropagatedEphemeris(
+            epoch_utc=self.epoch,
+            start_utc=start_utc,
+            stop_utc=stop_utc,
+            warnings=warnings,
+            segments=tuple(sorted(segments, key=lambda s: min(s.start_s, s.stop_s))),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PropagatedEphemeris:
+    """segments: in time's order, without gaps, seconds from epoch_utc."""
+
+    epoch_utc: datetime
+    start_utc: datetime
+    stop_utc: datetime
+    warnings: tuple[str, ...]
+    segments: tuple[Segment, ...]
+    kind: Kind = "state"
+
+    def states(self, instants: Instants) -> OrbitStates:
+        """Velocity is the exact derivative of position; raises OutsideCoverage."""
+        refuse_outside(instants, self.start_utc, self.stop_utc)
+        t_s = elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
+        ends_s = [max(segment.start_s, segment.stop_s) for segment in self.segments[:-1]]
+        which = np.searchsorted(ends_s, t_s)
+        r_m, v_m_s = np.empty((len(t_s), 3)), np.empty((len(t_s), 3))
+        for k in np.unique(which):
+            here = which == k
+            r_m[here], v_m_s[here] = self.segments[k].at(t_s[here])
+        return OrbitStates(r_m, v_m_s)
+
+    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+        """Time from the state's epoch, either way, shape (n,)."""
+        return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
+
+
+def _check_orbit(orbit: StateVectorOrbit) -> None:
+    """A wrong unit or frame almost always gives an orbit through the Earth or to infinity."""
+    r_m = np.array(orbit.position_km) * 1e3
+    v_m_s = np.array(orbit.velocity_km_s) * 1e3
+    if orbit.frame == "ITRF":
+        v_m_s = v_m_s + np.cross([0.0, 0.0, OMEGA_EARTH_RAD_S], r_m)
+    radius_m = float(np.linalg.norm(r_m))
+    if radius_m < _PERIGEE_MIN_M:
+        raise ValueError(
+            f"position_km is {radius_m / 1e3:.1f} km from the Earth's centre, too low to orbit; "
+            "is it in km?"
+        )
+    energy = 0.5 * float(v_m_s @ v_m_s) - GM_M3_S2 / radius_m
+    if energy >= 0.0:
+        raise ValueError(
+            f"with velocity_km_s {orbit.velocity_km_s} the satellite leaves the Earth; "
+            "is it in km/s and of the stated frame?"
+        )
+    momentum = float(np.linalg.norm(np.cross(r_m, v_m_s)))
+    axis_m = -GM_M3_S2 / (2.0 * energy)
+    eccentricity = math.sqrt(max(0.0, 1.0 - momentum**2 / (GM_M3_S2 * axis_m)))
+    perigee_m = axis_m * (1.0 - eccentricity)
+    if perigee_m < _PERIGEE_MIN_M:
+        raise ValueError(
+            f"with velocity_km_s {orbit.velocity_km_s} the orbit's perigee is "
+            f"{perigee_m / 1e3:.1f} km from the Earth's centre, below {HEIGHT_MIN_M / 1e3:.0f} km "
+            "height; is it in km/s and of the stated frame?"
+        )
+
+
+def _error_m(orbit: StateVectorOrbit, age_s: float) -> float:
+    """Rough growth: half the drag is uncertain (full), the harmonics left out (j2j4)."""
+    if orbit.force_model == "j2j4":
+        return float(56.0 * (age_s / 900.0) ** 1.3)
+    return float(1.5 * 3e-7 * age_s**2)
+
+
+def _state_eci(orbit: StateVectorOrbit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Position and velocity at the epoch, shape (3,), ECI."""
+    r_m = np.array(orbit.position_km) * 1e3
+    v_m_s = np.array(orbit.velocity_km_s) * 1e3
+    if orbit.frame == "ITRF":
+        at_epoch = Instants(orbit.epoch, np.zeros(1))
+        r_eci_m, v_eci_m_s = eci_from_itrf_state(r_m[None], v_m_s[None], at_epoch)
+        return r_eci_m[0], v_eci_m_s[0]
+    if orbit.frame == "EME2000":
+        return C_GCRF_FROM_EME2000 @ r_m, C_GCRF_FROM_EME2000 @ v_m_s
+    return r_m, v_m_s
+
+
+def _propagated(
+    orbit: StateVectorOrbit,
+    r_m: NDArray[np.float64],
+    v_m_s: NDArray[np.float64],
+    span_s: float,
+) -> list[Segment]:
+    """Segments of equal length from the epoch to span_s, either way; none for span 0."""
+    drag = Drag(
+        mass_kg=orbit.mass_kg, area_m2=orbit.drag_area_m2, coefficient=orbit.drag_coefficient
+    )
+    edges_s = np.linspace(0.0, span_s, math.ceil(abs(span_s) / SEGMENT_S) + 1).tolist()
+    segments = []
+    for start_s, stop_s in pairwise(edges_s):
+        nodes = Instants(orbit.epoch, node_times_s(start_s, stop_s))
+        forces = forces_at(nodes, drag)
+        segment = propagate_segment(r_m, v_m_s, start_s, stop_s, forces.acceleration_eci_m_s2)
+        segments.append(segment)
+        end_r_m, end_v_m_s = segment.at(np.array([stop_s]))
+        r_m, v_m_s = end_r_m[0], end_v_m_s[0]
+        if np.linalg.norm(r_m) < _PERIGEE_MIN_M:
+            at_utc = shifted_utc(orbit.epoch, stop_s)
+            raise OutsideCoverage(
+                f"the satellite falls below {HEIGHT_MIN_M / 1e3:.0f} km at {utc_text(at_utc, 0)}; "
+                "stop the plan before",
+                field="orbit",
+                at_utc=at_utc,
+            )
+    return segments

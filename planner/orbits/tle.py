@@ -1,0 +1,145 @@
+"""Where is the satellite according to a two-line element set?  (SGP4)"""
+
+import re
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from sgp4.api import SGP4_ERRORS, WGS72, Satrec
+
+from planner.errors import OutsideCoverage
+from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.spec import spec
+
+WARN_AGE_DAYS = 3.0
+REFUSE_AGE_DAYS = 30.0
+_LENGTH = 69
+_NUMBER = r"[ \dA-HJ-NP-Z][ \d]{4}"  # plain or Alpha-5
+_LAYOUT = {
+    "1": re.compile(
+        rf"1 {_NUMBER}[UCST ] [ \dA-Z]{{8}} \d{{2}}[ \d]{{2}}\d\.\d{{8}} [ +-]\.\d{{8}} "
+        r"[ +-][ \d]{5}[ +-]\d [ +-][ \d]{5}[ +-]\d [ \d] [ \d]{4}\d"
+    ),
+    "2": re.compile(
+        rf"2 {_NUMBER} [ \d]{{3}}\.\d{{4}} [ \d]{{3}}\.\d{{4}} [ \d]{{6}}\d "
+        r"[ \d]{3}\.\d{4} [ \d]{3}\.\d{4} [ \d]{2}\.\d{8}[ \d]{5}\d"
+    ),
+}
+
+
+@spec
+class TleOrbit:
+    """Two lines of a NORAD element set, as published.
+
+    SGP4's own error is about 1 km at the epoch and grows by 1-3 km a day.
+    """
+
+    source: Literal["tle"] = "tle"
+    line1: str
+    line2: str
+
+    def __post_init__(self) -> None:
+        for name, number, line in (("line1", "1", self.line1), ("line2", "2", self.line2)):
+            _check_line(name, number, line)
+        if self.line1[2:7] != self.line2[2:7]:
+            raise ValueError(
+                f"line1 is of satellite {self.line1[2:7]}, line2 of {self.line2[2:7]}; "
+                "take both lines from the same set"
+            )
+        error = self._elements().error
+        if error:
+            raise ValueError(f"these elements are no orbit: {SGP4_ERRORS[error]}")
+
+    @property
+    def epoch_utc(self) -> datetime:
+        """Epoch of the elements."""
+        satrec = self._elements()
+        year = satrec.epochyr + (2000 if satrec.epochyr < 57 else 1900)
+        return datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=satrec.epochdays - 1.0)
+
+    def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
+        """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
+        epoch_utc = self.epoch_utc
+        age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / 86400.0
+        said = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age_days:.1f} days from the plan"
+        if age_days >= REFUSE_AGE_DAYS:
+            raise OutsideCoverage(
+                f"{said}; at {REFUSE_AGE_DAYS:.0f} days a TLE is worthless; take a newer one",
+                field="orbit.line1",
+            )
+        warnings: tuple[str, ...] = ()
+        if age_days >= WARN_AGE_DAYS:
+            error_km = 1.0 + 2.0 * age_days
+            warnings = (f"{said}: expect an error of some {error_km:.0f} km along the track",)
+        return TleEphemeris(
+            epoch_utc=epoch_utc,
+            start_utc=start_utc,
+            stop_utc=stop_utc,
+            warnings=warnings,
+            satrec=self._elements(),
+        )
+
+    def _elements(self) -> Satrec:
+        return Satrec.twoline2rv(self.line1, self.line2, WGS72)
+
+
+@dataclass(frozen=True, eq=False)
+class TleEphemeris:
+    """SGP4 at any instant of the span; TEME is taken to ITRF and on to ECI.
+
+    Leaves out the slow turning of TEME itself in the velocity (7e-5 m/s).
+    """
+
+    epoch_utc: datetime
+    start_utc: datetime
+    stop_utc: datetime
+    warnings: tuple[str, ...]
+    satrec: Satrec
+    kind: Kind = "tle"
+
+    def states(self, instants: Instants) -> OrbitStates:
+        """Raises OutsideCoverage outside the span and where SGP4 itself gives up."""
+        refuse_outside(instants, self.start_utc, self.stop_utc)
+        since_days = (elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s) / 86400.0
+        errors, r_teme_km, v_teme_km_s = self.satrec.sgp4_array(
+            np.full(len(instants), self.satrec.jdsatepoch),
+            self.satrec.jdsatepochF + since_days,
+        )
+        failed = np.flatnonzero(errors)
+        if len(failed):
+            at_utc = shifted_utc(instants.epoch_utc, float(instants.t_s[failed[0]]))
+            raise OutsideCoverage(
+                f"SGP4 gives up at {utc_text(at_utc, 0)}: {SGP4_ERRORS[int(errors[failed[0]])]}; "
+                "take a newer TLE",
+                field="orbit.line1",
+                at_utc=at_utc,
+            )
+        c_teme_from_itrf = np.swapaxes(c_itrf_from_teme(instants), 1, 2)
+        c_eci_from_teme = np.swapaxes(c_teme_from_itrf @ c_itrf_from_eci(instants), 1, 2)
+        return OrbitStates(
+            np.einsum("nij,nj->ni", c_eci_from_teme, r_teme_km) * 1e3,
+            np.einsum("nij,nj->ni", c_eci_from_teme, v_teme_km_s) * 1e3,
+        )
+
+    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+        """Time from the elements' epoch, either way, shape (n,)."""
+        return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
+
+
+def _check_line(name: str, number: str, line: str) -> None:
+    """Length, number and checksum: ValueError names what is wrong."""
+    if len(line) != _LENGTH or not line.isascii():
+        raise ValueError(f"{name} has {len(line)} characters; a TLE line has {_LENGTH} (ASCII)")
+    if not line.startswith(f"{number} "):
+        raise ValueError(f"{name} begins with {line[:2]!r}, not {number!r}; are the lines swapped?")
+    total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
+    if line[68] != str(total):
+        raise ValueError(
+            f"{name} ends in checksum {line[68]!r}, its digits give {total}; copy the line again"
+        )
+    if not _LAYOUT[number].fullmatch(line):
+        raise ValueError(f"{name} has a character where it doesn't belong; copy the line again")
