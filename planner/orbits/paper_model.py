@@ -28,8 +28,7 @@ _P2 = 1.6752e21  # m^4, -(5/8) J4 Re^4; the paper prints 2.5023e9 km^4, 49 % too
 class PaperEphemeris:
     """The paper's prediction, a state a second.
 
-    t_s: shape (k,), increasing, from epoch_utc.  r_m, v_m_s: shape (k, 3), in axes fixed
-    where ITRF's were at the epoch.
+    t_s: shape (k,), increasing, from epoch_utc.  r_eci_m, v_eci_m_s: shape (k, 3).
     """
 
     epoch_utc: datetime
@@ -37,19 +36,15 @@ class PaperEphemeris:
     stop_utc: datetime
     warnings: tuple[str, ...]
     t_s: NDArray[np.float64]
-    r_m: NDArray[np.float64]
-    v_m_s: NDArray[np.float64]
+    r_eci_m: NDArray[np.float64]
+    v_eci_m_s: NDArray[np.float64]
     kind: Kind = "state"
 
     def states(self, instants: Instants) -> OrbitStates:
-        """Turned back by the Earth's angle since the epoch; raises OutsideCoverage."""
+        """Velocity is the exact derivative of position; raises OutsideCoverage."""
         refuse_outside(instants, self.start_utc, self.stop_utc)
         t_s = elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
-        r_m, v_m_s = hermite(self.t_s, self.r_m, self.v_m_s, t_s, nodes=2)
-        c, s = np.cos(OMEGA_EARTH_RAD_S * t_s), np.sin(OMEGA_EARTH_RAD_S * t_s)
-        r_itrf_m, v_m_s = _turned(r_m, c, s), _turned(v_m_s, c, s)
-        v_itrf_m_s = v_m_s - np.cross([0.0, 0.0, OMEGA_EARTH_RAD_S], r_itrf_m)
-        return OrbitStates(*eci_from_itrf_state(r_itrf_m, v_itrf_m_s, instants))
+        return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
 
     def age_s(self, instants: Instants) -> NDArray[np.float64]:
         """Time from the state's epoch, either way, shape (n,)."""
@@ -64,7 +59,11 @@ def paper_ephemeris(
     stop_utc: datetime,
     warnings: tuple[str, ...],
 ) -> PaperEphemeris:
-    """Prediction from a state, each part of shape (3,), at epoch_utc, forward and backward."""
+    """Prediction from a state, each part of shape (3,), at epoch_utc, forward and backward.
+
+    The paper integrates in axes that stand where ITRF's were at the epoch and turns the result
+    back by the Earth's angle since then.
+    """
     at_epoch = Instants(epoch_utc, np.zeros(1))
     r_m, v_itrf_m_s = itrf_from_eci_state(r_eci_m[None], v_eci_m_s[None], at_epoch)
     v_m_s = v_itrf_m_s + np.cross([0.0, 0.0, OMEGA_EARTH_RAD_S], r_m)
@@ -73,15 +72,20 @@ def paper_ephemeris(
     start = (x, y, z, vx, vy, vz)
     before_s, before = predict(start, min(elapsed_s(start_utc, epoch_utc), 0.0))
     after_s, after = predict(start, max(elapsed_s(stop_utc, epoch_utc), STEP_S))
+    t_s = np.concatenate([before_s[:0:-1], after_s])
     states = np.concatenate([before[:0:-1], after])
+    c, s = np.cos(OMEGA_EARTH_RAD_S * t_s), np.sin(OMEGA_EARTH_RAD_S * t_s)
+    r_itrf_m, v_m_s = _turned(states[:, :3], c, s), _turned(states[:, 3:], c, s)
+    v_itrf_m_s = v_m_s - np.cross([0.0, 0.0, OMEGA_EARTH_RAD_S], r_itrf_m)
+    r_eci_m, v_eci_m_s = eci_from_itrf_state(r_itrf_m, v_itrf_m_s, Instants(epoch_utc, t_s))
     return PaperEphemeris(
         epoch_utc=epoch_utc,
         start_utc=start_utc,
         stop_utc=stop_utc,
         warnings=warnings,
-        t_s=np.concatenate([before_s[:0:-1], after_s]),
-        r_m=states[:, :3],
-        v_m_s=states[:, 3:],
+        t_s=t_s,
+        r_eci_m=r_eci_m,
+        v_eci_m_s=v_eci_m_s,
     )
 
 
