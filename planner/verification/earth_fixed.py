@@ -15,7 +15,6 @@ WGS84 = 1  # ERFA's number for the ellipsoid
 WGS84_A_M = 6378137.0
 WGS84_A_OVER_B = 1.0 / (1.0 - 1.0 / 298.257223563)
 SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
-LIGHT_TIME_PASSES = 3  # v/c = 1.5e-6 each: 2.5 m, 4 um, 6 pm
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +46,12 @@ def earth_fixed_sight(
     to_sat_m = states.r_sat_eci_m - r_now_eci_m
     range_m = np.sqrt(np.sum(to_sat_m * to_sat_m, axis=1))
 
+    # The range itself errs by the metre the target moves meanwhile: 2 um after this one step.
     light_s = range_m / SPEED_OF_LIGHT_M_S
-    for _ in range(LIGHT_TIME_PASSES):
-        emitted = Instants(instants.epoch_utc, instants.t_s - light_s)
-        r_then_eci_m = earth.eci_from_itrf(_r_target_itrf_m(target, emitted), before_s=light_s)
-        to_target_m = r_then_eci_m - states.r_sat_eci_m
-        light_s = np.sqrt(np.sum(to_target_m * to_target_m, axis=1)) / SPEED_OF_LIGHT_M_S
-    incoming = to_target_m / (light_s * SPEED_OF_LIGHT_M_S)[:, None]
+    emitted = Instants(instants.epoch_utc, instants.t_s - light_s)
+    r_then_eci_m = earth.eci_from_itrf(_r_target_itrf_m(target, emitted), before_s=light_s)
+    to_target_m = r_then_eci_m - states.r_sat_eci_m
+    incoming = to_target_m / np.sqrt(np.sum(to_target_m * to_target_m, axis=1, keepdims=True))
 
     up_eci = earth.eci_from_itrf(_up_itrf(r_now_itrf_m))
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)

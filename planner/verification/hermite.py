@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.commands import COMMAND_STEP_S
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class AxisHermite:
         every = slice(None)
         values = [self.angle_rad[:-1], *(self.angle_at(every, u) for u in turning)]
         least, greatest = self._extremes(values, [np.zeros(len(turning[0])), *turning])
-        last = Extreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / 5.0)
+        last = Extreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / ROWS_PER_S)
         return (
             min(least, last, key=lambda extreme: extreme.value),
             max(greatest, last, key=lambda extreme: extreme.value),
@@ -121,9 +121,8 @@ class AxisHermite:
         found = []
         for where in (np.argmin(stacked), np.argmax(stacked)):
             kind, cell = np.unravel_index(where, stacked.shape)
-            found.append(
-                Extreme(float(stacked[kind, cell]), float(cell / 5.0 + into_cell_s[kind, cell]))
-            )
+            t_s = cell / ROWS_PER_S + into_cell_s[kind, cell]
+            found.append(Extreme(float(stacked[kind, cell]), float(t_s)))
         return found[0], found[1]
 
 

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.commands import COMMAND_STEP_S, CommandTable
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.platforms import AxisLimits
 from planner.scenario import Scenario
@@ -34,7 +34,6 @@ _UNITS: dict[Limit, str] = {
 
 def limit_margins(table: CommandTable, scenario: Scenario) -> tuple[LimitMargin, ...]:
     """For every axis: both stops, rate, acceleration, jerk, steps of acceleration at rows."""
-    jerk_max_deg_s3 = scenario.slew.jerk_max_deg_s3
     return tuple(
         LimitMargin(
             axis=axis,
@@ -46,13 +45,10 @@ def limit_margins(table: CommandTable, scenario: Scenario) -> tuple[LimitMargin,
             at_utc=shifted_utc(table.epoch_utc, extreme.t_s),
         )
         for column, (axis, limits) in enumerate(
-            zip(scenario.platform.axis_names, scenario.platform.axis_limits, strict=True)
+            zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
         )
         for limit, bound, extreme in _extremes(
-            axis_hermite(table, column),
-            limits,
-            limits.jerk_max_rad_s3 if jerk_max_deg_s3 is None else math.radians(jerk_max_deg_s3),
-            float(scenario.initial_motion(axis)[2]),
+            axis_hermite(table, column), limits, float(scenario.initial_motion(axis)[2])
         )
     )
 
@@ -61,9 +57,7 @@ def limit_findings(margins: tuple[LimitMargin, ...], scenario: Scenario) -> Iter
     """One error for each limit that is broken by more than rounding."""
     half_travel_rad = {
         axis: 0.5 * (limits.angle_max_rad - limits.angle_min_rad)
-        for axis, limits in zip(
-            scenario.platform.axis_names, scenario.platform.axis_limits, strict=True
-        )
+        for axis, limits in zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
     }
     for margin in margins:
         is_stop = margin.limit in ("angle_min", "angle_max")
@@ -98,19 +92,18 @@ def slow_stretches(
     epoch_utc: datetime,
 ) -> Iterator[SlowStretch]:
     """Where the rate stays below rate_min between the first and the last of `rows`, exactly."""
-    starts_s = np.arange(len(hermite.angle_rad) - 1) / 5.0
+    starts_s = np.arange(len(hermite.angle_rad) - 1) / ROWS_PER_S
     crossings_s = np.concatenate(
         [hermite.crossings_s(rate_min_rad_s), hermite.crossings_s(-rate_min_rad_s)]
     )
     with np.errstate(invalid="ignore"):
         in_cell = (crossings_s > 0.0) & (crossings_s < COMMAND_STEP_S)
-    edges_s = np.unique(
-        np.concatenate([np.arange(rows[0], rows[-1] + 1) / 5.0, (starts_s + crossings_s)[in_cell]])
-    )
-    edges_s = edges_s[(edges_s >= rows[0] / 5.0) & (edges_s <= rows[-1] / 5.0)]
+    rows_s = np.arange(rows[0], rows[-1] + 1) / ROWS_PER_S
+    edges_s = np.unique(np.concatenate([rows_s, (starts_s + crossings_s)[in_cell]]))
+    edges_s = edges_s[(edges_s >= rows_s[0]) & (edges_s <= rows_s[-1])]
     middle_s = 0.5 * (edges_s[:-1] + edges_s[1:])
-    cell = np.clip((middle_s * 5.0).astype(np.intp), rows[0], rows[-1] - 1)
-    slow = np.abs(hermite.rate_at(cell, middle_s - cell / 5.0)) < rate_min_rad_s
+    cell = np.clip((middle_s * ROWS_PER_S).astype(np.intp), rows[0], rows[-1] - 1)
+    slow = np.abs(hermite.rate_at(cell, middle_s - cell / ROWS_PER_S)) < rate_min_rad_s
     changes = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]])))
     for first, last in zip(changes[::2], changes[1::2], strict=True):
         start_s, stop_s = float(edges_s[first]), float(edges_s[last])
@@ -126,7 +119,6 @@ def slow_stretches(
 def _extremes(
     hermite: AxisHermite,
     limits: AxisLimits,
-    jerk_max_rad_s3: float,
     initial_acceleration_rad_s2: float,
 ) -> Iterator[tuple[Limit, float, Extreme]]:
     least, greatest = hermite.angle_extremes()
@@ -134,10 +126,10 @@ def _extremes(
     yield "angle_max", limits.angle_max_rad, greatest
     yield "rate", limits.rate_max_rad_s, hermite.rate_extreme()
     yield "acceleration", limits.acceleration_max_rad_s2, hermite.acceleration_extreme()
-    yield "jerk", jerk_max_rad_s3, hermite.jerk_extreme()
+    yield "jerk", limits.jerk_max_rad_s3, hermite.jerk_extreme()
     yield (
         "acceleration_jump",
-        ACCELERATION_JUMP * jerk_max_rad_s3 * COMMAND_STEP_S,
+        ACCELERATION_JUMP * limits.jerk_max_rad_s3 * COMMAND_STEP_S,
         hermite.acceleration_jump_extreme(initial_acceleration_rad_s2),
     )
 

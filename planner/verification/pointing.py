@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.commands import COMMAND_STEP_S, CommandTable
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.scenario import Scenario, Session
 from planner.verification.carrier import boresight_platform, eci_from_platform
@@ -50,8 +50,8 @@ def session_report(
     is_row = np.arange(len(judged.t_s)) % POINTS_PER_CELL == 0
     report = SessionReport(
         number=number,
-        start_utc=shifted_utc(epoch_utc, rows[0] / 5.0),
-        stop_utc=shifted_utc(epoch_utc, rows[-1] / 5.0),
+        start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
+        stop_utc=shifted_utc(epoch_utc, rows[-1] / ROWS_PER_S),
         at_rows=_pointing_error(judged, is_row, epoch_utc),
         between_rows=_pointing_error(judged, ~is_row, epoch_utc),
         overall=_pointing_error(judged, np.ones_like(is_row), epoch_utc),
@@ -59,7 +59,7 @@ def session_report(
         slow_stretches=tuple(
             stretch
             for column, (axis, limits) in enumerate(
-                zip(scenario.platform.axis_names, scenario.platform.axis_limits, strict=True)
+                zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
             )
             for stretch in slow_stretches(
                 axis, axis_hermite(table, column), limits.rate_min_rad_s, rows, epoch_utc
@@ -72,7 +72,7 @@ def session_report(
 def _judged(table: CommandTable, scenario: Scenario, session: Session, rows: range) -> _Judged:
     cells = len(rows) - 1
     points = np.arange(POINTS_PER_CELL * cells + 1)
-    t_s = (POINTS_PER_CELL * rows[0] + points) / (5.0 * POINTS_PER_CELL)
+    t_s = (POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL)
     cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
     u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
     angle_rad = np.stack(

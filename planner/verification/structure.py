@@ -6,13 +6,13 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.commands import CommandTable
+from planner.commands import ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.scenario import Scenario, Session
 from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding
 
-STEP_US = 200_000
+STEP_US = 1_000_000 // ROWS_PER_S
 ROWS_MIN = 2
 # A tenth of what pointing may err by; solvers meet their end conditions to about a thousandth.
 INITIAL_ANGLE_TOLERANCE_RAD = math.radians(0.01 / 3600.0)
@@ -43,8 +43,8 @@ def unflyable(table: CommandTable, scenario: Scenario) -> Finding | None:
             severity="error",
             limit="table",
             axis=names[column],
-            t_s=row / 5.0,
-            at_utc=shifted_utc(table.epoch_utc, row / 5.0),
+            t_s=row / ROWS_PER_S,
+            at_utc=shifted_utc(table.epoch_utc, row / ROWS_PER_S),
             detail=f"row {row} of {names[column]} holds no finite number",
         )
     return None
