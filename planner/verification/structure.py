@@ -13,6 +13,7 @@ from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding
 
 STEP_US = 1_000_000 // ROWS_PER_S
+TIME_RESOLUTION_US = 1  # of a datetime: a session a microsecond past a row belongs to that row
 ROWS_MIN = 2
 # A tenth of what pointing may err by; solvers meet their end conditions to about a thousandth.
 INITIAL_ANGLE_TOLERANCE_RAD = math.radians(0.01 / 3600.0)
@@ -79,8 +80,8 @@ def structure_findings(table: CommandTable, scenario: Scenario) -> Iterator[Find
 
 def session_rows(session: Session, epoch_utc: datetime) -> range:
     """From the row at or before the start to the row at or after the stop, both included."""
-    first = elapsed_us(session.start, epoch_utc) // STEP_US
-    last = -(-elapsed_us(session.stop, epoch_utc) // STEP_US)
+    first = (elapsed_us(session.start, epoch_utc) + TIME_RESOLUTION_US) // STEP_US
+    last = -((TIME_RESOLUTION_US - elapsed_us(session.stop, epoch_utc)) // STEP_US)
     return range(first, last + 1)
 
 

@@ -15,6 +15,7 @@ from judged_tables import (
 )
 
 from planner.verification import verify
+from planner.verification.structure import session_rows
 
 
 @pytest.fixture(scope="module")
@@ -80,3 +81,23 @@ def test_what_cannot_be_flown_is_said_and_not_judged_further(scenario, table):
     broken_row = verify(unflyable["no finite number"], scenario).findings[0]
     assert (broken_row.axis, broken_row.t_s) == ("alpha", pytest.approx(15.4))
     assert broken_row.at_utc == datetime(2015, 2, 27, 17, 36, 15, 400000, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("start_us", "stop_us", "first", "last"),
+    [
+        (60_000_000, 100_000_000, 300, 500),
+        (60_000_002, 99_999_998, 300, 500),
+        (59_999_999, 100_000_001, 300, 500),  # a microsecond is rounding, two are meant
+        (59_999_998, 100_000_002, 299, 501),
+        (60_199_998, 99_800_002, 300, 500),
+        (60_199_999, 99_800_001, 301, 499),
+    ],
+)
+def test_sessions_are_widened_to_the_grid(scenario, start_us, stop_us, first, last):
+    session = dataclasses.replace(
+        scenario.sessions[0],
+        start=EPOCH_UTC + timedelta(microseconds=start_us),
+        stop=EPOCH_UTC + timedelta(microseconds=stop_us),
+    )
+    assert session_rows(session, EPOCH_UTC) == range(first, last + 1)
