@@ -1,0 +1,236 @@
+"""How is a JSON text read as a `@spec` value, and how is each field at fault named?
+
+The HTTP service and the command line read requests here and nowhere else.
+"""
+
+import json
+import math
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Generic, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import SchemaValidator, core_schema
+
+from planner.attitude import ATTITUDES
+from planner.errors import InvalidInput
+from planner.frames.time_scales import utc_from_text
+from planner.orbits import ORBITS
+from planner.targets import TARGETS
+
+KINDS: Mapping[str, Mapping[str, type]] = {"source": ORBITS, "law": ATTITUDES, "mode": TARGETS}
+ERRORS_SHOWN = 50
+FIELDS_MAX = 1000  # of one object: bounds the work on a hostile one
+VALUE_SHOWN_CHARACTERS = 80
+
+JsonScalar = str | float | int | bool | None
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldError:
+    """One field at fault: its dotted name, what is wrong and the way out, its value if scalar."""
+
+    field: str
+    detail: str
+    value: JsonScalar = None
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.detail}" if self.field else self.detail
+
+
+class InvalidRequest(InvalidInput):
+    """The request as text, not what it asks for, is at fault."""
+
+    slug: ClassVar[str] = "invalid-request"
+    title: ClassVar[str] = "The request can't be read"
+
+    def __init__(self, *errors: FieldError) -> None:
+        more = f"; {len(errors) - 1} more under errors" if len(errors) > 1 else ""
+        super().__init__(f"{errors[0]}{more}", field=errors[0].field or None)
+        self.errors = errors
+
+
+class JsonReader(Generic[T]):
+    """Reads JSON as one `@spec` class, strictly.
+
+    Beyond what `@spec` makes pydantic refuse (unknown fields, NaN, `true` for a number):
+    times go through `utc_from_text`, so they carry an offset and may be leap seconds; the
+    member of each registry in `KINDS` is chosen by its kind alone, which must be given; no
+    object holds a field twice.
+    """
+
+    def __init__(self, cls: type[T]) -> None:
+        self._schema = _told_apart(TypeAdapter(cls).core_schema)
+        self._validator = SchemaValidator(_with_utc_times(self._schema))
+
+    def read(self, body: bytes) -> T:
+        """The value; raises InvalidRequest with the fields at fault."""
+        document = _document(body)
+        try:
+            value: T = self._validator.validate_json(body)
+        except ValidationError as error:
+            found = error.errors(include_url=False)
+        else:
+            return value
+        raise InvalidRequest(*field_errors(found, document))
+
+    def json_schema(self, ref_template: str) -> dict[str, Any]:
+        """JSON Schema 2020-12; its `$defs` hold what it refers to by `ref_template`."""
+        schema = _JsonSchema(ref_template=ref_template).generate(self._schema)
+        for member, registry in KINDS.items():
+            for cls in registry.values():
+                definition = schema["$defs"].get(cls.__name__, {})
+                definition["required"] = [member, *definition.get("required", ())]
+        return schema
+
+
+class _JsonSchema(GenerateJsonSchema):
+    """Without titles, which only repeat the names of the fields."""
+
+    def field_title_should_be_set(self, schema: Any) -> bool:  # noqa: ANN401 (pydantic's)
+        return False
+
+
+def field_errors(errors: Sequence[Mapping[str, Any]], document: object) -> list[FieldError]:
+    """Pydantic's findings in our words, by the fields of the document as it was sent."""
+    return [_field_error(error, document) for error in errors[:ERRORS_SHOWN]]
+
+
+def _document(body: bytes) -> object:
+    """The JSON value, to look field names up in; refuses what isn't JSON."""
+    try:
+        return json.loads(body.decode("utf-8"), object_pairs_hook=_members)
+    except UnicodeDecodeError as error:
+        fault = f"the request must be UTF-8 text; byte {error.start} is not"
+    except RecursionError:
+        fault = "the request is nested too deeply"
+    except ValueError as error:  # also a field twice, a number of 5000 digits
+        fault = f"the request is no valid JSON: {error}"
+    raise InvalidRequest(FieldError(field="", detail=fault))
+
+
+def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    members = dict(pairs)
+    if len(pairs) > FIELDS_MAX:
+        raise ValueError(f"an object has {len(pairs)} fields, more than {FIELDS_MAX}")
+    if len(members) < len(pairs):
+        [(field, times)] = Counter(field for field, _ in pairs).most_common(1)
+        raise ValueError(f"{_cut(field)!r} is given {times} times in one object; keep one")
+    return members
+
+
+def _told_apart(node: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
+    """The core schema with each union of a registry's classes made a tagged union."""
+    if isinstance(node, list | tuple):
+        return type(node)(_told_apart(item) for item in node)
+    if not isinstance(node, dict):
+        return node
+    node = {key: _told_apart(value) for key, value in node.items()}
+    choices = node["choices"] if node.get("type") == "union" else [node]
+    classes = [choice.get("cls") for choice in choices if isinstance(choice, dict)]
+    for member, registry in KINDS.items():
+        if set(classes) == set(registry.values()):
+            kinds = {kind: choices[classes.index(cls)] for kind, cls in registry.items()}
+            return core_schema.tagged_union_schema(
+                kinds,
+                member,
+                custom_error_type="unknown_kind",
+                custom_error_message=f"must be one of {', '.join(registry)}",
+                custom_error_context={"member": member},
+            )
+    return node
+
+
+def _with_utc_times(node: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
+    """The core schema with our own reading of times, which knows leap seconds."""
+    if isinstance(node, list | tuple):
+        return type(node)(_with_utc_times(item) for item in node)
+    if not isinstance(node, dict):
+        return node
+    if node.get("type") == "datetime":
+        return core_schema.no_info_after_validator_function(
+            utc_from_text, core_schema.str_schema(strict=True)
+        )
+    return {key: _with_utc_times(value) for key, value in node.items()}
+
+
+def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
+    kind, given = error["type"], error["input"]
+    path, node = _path_in(document, error["loc"], keep_absent_end=kind == "missing")
+    detail = _detail(error)
+    if kind == "unknown_kind":
+        path.append(error["ctx"]["member"])
+        given = node.get(path[-1]) if isinstance(node, dict) else node
+    if kind == "value_error":
+        # Our own ValueErrors begin with the field at fault.
+        name, _, rest = detail.partition(" ")
+        name = name.removesuffix(":")
+        named_path, named = _path_in(node, name.split("."))
+        if ".".join(named_path) == name:
+            path, detail, given = path + named_path, rest, named
+    value = _shown(given)
+    if kind not in ("value_error", "missing", "unexpected_keyword_argument") and value is not None:
+        detail += f", not {json.dumps(value)}"
+    return FieldError(field=".".join(path), detail=detail, value=value)
+
+
+def _path_in(
+    document: object, location: Sequence[int | str], keep_absent_end: bool = False
+) -> tuple[list[str], object]:
+    """The part of a location that exists in the document, and the value there.
+
+    Pydantic's locations also hold the kinds of tagged unions, which the document doesn't.
+    """
+    path, node = [], document
+    for depth, key in enumerate(location):
+        if isinstance(node, dict) and key in node:
+            node = node[key]
+        elif isinstance(node, list) and str(key).isdecimal() and int(key) < len(node):
+            node = node[int(key)]
+        elif not (keep_absent_end and depth == len(location) - 1):
+            continue
+        path.append(_cut(str(key)))
+    return path, node
+
+
+_DETAILS = {
+    "missing": "is required",
+    "unexpected_keyword_argument": "is not a field of this object; remove it or mend its name",
+    "extra_forbidden": "is not known here; remove it or mend its name",
+    "bool_parsing": "must be true or false",
+    "float_type": "must be a number",
+    "dataclass_type": "must be an object",
+    "dict_type": "must be an object",
+    "tuple_type": "must be a list",
+}
+
+
+def _detail(error: Mapping[str, Any]) -> str:
+    context = error.get("ctx", {})
+    match error["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "finite_number":
+            return f"must be a finite number, not {error['input']}"
+        case kind if kind in _DETAILS:
+            return _DETAILS[kind]
+        case _:
+            message: str = error["msg"]
+            return re.sub(r"^Input should be", "must be", message)
+
+
+def _shown(value: object) -> JsonScalar:
+    """A value fit to be repeated: scalars, cut short; never NaN, which is no JSON."""
+    if isinstance(value, str):
+        return _cut(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, bool | int | float) else None
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= VALUE_SHOWN_CHARACTERS else text[:VALUE_SHOWN_CHARACTERS] + "..."

@@ -1,0 +1,85 @@
+"""What does a request for a plan hold?"""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import Discriminator, FailFast, Field, Tag
+
+from app.api.json_reader import JsonReader
+from planner.attitude import Attitude
+from planner.frames.time_scales import elapsed_s
+from planner.orbits import Orbit
+from planner.platforms import PLATFORMS, PlatformDefinition, TwoAxisPlatform
+from planner.scenario import InitialState, Scenario, Session, SlewOptions
+from planner.spec import spec
+
+SESSIONS_MAX = 200
+SPAN_MAX_S = 86400.0  # 432,000 rows, some 30 MB
+
+
+def _name_or_definition(value: object) -> str:
+    return "definition" if isinstance(value, Mapping | PlatformDefinition) else "name"
+
+
+@spec
+class PlanRequest:
+    """A carrier, a platform on it, its state, and the sessions to fly in order of time.
+
+    `platform`: a registered name, or a two-axis platform written out in degrees.
+    """
+
+    name: str = ""
+    platform: Annotated[
+        Annotated[str, Tag("name"), Field(json_schema_extra={"enum": list(PLATFORMS)})]
+        | Annotated[PlatformDefinition, Tag("definition")],
+        Discriminator(_name_or_definition),
+    ]
+    orbit: Orbit
+    attitude: Attitude
+    initial_state: InitialState
+    sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX), FailFast()]
+    slew: SlewOptions = SlewOptions()
+
+    def __post_init__(self) -> None:
+        scenario = self.scenario()
+        span_s = elapsed_s(scenario.sessions[-1].stop, scenario.initial_state.epoch)
+        if span_s > SPAN_MAX_S:
+            raise ValueError(
+                f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "
+                f"not after {span_s:.0f} s; plan them one by one"
+            )
+
+    def scenario(self) -> Scenario:
+        """The same, with the platform looked up."""
+        return Scenario(
+            name=self.name,
+            orbit=self.orbit,
+            attitude=self.attitude,
+            platform=self._platform(),
+            initial_state=self.initial_state,
+            sessions=self.sessions,
+            slew=self.slew,
+        )
+
+    def _platform(self) -> TwoAxisPlatform:
+        if isinstance(self.platform, PlatformDefinition):
+            return self.platform.platform()
+        if self.platform not in PLATFORMS:
+            raise ValueError(
+                f"platform must be one of {', '.join(PLATFORMS)}, or axes written out in degrees, "
+                f"not {self.platform[:80]!r}"
+            )
+        return PLATFORMS[self.platform]
+
+
+_READER = JsonReader(PlanRequest)
+
+
+def read_plan_request(body: bytes) -> Scenario:
+    """The scenario a JSON text describes; raises InvalidRequest with the fields at fault."""
+    return _READER.read(body).scenario()
+
+
+def plan_request_json_schema(ref_template: str) -> dict[str, Any]:
+    """JSON Schema of the request; its `$defs` hold what it refers to by `ref_template`."""
+    return _READER.json_schema(ref_template)

@@ -1,0 +1,143 @@
+"""Which bad requests must be refused, with which problem and at which field?"""
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.api.platforms import definition_of
+from planner.platforms import PLATFORMS
+
+Request = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """The body of a request, and what its refusal must say."""
+
+    name: str
+    body: bytes
+    slug: str
+    field: str | None
+    says: str
+
+
+def request(*changes: tuple[str, object], example: str = "tle") -> Request:
+    """A worked example with the values at some dotted paths replaced or added."""
+    document = copy.deepcopy(PLAN_EXAMPLES[example][1])
+    for path, value in changes:
+        *parents, last = path.split(".")
+        node: Any = document
+        for key in parents:
+            node = node[int(key)] if isinstance(node, list) else node[key]
+        node[last] = value
+    return document
+
+
+def _refused(
+    name: str, document: Request | str | bytes, slug: str, field: str | None, says: str
+) -> Refused:
+    if isinstance(document, dict):
+        document = json.dumps(document)
+    body = document.encode() if isinstance(document, str) else document
+    return Refused(name, body, slug, field, says)
+
+
+def _stiff_platform() -> Any:
+    """The ISS platform with stops at which the pass is out of reach."""
+    platform = TypeAdapter(object).dump_python(definition_of(PLATFORMS["iss-hrc"]), mode="json")
+    for axis in ("outer", "inner"):
+        platform[axis] |= {"angle_min_deg": -2.0, "angle_max_deg": 2.0}
+    return platform
+
+
+TARGET = "sessions.0.target"
+_CHECKSUM_OFF = LAS_VEGAS["orbit"]["line1"][:-1] + "2"
+_MIRROR = {"2015-02-27": "2015-04-05"}  # 37 days after the elements
+_READ, _UNCOVERED = "invalid-request", "outside-coverage"
+
+_BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
+    ("NaN", lambda: request((f"{TARGET}.latitude_deg", float("nan"))), _READ,
+     f"{TARGET}.latitude_deg", "finite"),
+    ("Infinity", lambda: request(("initial_state.angles_deg.beta", float("-inf"))), _READ,
+     "initial_state.angles_deg.beta", "finite"),
+    ("true for a number", lambda: request((f"{TARGET}.height_m", True)), _READ,
+     f"{TARGET}.height_m", "a number"),
+    ("unknown field", lambda: request((f"{TARGET}.heigth_m", 610.0)), _READ,
+     f"{TARGET}.heigth_m", "remove it"),
+    ("missing field", lambda: request((TARGET, {"mode": "ground", "latitude_deg": 1.0})), _READ,
+     f"{TARGET}.longitude_deg", "required"),
+    ("unknown kind", lambda: request(("orbit", {"source": "kepler"})), _READ,
+     "orbit.source", "tle"),
+    ("no kind", lambda: request(("attitude", {"yaw_deg": 0.0})), _READ, "attitude.law", "lvlh"),
+    ("unknown platform", lambda: request(("platform", "hubble")), _READ, "platform", "iss-hrc"),
+    ("unknown method", lambda: request(("slew.method", "magic")), _READ, "slew.method", "ocp"),
+    ("naive time", lambda: request(("sessions.0.start", "2015-02-27T17:36:20")), _READ,
+     "sessions.0.start", "append Z"),
+    ("no such day", lambda: request(("sessions.0.stop", "2015-02-29T17:37:50Z")), _READ,
+     "sessions.0.stop", "no time"),
+    ("no such leap second", lambda: request(("sessions.0.stop", "2015-02-27T23:59:60Z")), _READ,
+     "sessions.0.stop", "leap second"),
+    ("time as a number", lambda: request(("sessions.0.stop", 1425058670)), _READ,
+     "sessions.0.stop", "string"),
+    ("stop before start", lambda: request(("sessions.0.stop", "2015-02-27T17:36:10Z")), _READ,
+     "sessions.0.stop", "after start"),
+    ("too short", lambda: request(("sessions.0.stop", "2015-02-27T17:36:20.1Z")), _READ,
+     "sessions.0", "0.2 s"),
+    ("no session", lambda: request(("sessions", [])), _READ, "sessions", "at least one"),
+    ("overlap", lambda: request(("sessions", LAS_VEGAS["sessions"] * 2)), _READ,
+     "sessions.1.start", "still busy"),
+    ("too long", lambda: request(("sessions.0.stop", "2015-03-01T17:36:20Z")), _READ,
+     "sessions", "86400 s"),
+    ("epoch off the grid", lambda: request(("initial_state.epoch", "2015-02-27T17:34:00.1Z")),
+     _READ, "initial_state.epoch", "0.2 s"),
+    ("latitude", lambda: request((f"{TARGET}.latitude_deg", 90.5)), _READ,
+     f"{TARGET}.latitude_deg", "-90..90"),
+    ("angle at start", lambda: request(("initial_state.angles_deg.beta", 180.0)), _READ,
+     "initial_state.angles_deg.beta", "-175..175"),
+    ("rate at start", lambda: request(("initial_state.rates_deg_s.alpha", -3.5)), _READ,
+     "initial_state.rates_deg_s.alpha", "-3..3"),
+    ("axis of another platform", lambda: request(("initial_state.angles_deg", {"azimuth": 0.0})),
+     _READ, "initial_state.angles_deg", "alpha, beta"),
+    ("TLE checksum", lambda: request(("orbit.line1", _CHECKSUM_OFF)), _READ,
+     "orbit.line1", "checksum"),
+    ("OEM of nothing", lambda: request(("orbit.content", "hello"), example="oem"), _READ,
+     "orbit.content", ""),
+    ("TLE of another month",
+     lambda: json.loads(json.dumps(request(("orbit", {}))).replace("2015-02-27", "2015-04-05"))
+     | {"orbit": LAS_VEGAS["orbit"]},
+     _UNCOVERED, "orbit.line1", "30 days"),
+    ("OEM ends before the session",
+     lambda: request(("sessions.0.stop", "2015-02-27T17:45:00Z"), example="oem"), _UNCOVERED,
+     "orbit", "17:44"),
+    ("below the horizon", lambda: request((f"{TARGET}.latitude_deg", -36.1147)), "not-visible",
+     TARGET, "horizon"),
+    ("below the elevation asked for", lambda: request((f"{TARGET}.min_elevation_deg", 89.0)),
+     "not-visible", TARGET, "elevation"),
+    ("out of reach", lambda: request(("platform", _stiff_platform())), "unreachable",
+     "sessions.0", "-2"),
+    ("a sliver of time", lambda: request(("initial_state.epoch", "2015-02-27T17:36:19.4Z")),
+     "infeasible-slew", "sessions.0.start", "earliest"),
+]  # fmt: skip
+
+BY_TEXT = [
+    _refused("empty", "", _READ, None, "JSON"),
+    _refused("cut off", '{"name": "Las', _READ, None, "JSON"),
+    _refused("not an object", "[]", _READ, None, "object"),
+    _refused("not UTF-8", b'{"name": "\xff"}', _READ, None, "UTF-8"),
+    _refused("lone surrogate", b'{"name": "\\ud800"}', _READ, None, "JSON"),
+    _refused("nested", "[" * 100_000, _READ, None, "nested"),
+    _refused("field twice", '{"name": "a", "name": "b"}', _READ, None, "'name'"),
+    _refused("number of 5000 digits", '{"name": ' + "1" * 5000 + "}", _READ, None, "JSON"),
+    _refused(
+        "1001 fields", json.dumps({str(n): n for n in range(1001)}), _READ, None, "more than 1000"
+    ),
+]
+
+CASES = BY_TEXT + [
+    _refused(name, make(), slug, field, says) for name, make, slug, field, says in _BY_FIELD
+]

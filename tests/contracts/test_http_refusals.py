@@ -1,0 +1,85 @@
+"""Is every bad request refused alike by the service and the command, at the field at fault?"""
+
+import json
+
+import pytest
+from fastapi.testclient import TestClient
+from refusal_cases import CASES, Refused, request
+from typer.testing import CliRunner
+
+from app.cli import main
+from app.errors import STATUS_OF_REFUSAL
+from app.main import create_app
+from planner.errors import Refusal
+
+
+@pytest.fixture(scope="module")
+def client():
+    with TestClient(create_app()) as client:
+        yield client
+
+
+def post(client, body):
+    return client.post("/v1/plans", content=body, headers={"Content-Type": "application/json"})
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_service_refuses(client, case: Refused):
+    answer = post(client, case.body)
+    assert answer.status_code == 422, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    problem = answer.json()
+    assert problem["type"] == f"urn:slewtrack:problem:{case.slug}", problem
+    assert problem["status"] == 422
+    assert problem["title"]
+    assert problem.get("field") == case.field, problem
+    assert case.says in json.dumps(problem, ensure_ascii=False), problem
+    assert "Traceback" not in answer.text
+    assert "NaN" not in answer.text  # no JSON: a strict client could not read the refusal
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_command_refuses(case: Refused):
+    result = CliRunner().invoke(main, ["plan", "-"], input=case.body)
+    assert result.exit_code == 2, result.output
+    assert result.stdout == ""
+    [line] = result.stderr.splitlines()
+    assert line.startswith(f"slewtrack: {case.field}:" if case.field else "slewtrack: "), line
+    assert case.says in line or case.name == "no kind", line
+
+
+def test_every_field_at_fault_is_listed(client):
+    document = request(("platform", "hubble"), ("sessions.0.target.latitude_deg", "north"))
+    document["orbit"] = {"source": "tle", "line2": 5, "line3": ""}
+    problem = post(client, json.dumps(document)).json()
+    assert {error["field"] for error in problem["errors"]} == {
+        "orbit.line1",
+        "orbit.line2",
+        "orbit.line3",
+        "sessions.0.target.latitude_deg",
+    }
+    values = {error["field"]: error["value"] for error in problem["errors"]}
+    assert values["sessions.0.target.latitude_deg"] == "north"
+
+
+def test_long_values_are_not_repeated(client):
+    problem = post(client, json.dumps(request(("platform", "x" * 10_000)))).text
+    assert len(problem) < 1000
+
+
+def test_a_slew_refused_for_time_fits_at_the_start_it_names(client):
+    document = request(("initial_state.epoch", "2015-02-27T17:36:19.4Z"))
+    problem = post(client, json.dumps(document)).json()
+    assert problem["axis"] in ("alpha", "beta")
+    document["sessions"][0]["start"] = problem["earliest_feasible_start"]
+    assert post(client, json.dumps(document)).status_code == 201
+
+
+def _kinds_of_refusal(kind: type[Refusal]) -> set[type[Refusal]]:
+    return {kind}.union(*map(_kinds_of_refusal, kind.__subclasses__()))
+
+
+def test_every_refusal_has_a_status():
+    assert _kinds_of_refusal(Refusal) == set(STATUS_OF_REFUSAL)
+    slugs = [kind.slug for kind in STATUS_OF_REFUSAL]
+    assert len(set(slugs)) == len(slugs)
