@@ -1,0 +1,151 @@
+"""Which HTTP answer does each refusal get?
+
+Every answer above 399 is `application/problem+json` (RFC 9457) and says no more of an
+internal error than that there was one.
+"""
+
+import json
+import logging
+import uuid
+from collections.abc import Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+
+from app.api.json_reader import FieldError, InvalidRequest, field_errors
+from planner import errors
+from planner.frames.time_scales import utc_text
+
+PROBLEM_JSON = "application/problem+json"
+TYPE_PREFIX = "urn:slewtrack:problem:"
+
+STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
+    errors.Refusal: HTTPStatus.UNPROCESSABLE_ENTITY,
+    InvalidRequest: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.InvalidInput: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.InvalidMessage: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.OutsideCoverage: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.NotVisible: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.Unreachable: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.TrackBreaksLimit: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.InfeasibleSlew: HTTPStatus.UNPROCESSABLE_ENTITY,
+    # The request was sound: these two are our failures.
+    errors.SolverFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
+    errors.VerificationFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """RFC 9457 problem details.
+
+    `type` names the kind of refusal; `instance` this occurrence, which the log names too.
+    `field` is the request field at fault, dotted; `axis`, `limit` and `at` say what breaks
+    and when; `earliest_feasible_start` is the nearest session start that works; `errors`
+    lists every field at fault of a request that can't be read.
+    """
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str
+    field: str | None = None
+    axis: str | None = None
+    limit: str | None = None
+    at: str | None = None
+    earliest_feasible_start: str | None = None
+    errors: tuple[FieldError, ...] = ()
+
+
+def install(app: FastAPI) -> None:
+    """Answer every refusal, HTTP error and bug of `app` with a problem."""
+    app.add_exception_handler(errors.Refusal, _refusal)
+    app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(RequestValidationError, _bad_parameter)
+    app.add_exception_handler(Exception, _bug)
+
+
+def _refusal(_: Request, refusal: Exception) -> Response:
+    assert isinstance(refusal, errors.Refusal)
+    at, earliest = refusal.at_utc, refusal.earliest_feasible_start_utc
+    return _answer(
+        STATUS_OF_REFUSAL[type(refusal)],
+        {
+            "type": TYPE_PREFIX + refusal.slug,
+            "title": refusal.title,
+            "detail": refusal.detail,
+            "field": refusal.field,
+            "axis": refusal.axis,
+            "limit": refusal.limit,
+            "at": utc_text(at) if at else None,
+            "earliest_feasible_start": utc_text(earliest) if earliest else None,
+            "errors": [
+                {"field": error.field, "detail": error.detail, "value": error.value}
+                for error in getattr(refusal, "errors", ())
+            ],
+        },
+    )
+
+
+def _bad_parameter(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    document = {"query": dict(request.query_params)}
+    return _refusal(request, InvalidRequest(*field_errors(error.errors(), document)))
+
+
+def _http_error(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    status = HTTPStatus(error.status_code)
+    detail = error.detail
+    if detail == status.phrase:  # Starlette's own: say what would have worked
+        detail = _WAY_OUT.get(status, status.description)
+    return _answer(
+        status,
+        {"type": "about:blank", "title": status.phrase, "detail": detail},
+        headers=error.headers,
+    )
+
+
+_WAY_OUT = {
+    HTTPStatus.NOT_FOUND: "there is nothing at this address; /docs lists what there is",
+    HTTPStatus.METHOD_NOT_ALLOWED: "this address has other methods: see the Allow header",
+}
+
+
+def _bug(_: Request, error: Exception) -> Response:
+    status = HTTPStatus.INTERNAL_SERVER_ERROR
+    response, instance = _response(
+        status,
+        {
+            "type": TYPE_PREFIX + "internal-error",
+            "title": status.phrase,
+            "detail": "the service failed; its log says why under this instance",
+        },
+    )
+    logging.getLogger("slewtrack").error("%s", instance, exc_info=error)
+    return response
+
+
+def _answer(
+    status: HTTPStatus, members: dict[str, Any], headers: Mapping[str, str] | None = None
+) -> Response:
+    return _response(status, members, headers)[0]
+
+
+def _response(
+    status: HTTPStatus, members: dict[str, Any], headers: Mapping[str, str] | None = None
+) -> tuple[Response, str]:
+    instance = uuid.uuid4().urn
+    members |= {"status": status.value, "instance": instance}
+    kept = {name: members[name] for name in _ORDER if members.get(name) not in (None, [])}
+    # ASCII, so that no text of the request can break the encoding of the answer.
+    body = json.dumps(kept, allow_nan=False).encode("ascii")
+    return Response(body, status, headers, media_type=PROBLEM_JSON), instance
+
+
+_ORDER = tuple(Problem.__dataclass_fields__)
