@@ -1,0 +1,342 @@
+"""What does the answer to a plan hold?  Degrees, UTC text and plain numbers."""
+
+import math
+import uuid
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, TypeAdapter
+
+from app.api.comparison import SlewComparisonOut, comparison_out
+from app.versions import versions
+from planner.commands import COMMAND_STEP_S, CommandTable
+from planner.frames.time_scales import utc_text
+from planner.plan import Plan, Segment, SegmentKind
+from planner.verification.report import Finding, LimitMargin, SessionReport
+
+ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
+DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
+
+_UNITS = {
+    "angle_min": "deg",
+    "angle_max": "deg",
+    "rate": "deg/s",
+    "acceleration": "deg/s2",
+    "acceleration_jump": "deg/s2",
+    "jerk": "deg/s3",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SegmentOut:
+    """A stretch of the table: at rest, on the way to a session's target, or tracking it."""
+
+    kind: SegmentKind
+    session: int
+    start: str
+    stop: str
+
+
+class TableOut(BaseModel):
+    """The command table, one array per column.
+
+    Per axis NAME of the platform two more: `NAME_deg` and `NAME_rate_deg_s` (for `iss-hrc`
+    `alpha_deg`, `beta_deg`, `alpha_rate_deg_s`, `beta_rate_deg_s`).  Between rows the
+    platform flies the cubic Hermite of two rows.
+    """
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    __pydantic_extra__: dict[str, list[float]]
+
+    epoch: str
+    step_s: float
+    t_s: list[float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MarginOut:
+    """The closest an axis comes to a limit, anywhere on or between rows; negative when broken.
+
+    acceleration_jump: the step of the acceleration from one 0.2 s cell to the next.
+    """
+
+    limit: float
+    extreme: float
+    margin: float
+    unit: str
+    t_s: float
+    at: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlowStretchOut:
+    """An axis commanded below its least smooth drive rate, where friction may shake it."""
+
+    axis: str
+    start: str
+    stop: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointingOut:
+    """How well one session's target is held, by the independent verification.
+
+    ground_max_m: the error on the target's horizontal plane; null below its horizon.
+    across_max_m: the error at the target across the line of sight.
+    """
+
+    session: int
+    start: str
+    stop: str
+    max_arcsec: float
+    max_at: str
+    rms_arcsec: float
+    rows_max_arcsec: float
+    between_rows_max_arcsec: float
+    ground_max_m: float | None
+    across_max_m: float
+    elevation_min_deg: float
+    range_min_km: float
+    closest_at: str
+    range_max_km: float
+    slow_stretches: list[SlowStretchOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FindingOut:
+    """One thing the verification found wrong or worth knowing."""
+
+    severity: Literal["error", "warning"]
+    limit: str
+    axis: str | None
+    at: str | None
+    detail: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerificationOut:
+    """The verdict of a judge that shares no code with the planner's geometry and solver."""
+
+    passed: bool
+    findings: list[FindingOut]
+    taken_as_given: list[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlewRunOut:
+    """How one slew was solved; minimum_s is the least time the limits allow."""
+
+    session: int
+    backend: str
+    status: str
+    iterations: int
+    wall_s: float
+    duration_s: float
+    minimum_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolverOut:
+    """All slews together, then one by one; stages_wall_s is the time of the whole plan."""
+
+    backend: str
+    status: str
+    iterations: int
+    wall_s: float
+    slews: list[SlewRunOut]
+    stages_wall_s: dict[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProvenanceOut:
+    """What made this plan from what: SHA-256 of the request's bytes, versions at work."""
+
+    input_sha256: str
+    planned_at: str
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanResponse:
+    """A verified plan.  margins: by axis, then by limit."""
+
+    id: str
+    state: Literal["queued", "running", "done", "refused", "failed", "cancelled"]
+    name: str
+    platform: str
+    segments: list[SegmentOut]
+    table: TableOut
+    margins: dict[str, dict[str, MarginOut]]
+    pointing: list[PointingOut]
+    verification: VerificationOut
+    comparison: list[SlewComparisonOut]
+    solver: SolverOut
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class DryRunResponse:
+    """The request can be read; nothing was planned."""
+
+    valid: Literal[True]
+    name: str
+    platform: str
+    sessions: int
+    provenance: ProvenanceOut
+
+
+_ADAPTER = TypeAdapter(PlanResponse)
+
+
+def plan_json(plan: Plan, *, input_sha256: str, planned_at_utc: datetime) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    return _ADAPTER.dump_json(plan_response(plan, input_sha256, planned_at_utc))
+
+
+def plan_response(plan: Plan, input_sha256: str, planned_at_utc: datetime) -> PlanResponse:
+    """The plan under a new id."""
+    report = plan.verification
+    return PlanResponse(
+        id=str(uuid.uuid4()),
+        state="done",
+        name=plan.scenario.name,
+        platform=plan.scenario.platform.name,
+        segments=[_segment(segment) for segment in plan.segments],
+        table=table_out(plan.table),
+        margins=margins_out(report.limits),
+        pointing=[pointing_out(session) for session in report.sessions],
+        verification=VerificationOut(
+            passed=report.passed,
+            findings=[_finding(finding) for finding in report.findings],
+            taken_as_given=list(report.taken_as_given),
+        ),
+        comparison=[
+            comparison_out(run.session, run.comparison)
+            for run in plan.slews
+            if run.comparison is not None
+        ],
+        solver=_solver(plan),
+        warnings=list(plan.warnings),
+        provenance=provenance(input_sha256, planned_at_utc),
+    )
+
+
+def provenance(input_sha256: str, planned_at_utc: datetime) -> ProvenanceOut:
+    """Of an answer to the request with this digest."""
+    return ProvenanceOut(
+        input_sha256=input_sha256, planned_at=utc_text(planned_at_utc), versions=versions()
+    )
+
+
+def table_out(table: CommandTable) -> TableOut:
+    """The table in degrees, rounded to 1e-9."""
+    columns: dict[str, Any] = {}
+    for column, axis in enumerate(table.axis_names):
+        columns[f"{axis}_deg"] = _degrees(table.angle_rad[:, column])
+    for column, axis in enumerate(table.axis_names):
+        columns[f"{axis}_rate_deg_s"] = _degrees(table.rate_rad_s[:, column])
+    # Constructed without validation: 2,000 floats that numpy has just made.
+    return TableOut.model_construct(
+        epoch=utc_text(table.epoch_utc, 1),
+        step_s=COMMAND_STEP_S,
+        t_s=table.t_s.tolist(),
+        **columns,
+    )
+
+
+def margins_out(limits: tuple[LimitMargin, ...]) -> dict[str, dict[str, MarginOut]]:
+    """By axis, then by limit."""
+    margins: dict[str, dict[str, MarginOut]] = {}
+    for found in limits:
+        margins.setdefault(found.axis, {})[found.limit] = MarginOut(
+            limit=_degrees_of(found.limit_value),
+            extreme=_degrees_of(found.extreme),
+            margin=_degrees_of(found.margin),
+            unit=_UNITS[found.limit],
+            t_s=round(found.t_s, 6),
+            at=utc_text(found.at_utc),
+        )
+    return margins
+
+
+def pointing_out(session: SessionReport) -> PointingOut:
+    """One session's error and geometry."""
+    view = session.view
+    return PointingOut(
+        session=session.number,
+        start=utc_text(session.start_utc),
+        stop=utc_text(session.stop_utc),
+        max_arcsec=session.overall.max_rad * ARCSEC_PER_RAD,
+        max_at=utc_text(session.overall.max_utc),
+        rms_arcsec=session.overall.rms_rad * ARCSEC_PER_RAD,
+        rows_max_arcsec=session.at_rows.max_rad * ARCSEC_PER_RAD,
+        between_rows_max_arcsec=session.between_rows.max_rad * ARCSEC_PER_RAD,
+        ground_max_m=view.miss_on_ground_max_m,
+        across_max_m=view.miss_across_max_m,
+        elevation_min_deg=math.degrees(view.elevation_min_rad),
+        range_min_km=view.range_min_m / 1e3,
+        closest_at=utc_text(view.range_min_utc),
+        range_max_km=view.range_max_m / 1e3,
+        slow_stretches=[
+            SlowStretchOut(
+                axis=slow.axis, start=utc_text(slow.start_utc), stop=utc_text(slow.stop_utc)
+            )
+            for slow in session.slow_stretches
+        ],
+    )
+
+
+def _segment(segment: Segment) -> SegmentOut:
+    return SegmentOut(
+        kind=segment.kind,
+        session=segment.session,
+        start=utc_text(segment.start_utc, 1),
+        stop=utc_text(segment.stop_utc, 1),
+    )
+
+
+def _finding(finding: Finding) -> FindingOut:
+    return FindingOut(
+        severity=finding.severity,
+        limit=finding.limit,
+        axis=finding.axis,
+        at=utc_text(finding.at_utc) if finding.at_utc else None,
+        detail=finding.detail,
+    )
+
+
+def _solver(plan: Plan) -> SolverOut:
+    runs = plan.slews
+    return SolverOut(
+        backend=" ".join(dict.fromkeys(run.backend for run in runs)),
+        status=" ".join(dict.fromkeys(run.status for run in runs)),
+        iterations=sum(run.iterations for run in runs),
+        wall_s=sum(run.wall_s for run in runs),
+        slews=[
+            SlewRunOut(
+                session=run.session,
+                backend=run.backend,
+                status=run.status,
+                iterations=run.iterations,
+                wall_s=run.wall_s,
+                duration_s=run.duration_s,
+                minimum_s=run.minimum_s,
+            )
+            for run in runs
+        ],
+        stages_wall_s=dict(plan.stage_wall_s),
+    )
+
+
+def _degrees(values_rad: NDArray[np.float64]) -> list[float]:
+    # + 0.0 so that nothing reads -0.0
+    degrees: list[float] = (np.round(np.degrees(values_rad), DECIMALS) + 0.0).tolist()
+    return degrees
+
+
+def _degrees_of(value_rad: float) -> float:
+    return round(math.degrees(value_rad), DECIMALS)

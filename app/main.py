@@ -1,0 +1,54 @@
+"""What does the HTTP service consist of?"""
+
+from typing import Any
+
+import anyio
+from fastapi import FastAPI
+from fastapi_offline import FastAPIOffline
+
+from app import errors
+from app.api import plans, platforms, system
+from app.openapi import complete
+from app.settings import Settings
+from app.versions import VERSION
+
+# CasADi and the planner's Python hold the interpreter lock: a second thread only adds latency.
+SOLVES_AT_ONCE = 1
+
+_DESCRIPTION = """\
+Plans how a two-axis platform on a spacecraft points its camera: target and session time in,
+a verified command table every 0.2 s out.
+
+Angles are in degrees, times RFC 3339 with an offset, quaternions scalar last. Whatever is
+refused is refused as `application/problem+json` with the field, the reason and the way out."""
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The service; settings default to the environment's."""
+    # FastAPIOffline serves the pages of /docs and /redoc without a CDN.
+    app: FastAPI = FastAPIOffline(
+        title="slewtrack",
+        version=VERSION,
+        description=_DESCRIPTION,
+        redirect_slashes=False,
+        separate_input_output_schemas=False,
+        swagger_ui_parameters={"tryItOutEnabled": True, "defaultModelsExpandDepth": 0},
+    )
+    app.state.settings = settings or Settings()
+    app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
+    for resource in (plans, platforms, system):
+        app.include_router(resource.router)
+    errors.install(app)
+    _describe(app)
+    return app
+
+
+def _describe(app: FastAPI) -> None:
+    generate = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = complete(generate())
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's documented way

@@ -1,0 +1,15 @@
+"""Which versions of this program and of what shapes its results are at work?"""
+
+import platform
+from functools import cache
+from importlib.metadata import version
+
+VERSION = version("slewtrack")
+_DEPENDENCIES = ("astropy-iers-data", "casadi", "numpy", "pyerfa", "ruckig", "scipy", "sgp4")
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Name to version, ours and Python's first."""
+    ours = {"slewtrack": VERSION, "python": platform.python_version()}
+    return ours | {name: version(name) for name in _DEPENDENCIES}

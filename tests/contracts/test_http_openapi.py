@@ -1,0 +1,117 @@
+"""Do the API's pages work without a network and tell all there is, from the registries?"""
+
+import json
+import re
+
+import pytest
+from fastapi.testclient import TestClient
+
+from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.main import create_app
+from planner.attitude import ATTITUDES
+from planner.errors import Refusal
+from planner.orbits import ORBITS
+from planner.platforms import PLATFORMS
+from planner.targets import TARGETS
+
+REGISTRIES = [
+    ("PlanRequest", "orbit", "source", ORBITS),
+    ("PlanRequest", "attitude", "law", ATTITUDES),
+    ("Session", "target", "mode", TARGETS),
+]
+KINDS = [
+    pytest.param(schema, field, member, kind, cls, id=f"{field}-{kind}")
+    for schema, field, member, registry in REGISTRIES
+    for kind, cls in registry.items()
+]
+
+
+@pytest.fixture(scope="module")
+def client():
+    with TestClient(create_app()) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def document(client):
+    return client.get("/openapi.json").json()
+
+
+@pytest.mark.parametrize(("schema", "field", "member", "kind", "cls"), KINDS)
+def test_every_registered_kind_is_documented(document, schema, field, member, kind, cls):
+    schemas = document["components"]["schemas"]
+    union = schemas[schema]["properties"][field]
+    assert union["discriminator"]["propertyName"] == member
+    ref = union["discriminator"]["mapping"][kind]
+    assert {"$ref": ref} in union["oneOf"]
+    described = schemas[ref.rsplit("/", 1)[1]]
+    assert described["properties"][member]["const"] == kind
+    assert member in described["required"]
+    assert described["additionalProperties"] is False
+    assert set(described["properties"]) == set(cls.__dataclass_fields__)
+    assert described["description"]
+
+
+def test_every_registered_platform_is_documented(document, client):
+    platform = document["components"]["schemas"]["PlanRequest"]["properties"]["platform"]
+    assert platform["oneOf"][0]["enum"] == list(PLATFORMS)
+    listed = client.get("/v1/platforms").json()["platforms"]
+    assert [entry["name"] for entry in listed] == list(PLATFORMS)
+
+
+def test_every_reference_leads_somewhere(document):
+    refs = set(re.findall(r'"\$ref": ?"#/components/schemas/([^"]+)"', json.dumps(document)))
+    mapped = set(re.findall(r'"#/components/schemas/([^"]+)"', json.dumps(document)))
+    assert refs
+    assert refs | mapped <= set(document["components"]["schemas"])
+    assert document["openapi"].startswith("3.1")
+
+
+def test_every_operation_documents_its_refusals(document):
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            assert operation["summary"]
+            answers = operation["responses"]
+            assert {"406", "500"} <= set(answers)
+            if "requestBody" in operation:
+                assert {"413", "415", "422"} <= set(answers)
+            for status, answer in answers.items():
+                [media_type] = answer["content"]
+                refusal = int(status) >= 400
+                assert media_type == ("application/problem+json" if refusal else "application/json")
+
+
+@pytest.mark.parametrize("kind", [*ORBITS, *ATTITUDES, *TARGETS])
+def test_every_kind_has_a_worked_example(kind):
+    shown = json.dumps([value for _, value in PLAN_EXAMPLES.values()])
+    assert re.search(rf'"(source|law|mode)": "{kind}"', shown)
+
+
+@pytest.mark.parametrize("name", PLAN_EXAMPLES)
+def test_worked_examples_are_planned(client, name):
+    answer = client.post("/v1/plans", json=PLAN_EXAMPLES[name][1])
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["verification"]["passed"] or name == "spline"
+
+
+def test_the_example_file_is_the_worked_example(request):
+    file = request.config.rootpath / "examples" / "las_vegas_2015.json"
+    assert json.loads(file.read_text()) == LAS_VEGAS
+
+
+@pytest.mark.parametrize("page", ["/docs", "/redoc"])
+def test_pages_need_no_other_machine(client, page):
+    html = client.get(page).text
+    for address in re.findall(r"""(?:src|href)=["']([^"']+)["']""", html):
+        if address.startswith("#"):
+            continue
+        assert address.startswith("/"), f"{page} would fetch {address}"
+        assert client.get(address).status_code == 200
+    assert not re.search(r"https?://", html), f"{page} names another machine"
+
+
+def test_the_service_names_its_refusals(document):
+    problem = document["components"]["schemas"]["Problem"]
+    facts = {"field", "axis", "limit", "at", "earliest_feasible_start", "errors"}
+    assert facts <= set(problem["properties"])
+    assert Refusal.slug

@@ -1,0 +1,164 @@
+"""Does a plan over HTTP hold what the contract promises?"""
+
+import hashlib
+import json
+import math
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+from refusal_cases import request
+from scipy.interpolate import CubicHermiteSpline
+
+from app.api.examples import LAS_VEGAS
+from app.main import create_app
+
+JSON = {"Content-Type": "application/json"}
+
+
+@pytest.fixture(scope="module")
+def client():
+    with TestClient(create_app()) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def plan(client):
+    answer = client.post("/v1/plans", content=json.dumps(LAS_VEGAS), headers=JSON)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def utc(text: str) -> datetime:
+    assert text.endswith("Z")
+    return datetime.fromisoformat(text).astimezone(UTC)
+
+
+def test_members(plan):
+    assert set(plan) >= {
+        "id", "state", "segments", "table", "margins", "pointing", "comparison", "solver",
+        "warnings", "provenance",
+    }  # fmt: skip
+    assert plan["state"] == "done"
+
+
+def test_table_rows_stand_on_the_grid(plan):
+    table = plan["table"]
+    assert set(table) == {
+        "epoch", "step_s", "t_s", "alpha_deg", "beta_deg", "alpha_rate_deg_s", "beta_rate_deg_s",
+    }  # fmt: skip
+    assert table["epoch"] == "2015-02-27T17:34:00.0Z"
+    assert table["step_s"] == 0.2
+    rows = 230 * 5 + 1  # 17:34:00 to 17:37:50
+    assert table["t_s"] == [k / 5 for k in range(rows)]
+    for column in ("alpha_deg", "beta_deg", "alpha_rate_deg_s", "beta_rate_deg_s"):
+        assert len(table[column]) == rows
+        assert all(math.isfinite(value) for value in table[column])
+
+
+def test_table_starts_from_the_initial_state(plan):
+    table = plan["table"]
+    for axis in ("alpha", "beta"):
+        assert table[f"{axis}_deg"][0] == pytest.approx(0.0, abs=1e-9)  # the table's resolution
+        assert table[f"{axis}_rate_deg_s"][0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_rates_are_those_of_the_angles(plan):
+    """A smooth curve's rate by central differences; 0.2 s^2/6 times a jerk of 1 deg/s3 at most."""
+    table = plan["table"]
+    for axis in ("alpha", "beta"):
+        angle = np.array(table[f"{axis}_deg"])
+        rate = np.array(table[f"{axis}_rate_deg_s"])
+        np.testing.assert_allclose((angle[2:] - angle[:-2]) / 0.4, rate[1:-1], atol=0.2**2 / 6)
+
+
+def test_segments_cover_the_table(plan):
+    slew, track = plan["segments"]
+    assert (slew["kind"], track["kind"]) == ("slew", "track")
+    assert utc(slew["start"]) == utc(plan["table"]["epoch"])
+    assert slew["stop"] == track["start"] == "2015-02-27T17:36:20.0Z"
+    assert track["stop"] == "2015-02-27T17:37:50.0Z"
+
+
+def test_margins_are_those_of_the_curve_between_rows(plan):
+    """The extreme of the same Hermite, found by SciPy on a 1 ms grid."""
+    table = plan["table"]
+    t_s = np.array(table["t_s"])
+    fine_s = np.arange(0.0, t_s[-1], 1e-3)
+    for axis in ("alpha", "beta"):
+        flown = CubicHermiteSpline(t_s, table[f"{axis}_deg"], table[f"{axis}_rate_deg_s"])
+        margins = plan["margins"][axis]
+        assert margins["rate"]["limit"] == 3.0
+        assert margins["rate"]["unit"] == "deg/s"
+        fastest = np.abs(flown(fine_s, nu=1)).max()
+        # Half a step of 1 ms at 1 deg/s2 from the grid's nearest point.
+        assert abs(margins["rate"]["extreme"]) == pytest.approx(fastest, abs=5e-4)
+        assert margins["rate"]["margin"] == pytest.approx(3.0 - fastest, abs=5e-4)
+        assert margins["angle_max"]["limit"] == 175.0
+        assert margins["angle_max"]["extreme"] == pytest.approx(flown(fine_s).max(), abs=1e-3)
+        assert margins["acceleration"]["margin"] >= 0.0
+
+
+def test_pointing_is_within_the_promise(plan):
+    [session] = plan["pointing"]
+    assert session["session"] == 0
+    assert 0.0 <= session["rms_arcsec"] <= session["max_arcsec"] <= 0.1
+    assert session["ground_max_m"] < 1.0  # 0.1 arcsec from 800 km, at 30 deg elevation
+    assert session["elevation_min_deg"] > 0.0
+
+
+def test_provenance(plan):
+    provenance = plan["provenance"]
+    digest = hashlib.sha256(json.dumps(LAS_VEGAS).encode()).hexdigest()
+    assert provenance["input_sha256"] == digest
+    assert {"slewtrack", "python", "casadi", "numpy"} <= set(provenance["versions"])
+    assert abs((datetime.now(UTC) - utc(provenance["planned_at"])).total_seconds()) < 600
+
+
+def test_solver(plan):
+    solver = plan["solver"]
+    assert solver["wall_s"] > 0.0
+    assert [run["session"] for run in solver["slews"]] == [0]
+    assert solver["slews"][0]["minimum_s"] < solver["slews"][0]["duration_s"]
+
+
+def test_ocp_is_set_beside_the_spline(plan):
+    [comparison] = plan["comparison"]
+    assert comparison["session"] == 0
+
+
+def test_a_dry_run_plans_nothing(client):
+    body = json.dumps(LAS_VEGAS)
+    answer = client.post("/v1/plans?dry_run=true", content=body, headers=JSON)
+    assert answer.status_code == 200
+    said = answer.json()
+    assert said["valid"] is True
+    assert "table" not in said
+    assert said["provenance"]["input_sha256"] == hashlib.sha256(body.encode()).hexdigest()
+
+
+def test_a_platform_copied_from_the_list_plans_the_same(client, plan):
+    [iss_hrc] = [
+        entry
+        for entry in client.get("/v1/platforms").json()["platforms"]
+        if entry["name"] == "iss-hrc"
+    ]
+    again = client.post("/v1/plans", json=request(("platform", iss_hrc)))
+    assert again.status_code == 201, again.text
+    for column in ("alpha_deg", "beta_deg"):
+        # Degrees at 1e-12 in the list, amplified by nothing: the table's own resolution.
+        np.testing.assert_allclose(again.json()["table"][column], plan["table"][column], atol=2e-9)
+
+
+def test_columns_bear_the_names_of_the_platforms_axes(client):
+    answer = client.post("/v1/plans", json=request(example="platform"))
+    table = answer.json()["table"]
+    assert {"azimuth_deg", "tilt_deg", "azimuth_rate_deg_s", "tilt_rate_deg_s"} <= set(table)
+
+
+def test_an_offset_other_than_z_is_the_same_instant(client, plan):
+    answer = client.post(
+        "/v1/plans", json=request(("sessions.0.start", "2015-02-27T09:36:20-08:00"))
+    )
+    assert answer.json()["table"]["alpha_deg"] == plan["table"]["alpha_deg"]
