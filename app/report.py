@@ -1,0 +1,101 @@
+"""What does a person want to know of a plan at first sight?"""
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from app.api.plan_response import PointingOut, margins_out, pointing_out
+from planner.frames.time_scales import elapsed_s, utc_text
+from planner.plan import Plan
+
+
+def print_report(plan: Plan) -> None:
+    """Segments, pointing error, margins, the optimal slew against the spline, warnings."""
+    console = Console(highlight=False)
+    table = plan.table
+    total_ms = 1e3 * sum(plan.stage_wall_s.values())
+    console.print(
+        Text.assemble(
+            (plan.scenario.name or "Plan", "bold"),
+            f", {plan.scenario.platform.name}: {len(table.angle_rad)} rows from ",
+            f"{utc_text(table.epoch_utc, 1)}, planned in {total_ms:.0f} ms",
+        )
+    )
+    pointing = [pointing_out(session) for session in plan.verification.sessions]
+    for part in (_segments(plan), _pointing(pointing), _margins(plan), _comparison(plan)):
+        if part is not None and part.row_count:
+            console.print(part)
+    for warning in plan.warnings:
+        console.print(Text(f"warning: {warning}", style="yellow"))
+    verdict = "passed" if plan.verification.passed else "FAILED"
+    console.print(
+        Text(f"verification {verdict}", style="green" if plan.verification.passed else "red")
+    )
+
+
+def _table(title: str, *columns: str) -> Table:
+    """Columns of text start with `<` in their heading, the rest are numbers."""
+    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    for column in columns:
+        heading = column.removeprefix("<")
+        table.add_column(heading, justify="right" if heading == column else "left", no_wrap=True)
+    return table
+
+
+def _segments(plan: Plan) -> Table:
+    table = _table("segments", "<kind", "session", "<start", "<stop", "seconds")
+    for segment in plan.segments:
+        table.add_row(
+            segment.kind,
+            str(segment.session),
+            utc_text(segment.start_utc, 1),
+            utc_text(segment.stop_utc, 1),
+            f"{elapsed_s(segment.stop_utc, segment.start_utc):.1f}",
+        )
+    return table
+
+
+def _pointing(pointing: list[PointingOut]) -> Table:
+    table = _table(
+        "pointing error",
+        "session",
+        "max arcsec",
+        "rms arcsec",
+        "ground m",
+        "least elevation deg",
+        "least range km",
+    )
+    for session in pointing:
+        ground_m = session.ground_max_m
+        table.add_row(
+            str(session.session),
+            f"{session.max_arcsec:.4f}",
+            f"{session.rms_arcsec:.4f}",
+            "-" if ground_m is None else f"{ground_m:.3f}",
+            f"{session.elevation_min_deg:.2f}",
+            f"{session.range_min_km:.1f}",
+        )
+    return table
+
+
+def _margins(plan: Plan) -> Table:
+    table = _table(
+        "least margins", "<axis", "<limit of", "limit", "closest", "margin", "<unit", "<at UTC"
+    )
+    for axis, margins in margins_out(plan.verification.limits).items():
+        for name, margin in margins.items():
+            table.add_row(
+                axis,
+                name,
+                f"{margin.limit:.6g}",
+                f"{margin.extreme:.6g}",
+                f"{margin.margin:.6g}",
+                margin.unit,
+                margin.at[11:],
+                style="red" if margin.margin < 0.0 else None,
+            )
+    return table
+
+
+def _comparison(plan: Plan) -> Table | None:
+    return None

@@ -1,0 +1,113 @@
+"""Does what the README and the tutorial show really work?"""
+
+import itertools
+import json
+import re
+import shlex
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SLEWTRACK = Path(sys.executable).with_name("slewtrack")
+README = (ROOT / "README.md").read_text()
+
+
+@contextmanager
+def service():
+    """`slewtrack serve` on a free port; yields its address."""
+    process = subprocess.Popen(
+        [SLEWTRACK, "serve", "--port", "0"], stderr=subprocess.PIPE, text=True, cwd=ROOT
+    )
+    try:
+        for line in process.stderr:
+            if found := re.search(r"running on (http://127\.0\.0\.1:\d+)", line):
+                yield found[1]
+                break
+        else:
+            raise AssertionError("the service said no address")
+    finally:
+        process.terminate()
+        process.wait(timeout=20)
+
+
+def curl(command: str, address: str) -> tuple[int, dict]:
+    """Does what the curl command says, so that no curl need be installed."""
+    words = shlex.split(command.replace("\\\n", " "))
+    options = dict(itertools.pairwise(words))
+    [url] = [word for word in words if word.startswith("http")]
+    body = (ROOT / options["--data-binary"].removeprefix("@")).read_bytes()
+    name, value = options["-H"].split(": ")
+    request = urllib.request.Request(
+        url.replace("http://127.0.0.1:8000", address), body, {name: value}, method=options["-X"]
+    )
+    with urllib.request.urlopen(request) as answer:
+        return answer.status, json.load(answer)
+
+
+def curl_commands(text: str) -> list[str]:
+    return [match[0].removeprefix("$ ") for match in re.finditer(r"\$ curl (?:.*\\\n)*.*\n", text)]
+
+
+def test_curl_examples():
+    [in_readme] = curl_commands(README)
+    [in_tutorial] = curl_commands((ROOT / "docs" / "http.md").read_text())
+    with service() as address:
+        status, plan = curl(in_readme, address)
+        assert status == 201
+        assert plan["state"] == "done"
+        assert plan["verification"]["passed"]
+        assert len(plan["table"]["alpha_deg"]) == 1151
+        status, answer = curl(in_tutorial, address)
+        assert status == 200
+        assert answer["valid"] is True
+
+
+def test_command_line_example(tmp_path):
+    [command] = re.findall(r"\$ \.venv/bin/slewtrack (plan .*)\n", README)
+    words = shlex.split(command.replace("out/", f"{tmp_path}/"))
+    result = subprocess.run([SLEWTRACK, *words], capture_output=True, text=True, cwd=ROOT)
+    assert result.returncode == 0, result.stderr
+    assert "Las Vegas" in result.stdout
+    assert "verification passed" in result.stdout
+    assert (tmp_path / "plan.png").read_bytes().startswith(b"\x89PNG")
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    header, *rows = (tmp_path / "table.csv").read_text().splitlines()
+    assert header == "utc,t_s,alpha_deg,beta_deg,alpha_rate_deg_s,beta_rate_deg_s"
+    assert len(rows) == len(plan["table"]["t_s"])
+    utc, t_s, *values = rows[-1].split(",")
+    assert (utc, t_s) == ("2015-02-27T17:37:50.0Z", "230.0")
+    for column, value in zip(header.split(",")[2:], values, strict=True):
+        assert float(value) == plan["table"][column][-1]
+
+
+def test_refusal_example():
+    [shown] = re.findall(r"\n(slewtrack: .*)\n", README)
+    document = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())
+    document["sessions"][0]["start"] = "2015-02-27T17:36:20"
+    result = subprocess.run(
+        [SLEWTRACK, "plan", "-"], input=json.dumps(document), capture_output=True, text=True
+    )
+    assert result.returncode == 2
+    assert result.stderr == shown + "\n"
+
+
+def test_python_example():
+    [example] = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    result = subprocess.run(
+        [sys.executable, "-c", example], capture_output=True, text=True, cwd=ROOT
+    )
+    assert result.returncode == 0, result.stderr
+    assert result.stdout == "(1151, 2) True\n"
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/http.md", "docs/conventions.md"])
+def test_links_lead_somewhere(page):
+    file = ROOT / page
+    for target in re.findall(r"\]\(([^)#]+)\)", file.read_text()):
+        assert (file.parent / target).exists(), target
