@@ -6,7 +6,8 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-COMMAND_STEP_S = 0.2  # Sumarokov 2016: the platform is fed every 0.2 s
+ROWS_PER_S = 5  # Sumarokov 2016: the platform is fed every 0.2 s
+COMMAND_STEP_S = 1.0 / ROWS_PER_S
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,4 +27,4 @@ class CommandTable:
     @property
     def t_s(self) -> NDArray[np.float64]:
         """Seconds since the epoch of each row; k/5 is the closest double to 0.2 k, 0.2*k is not."""
-        return np.arange(len(self.angle_rad)) / 5.0
+        return np.arange(len(self.angle_rad)) / ROWS_PER_S

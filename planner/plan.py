@@ -9,15 +9,17 @@ from planner.scenario import Scenario
 from planner.slew import SlewComparison
 from planner.verification import VerificationReport
 
+SegmentKind = Literal["wait", "slew", "track"]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A stretch of the table, on its grid: the way to a session's target, or the target held.
+    """A stretch of the table, on its grid: at rest, on the way to the target, or holding it.
 
     session: index into the scenario's sessions.
     """
 
-    kind: Literal["slew", "track"]
+    kind: SegmentKind
     session: int
     start_utc: datetime
     stop_utc: datetime
@@ -25,7 +27,11 @@ class Segment:
 
 @dataclass(frozen=True, kw_only=True)
 class SlewRun:
-    """How one slew was solved.  comparison: None where the method asked for was the baseline."""
+    """How one slew was solved.
+
+    minimum_s: the least time the limits allow, stops aside.  comparison: None where the
+    baseline itself was asked for.
+    """
 
     session: int
     backend: str

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import field, replace
 from datetime import datetime
 from typing import Literal
 
@@ -12,25 +13,24 @@ from planner.attitude import Attitude
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.platforms import TwoAxisPlatform
+from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.spec import spec
 from planner.targets import Target
-
-ZERO_PER_AXIS: Mapping[str, float] = {}
 
 
 @spec
 class InitialState:
     """Where the platform is, and how it moves, when the table begins.
 
-    One entry per axis of the platform, by the axis's name.  `epoch` becomes row 0 and so
+    One entry per axis of the platform, by the axis's name; no rates or accelerations mean
+    zero.  `epoch` becomes row 0 and so
     must be a whole multiple of 0.2 s after its UTC second.
     """
 
     epoch: datetime
     angles_deg: Mapping[str, float]
-    rates_deg_s: Mapping[str, float] = ZERO_PER_AXIS
-    accelerations_deg_s2: Mapping[str, float] = ZERO_PER_AXIS
+    rates_deg_s: Mapping[str, float] = field(default_factory=dict)
+    accelerations_deg_s2: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)
@@ -118,11 +118,12 @@ class Scenario:
 
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
-        for field in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
-            given = getattr(self.initial_state, field)
-            if given is not ZERO_PER_AXIS and set(given) != set(names):
+        for what in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
+            given = getattr(self.initial_state, what)
+            at_rest = what != "angles_deg" and not given
+            if not at_rest and set(given) != set(names):
                 raise ValueError(
-                    f"initial_state.{field} must name the axes {', '.join(names)} of "
+                    f"initial_state.{what} must name the axes {', '.join(names)} of "
                     f"{self.platform.name}, not {', '.join(given) or 'none'}"
                 )
         for axis, limits in zip(names, self.platform.axis_limits, strict=True):
@@ -133,12 +134,22 @@ class Scenario:
                 ("accelerations_deg_s2", -acceleration_max, acceleration_max),
             )
             motion_rad = self.initial_motion(axis)
-            for value, (field, low, high) in zip(motion_rad, ranges_rad, strict=True):
+            for value, (what, low, high) in zip(motion_rad, ranges_rad, strict=True):
                 if not low <= value <= high:
                     raise ValueError(
-                        f"initial_state.{field}.{axis} is {math.degrees(value):.6g}, outside its "
+                        f"initial_state.{what}.{axis} is {math.degrees(value):.6g}, outside its "
                         f"limits {math.degrees(low):.6g}..{math.degrees(high):.6g}"
                     )
+
+    @property
+    def axis_limits(self) -> tuple[AxisLimits, ...]:
+        """The platform's limits with the jerk limit asked for, in the order of its axes."""
+        if self.slew.jerk_max_deg_s3 is None:
+            return self.platform.axis_limits
+        jerk_max_rad_s3 = math.radians(self.slew.jerk_max_deg_s3)
+        return tuple(
+            replace(limits, jerk_max_rad_s3=jerk_max_rad_s3) for limits in self.platform.axis_limits
+        )
 
     def initial_motion(self, axis: str) -> NDArray[np.float64]:
         """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""

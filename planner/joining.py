@@ -1,0 +1,203 @@
+"""How does the platform get from its state onto one session's track?"""
+
+import math
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+
+from planner.commands import ROWS_PER_S
+from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.gimbal.track import AxisTrack, track_candidates
+from planner.line_of_sight import STENCIL, LineOfSight, line_of_sight
+from planner.orbits import Ephemeris
+from planner.scenario import Scenario, Session
+from planner.slew import (
+    BACKENDS,
+    AxisState,
+    SlewProblem,
+    SlewSolution,
+    earliest_join,
+    flown,
+    track_states,
+)
+
+GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
+EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rows:
+    """Rows of the table that enclose a session; `stop` is the last one, included."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Join:
+    """A slew from `slew_row` to `join_row`, and its track followed to `stop_row`."""
+
+    slew: SlewSolution
+    track: AxisTrack
+    slew_row: int
+    join_row: int
+    stop_row: int
+
+
+def session_rows(session: Session, epoch_utc: datetime) -> Rows:
+    """The session snapped outwards onto the command grid."""
+    start_s = elapsed_s(session.start, epoch_utc) + GRID_TOLERANCE_S
+    stop_s = elapsed_s(session.stop, epoch_utc) - GRID_TOLERANCE_S
+    return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
+
+
+def joined(
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    number: int,
+    session: Session,
+    from_row: int,
+    state: tuple[AxisState, ...],
+) -> Join:
+    """Slew from `state` at row `from_row` onto the track of one session.
+
+    number: the session's index, for refusals.  session: that session, or the same with other
+    times.  With the objective "minimum_time" the track is joined as early as the slew can
+    and the target can be seen and followed, else at the session's start.
+    Raises NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew.
+    """
+    rows = session_rows(session, scenario.initial_state.epoch)
+    los = _line_of_sight(scenario, ephemeris, session, rows, from_row)
+    _require_visible(los, rows, session, number)
+    ways = track_candidates(
+        scenario.platform,
+        los,
+        rows.start / ROWS_PER_S,
+        rows.stop / ROWS_PER_S,
+        np.array([axis.angle_rad for axis in state]),
+    )
+    refusals: list[InfeasibleSlew] = []
+    for track in ways:
+        try:
+            join_row, slew = _slew(scenario, los, track, rows, from_row, state)
+        except InfeasibleSlew as refusal:
+            refusals.append(refusal)
+        else:
+            return Join(
+                slew=slew,
+                track=track,
+                slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
+                join_row=join_row,
+                stop_row=rows.stop,
+            )
+    raise refusals[0]
+
+
+def covering(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
+    """The orbit over all sessions and, if it is known, over the time for joining one early."""
+    epoch_utc = scenario.initial_state.epoch
+    narrow_row = sessions[0].start
+    wide_row = _early_row(scenario, narrow_row, 0)
+    stop_utc = shifted_utc(epoch_utc, sessions[-1].stop / ROWS_PER_S)
+    try:
+        return scenario.orbit.ephemeris(shifted_utc(epoch_utc, wide_row / ROWS_PER_S), stop_utc)
+    except OutsideCoverage:
+        if wide_row == narrow_row:
+            raise
+    return scenario.orbit.ephemeris(shifted_utc(epoch_utc, narrow_row / ROWS_PER_S), stop_utc)
+
+
+def _early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
+    """From which row on the target may be followed already."""
+    if scenario.slew.objective != "minimum_time":
+        return start_row
+    return min(max(from_row, start_row - EARLY_ROWS), start_row)
+
+
+def _line_of_sight(
+    scenario: Scenario, ephemeris: Ephemeris, session: Session, rows: Rows, from_row: int
+) -> LineOfSight:
+    """Over the session and, where the orbit is known, over the time for joining it early."""
+    early_row = _early_row(scenario, rows.start, from_row)
+    try:
+        return sight(scenario, ephemeris, session, Rows(start=early_row, stop=rows.stop))
+    except OutsideCoverage:
+        if early_row == rows.start:
+            raise
+    return sight(scenario, ephemeris, session, rows)
+
+
+def sight(scenario: Scenario, ephemeris: Ephemeris, session: Session, rows: Rows) -> LineOfSight:
+    """The target from row to row, finer where the rows are fewer than the derivatives need."""
+    count = max(rows.stop - rows.start + 1, STENCIL)
+    t_s = np.linspace(rows.start, rows.stop, count) / ROWS_PER_S
+    return line_of_sight(
+        Instants(scenario.initial_state.epoch, t_s),
+        ephemeris,
+        scenario.attitude,
+        scenario.platform.q_platform_from_body,
+        session.target,
+    )
+
+
+def _require_visible(los: LineOfSight, rows: Rows, session: Session, number: int) -> None:
+    in_session = los.instants.t_s > (rows.start - 0.5) / ROWS_PER_S
+    hidden = np.flatnonzero(in_session & (los.clearance_rad < 0.0))
+    if not hidden.size:
+        return
+    worst = hidden[np.argmin(los.clearance_rad[hidden])]
+    first_utc = shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[hidden[0]]))
+    worst_utc = shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[worst]))
+    why = session.target.hidden_because(float(los.clearance_rad[worst]))
+    raise NotVisible(
+        f"session {number} ({utc_text(session.start)} to {utc_text(session.stop)}): from "
+        f"{utc_text(first_utc)} the target can't be seen; at {utc_text(worst_utc)} {why}",
+        field=f"sessions.{number}.start" if hidden[0] == 0 else f"sessions.{number}.stop",
+        limit="visibility",
+        at_utc=first_utc,
+    )
+
+
+def _slew(
+    scenario: Scenario,
+    los: LineOfSight,
+    track: AxisTrack,
+    rows: Rows,
+    from_row: int,
+    state: tuple[AxisState, ...],
+) -> tuple[int, SlewSolution]:
+    """The slew onto one track, and the row it ends on."""
+    if rows.start <= from_row:
+        raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
+    start_s = rows.start / ROWS_PER_S
+    backend = BACKENDS[scenario.slew.method]
+    if backend.keeps_limits and scenario.slew.objective == "minimum_time":
+        early = earliest_join(
+            track,
+            scenario.axis_limits,
+            state,
+            from_row / ROWS_PER_S,
+            scenario.slew,
+            after_s=_seen_from_s(los, start_s),
+        )
+        if early is not None and early.t_s <= start_s:
+            return round(early.t_s * ROWS_PER_S), early.solution
+    problem = SlewProblem(
+        axis_names=track.axis_names,
+        limits=scenario.axis_limits,
+        start=state,
+        end=track_states(track, start_s),
+        duration_s=(rows.start - from_row) / ROWS_PER_S,
+        objective="smooth" if backend.keeps_limits else scenario.slew.objective,
+    )
+    solution = backend.solve(problem, scenario.slew)
+    return rows.start, flown(solution) if backend.keeps_limits else solution
+
+
+def _seen_from_s(los: LineOfSight, start_s: float) -> float:
+    """Since when, without a break until start_s, the target can be seen."""
+    t_s = los.instants.t_s
+    hidden_before = np.flatnonzero((los.clearance_rad < 0.0) & (t_s < start_s))
+    return float(t_s[hidden_before[-1] + 1]) if hidden_before.size else float(t_s[0])
