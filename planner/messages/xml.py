@@ -52,8 +52,9 @@ def message_element(content: str, message: str, versions: tuple[str, ...]) -> Me
     A document type is refused outright: with it go entity bombs and references to files.
     """
     content = content.lstrip("\ufeff")
-    if "<!DOCTYPE" in content or "<!ENTITY" in content:
-        number = content[: content.find("<!")].count("\n") + 1
+    declared = re.search(r"<!(DOCTYPE|ENTITY)", content)
+    if declared:
+        number = content.count("\n", 0, declared.start()) + 1
         what = f"a document type declaration has no place in an {message}; remove it"
         refuse(message, number, what)
     # The declared encoding no longer holds for text that reached us as characters.

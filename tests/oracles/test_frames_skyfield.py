@@ -1,0 +1,79 @@
+"""Do our frames agree with Skyfield's?"""
+
+from datetime import UTC, datetime
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from skyfield.api import Loader, wgs84
+from skyfield.data import iers
+from skyfield.framelib import itrs
+from skyfield.sgp4lib import TEME
+
+from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
+from planner.frames.geodesy import geodetic_from_itrf
+from planner.frames.solar_system import r_moon_eci_m, r_sun_eci_m
+from planner.frames.time_scales import Instants
+
+MAS_RAD = np.pi / 648e6
+EPOCHS = [
+    datetime(1999, 12, 31, 23, 59, 50, tzinfo=UTC),
+    datetime(2015, 2, 27, 17, 36, tzinfo=UTC),
+    datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC),
+    datetime(2022, 2, 8, 13, 17, tzinfo=UTC),
+]
+
+
+@pytest.fixture(scope="module")
+def skyfield():
+    load = Loader(str(files("skyfield_data") / "data"))
+    timescale = load.timescale(builtin=False)
+    with load.open("finals2000A.all") as lines:
+        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
+    return timescale, load("de421.bsp")
+
+
+def times(skyfield, instants):
+    """Skyfield's Time of each instant, and Skyfield's matrices first index last."""
+    jd1, jd2 = instants.tt_jd()
+    return skyfield[0].tt_jd(jd1, jd2)
+
+
+@pytest.mark.parametrize("epoch_utc", EPOCHS)
+def test_itrf(skyfield, epoch_utc):
+    instants = Instants(epoch_utc, np.linspace(0.0, 900.0, 7))
+    theirs = np.moveaxis(itrs.rotation_at(times(skyfield, instants)), -1, 0)
+    # Skyfield interpolates UT1 linearly between days (0.05 ms) and leaves out dX, dY (0.3 mas)
+    np.testing.assert_allclose(c_itrf_from_eci(instants), theirs, rtol=0, atol=1.5 * MAS_RAD)
+
+
+@pytest.mark.parametrize("epoch_utc", EPOCHS)
+def test_teme(skyfield, epoch_utc):
+    instants = Instants(epoch_utc, np.linspace(0.0, 900.0, 7))
+    theirs = np.moveaxis(TEME.rotation_at(times(skyfield, instants)), -1, 0)
+    ours = np.swapaxes(c_itrf_from_teme(instants), 1, 2) @ c_itrf_from_eci(instants)
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1.5 * MAS_RAD)
+
+
+def test_sun_and_moon(skyfield):
+    instants = Instants(EPOCHS[1], np.linspace(0.0, 86400.0, 5))
+    at = times(skyfield, instants)
+    kernel = skyfield[1]
+    earth = kernel["earth"].at(at).position.m
+    sun = (kernel["sun"].at(at).position.m - earth).T
+    moon = (kernel["moon"].at(at).position.m - earth).T
+    # TT for TDB, 2 ms: 60 m of the Sun's motion, 2 m of the Moon's
+    np.testing.assert_allclose(r_sun_eci_m(instants), sun, rtol=0, atol=60.0)
+    np.testing.assert_allclose(r_moon_eci_m(instants), moon, rtol=0, atol=2.0)
+
+
+def test_geodetic_of_a_ground_track():
+    angle = np.linspace(0.0, 2.0 * np.pi, 25)
+    r_itrf_m = 6.8e6 * np.stack([np.cos(angle), 0.6 * np.sin(angle), 0.8 * np.sin(angle)], axis=1)
+    latitude, longitude, height_m = geodetic_from_itrf(r_itrf_m)
+    for k, r in enumerate(r_itrf_m):
+        site = wgs84.latlon(
+            np.rad2deg(latitude[k]), np.rad2deg(longitude[k]), elevation_m=height_m[k]
+        )
+        # what ERFA's closed form (one Halley step) leaves: 1e-14 of the radius
+        np.testing.assert_allclose(site.itrs_xyz.m, r, rtol=0, atol=2e-7)
