@@ -75,5 +75,5 @@ def test_geodetic_of_a_ground_track():
         site = wgs84.latlon(
             np.rad2deg(latitude[k]), np.rad2deg(longitude[k]), elevation_m=height_m[k]
         )
-        # what ERFA's closed form (one Halley step) leaves: 1e-14 of the radius
-        np.testing.assert_allclose(site.itrs_xyz.m, r, rtol=0, atol=2e-7)
+        # what the single Halley step of ERFA's closed form leaves at this height
+        np.testing.assert_allclose(site.itrs_xyz.m, r, rtol=0, atol=5e-7)
