@@ -1,6 +1,7 @@
 """Where does a target fixed to the Earth appear, and does the Earth or its horizon hide it?"""
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import erfa
 import numpy as np
@@ -33,12 +34,17 @@ class EarthFixedSight:
     hidden: NDArray[np.bool_]
 
 
+def is_earth_fixed(target: object) -> TypeGuard[EarthFixedTarget]:
+    """Whether the judge can tell by itself where the target appears."""
+    return isinstance(target, EarthFixedTarget)
+
+
 def earth_fixed_sight(
     target: EarthFixedTarget, instants: Instants, states: OrbitStates
 ) -> EarthFixedSight:
     """Light leaves the target at t - range/c and meets the carrier at t.
 
-    Neglects refraction (7.6 m on the ground at 30 deg elevation).
+    Neglects refraction (8 m across the line of sight at 30 deg elevation).
     """
     earth = earth_orientation(instants.epoch_utc, instants.t_s)
     r_now_itrf_m = _r_target_itrf_m(target, instants)

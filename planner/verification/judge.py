@@ -4,6 +4,7 @@ from planner.commands import CommandTable
 from planner.scenario import Scenario
 from planner.targets import GroundTarget
 from planner.verification.carrier import DERIVED_LAWS
+from planner.verification.earth_fixed import is_earth_fixed
 from planner.verification.limits import limit_findings, limit_margins
 from planner.verification.pointing import session_report
 from planner.verification.report import Finding, SessionReport, VerificationReport
@@ -31,8 +32,11 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     reports: list[SessionReport] = []
     for number, session in enumerate(scenario.sessions):
         rows = session_rows(session, table.epoch_utc)
-        if covers(table, rows):
-            report, session_findings = session_report(table, scenario, number, rows)
+        target = session.target
+        if not is_earth_fixed(target):
+            findings.append(_unverifiable(number))
+        elif covers(table, rows):
+            report, session_findings = session_report(table, scenario, number, target, rows)
             reports.append(report)
             findings.extend(session_findings)
     return VerificationReport(
@@ -41,6 +45,17 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         sessions=tuple(reports),
         limits=margins,
         taken_as_given=given,
+    )
+
+
+def _unverifiable(number: int) -> Finding:
+    return Finding(
+        severity="error",
+        limit="pointing",
+        axis=None,
+        t_s=None,
+        at_utc=None,
+        detail=f"sessions.{number}: the judge can't derive where this target appears",
     )
 
 

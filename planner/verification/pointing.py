@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import Instants, shifted_utc
-from planner.scenario import Scenario, Session
+from planner.scenario import Scenario
+from planner.targets import EarthFixedTarget
 from planner.verification.carrier import boresight_platform, eci_from_platform
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.limits import axis_hermite, slow_stretches
@@ -41,11 +42,10 @@ class _Judged:
 
 
 def session_report(
-    table: CommandTable, scenario: Scenario, number: int, rows: range
+    table: CommandTable, scenario: Scenario, number: int, target: EarthFixedTarget, rows: range
 ) -> tuple[SessionReport, tuple[Finding, ...]]:
-    """One session over its rows, all of which the table holds."""
-    session = scenario.sessions[number]
-    judged = _judged(table, scenario, session, rows)
+    """The session of that number, its target held over rows that the table has."""
+    judged = _judged(table, scenario, target, rows)
     epoch_utc = table.epoch_utc
     is_row = np.arange(len(judged.t_s)) % POINTS_PER_CELL == 0
     report = SessionReport(
@@ -66,10 +66,12 @@ def session_report(
             )
         ),
     )
-    return report, tuple(_findings(report, judged, session, epoch_utc))
+    return report, tuple(_findings(report, judged, target, epoch_utc))
 
 
-def _judged(table: CommandTable, scenario: Scenario, session: Session, rows: range) -> _Judged:
+def _judged(
+    table: CommandTable, scenario: Scenario, target: EarthFixedTarget, rows: range
+) -> _Judged:
     cells = len(rows) - 1
     points = np.arange(POINTS_PER_CELL * cells + 1)
     t_s = (POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL)
@@ -84,7 +86,7 @@ def _judged(table: CommandTable, scenario: Scenario, session: Session, rows: ran
         shifted_utc(table.epoch_utc, float(t_s[0])), shifted_utc(table.epoch_utc, float(t_s[-1]))
     )
     states = ephemeris.states(instants)
-    sight = earth_fixed_sight(session.target, instants, states)
+    sight = earth_fixed_sight(target, instants, states)
     boresight_eci = eci_from_platform(
         boresight_platform(scenario.platform, angle_rad),
         scenario.platform,
@@ -135,7 +137,7 @@ def _miss_on_ground_m(judged: _Judged) -> float:
 
 
 def _findings(
-    report: SessionReport, judged: _Judged, session: Session, epoch_utc: datetime
+    report: SessionReport, judged: _Judged, target: EarthFixedTarget, epoch_utc: datetime
 ) -> Iterator[Finding]:
     where = f"sessions.{report.number}"
     error = report.overall
@@ -153,7 +155,7 @@ def _findings(
             ),
         )
     view = report.view
-    elevation_short_rad = math.radians(session.target.min_elevation_deg) - view.elevation_min_rad
+    elevation_short_rad = math.radians(target.min_elevation_deg) - view.elevation_min_rad
     if elevation_short_rad > ELEVATION_TOLERANCE_RAD:
         yield Finding(
             severity="error",
@@ -163,7 +165,7 @@ def _findings(
             at_utc=view.elevation_min_utc,
             detail=(
                 f"{where}: the carrier stands {math.degrees(view.elevation_min_rad):.3f} deg high "
-                f"at the target, less than {session.target.min_elevation_deg:.3f} deg"
+                f"at the target, less than {target.min_elevation_deg:.3f} deg"
             ),
         )
     if judged.sight.hidden.any():

@@ -228,6 +228,13 @@ def test_a_new_earth_fixed_mode_needs_no_change_of_the_judge(table):
     assert report.taken_as_given == ("orbit", "target")
 
 
+def test_a_target_the_judge_cannot_derive_never_passes(table):
+    elsewhere = scenario_of(target=object())
+    report = verify(table, elsewhere)
+    assert "can't derive" in only(report, "pointing").detail
+    assert report.sessions == ()
+
+
 def test_an_attitude_law_without_a_derivation_is_said_to_be_taken_as_given(table):
     class OtherLaw:
         def q_body_from_eci(self, instants, states):
