@@ -4,6 +4,8 @@ from typing import Protocol, get_args
 
 from scipy.spatial.transform import Rotation
 
+from planner.attitude.aem import AemAttitude
+from planner.attitude.harmonic import HarmonicAttitude
 from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
@@ -11,14 +13,20 @@ from planner.orbits import OrbitStates
 
 
 class AttitudeLaw(Protocol):
-    """What every law answers."""
+    """What every law answers.
+
+    warnings: what the user should know about the attitude's quality, and what was chosen.
+    """
+
+    @property
+    def warnings(self) -> tuple[str, ...]: ...
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """n rotations, `states` being the orbit at the same n instants."""
         ...
 
 
-Attitude = LvlhAttitude | InertialAttitude
+Attitude = LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude
 ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(Attitude)}
 
 __all__ = ["ATTITUDES", "Attitude", "AttitudeLaw"]

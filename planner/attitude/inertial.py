@@ -2,7 +2,7 @@
 
 import math
 from datetime import datetime
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -29,6 +29,7 @@ class InertialAttitude:
     epoch: datetime
     q_body_from_eci_xyzw: tuple[float, float, float, float]
     omega_body_deg_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    warnings: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)

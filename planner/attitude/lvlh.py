@@ -1,6 +1,6 @@
 """How does a carrier point that keeps a constant attitude to the local vertical?"""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -23,6 +23,7 @@ class LvlhAttitude:
     yaw_deg: float = 0.0
     pitch_deg: float = 0.0
     roll_deg: float = 0.0
+    warnings: ClassVar[tuple[str, ...]] = ()
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""

@@ -1,0 +1,160 @@
+"""How does a carrier point according to an attitude message (CCSDS AEM)?"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from planner.attitude.reference_frames import q_frame_from_eci
+from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
+from planner.errors import InvalidMessage, OutsideCoverage
+from planner.frames.iers import RAD_PER_ARCSEC
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.messages.aem import Aem, AemSegment, read_aem
+from planner.orbits import OrbitStates
+from planner.spec import spec
+
+GAP_WARNED = 20.0  # times the usual step between rows
+LINEAR_WARNED_RAD = 10.0 * EXACT_RAD
+_EDGE_S = 1e-6  # the resolution of a datetime
+
+
+@dataclass(frozen=True, eq=False)
+class AttitudeArc:
+    """One segment of a message as a curve, usable from start_utc to stop_utc.
+
+    The curve's clock starts at epoch_utc; it gives the body's attitude against `frame`.
+    """
+
+    frame: str
+    epoch_utc: datetime
+    start_utc: datetime
+    stop_utc: datetime
+    curve: RotationCurve
+
+
+@spec
+class AemAttitude:
+    """The text of a CCSDS AEM, KVN or XML, as published.
+
+    The curve is smooth: see `rotation_curve`.  It is never carried beyond a segment's useable
+    times, nor from one segment into the next.
+    """
+
+    law: Literal["aem"] = "aem"
+    content: str
+
+    def __post_init__(self) -> None:
+        try:
+            _ = self.arcs
+        except InvalidMessage as refusal:
+            raise ValueError(refusal.detail) from None
+
+    @cached_property
+    def message(self) -> Aem:
+        """Read once, at construction."""
+        return read_aem(self.content)
+
+    @cached_property
+    def arcs(self) -> tuple[AttitudeArc, ...]:
+        """Curves of the segments, fitted once, at construction."""
+        return tuple(map(_arc, self.message.segments))
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What the user should know about the message's quality."""
+        told = (
+            warning
+            for segment, arc in zip(self.message.segments, self.arcs, strict=True)
+            for warning in (_noise(arc), _gap(segment), _not_linear(segment, arc))
+        )
+        return tuple(dict.fromkeys(filter(None, told)))
+
+    @property
+    def residual_rad(self) -> float:
+        """Rms distance of the message's attitudes from the curve, of its worst segment."""
+        return max(arc.curve.residual_rms_rad for arc in self.arcs)
+
+    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+        """Attitude at the n instants; raises OutsideCoverage unless one segment holds them all."""
+        arc = self._arc_over(instants)
+        t_s = instants.t_s + elapsed_s(instants.epoch_utc, arc.epoch_utc)
+        first_s, last_s = (elapsed_s(t, arc.epoch_utc) for t in (arc.start_utc, arc.stop_utc))
+        q_body_from_frame = arc.curve.at(np.clip(t_s, first_s, last_s))
+        return q_body_from_frame * q_frame_from_eci(arc.frame, instants, states)
+
+    def _arc_over(self, instants: Instants) -> AttitudeArc:
+        first_utc, last_utc = (
+            shifted_utc(instants.epoch_utc, float(t))
+            for t in (instants.t_s.min(), instants.t_s.max())
+        )
+        for arc in self.arcs:
+            if _reaches(first_utc, arc.start_utc) and _reaches(arc.stop_utc, last_utc):
+                return arc
+        spans = ", ".join(
+            f"{utc_text(arc.start_utc)} to {utc_text(arc.stop_utc)}" for arc in self.arcs[:3]
+        )
+        more = f" and {len(self.arcs) - 3} more" if len(self.arcs) > 3 else ""
+        raise OutsideCoverage(
+            f"the AEM has no one segment from {utc_text(first_utc)} to {utc_text(last_utc)}; "
+            f"its segments are useable from {spans}{more}",
+            field="attitude.content",
+            at_utc=first_utc,
+        )
+
+
+def _reaches(later_utc: datetime, earlier_utc: datetime) -> bool:
+    return elapsed_s(later_utc, earlier_utc) >= -_EDGE_S
+
+
+def _arc(segment: AemSegment) -> AttitudeArc:
+    try:
+        curve = rotation_curve(segment.t_s, segment.q_body_from_frame_xyzw, segment.q_dot_s)
+    except ValueError as error:
+        start = utc_text(segment.epoch_utc)
+        raise InvalidMessage(f"AEM segment from {start}: {error}") from None
+    start_utc, stop_utc = (shifted_utc(segment.epoch_utc, t) for t in segment.useable_s)
+    return AttitudeArc(segment.frame, segment.epoch_utc, start_utc, stop_utc, curve)
+
+
+def _noise(arc: AttitudeArc) -> str | None:
+    curve = arc.curve
+    if curve.residual_rms_rad <= EXACT_RAD:
+        return None
+    rms, worst = curve.residual_rms_rad / RAD_PER_ARCSEC, curve.residual_max_rad / RAD_PER_ARCSEC
+    return (
+        f"the AEM's attitudes are noisy and were smoothed (spline knots every "
+        f"{curve.knot_spacing_s:.0f} s): they lie {rms:.2f} arcsec rms, {worst:.1f} at most, "
+        "from the curve flown"
+    )
+
+
+def _gap(segment: AemSegment) -> str | None:
+    step_s = np.diff(segment.t_s)
+    row = int(np.argmax(step_s))
+    usual_s = float(np.median(step_s))
+    if step_s[row] <= GAP_WARNED * usual_s:
+        return None
+    at = utc_text(shifted_utc(segment.epoch_utc, float(segment.t_s[row])))
+    return (
+        f"the AEM, with rows every {usual_s:.3g} s, has a gap of {step_s[row]:.0f} s from {at}, "
+        "bridged by the curve"
+    )
+
+
+def _not_linear(segment: AemSegment, arc: AttitudeArc) -> str | None:
+    if not segment.linear or len(segment.t_s) == 2:
+        return None
+    middle_s = 0.5 * (segment.t_s[1:] + segment.t_s[:-1])
+    q_xyzw = segment.q_body_from_frame_xyzw
+    linear = Rotation.from_quat(q_xyzw[1:] + q_xyzw[:-1])  # slerp's own midpoint
+    apart_rad = float(np.max((arc.curve.at(middle_s) * linear.inv()).magnitude()))
+    if apart_rad <= LINEAR_WARNED_RAD:
+        return None
+    return (
+        "the AEM asks for linear interpolation, whose rate jumps at every row; the smooth curve "
+        f"flown departs from it by up to {apart_rad / RAD_PER_ARCSEC:.1f} arcsec"
+    )
