@@ -4,6 +4,7 @@ import itertools
 import math
 from dataclasses import dataclass
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +35,9 @@ class SlowStretch:
 class AxisTrack:
     """Axis motion along a target, continuous: angles are never wrapped.
 
-    t_s: (n,), rows on the clock of the line of sight, the session and, where the target
-    stays reachable, the time around it.  angle_rad, rate_rad_s, acceleration_rad_s2: (n, 2).
+    t_s: (n,), rows on the clock of the line of sight: the session, and the time around it
+    over which the target can be followed within the limits too.
+    angle_rad, rate_rad_s, acceleration_rad_s2: (n, 2).
     branch: row of `axis_angles`.  singular_margin_rad: least over the session, at
     singular_at_s.  slow: stretches of the session under the least drive rate.
     """
@@ -57,15 +59,23 @@ class AxisTrack:
         )
 
 
-@dataclass(frozen=True)
-class _Break:
-    """The first limit a track breaks."""
+class _Break(NamedTuple):
+    """The first limit a track breaks in its session, row counted in the line of sight."""
 
     axis: str
     limit: str
     row: int
     value: float
     bound: float
+
+
+class _LimitBreaks(NamedTuple):
+    """Cells (n - 1, 2) in which a limit breaks, with the worst value there and the bound."""
+
+    limit: str
+    cells: NDArray[np.bool_]
+    value: Array
+    bound: Array
 
 
 def track_candidates(
@@ -111,17 +121,21 @@ def track_candidates(
         session = slice(first - here.start, last - here.start)
         nearest = first + int(np.argmin(margin[first:last]))
         for turned in _whole_turns(continuous, session, platform.axis_limits):
-            broken = _first_break(platform, t_s[here], turned, rate, session)
-            if broken is not None:
-                breaks.append(broken)
+            breaks_at = _breaks(platform, t_s[here], turned, rate)
+            session_break = _first_break(platform, breaks_at, session)
+            if session_break is not None:
+                breaks.append(session_break._replace(row=here.start + session_break.row))
                 continue
+            kept_cells = ~np.any([found.cells for found in breaks_at], axis=(0, 2))
+            cells = _around(kept_cells, session.start, session.stop - 1)
+            rows = slice(cells.start, cells.stop + 1)
             ways.append(
                 AxisTrack(
                     axis_names=platform.axis_names,
-                    t_s=t_s[here],
-                    angle_rad=turned,
-                    rate_rad_s=rate,
-                    acceleration_rad_s2=acceleration,
+                    t_s=t_s[here][rows],
+                    angle_rad=turned[rows],
+                    rate_rad_s=rate[rows],
+                    acceleration_rad_s2=acceleration[rows],
                     branch=branch,
                     singular_margin_rad=float(margin[nearest]),
                     singular_at_s=float(t_s[nearest]),
@@ -129,7 +143,7 @@ def track_candidates(
                 )
             )
     if not ways:
-        raise _best_refusal(los, breaks, first)
+        raise _best_refusal(los, breaks)
     return tuple(
         sorted(ways, key=lambda way: _preference(way, platform, session_start_s, start_angle_rad))
     )
@@ -145,7 +159,7 @@ def _session_rows(t_s: Array, start_s: float, stop_s: float) -> tuple[int, int]:
 
 
 def _around(usable: NDArray[np.bool_], first: int, last: int) -> slice:
-    """The run of usable rows that contains rows first..last-1."""
+    """The run of usable rows (or cells) that contains first..last-1."""
     lost_before = np.flatnonzero(~usable[:first])
     lost_after = np.flatnonzero(~usable[last:])
     start = int(lost_before[-1]) + 1 if lost_before.size else 0
@@ -166,36 +180,37 @@ def _whole_turns(continuous: Array, session: slice, limits: tuple[AxisLimits, ..
     return [continuous + TURN_RAD * np.array(turns) for turns in itertools.product(*choices)]
 
 
-def _first_break(
-    platform: TwoAxisPlatform, t_s: Array, angle_rad: Array, rate_rad_s: Array, session: slice
-) -> _Break | None:
-    flown = flown_range(float(t_s[1] - t_s[0]), angle_rad[session], rate_rad_s[session])
+def _breaks(
+    platform: TwoAxisPlatform, t_s: Array, angle_rad: Array, rate_rad_s: Array
+) -> list[_LimitBreaks]:
+    flown = flown_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s)
     limits = platform.axis_limits
+    angle_min = np.array([axis.angle_min_rad for axis in limits])
+    angle_max = np.array([axis.angle_max_rad for axis in limits])
     rate_max = np.array([axis.rate_max_rad_s for axis in limits])
     acceleration_max = np.array([axis.acceleration_max_rad_s2 for axis in limits])
-    checks = (
-        (
-            "angle",
-            flown.angle_rad,
-            np.array([axis.angle_min_rad for axis in limits]),
-            np.array([axis.angle_max_rad for axis in limits]),
-        ),
+    found = []
+    for limit, (least, greatest), low, high in (
+        ("angle", flown.angle_rad, angle_min, angle_max),
         ("rate", flown.rate_rad_s, -rate_max, rate_max),
         ("acceleration", flown.acceleration_rad_s2, -acceleration_max, acceleration_max),
-    )
-    for limit, (least, greatest), low, high in checks:
+    ):
         slack = LIMIT_TOLERANCE * (high - low)
         under, over = least < low - slack, greatest > high + slack
-        if np.any(under | over):
-            cell, axis = np.argwhere(under | over)[0]
-            value, bound = (least, low) if under[cell, axis] else (greatest, high)
-            return _Break(
-                platform.axis_names[axis],
-                limit,
-                session.start + int(cell),
-                float(value[cell, axis]),
-                float(bound[axis]),
-            )
+        value, bound = np.where(under, least, greatest), np.where(under, low, high)
+        found.append(_LimitBreaks(limit, under | over, value, bound))
+    return found
+
+
+def _first_break(
+    platform: TwoAxisPlatform, breaks: list[_LimitBreaks], session: slice
+) -> _Break | None:
+    for limit, cells, value, bound in breaks:
+        broken = np.argwhere(cells[session.start : session.stop - 1])
+        if broken.size:
+            cell, axis = session.start + int(broken[0, 0]), int(broken[0, 1])
+            name = platform.axis_names[axis]
+            return _Break(name, limit, cell, float(value[cell, axis]), float(bound[cell, axis]))
     return None
 
 
@@ -253,11 +268,11 @@ def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreacha
     )
 
 
-def _best_refusal(los: LineOfSight, breaks: list[_Break], first: int) -> Refusal:
+def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
     """The way that got nearest: a rate or acceleration that breaks lies within the stops."""
     order = {"angle": 0, "acceleration": 1, "rate": 2}
     worst = max(breaks, key=lambda found: (order[found.limit], found.row))
-    at_utc = _at(los, first + worst.row)
+    at_utc = _at(los, worst.row)
     if worst.limit == "angle":
         return Unreachable(
             f"{worst.axis} would have to turn to {math.degrees(worst.value):.2f} deg at "

@@ -1,0 +1,158 @@
+"""Which motion within all limits is the smoothest, or the quickest? The optimal control backend."""
+
+import time
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.platforms import AxisLimits
+from planner.scenario import SlewOptions
+from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.feasibility import AxisVerdict, infeasible, next_duration_s, verdict
+from planner.slew.least_jerk import least_jerk_profile
+from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.quickest import quickest_profile
+from planner.slew.solution import AxisProfile, SlewSolution, obeys
+
+SPANS = 40
+FINER_SPANS = 80
+EVEN_SPANS = 200
+QUICKEST_SHARE = 1.01  # below this multiple of the least time the exact profile is flown
+GAP_PASSES = 8  # each pass leaves one gap of one axis behind; an axis has two at most
+
+
+class AxisSolution(NamedTuple):
+    """status says which rung of the ladder gave the profile."""
+
+    profile: AxisProfile
+    status: str
+    iterations: int
+
+
+def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
+    """The slew with the least integral of squared jerk, every limit kept at every instant.
+
+    "minimum_time" first shortens the duration to the least that all axes share; an axis with
+    time to spare still moves smoothly.  Up to 1.01 of an axis's least time its exact
+    least-time profile is flown.  Every profile is accepted on its own exact extremes,
+    whatever the solver says.  Raises InfeasibleSlew.
+    Neglects coupling between the axes, which share nothing but the duration.
+    """
+    del options  # the optimal control problem has no options beyond its limits
+    began_s = time.perf_counter()
+    duration_s = problem.duration_s
+    if problem.objective == "minimum_time":
+        duration_s = shared_minimum_s(problem)
+    axes = [solve_axis(problem, axis, duration_s) for axis in range(len(problem.axis_names))]
+    return SlewSolution(
+        problem=problem,
+        backend="ocp",
+        profiles=tuple(axis.profile for axis in axes),
+        status=tuple(axis.status for axis in axes),
+        iterations=sum(axis.iterations for axis in axes),
+        wall_s=time.perf_counter() - began_s,
+        violations=(),
+        end_error_rad=(0.0,) * len(axes),
+    )
+
+
+def solve_axis(problem: SlewProblem, axis: int, duration_s: float) -> AxisSolution:
+    """One axis in exactly duration_s.  Raises InfeasibleSlew."""
+    start, end, limits = problem.start[axis], problem.end[axis], problem.limits[axis]
+    smoothest = least_jerk_profile(start, end, duration_s)
+    if obeys(smoothest, start, end, limits):
+        return AxisSolution(smoothest, "closed form", 0)
+    found = verdict(start, end, limits, duration_s)
+    if found.limit is not None:
+        raise infeasible(problem, axis, duration_s, found.limit)
+    if found.profile is not None and _is_quickest(start, end, limits, duration_s):
+        return AxisSolution(found.profile, "least time", 0)
+    solution = _climb(start, end, limits, duration_s, found)
+    if solution is None:
+        raise infeasible(problem, axis, duration_s, "angle")
+    return solution
+
+
+def shared_minimum_s(problem: SlewProblem) -> float:
+    """The least duration, at most problem.duration_s, in which every axis can slew.
+
+    Exact where no stop is in the way.  Where one is, durations are tried in steps of 1 %.
+    Raises InfeasibleSlew.
+    """
+    states = list(zip(problem.start, problem.end, problem.limits, strict=True))
+    shared_s = 0.0
+    while shared_s <= problem.duration_s:
+        for _ in range(GAP_PASSES):
+            longest_s = shared_s
+            for axis, (start, end, limits) in enumerate(states):
+                next_s = next_duration_s(start, end, limits, longest_s)
+                if next_s is None:
+                    raise infeasible(problem, axis, problem.duration_s, "duration")
+                longest_s = max(longest_s, next_s)
+            if longest_s <= shared_s:
+                break
+            shared_s = longest_s
+        if all(can_slew(start, end, limits, shared_s) for start, end, limits in states):
+            break
+        shared_s *= QUICKEST_SHARE
+    if shared_s > problem.duration_s:
+        axis = max(range(len(states)), key=lambda k: next_duration_s(*states[k], 0.0) or 0.0)
+        raise infeasible(problem, axis, problem.duration_s, "duration")
+    return shared_s
+
+
+def can_slew(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float) -> bool:
+    """Whether an axis can slew in exactly duration_s; the solver is asked only near the stops."""
+    found = verdict(start, end, limits, duration_s)
+    if found.profile is not None:
+        return True
+    return found.limit is None and _climb(start, end, limits, duration_s, found) is not None
+
+
+def graded_breakpoints(spans: int) -> NDArray[np.float64]:
+    """Breakpoints on [0, 1], five times denser at the ends, where the jerk must turn quickly."""
+    x = np.linspace(0.0, 1.0, spans + 1)
+    graded = 0.2 * x + 0.4 * (1.0 - np.cos(np.pi * x))
+    graded[-1] = 1.0
+    return graded
+
+
+@lru_cache(maxsize=4)
+def graded_ocp(spans: int) -> SplineOcp:
+    """The solver for quintics on graded knots, made once per process."""
+    return SplineOcp(graded_breakpoints(spans), degree=5)
+
+
+@lru_cache(maxsize=16)
+def even_ocp(spans: int) -> SplineOcp:
+    """The solver for constant jerk over `spans` equal spans; near the least time it has bang-bang
+    jerk, which quintics lack."""
+    return SplineOcp(np.linspace(0.0, 1.0, spans + 1), degree=3)
+
+
+LADDER = (
+    (graded_ocp, SPANS, "optimal"),
+    (graded_ocp, FINER_SPANS, "optimal on finer knots"),
+    (even_ocp, EVEN_SPANS, "optimal on even knots"),
+)
+
+
+def _climb(
+    start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float, found: AxisVerdict
+) -> AxisSolution | None:
+    iterations = 0
+    for ocp, spans, status in LADDER:
+        result = ocp(spans).solve(start, end, limits, duration_s)
+        iterations += result.iterations
+        if obeys(result.profile, start, end, limits):
+            return AxisSolution(result.profile, status, iterations)
+    if found.profile is not None:
+        return AxisSolution(found.profile, "feasible, not the smoothest", iterations)
+    return None
+
+
+def _is_quickest(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float) -> bool:
+    quickest = quickest_profile(start, end, limits)
+    return quickest is not None and duration_s <= QUICKEST_SHARE * quickest.duration_s

@@ -1,0 +1,115 @@
+"""Can an axis make a slew in exactly the time it has, and if not, why not?"""
+
+import math
+from dataclasses import dataclass
+
+from planner.errors import InfeasibleSlew
+from planner.platforms import AxisLimits
+from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.quickest import DURATION_TOLERANCE, profile_lasting, quickest_profile
+from planner.slew.solution import AxisProfile, obeys
+from planner.slew.stops import rate_margin_rad_s, stop_margin_rad
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisVerdict:
+    """Whether one axis can slew in exactly the given time.
+
+    profile: a motion of that duration within every limit, the proof of feasibility.
+    limit: set on a proof of the contrary: "angle" or "rate" when the start or end can't be
+    left or reached without breaking it, else "duration".  Neither: undecided, the stops are
+    in the way and a solver must look for a motion; about one case in 5,000.
+    """
+
+    profile: AxisProfile | None = None
+    limit: str | None = None
+
+
+def verdict(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float) -> AxisVerdict:
+    """Decide with closed forms: microseconds where the stops are out of the way.
+
+    The time itself is tested, not only against the least one: the durations an axis can
+    take may have a gap.
+    """
+    limit = dead_end(start, end, limits)
+    if not passes_certificate(start, end, limits, duration_s):
+        return AxisVerdict(limit=limit or "duration")
+    profile = profile_lasting(start, end, limits, duration_s)
+    if profile is not None and obeys(profile, start, end, limits):
+        return AxisVerdict(profile=profile)
+    if limit is None and profile is None and quickest_profile(start, end, limits) is not None:
+        limit = "duration"
+    return AxisVerdict(limit=limit)
+
+
+def passes_certificate(
+    start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
+) -> bool:
+    """Whether the slew would fit with unlimited jerk and no stops: necessary, exact, cheap.
+
+    Source: extreme displacement of a bang-coast-bang rate profile between the two rates.
+    """
+    v0, v1 = start.rate_rad_s, end.rate_rad_s
+    a, v = limits.acceleration_max_rad_s2, limits.rate_max_rad_s
+    enough = duration_s * (1.0 + DURATION_TOLERANCE)
+    if enough < abs(v1 - v0) / a:
+        return False
+    delta = end.angle_rad - start.angle_rad
+    slack = DURATION_TOLERANCE * v * duration_s
+    return (
+        -_farthest_rad(-v0, -v1, a, v, enough) - slack
+        <= delta
+        <= _farthest_rad(v0, v1, a, v, enough) + slack
+    )
+
+
+def _farthest_rad(v0: float, v1: float, a: float, v: float, t: float) -> float:
+    peak = (a * t + v0 + v1) / 2.0
+    if peak <= v:
+        return (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
+    return (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
+
+
+def dead_end(start: AxisState, end: AxisState, limits: AxisLimits) -> str | None:
+    """The limit, "angle" or "rate", that breaks however long the slew may take, or None."""
+    rounding = DURATION_TOLERANCE * (limits.angle_max_rad - limits.angle_min_rad)
+    for state in (start, end.reversed()):
+        if stop_margin_rad(state, limits) < -rounding:
+            return "angle"
+        if rate_margin_rad_s(state, limits) < -DURATION_TOLERANCE * limits.rate_max_rad_s:
+            return "rate"
+    return None
+
+
+def next_duration_s(
+    start: AxisState, end: AxisState, limits: AxisLimits, at_least_s: float
+) -> float | None:
+    """The least duration from at_least_s on that an axis can take, stops aside; None: never."""
+    if dead_end(start, end, limits) is not None:
+        return None
+    profile = quickest_profile(start, end, limits, at_least_s)
+    return None if profile is None else profile.duration_s
+
+
+def infeasible(problem: SlewProblem, axis: int, available_s: float, limit: str) -> InfeasibleSlew:
+    """The refusal for one axis; the caller who knows the clock adds the earliest start."""
+    name, start, end = problem.axis_names[axis], problem.start[axis], problem.end[axis]
+    limits = problem.limits[axis]
+    if limit == "duration":
+        needed_s = next_duration_s(start, end, limits, available_s)
+        if needed_s is not None:
+            shown_s = math.ceil(needed_s * 1e3) / 1e3
+            return InfeasibleSlew(
+                f"{name} needs {shown_s:.3f} s to slew but {available_s:.3f} s are available; "
+                "begin the session later or start the slew nearer to it",
+                axis=name,
+                limit=limit,
+            )
+    side = "start" if dead_end(start, start.at_rest(), limits) == limit else "end"
+    what = {"angle": "its hard stop", "rate": "its rate limit"}.get(limit, "its limits")
+    return InfeasibleSlew(
+        f"{name} can't keep {what} in a slew of {available_s:.3f} s: its motion at the {side} "
+        "can't be braked in time; begin the session at another time or slow the axis down",
+        axis=name,
+        limit=limit,
+    )

@@ -1,0 +1,120 @@
+"""Is the slew still itself, and within its limits, when it is flown from rows 0.2 s apart?"""
+
+import time
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from planner.commands import COMMAND_STEP_S
+from planner.errors import InfeasibleSlew
+from planner.gimbal.hermite import flown_range
+from planner.platforms import AxisLimits
+from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.problem import LIMIT_TOLERANCE, AxisState
+from planner.slew.solution import AxisProfile, SlewSolution, bounds, obeys
+
+REPRODUCTION_RAD = np.deg2rad(0.1 / 3600.0)  # how far the flown Hermite may leave the plan
+SAMPLES_PER_ROW = 8  # the deviation is a quartic bump in a cell: its peak is met within 4 %
+
+
+def rows_in(duration_s: float) -> int:
+    """How many command steps a slew of duration_s takes; ValueError if it isn't a whole number."""
+    rows = round(duration_s / COMMAND_STEP_S)
+    if rows < 1 or abs(rows * COMMAND_STEP_S - duration_s) > 1e-6 * COMMAND_STEP_S:
+        raise ValueError(
+            f"duration_s must be a multiple of the command step, 0.2 s, not {duration_s}"
+        )
+    return rows
+
+
+def flown(solution: SlewSolution) -> SlewSolution:
+    """The slew as it can be flown from rows every 0.2 s: cubic Hermite between them.
+
+    A sampled profile whose Hermite breaks a limit or leaves the plan by more than 0.1 arcsec
+    is replaced, axis by axis, by the smoothest motion whose jerk changes on rows only, which
+    a cubic Hermite reproduces exactly.  The jerk of the Hermite is a weighted mean of the
+    plan's, so it needs no test.
+    Raises InfeasibleSlew when the time is too short by less than a row or so for that.
+    """
+    began_s = time.perf_counter()
+    problem = solution.problem
+    rows = rows_in(solution.duration_s)
+    profiles, status, iterations = [], [], solution.iterations
+    for axis, profile in enumerate(solution.profiles):
+        start, end, limits = problem.start[axis], problem.end[axis], problem.limits[axis]
+        if reproduces(profile, rows, limits):
+            profiles.append(profile)
+            status.append(solution.status[axis])
+            continue
+        repaired, used = _repaired(profile, start, end, limits, rows)
+        if repaired is None:
+            name = problem.axis_names[axis]
+            raise InfeasibleSlew(
+                f"{name} makes the slew in {solution.duration_s:.1f} s only when its jerk may "
+                f"change between the rows of the command table; one row more is enough",
+                axis=name,
+                limit="duration",
+            )
+        profiles.append(repaired)
+        status.append(f"{solution.status[axis]}, jerk on rows")
+        iterations += used
+    return replace(
+        solution,
+        profiles=tuple(profiles),
+        status=tuple(status),
+        iterations=iterations,
+        wall_s=solution.wall_s + time.perf_counter() - began_s,
+    )
+
+
+def reproduces(profile: AxisProfile, rows: int, limits: AxisLimits) -> bool:
+    """Whether the Hermite of the sampled profile keeps the limits and the plan to 0.1 arcsec."""
+    return (
+        _deviation_rad(profile, rows) <= REPRODUCTION_RAD
+        and limit_excess(profile, rows, limits) <= 0.0
+    )
+
+
+def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
+    """Share by which the flown Hermite passes a limit of angle, rate or acceleration."""
+    angle, rate, _, _ = profile.evaluate(np.linspace(0.0, profile.duration_s, rows + 1))
+    ranges = flown_range(profile.duration_s / rows, angle[:, None], rate[:, None])
+    excess = -np.inf
+    for (least, greatest), (low, high) in zip(ranges, bounds(limits), strict=False):
+        span = high - low
+        worst = max(float(greatest.max()) - high, low - float(least.min()))
+        excess = max(excess, worst / span - LIMIT_TOLERANCE)
+    return float(excess)
+
+
+def _repaired(
+    profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits, rows: int
+) -> tuple[AxisProfile | None, int]:
+    result = _on_rows(rows).solve(start, end, limits, profile.duration_s)
+    if obeys(result.profile, start, end, limits) and reproduces(result.profile, rows, limits):
+        return result.profile, result.iterations
+    return None, result.iterations
+
+
+def _deviation_rad(profile: AxisProfile, rows: int) -> float:
+    step_s = profile.duration_s / rows
+    s = np.arange(1, SAMPLES_PER_ROW) / SAMPLES_PER_ROW
+    t_s = np.linspace(0.0, profile.duration_s, rows + 1)
+    angle, rate, _, _ = profile.evaluate(t_s)
+    between = (t_s[:-1, None] + s * step_s).ravel()
+    planned = profile.evaluate(between)[0].reshape(rows, len(s))
+    h00, h01 = (1.0 + 2.0 * s) * (1.0 - s) ** 2, s**2 * (3.0 - 2.0 * s)
+    h10, h11 = s * (1.0 - s) ** 2 * step_s, s**2 * (s - 1.0) * step_s
+    hermite = (
+        np.outer(angle[:-1], h00)
+        + np.outer(angle[1:], h01)
+        + np.outer(rate[:-1], h10)
+        + np.outer(rate[1:], h11)
+    )
+    return float(np.abs(hermite - planned).max())
+
+
+@lru_cache(maxsize=32)
+def _on_rows(rows: int) -> SplineOcp:
+    return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)

@@ -1,0 +1,89 @@
+"""What is the quickest motion of one axis, and one that lasts exactly so long?
+
+Between them they are the yardstick of every slew: rate, acceleration and jerk limits are
+exact, hard stops are left to `planner.slew.stops`.
+"""
+
+import numpy as np
+import ruckig
+
+from planner.platforms import AxisLimits
+from planner.slew.problem import AxisState
+from planner.slew.solution import AxisProfile
+
+DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
+_SUCCESS = (ruckig.Result.Working, ruckig.Result.Finished)
+
+
+def quickest_profile(
+    start: AxisState, end: AxisState, limits: AxisLimits, at_least_s: float = 0.0
+) -> AxisProfile | None:
+    """The least-time profile that lasts at_least_s, in pieces of constant jerk.
+
+    None when Ruckig knows none.  It may pass a hard stop, and the rate limit when the
+    start's acceleration can't be taken back in time.
+    Source: Berscheid, Kroeger 2021, "Jerk-limited real-time trajectory generation with
+    arbitrary target states".
+    """
+    request = ruckig.InputParameter(1)
+    rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
+    # Scaled so that Ruckig's absolute tolerances (1e-8) mean the same for every platform.
+    scale = 1.0 / acceleration_max
+    request.current_position = [0.0]
+    request.current_velocity = [_clipped(start.rate_rad_s, rate_max) * scale]
+    request.current_acceleration = [_clipped(start.acceleration_rad_s2, acceleration_max) * scale]
+    request.target_position = [(end.angle_rad - start.angle_rad) * scale]
+    request.target_velocity = [_clipped(end.rate_rad_s, rate_max) * scale]
+    request.target_acceleration = [_clipped(end.acceleration_rad_s2, acceleration_max) * scale]
+    request.max_velocity = [rate_max * scale]
+    request.max_acceleration = [1.0]
+    request.max_jerk = [limits.jerk_max_rad_s3 * scale]
+    if at_least_s > 0.0:
+        request.minimum_duration = at_least_s
+    trajectory = ruckig.Trajectory(1)
+    try:
+        if ruckig.Ruckig(1).calculate(request, trajectory) not in _SUCCESS:
+            return None
+    except ruckig.RuckigError:  # a target state that no motion within the limits arrives in
+        return None
+    found = trajectory.profiles[0][0]
+    phases = [
+        *zip(found.brake.t, found.brake.j, strict=True),
+        *zip(found.t, found.j, strict=True),
+        *zip(found.accel.t, found.accel.j, strict=True),
+    ]
+    return profile_from_jerk(start, [(t, j / scale) for t, j in phases if t > 0.0])
+
+
+def profile_lasting(
+    start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
+) -> AxisProfile | None:
+    """A profile of exactly duration_s within rate, acceleration and jerk limits, or None.
+
+    The durations an axis can take are not always all those above the least one: there are
+    gaps, and None is the answer inside a gap as well as below the least duration.
+    """
+    profile = quickest_profile(start, end, limits, duration_s)
+    if profile is None or profile.duration_s > duration_s * (1.0 + DURATION_TOLERANCE):
+        return None
+    return profile
+
+
+def profile_from_jerk(start: AxisState, phases: list[tuple[float, float]]) -> AxisProfile | None:
+    """Piecewise cubic from the start through phases (duration s, jerk rad/s3); None if empty."""
+    if not phases:
+        return None
+    angle, rate, acceleration = start.angle_rad, start.rate_rad_s, start.acceleration_rad_s2
+    breakpoints, coefficients = [0.0], []
+    for t, jerk in phases:
+        coefficients.append((angle, rate, acceleration / 2.0, jerk / 6.0))
+        angle += t * (rate + t * (acceleration / 2.0 + t * jerk / 6.0))
+        rate += t * (acceleration + t * jerk / 2.0)
+        acceleration += t * jerk
+        breakpoints.append(breakpoints[-1] + t)
+    return AxisProfile(breakpoints_s=np.array(breakpoints), coefficients=np.array(coefficients))
+
+
+def _clipped(value: float, bound: float) -> float:
+    """The value without the rounding by which a valid state may pass its limit."""
+    return min(max(value, -bound), bound)

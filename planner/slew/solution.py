@@ -1,0 +1,229 @@
+"""What is a planned slew: piecewise polynomials, their exact extremes, what they break?"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import NDArray
+
+from planner.platforms import AxisLimits
+from planner.slew.problem import LIMIT_TOLERANCE, AxisState, SlewProblem
+
+Array = NDArray[np.float64]
+ORDERS = ("angle", "rate", "acceleration", "jerk")
+NEGLIGIBLE = 1e-13  # of a polynomial's largest coefficient: rounding, not a leading term
+
+
+class Extreme(NamedTuple):
+    """Least and greatest value of one derivative, SI, and when."""
+
+    least: float
+    least_at_s: float
+    greatest: float
+    greatest_at_s: float
+
+
+class LimitViolation(NamedTuple):
+    """axis breaks limit ("angle", "rate", "acceleration", "jerk"): the worst value and when."""
+
+    axis: str
+    limit: str
+    value: float
+    bound: float
+    at_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisProfile:
+    """Motion of one axis: on [breakpoints_s[k], breakpoints_s[k+1]] a polynomial.
+
+    breakpoints_s: (k+1,), the first 0.  coefficients: (k, degree+1), ascending powers of the
+    time since the piece's own breakpoint, rad/s^j.
+    """
+
+    breakpoints_s: Array
+    coefficients: Array
+
+    @property
+    def duration_s(self) -> float:
+        return float(self.breakpoints_s[-1])
+
+    def evaluate(self, t_s: Array) -> tuple[Array, Array, Array, Array]:
+        """Angle, rate, acceleration, jerk at t_s (n,); at a breakpoint, of the later piece."""
+        last = len(self.coefficients) - 1
+        piece = np.clip(np.searchsorted(self.breakpoints_s, t_s, side="right") - 1, 0, last)
+        x = t_s - self.breakpoints_s[piece]
+        values = []
+        for derivative in self._derivatives:
+            c = derivative[piece]
+            value = c[:, -1]
+            for power in range(c.shape[1] - 2, -1, -1):
+                value = value * x + c[:, power]
+            values.append(value)
+        return values[0], values[1], values[2], values[3]
+
+    @cached_property
+    def extremes(self) -> tuple[Extreme, Extreme, Extreme, Extreme]:
+        """Exact extremes of angle, rate, acceleration and jerk, from roots of derivatives."""
+        return (self._extreme(0), self._extreme(1), self._extreme(2), self._extreme(3))
+
+    @cached_property
+    def jerk_squared_integral(self) -> float:
+        """Integral of squared jerk, rad^2/s^5; infinite where the acceleration jumps."""
+        if self.acceleration_jumps:
+            return float("inf")
+        jerk = self._derivatives[3]
+        width = np.diff(self.breakpoints_s)
+        total = 0.0
+        for i in range(jerk.shape[1]):
+            for j in range(jerk.shape[1]):
+                power = i + j + 1
+                total += float(np.sum(jerk[:, i] * jerk[:, j] * width**power)) / power
+        return total
+
+    @cached_property
+    def acceleration_jumps(self) -> bool:
+        """Whether the acceleration is discontinuous inside the profile, beyond rounding."""
+        acceleration = self._derivatives[2]
+        width = np.diff(self.breakpoints_s)
+        at_end = _value(acceleration, width)
+        scale = np.abs(acceleration[:, 0]).max() + np.abs(at_end).max() + 1e-12
+        return bool(np.any(np.abs(at_end[:-1] - acceleration[1:, 0]) > 1e-6 * scale))
+
+    @cached_property
+    def _derivatives(self) -> tuple[Array, ...]:
+        """Coefficients of angle, rate, acceleration and jerk."""
+        c = self.coefficients
+        chain = [c]
+        for _ in range(3):
+            c = c[:, 1:] * np.arange(1, c.shape[1]) if c.shape[1] > 1 else np.zeros((len(c), 1))
+            chain.append(c)
+        return tuple(chain)
+
+    def _extreme(self, order: int) -> Extreme:
+        width = np.diff(self.breakpoints_s)
+        unit = self._derivatives[order] * width[:, None] ** np.arange(
+            self._derivatives[order].shape[1]
+        )
+        values = [unit[:, 0], unit.sum(axis=1)]
+        times = [self.breakpoints_s[:-1], self.breakpoints_s[1:]]
+        for piece in _pieces_that_may_turn(unit):
+            s = _turning_points(unit[piece])
+            values.append(polynomial.polyval(s, unit[piece]))
+            times.append(self.breakpoints_s[piece] + s * width[piece])
+        value, at_s = np.concatenate(values), np.concatenate(times)
+        low, high = int(np.argmin(value)), int(np.argmax(value))
+        return Extreme(float(value[low]), float(at_s[low]), float(value[high]), float(at_s[high]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlewSolution:
+    """The slew of all axes, judged by its own polynomials and not by a solver's word.
+
+    profiles: one per axis, all of duration_s.  status: how each axis was solved.
+    iterations: of the solver, all axes together.  wall_s: time spent solving.
+    violations: every limit the exact extremes break, none from the "ocp" backend.
+    end_error_rad: distance from the wanted end angle, per axis.
+    """
+
+    problem: SlewProblem
+    backend: str
+    profiles: tuple[AxisProfile, ...]
+    status: tuple[str, ...]
+    iterations: int
+    wall_s: float
+    violations: tuple[LimitViolation, ...]
+    end_error_rad: tuple[float, ...]
+
+    @property
+    def duration_s(self) -> float:
+        return self.profiles[0].duration_s
+
+    @property
+    def jerk_squared_integral(self) -> float:
+        """Sum over the axes of the integral of squared jerk, rad^2/s^5."""
+        return sum(profile.jerk_squared_integral for profile in self.profiles)
+
+    def motion(self, t_s: Array) -> tuple[Array, Array, Array, Array]:
+        """Angle, rate, acceleration, jerk, each (n, m), at t_s (n,) since the slew's start."""
+        per_axis = [profile.evaluate(t_s) for profile in self.profiles]
+        angle, rate, acceleration, jerk = (
+            np.stack([values[order] for values in per_axis], axis=1) for order in range(4)
+        )
+        return angle, rate, acceleration, jerk
+
+
+def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[LimitViolation, ...]:
+    """Limits that the profile breaks anywhere, the worst value of each."""
+    found = []
+    for name, extreme, (low, high) in zip(ORDERS, profile.extremes, bounds(limits), strict=True):
+        slack = LIMIT_TOLERANCE * (high - low)
+        if extreme.greatest > high + slack and extreme.greatest - high >= low - extreme.least:
+            found.append(LimitViolation(axis, name, extreme.greatest, high, extreme.greatest_at_s))
+        elif extreme.least < low - slack:
+            found.append(LimitViolation(axis, name, extreme.least, low, extreme.least_at_s))
+    return tuple(found)
+
+
+def obeys(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
+    """Whether the profile joins both states and keeps every limit at every instant."""
+    return joins(profile, start, end, limits) and not violations("", profile, limits)
+
+
+def joins(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
+    """Whether the profile begins and ends in the given states, to 1e-9 of the limits."""
+    width = np.diff(profile.breakpoints_s)[-1:]
+    for order, name in enumerate(("angle_rad", "rate_rad_s", "acceleration_rad_s2")):
+        low, high = bounds(limits)[order]
+        slack = LIMIT_TOLERANCE * (high - low)
+        derivative = profile._derivatives[order]
+        first, last = derivative[0, 0], _value(derivative[-1:], width)[0]
+        if abs(first - getattr(start, name)) > slack or abs(last - getattr(end, name)) > slack:
+            return False
+    return True
+
+
+def bounds(limits: AxisLimits) -> tuple[tuple[float, float], ...]:
+    """(least, greatest) of angle, rate, acceleration and jerk."""
+    symmetric = (limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3)
+    return (
+        (limits.angle_min_rad, limits.angle_max_rad),
+        *((-bound, bound) for bound in symmetric),
+    )
+
+
+def _value(coefficients: Array, x: Array) -> Array:
+    return np.asarray(np.sum(coefficients * x[:, None] ** np.arange(coefficients.shape[1]), axis=1))
+
+
+def _pieces_that_may_turn(unit: Array) -> NDArray[np.intp]:
+    """Pieces (on [0, 1]) whose slope's Bernstein coefficients don't share one sign."""
+    if unit.shape[1] < 3:
+        return np.empty(0, dtype=np.intp)
+    slope = unit[:, 1:] * np.arange(1, unit.shape[1])
+    hull = slope @ _bernstein_from_power(slope.shape[1]).T
+    return np.flatnonzero((hull.min(axis=1) < 0.0) & (hull.max(axis=1) > 0.0))
+
+
+def _bernstein_from_power(count: int) -> Array:
+    """Bernstein coefficients are this (count, count) matrix times ascending power ones."""
+    matrix = np.zeros((count, count))
+    for row in range(count):
+        ratio = 1.0
+        for column in range(row + 1):
+            matrix[row, column] = ratio
+            ratio *= (row - column) / (count - 1 - column) if column < count - 1 else 0.0
+    return matrix
+
+
+def _turning_points(unit: Array) -> Array:
+    """Roots in (0, 1) of the derivative of one polynomial on [0, 1]."""
+    slope = unit[1:] * np.arange(1, len(unit))
+    significant = np.flatnonzero(np.abs(slope) > NEGLIGIBLE * np.abs(slope).max())
+    if significant.size == 0 or significant[-1] == 0:
+        return np.empty(0)
+    roots = polynomial.polyroots(slope[: significant[-1] + 1])
+    real = roots.real[np.abs(roots.imag) < 1e-6]
+    return np.asarray(real[(real > 0.0) & (real < 1.0)])
