@@ -63,24 +63,8 @@ class TleOrbit:
 
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
-        epoch_utc = self.epoch_utc
-        age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / 86400.0
-        said = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age_days:.1f} days from the plan"
-        if age_days >= REFUSE_AGE_DAYS:
-            raise OutsideCoverage(
-                f"{said}; at {REFUSE_AGE_DAYS:.0f} days a TLE is worthless; take a newer one",
-                field="orbit.line1",
-            )
-        warnings: tuple[str, ...] = ()
-        if age_days >= WARN_AGE_DAYS:
-            error_km = 1.0 + 2.0 * age_days
-            warnings = (f"{said}: expect an error of some {error_km:.0f} km along the track",)
-        return TleEphemeris(
-            epoch_utc=epoch_utc,
-            start_utc=start_utc,
-            stop_utc=stop_utc,
-            warnings=warnings,
-            satrec=self._elements(),
+        return sgp4_ephemeris(
+            self._elements(), self.epoch_utc, start_utc, stop_utc, field="orbit.line1"
         )
 
     def _elements(self) -> Satrec:
@@ -99,6 +83,7 @@ class TleEphemeris:
     stop_utc: datetime
     warnings: tuple[str, ...]
     satrec: Satrec
+    field: str
     kind: Kind = "tle"
 
     def states(self, instants: Instants) -> OrbitStates:
@@ -114,8 +99,8 @@ class TleEphemeris:
             at_utc = shifted_utc(instants.epoch_utc, float(instants.t_s[failed[0]]))
             raise OutsideCoverage(
                 f"SGP4 gives up at {utc_text(at_utc, 0)}: {SGP4_ERRORS[int(errors[failed[0]])]}; "
-                "take a newer TLE",
-                field="orbit.line1",
+                "take newer elements",
+                field=self.field,
                 at_utc=at_utc,
             )
         c_teme_from_itrf = np.swapaxes(c_itrf_from_teme(instants), 1, 2)
@@ -128,6 +113,34 @@ class TleEphemeris:
     def age_s(self, instants: Instants) -> NDArray[np.float64]:
         """Time from the elements' epoch, either way, shape (n,)."""
         return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
+
+
+def sgp4_ephemeris(
+    satrec: Satrec, epoch_utc: datetime, start_utc: datetime, stop_utc: datetime, *, field: str
+) -> TleEphemeris:
+    """Elements made ready for a span; `field` is the request field they came in.
+
+    Raises OutsideCoverage when an instant is 30 days or more from the epoch.
+    """
+    age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / 86400.0
+    said = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age_days:.1f} days from the plan"
+    if age_days >= REFUSE_AGE_DAYS:
+        raise OutsideCoverage(
+            f"{said}; at {REFUSE_AGE_DAYS:.0f} days they are worthless; take newer ones",
+            field=field,
+        )
+    warnings: tuple[str, ...] = ()
+    if age_days >= WARN_AGE_DAYS:
+        error_km = 1.0 + 2.0 * age_days
+        warnings = (f"{said}: expect an error of some {error_km:.0f} km along the track",)
+    return TleEphemeris(
+        epoch_utc=epoch_utc,
+        start_utc=start_utc,
+        stop_utc=stop_utc,
+        warnings=warnings,
+        satrec=satrec,
+        field=field,
+    )
 
 
 def _check_line(name: str, number: str, line: str) -> None:

@@ -1,0 +1,126 @@
+"""Which values does a CCSDS message of one satellite at one epoch (OMM, OPM) state?"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NoReturn
+
+import numpy as np
+
+from planner.errors import InvalidMessage
+from planner.frames.time_scales import utc_from_tai_us
+from planner.messages.epochs import TIME_SYSTEMS, EpochReader
+from planner.messages.segments import is_xml, refuse
+from planner.messages.xml import message_element, name_of, text_of
+
+MAX_CHARACTERS = 200_000  # a hundred times a long one
+
+_UNIT = re.compile(r"^(?P<value>.*?)\s*\[(?P<unit>[^\[\]]*)\]$")
+_CENTERS = ("EARTH", "399", "EARTH CENTER")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One keyword as it stands; unit: "" if not stated."""
+
+    key: str
+    text: str
+    unit: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Keywords:
+    """The entries of one message, in its order."""
+
+    message: str
+    entries: tuple[Entry, ...]
+
+    def refuse(self, what: str, line: int = 1) -> NoReturn:
+        """Say what is wrong with the message, and in which line."""
+        refuse(self.message, line, what)
+
+    def all(self, key: str) -> Iterator[Entry]:
+        """Every entry of that keyword, for blocks that repeat."""
+        return (entry for entry in self.entries if entry.key == key)
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """The first entry's text; refused when absent and without default."""
+        for entry in self.all(key):
+            return entry.text
+        if default is None:
+            self.refuse(f"{key} is missing")
+        return default
+
+    def number(self, key: str, *units: str, default: float | None = None) -> float:
+        """A finite number; a stated unit must be one of `units`."""
+        for entry in self.all(key):
+            if entry.unit and entry.unit.lower() not in units:
+                self.refuse(f"{key} is in {entry.unit!r}; it must be in {units[0]}", entry.line)
+            try:
+                value = float(entry.text)
+            except ValueError:
+                value = np.nan
+            if not np.isfinite(value):
+                self.refuse(f"{key} = {entry.text[:40]!r} is no finite number", entry.line)
+            return value
+        if default is None:
+            self.refuse(f"{key} is missing")
+        return default
+
+    def epoch_utc(self, entry: Entry, time_system: str) -> datetime:
+        """The epoch an entry states, rounded down to the microsecond."""
+        if time_system not in TIME_SYSTEMS:
+            self.refuse(f"TIME_SYSTEM {time_system!r} is not supported; use one of {TIME_SYSTEMS}")
+        try:
+            return utc_from_tai_us(EpochReader(time_system).tai_ns(entry.text) // 1000)
+        except ValueError as error:
+            self.refuse(str(error), entry.line)
+
+    def require_earth(self) -> None:
+        """Refuse orbits about anything else."""
+        center = self.text("CENTER_NAME", "EARTH")
+        if center.upper() not in _CENTERS:
+            self.refuse(f"CENTER_NAME is {center!r}; only orbits about EARTH are supported")
+
+
+def read_keywords(content: str, message: str, versions: tuple[str, ...]) -> Keywords:
+    """Read KVN or XML.  Raises InvalidMessage naming the line."""
+    if len(content) > MAX_CHARACTERS:
+        raise InvalidMessage(
+            f"the {message} has {len(content)} characters, more than the {MAX_CHARACTERS} "
+            "accepted; send one satellite"
+        )
+    if is_xml(content):
+        return Keywords(message, tuple(_from_xml(content, message, versions)))
+    entries = tuple(_from_kvn(content, message))
+    found = Keywords(message, entries)
+    version = found.text(f"CCSDS_{message}_VERS")
+    if version.split(".")[0] not in versions:
+        found.refuse(f"CCSDS_{message}_VERS {version!r} is not supported")
+    return found
+
+
+def _from_kvn(content: str, message: str) -> Iterator[Entry]:
+    for number, line in enumerate(content.lstrip("\ufeff").splitlines(), start=1):
+        text = line.strip()
+        if not text or text == "COMMENT" or text.startswith("COMMENT "):
+            continue
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            refuse(message, number, f"{text[:60]!r} is no 'KEYWORD = value'")
+        with_unit = _UNIT.match(value)
+        if with_unit:
+            yield Entry(key.upper(), with_unit["value"], with_unit["unit"], number)
+        else:
+            yield Entry(key.upper(), value, "", number)
+
+
+def _from_xml(content: str, message: str, versions: tuple[str, ...]) -> Iterator[Entry]:
+    found = message_element(content, message, versions)
+    for element in found.element.iter():
+        if len(element) == 0 and name_of(element) != "COMMENT":
+            yield Entry(
+                name_of(element), text_of(element), element.get("units") or "", found.line(element)
+            )

@@ -1,0 +1,93 @@
+"""What does a CCSDS orbit mean-elements message (OMM) say?
+
+Reads KVN, XML and the JSON of general-perturbation catalogues (one object, or a list of one).
+Source: CCSDS 502.0-B-3, section 4; CelesTrak's GP data formats for JSON.
+"""
+
+import json
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NoReturn
+
+from planner.errors import InvalidMessage
+from planner.messages.keywords import MAX_CHARACTERS, Entry, Keywords, read_keywords
+
+THEORIES = ("SGP4", "SGP/SGP4", "SGP")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Omm:
+    """Mean elements of SGP4's theory, in TEME, units as in the message.
+
+    bstar: in inverse Earth radii.
+    """
+
+    object_name: str
+    epoch_utc: datetime
+    mean_motion_rev_day: float
+    eccentricity: float
+    inclination_deg: float
+    ra_of_asc_node_deg: float
+    arg_of_pericenter_deg: float
+    mean_anomaly_deg: float
+    bstar: float
+
+
+def read_omm(content: str) -> Omm:
+    """Raises InvalidMessage naming the line and the keyword."""
+    if content.lstrip("\ufeff \t\r\n").startswith(("[", "{")):
+        found = _from_json(content)
+    else:
+        found = read_keywords(content, "OMM", ("1", "2", "3"))
+    found.require_earth()
+    _require(found, "MEAN_ELEMENT_THEORY", THEORIES)
+    _require(found, "REF_FRAME", ("TEME",))
+    _require(found, "TIME_SYSTEM", ("UTC",))
+    epoch = next(found.all("EPOCH"), None)
+    if epoch is None:
+        found.refuse("EPOCH is missing")
+    return Omm(
+        object_name=found.text("OBJECT_NAME", ""),
+        epoch_utc=found.epoch_utc(epoch, "UTC"),
+        mean_motion_rev_day=found.number("MEAN_MOTION", "rev/day", "rev/d", "revs/day"),
+        eccentricity=found.number("ECCENTRICITY"),
+        inclination_deg=found.number("INCLINATION", "deg"),
+        ra_of_asc_node_deg=found.number("RA_OF_ASC_NODE", "deg"),
+        arg_of_pericenter_deg=found.number("ARG_OF_PERICENTER", "deg"),
+        mean_anomaly_deg=found.number("MEAN_ANOMALY", "deg"),
+        bstar=found.number("BSTAR", "1/er"),
+    )
+
+
+def _require(found: Keywords, key: str, accepted: tuple[str, ...]) -> None:
+    """Catalogues leave these out; where stated, another value needs another propagator."""
+    stated = found.text(key, accepted[0]).upper()
+    if stated not in accepted:
+        found.refuse(f"{key} {stated!r} is not supported; only {accepted[0]} is")
+
+
+def _from_json(content: str) -> Keywords:
+    if len(content) > MAX_CHARACTERS:
+        raise InvalidMessage(
+            f"the OMM has {len(content)} characters, more than the {MAX_CHARACTERS} accepted; "
+            "send one satellite"
+        )
+    try:
+        parsed = json.loads(content.lstrip("\ufeff"), parse_constant=_no_constant)
+    except json.JSONDecodeError as error:
+        raise InvalidMessage(f"OMM line {error.lineno}: the JSON is broken: {error.msg}") from None
+    except (ValueError, RecursionError):
+        raise InvalidMessage("the OMM's JSON holds a value no orbit has") from None
+    objects = parsed if isinstance(parsed, list) else [parsed]
+    if len(objects) != 1 or not isinstance(objects[0], dict):
+        raise InvalidMessage(f"the OMM's JSON holds {len(objects)} entries; send one satellite")
+    entries = [
+        Entry(key, str(value), "", 1)
+        for key, value in objects[0].items()
+        if isinstance(value, str | int | float) and not isinstance(value, bool)
+    ]
+    return Keywords("OMM", tuple(entries))
+
+
+def _no_constant(text: str) -> NoReturn:
+    raise ValueError(text)

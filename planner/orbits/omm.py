@@ -1,0 +1,70 @@
+"""Where is the satellite according to mean elements as a message (CCSDS OMM)?  (SGP4)"""
+
+import math
+from datetime import UTC, datetime
+from functools import cached_property
+from typing import Literal
+
+from sgp4.api import SGP4_ERRORS, WGS72, Satrec
+
+from planner.errors import InvalidMessage
+from planner.frames.time_scales import DAY_S
+from planner.messages.omm import Omm, read_omm
+from planner.orbits.tle import TleEphemeris, sgp4_ephemeris
+from planner.spec import spec
+
+_SGP4_ORIGIN = datetime(1949, 12, 31, tzinfo=UTC)
+_MINUTES_PER_DAY = 1440.0
+
+
+@spec
+class OmmOrbit:
+    """The text of a CCSDS OMM: JSON as catalogues send it, KVN or XML.
+
+    The same elements as a TLE with more digits, so the same error: about 1 km at the epoch.
+    """
+
+    source: Literal["omm"] = "omm"
+    content: str
+
+    def __post_init__(self) -> None:
+        try:
+            _ = self.message
+        except InvalidMessage as refusal:
+            raise ValueError(refusal.detail) from None
+        error = self._elements().error
+        if error:
+            raise ValueError(f"these elements are no orbit: {SGP4_ERRORS[error]}")
+
+    @cached_property
+    def message(self) -> Omm:
+        """Read once, at construction."""
+        return read_omm(self.content)
+
+    def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> TleEphemeris:
+        """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
+        return sgp4_ephemeris(
+            self._elements(), self.message.epoch_utc, start_utc, stop_utc, field="orbit.content"
+        )
+
+    def _elements(self) -> Satrec:
+        omm = self.message
+        # SGP4's day count, like its Julian dates, knows no leap seconds.
+        since = omm.epoch_utc - _SGP4_ORIGIN
+        satrec = Satrec()
+        satrec.sgp4init(
+            WGS72,
+            "i",
+            0,  # the catalogue number plays no part
+            since.days + (since.seconds + since.microseconds * 1e-6) / DAY_S,
+            omm.bstar,
+            0.0,  # SGP4 does without the derivatives of the mean motion
+            0.0,
+            omm.eccentricity,
+            math.radians(omm.arg_of_pericenter_deg),
+            math.radians(omm.inclination_deg),
+            math.radians(omm.mean_anomaly_deg),
+            omm.mean_motion_rev_day * 2.0 * math.pi / _MINUTES_PER_DAY,
+            math.radians(omm.ra_of_asc_node_deg),
+        )
+        return satrec
