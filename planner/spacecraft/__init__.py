@@ -1,0 +1,1 @@
+"""How does an agile spacecraft with control moment gyros image the Earth?"""

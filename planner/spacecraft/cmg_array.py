@@ -1,0 +1,226 @@
+"""What can a set of single-gimbal control moment gyros do, and how are they steered?
+
+Angular momentum, Jacobian, envelope, the closed-form inverse of two scissor pairs, and the
+steering law with null motion, guarded inverse and rate limit.
+Source: Platonov, Sumarokov 2019, eq. 1 and the definitions below it.
+"""
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.spacecraft.compiled import compiled
+from planner.spec import spec
+
+Array = NDArray[np.float64]
+SINGULARITY_GUARD = 1e-3  # of D D^T's scale: below it the inverse is damped
+
+
+@spec
+class CmgArray:
+    """Identical CMGs: gimbal axes, rotor directions at zero angle, one drive.
+
+    arrangement: `paired` (two scissor pairs, gimbal axes along X and Y; H = h [s3 + s4,
+    s1 + s2, c1 + c2 + c3 + c4]) or `pyramid` (gimbal axes at `skew_rad` from the XY plane).
+    rate_step_rad_s: the drive executes whole multiples of it (and nothing smaller).
+    rate_error_share, rate_error_rad_s: execution error +-(share x rate + constant).
+    servo_rad_s, servo_damping: W(s) = 1/(T^2 s^2 + 2 xi T s + 1), T = 1/servo_rad_s; the
+    paper gives the form but no numbers: 50 rad/s and 0.7 are assumed.
+    gimbal_inertia_kg_m2: of rotor and frame about the gimbal axis; 0 leaves its reaction out.
+    """
+
+    arrangement: Literal["paired", "pyramid"] = "paired"
+    momentum_n_m_s: float = 60.0
+    skew_rad: float = math.radians(54.7356)
+    rate_max_rad_s: float = math.radians(57.3)
+    rate_step_rad_s: float = math.radians(0.0069)
+    rate_error_share: float = 0.01
+    rate_error_rad_s: float = math.radians(0.0069)
+    servo_rad_s: float = 50.0
+    servo_damping: float = 0.7
+    gimbal_inertia_kg_m2: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("momentum_n_m_s", "rate_max_rad_s", "servo_rad_s", "servo_damping"):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
+        for name in (
+            "rate_step_rad_s",
+            "rate_error_share",
+            "rate_error_rad_s",
+            "gimbal_inertia_kg_m2",
+        ):
+            if not getattr(self, name) >= 0.0:
+                raise ValueError(f"{name} must not be negative, but is {getattr(self, name)}")
+        if not 0.0 <= self.skew_rad <= math.pi / 2:
+            raise ValueError(f"skew_rad must lie in 0..pi/2, not {self.skew_rad}")
+
+    @property
+    def gimbal_axes(self) -> Array:
+        """Unit vectors in body axes, shape (4, 3)."""
+        if self.arrangement == "paired":
+            return np.array([[-1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 1, 0]])
+        c, s = math.cos(self.skew_rad), math.sin(self.skew_rad)
+        return np.array([[s, 0, c], [0, s, c], [-s, 0, c], [0, -s, c]])
+
+    @property
+    def rotor_axes(self) -> Array:
+        """Rotor directions at zero gimbal angle in body axes, shape (4, 3)."""
+        if self.arrangement == "paired":
+            return np.tile([0.0, 0.0, 1.0], (4, 1))
+        return np.array([[0, 1.0, 0], [-1, 0, 0], [0, -1, 0], [1, 0, 0]])
+
+    @property
+    def torque_axes(self) -> Array:
+        """Directions the rotors turn towards at zero gimbal angle, shape (4, 3)."""
+        return np.cross(self.gimbal_axes, self.rotor_axes)
+
+    def momentum(self, gimbal_rad: Array) -> Array:
+        """Momentum of the rotors in body axes, N m s; gimbal_rad (..., 4) -> (..., 3)."""
+        return self.momentum_n_m_s * np.asarray(
+            np.cos(gimbal_rad) @ self.rotor_axes + np.sin(gimbal_rad) @ self.torque_axes
+        )
+
+    def jacobian(self, gimbal_rad: Array) -> Array:
+        """D = (1/h) dH/d(gimbal angle), shape (..., 3, 4)."""
+        columns = (
+            np.cos(gimbal_rad)[..., None] * self.torque_axes
+            - np.sin(gimbal_rad)[..., None] * self.rotor_axes
+        )
+        return np.asarray(np.swapaxes(columns, -1, -2))
+
+    def singularity_margin(self, gimbal_rad: Array) -> Array:
+        """Smallest singular value of D, shape (...): 0 where no torque is left in a direction.
+
+        At rates of 1 rad/s it is the torque over h that every direction can count on.
+        """
+        return np.asarray(np.linalg.svd(self.jacobian(gimbal_rad), compute_uv=False)[..., -1])
+
+    def in_envelope(self, momentum_n_m_s: Array) -> NDArray[np.bool_]:
+        """Whether some gimbal angles reach a momentum, (..., 3) -> (...).
+
+        Two scissor pairs: exactly |Hx|, |Hy| <= 2h and |Hz| <= sqrt(4h^2 - Hx^2) +
+        sqrt(4h^2 - Hy^2).  Pyramid: the sphere inside its envelope that any azimuth reaches.
+        """
+        h = self.momentum_n_m_s
+        if self.arrangement == "pyramid":
+            radius = 4.0 * h * min(math.cos(self.skew_rad), math.sin(self.skew_rad))
+            return np.asarray(np.linalg.norm(momentum_n_m_s, axis=-1) <= radius)
+        hx, hy, hz = np.moveaxis(np.asarray(momentum_n_m_s), -1, 0)
+        room_x, room_y = 4 * h**2 - hx**2, 4 * h**2 - hy**2
+        reach = np.sqrt(np.maximum(room_x, 0.0)) + np.sqrt(np.maximum(room_y, 0.0))
+        return np.asarray((room_x >= 0) & (room_y >= 0) & (np.abs(hz) <= reach))
+
+    def gimbal_angles(self, momentum_n_m_s: Array) -> Array:
+        """Well-conditioned gimbal angles (4,) that hold a momentum (3,).
+
+        Two scissor pairs: closed form; each pair's half-angle is arccos(L/2h), and the split
+        of Hz between the pairs (z12 = Hz/2 + s) is the one furthest from singularity on a
+        grid of 201 splits.  Pyramid: Newton steps from the balanced position.
+        Raises ValueError outside the envelope.
+        """
+        if not self.in_envelope(momentum_n_m_s):
+            raise ValueError(
+                f"momentum {np.round(momentum_n_m_s, 1).tolist()} N m s is outside the envelope "
+                "of the gyros; unload it first"
+            )
+        if self.arrangement == "pyramid":
+            return self._pyramid_angles(momentum_n_m_s)
+        h = self.momentum_n_m_s
+        hx, hy, hz = momentum_n_m_s
+        split = np.linspace(-2.0 * h, 2.0 * h, 201)
+        z12, z34 = hz / 2 + split, hz / 2 - split
+        length_12, length_34 = np.hypot(hy, z12), np.hypot(hx, z34)
+        ok = (length_12 <= 2 * h) & (length_34 <= 2 * h)
+        half_12 = np.arccos(np.minimum(length_12 / (2 * h), 1.0))
+        half_34 = np.arccos(np.minimum(length_34 / (2 * h), 1.0))
+        middle_12, middle_34 = np.arctan2(hy, z12), np.arctan2(hx, z34)
+        angles = np.stack(
+            [middle_12 + half_12, middle_12 - half_12, middle_34 + half_34, middle_34 - half_34],
+            axis=-1,
+        )
+        return np.asarray(angles[np.argmax(np.where(ok, self.singularity_margin(angles), -1.0))])
+
+    def _pyramid_angles(self, momentum_n_m_s: Array) -> Array:
+        gimbal = np.zeros(4)
+        for _ in range(50):
+            miss = momentum_n_m_s - self.momentum(gimbal)
+            if np.linalg.norm(miss) < 1e-12 * self.momentum_n_m_s:
+                return gimbal
+            step = np.linalg.pinv(self.jacobian(gimbal), rcond=1e-2) @ miss / self.momentum_n_m_s
+            gimbal = gimbal + np.clip(step, -0.3, 0.3)
+        raise ValueError(
+            f"found no gimbal angles for {np.round(momentum_n_m_s, 1).tolist()} N m s; unload "
+            "some momentum first"
+        )
+
+
+@compiled
+def rotor_momentum(gimbal: Array, momentum: float, rotor: Array, torque: Array, out: Array) -> None:
+    """H of four gyros in body axes into out (3,)."""
+    for k in range(3):
+        out[k] = 0.0
+    for i in range(4):
+        c, s = momentum * math.cos(gimbal[i]), momentum * math.sin(gimbal[i])
+        for k in range(3):
+            out[k] += c * rotor[i, k] + s * torque[i, k]
+
+
+@compiled
+def steer(
+    gimbal: Array,
+    momentum_rate: Array,
+    momentum: float,
+    rotor: Array,
+    torque: Array,
+    rate_max: float,
+    null_gain: float,
+    out: Array,
+) -> float:
+    """Gimbal rates (4,), into out, that change H by momentum_rate (3,), N m.
+
+    d' = D^T (D D^T)^-1 M/h + rho (E - D^T (D D^T)^-1 D) dPsi/dd, all rates scaled down
+    together to rate_max.  Psi = det(D D^T) grows away from singularity for any arrangement;
+    the paper's (m1 x m2)^2 + (m3 x m4)^2 is its part for parallel pairs.  The sign is the
+    one that leaves singularities: taken literally, the printed xi = -dPhi/dd under its
+    projector drives into them.  Near one (det below the guard) the inverse is damped.
+    Returns det(D D^T).
+    """
+    d = np.empty((3, 4))
+    turn = np.empty((3, 4))
+    for i in range(4):
+        c, s = math.cos(gimbal[i]), math.sin(gimbal[i])
+        for k in range(3):
+            d[k, i] = c * torque[i, k] - s * rotor[i, k]
+            turn[k, i] = -c * rotor[i, k] - s * torque[i, k]
+    a = d @ d.T
+    det = np.linalg.det(a)
+    damping = 0.0
+    if det < SINGULARITY_GUARD * 20.0:
+        damping = 0.01 * (1.0 - det / (SINGULARITY_GUARD * 20.0)) + 1e-9
+    for k in range(3):
+        a[k, k] += damping
+    inverse = np.linalg.inv(a)
+    y = inverse @ (momentum_rate / momentum)
+    gradient = np.empty(4)
+    weighted = inverse @ d
+    for i in range(4):
+        total = 0.0
+        for k in range(3):
+            total += weighted[k, i] * turn[k, i]
+        gradient[i] = 2.0 * det * total
+    projected = inverse @ (d @ gradient)
+    largest = 0.0
+    for i in range(4):
+        pseudo, seen = 0.0, 0.0
+        for k in range(3):
+            pseudo += d[k, i] * y[k]
+            seen += d[k, i] * projected[k]
+        out[i] = pseudo + null_gain * (gradient[i] - seen)
+        largest = max(largest, abs(out[i]))
+    if largest > rate_max:
+        for i in range(4):
+            out[i] *= rate_max / largest
+    return float(det)

@@ -1,0 +1,213 @@
+"""What is the agile spacecraft made of?  Mass, modes, sensors, limits, control gains.
+
+Numbers of Platonov, Sumarokov 2019 where the paper gives them; every other default is an
+assumption, named as such here and repeated in `ASSUMPTIONS` of the stabilisation report.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.spacecraft.cmg_array import CmgArray
+from planner.spec import spec
+
+Vector3 = tuple[float, float, float]
+
+
+@spec
+class FlexibleMode:
+    """One cantilever mode of the structure.
+
+    inertia_share: the part of the body's inertia that swings with it; the coupling vector is
+    sqrt(share) sqrt(J) o axis_body, so that a share of 1 would leave no rigid body.
+    """
+
+    frequency_hz: float
+    damping: float = 0.005
+    inertia_share: float
+    axis_body: Vector3
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.frequency_hz <= 20.0:
+            raise ValueError(f"frequency_hz must lie in (0, 20], not {self.frequency_hz}")
+        if not 0.0 < self.damping < 1.0:
+            raise ValueError(f"damping must lie in (0, 1), not {self.damping}")
+        if not 0.0 <= self.inertia_share < 0.3:
+            raise ValueError(f"inertia_share must lie in [0, 0.3), not {self.inertia_share}")
+        if not math.isclose(math.hypot(*self.axis_body), 1.0, abs_tol=1e-3):
+            raise ValueError(f"axis_body must be a unit vector, not {self.axis_body}")
+
+
+def _unit(x: float, y: float, z: float) -> Vector3:
+    length = math.hypot(x, y, z)
+    return (x / length, y / length, z / length)
+
+
+# Assumed: the paper names solar-array modes "about 2 Hz" on X and Z and modes up to 10 Hz.
+ASSUMED_MODES = (
+    FlexibleMode(frequency_hz=2.0, inertia_share=0.05, axis_body=_unit(1.0, 0.1, 0.2)),
+    FlexibleMode(frequency_hz=2.1, inertia_share=0.05, axis_body=_unit(0.2, 0.1, 1.0)),
+    FlexibleMode(frequency_hz=3.4, inertia_share=0.03, axis_body=_unit(0.1, 1.0, 0.1)),
+    FlexibleMode(frequency_hz=5.5, inertia_share=0.01, axis_body=_unit(0.7, 0.1, 0.7)),
+    FlexibleMode(frequency_hz=9.5, inertia_share=0.005, axis_body=_unit(0.5, 0.5, 0.7)),
+)
+
+
+@spec
+class Sensors:
+    """Rate gyro (four channels: X, Y, Z and their diagonal) and star trackers; noise assumed.
+
+    gyro_noise_rad_s: per sample of 0.2 s.  gyro_scale_error: of the angle turned.
+    star_tracker_noise_rad: per axis and fix of two trackers together.
+    resolver_noise_rad: of a gimbal angle, per sample.
+    """
+
+    gyro_range_rad_s: float = math.radians(1.6)
+    gyro_noise_rad_s: float = math.radians(5e-5)
+    gyro_bias_rad_s: float = math.radians(1e-5)
+    gyro_scale_error: float = 2e-5
+    star_tracker_noise_rad: float = math.radians(5.0 / 3600.0)
+    star_tracker_period_s: float = 1.0
+    resolver_noise_rad: float = 5e-6
+
+    def __post_init__(self) -> None:
+        if not self.gyro_range_rad_s > 0.0:
+            raise ValueError(f"gyro_range_rad_s must be positive, not {self.gyro_range_rad_s}")
+        if not self.star_tracker_period_s >= 0.2:
+            raise ValueError(
+                f"star_tracker_period_s is at least a control cycle, 0.2 s, not "
+                f"{self.star_tracker_period_s}"
+            )
+
+
+@spec
+class ControlGains:
+    """The on-board laws: body acceleration = -k2 (2 n) - k1 (rate error), plus feed-forward.
+
+    cutoff_hz: second-order Butterworth low-pass on the rate error.  delay_ticks: whole 0.2 s
+    cycles between measurement and command.  null_gain_rad_s: rho of the steering law, zero
+    while imaging.  acceleration_share: a1/a of the paper's laws.  gimbal_gain: share of a
+    gimbal's angle error made good in a tick.
+    """
+
+    k1_per_s: float = 1.8
+    k2_per_s2: float = 1.0
+    cutoff_hz: float = 1.5
+    delay_ticks: int = 0
+    null_gain_rad_s: float = 0.02
+    acceleration_share: float = 0.75
+    gimbal_gain: float = 0.9
+
+    def __post_init__(self) -> None:
+        if not (self.k1_per_s > 0.0 and self.k2_per_s2 > 0.0 and self.cutoff_hz > 0.0):
+            raise ValueError("k1_per_s, k2_per_s2 and cutoff_hz must be positive")
+        if self.delay_ticks not in (0, 1):
+            raise ValueError(f"delay_ticks must be 0 or 1, not {self.delay_ticks}")
+
+
+@spec
+class SlewLimits:
+    """What a planned turn may ask for.
+
+    rate_rad_s: vector magnitude; rate_axis_rad_s: each body axis, 1.5 deg/s by default so that
+    the gyro (1.6) always reads.  torque, torque_rate: magnitude of the control torque and of
+    its derivative (assumed: they spare the modes).  settle_s: between the end of a turn and
+    imaging, on the profile already.
+    """
+
+    rate_rad_s: float = math.radians(3.5)
+    rate_axis_rad_s: float = math.radians(1.5)
+    torque_n_m: float = 15.0
+    torque_rate_n_m_s: float = 40.0
+    momentum_sphere_n_m_s: float = 60.0
+    settle_s: float = 2.4
+
+    def __post_init__(self) -> None:
+        for name in (
+            "rate_rad_s",
+            "rate_axis_rad_s",
+            "torque_n_m",
+            "torque_rate_n_m_s",
+            "momentum_sphere_n_m_s",
+        ):
+            if not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
+        if not 0.0 <= self.settle_s <= 60.0:
+            raise ValueError(f"settle_s must lie in 0..60 s, not {self.settle_s}")
+
+
+@spec
+class Camera:
+    """The pushbroom camera, optical axis -Y, detector columns along X.
+
+    pixel_rad: 1 m at nadir from 650 km.  tdi_lines: lines added up, which sets the exposure;
+    swath_m: ground width imaged at nadir.  reversible: whether the detector also scans
+    backwards (TDI in both directions).  The paper gives 1 m and 12 km; TDI is assumed.
+    """
+
+    pixel_rad: float = 1.0 / 650e3
+    tdi_lines: int = 32
+    swath_m: float = 12e3
+    reversible: bool = False
+    across_max_deg: float = 45.0
+    along_max_deg: float = 30.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.pixel_rad < 1e-3:
+            raise ValueError(f"pixel_rad must lie in (0, 1e-3), not {self.pixel_rad}")
+        if not 1 <= self.tdi_lines <= 1024:
+            raise ValueError(f"tdi_lines must lie in 1..1024, not {self.tdi_lines}")
+        if not 100.0 <= self.swath_m <= 500e3:
+            raise ValueError(f"swath_m must lie in 100..500000 m, not {self.swath_m}")
+        for name in ("across_max_deg", "along_max_deg"):
+            if not 0.0 < getattr(self, name) <= 60.0:
+                raise ValueError(f"{name} must lie in (0, 60], not {getattr(self, name)}")
+
+
+@spec
+class AgileSpacecraft:
+    """An Earth-imaging spacecraft turned by control moment gyros.
+
+    Body axes: X along flight, Y up (the optical axis is -Y), Z = X x Y (pitch).
+    inertia_kg_m2: principal moments, the swinging parts included.
+    """
+
+    name: str = "agile-cmg"
+    inertia_kg_m2: Vector3 = (800.0, 500.0, 800.0)
+    array: CmgArray = CmgArray()
+    modes: tuple[FlexibleMode, ...] = ASSUMED_MODES
+    sensors: Sensors = Sensors()
+    gains: ControlGains = ControlGains()
+    slew: SlewLimits = SlewLimits()
+    camera: Camera = Camera()
+
+    def __post_init__(self) -> None:
+        a, b, c = sorted(self.inertia_kg_m2)
+        if not (a > 0.0 and a + b >= c):
+            raise ValueError(
+                f"inertia_kg_m2 {self.inertia_kg_m2}: no body has these moments (each must be "
+                "positive and at most the sum of the others)"
+            )
+        if np.linalg.eigvalsh(self.rigid_inertia())[0] <= 0.0:
+            raise ValueError("the modes' inertia shares leave no rigid body; make them smaller")
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """Matrix (3, 3), kg m^2."""
+        return np.diag(self.inertia_kg_m2)
+
+    def couplings(self) -> NDArray[np.float64]:
+        """Modal coupling vectors, shape (m, 3), sqrt(kg) m."""
+        root_j = np.sqrt(np.array(self.inertia_kg_m2))
+        rows = [math.sqrt(m.inertia_share) * root_j * np.array(m.axis_body) for m in self.modes]
+        return np.array(rows).reshape(-1, 3)
+
+    def rigid_inertia(self) -> NDArray[np.float64]:
+        """J minus the swinging parts, shape (3, 3)."""
+        d = self.couplings()
+        return np.asarray(self.inertia - d.T @ d)
+
+
+AGILE_CMG = AgileSpacecraft()
+SPACECRAFT = {AGILE_CMG.name: AGILE_CMG}

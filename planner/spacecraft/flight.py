@@ -1,0 +1,236 @@
+"""What happens when a command table is flown closed loop?  One run, compiled.
+
+Sees the table and the spacecraft only, never how the table was planned.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.spacecraft.compiled import compiled
+from planner.spacecraft.dynamics import (
+    Plant,
+    advance,
+    array_momentum,
+    body_rate,
+    rotate,
+    scratch,
+)
+from planner.spacecraft.onboard import (
+    Computer,
+    Memory,
+    decide,
+    multiply_inverse,
+    send,
+    sensed_rate,
+    update_total_momentum,
+)
+
+Array = NDArray[np.float64]
+SETTLED_MOMENTUM_GAIN = 0.02  # per tick; 10 s, long against the modes, short against an orbit
+
+
+class Reference(NamedTuple):
+    """The table made ready for the loop; quaternions are eci_from_body, scalar last."""
+
+    q: Array  # (n + 1, 4)
+    rate: Array  # (n + 1, 3)
+    acceleration: Array  # (n + 1, 3)
+    ahead: Array  # (n + 1, 7): attitude and rate one servo lag later
+    imaging: NDArray[np.bool_]  # (n,)
+    commanded: NDArray[np.bool_]  # (n,): a new goal is given at this tick (the paper's laws)
+    nadir: Array  # (n + 1, 3), inertial unit vectors
+
+
+class Noise(NamedTuple):
+    """Sizes of what is random within a run."""
+
+    gyro_noise: float
+    gyro_bias: Array  # (3,)
+    gyro_scale: Array  # (3,)
+    tracker_noise: float
+    tracker_ticks: int
+    gimbal_offset: Array  # (4,)
+    gimbal_jitter: float
+    resolver_noise: float
+    seed: int
+
+
+class Log(NamedTuple):
+    """rate_error: (n s, 3) at every step; the rest per tick."""
+
+    rate_error: Array  # omega minus the table's, body axes
+    attitude_error: Array  # (n, 3), rad, small rotation table -> body
+    knowledge_error: Array  # (n, 3), rad
+    rate: Array  # (n, 3)
+    gimbal: Array  # (n, 4)
+    gimbal_rate: Array  # (n, 4), executed
+    gimbal_command: Array  # (n, 4)
+    margin: Array  # (n,), det(D D^T)
+    momentum: Array  # (n, 3), of the array, body axes
+    total: Array  # (n, 3), inertial
+    state: Array  # (n, s): attitude, total momentum, modal coordinates and momenta
+
+
+@compiled
+def _gyro(rate: Array, noise: Noise, out: Array) -> None:
+    for k in range(3):
+        out[k] = (
+            rate[k] * (1.0 + noise.gyro_scale[k])
+            + noise.gyro_bias[k]
+            + noise.gyro_noise * np.random.standard_normal()
+        )
+    out[3] = (out[0] + out[1] + out[2]) / math.sqrt(3.0)
+
+
+@compiled
+def _believed(true: Array, knowledge: Array, out: Array) -> None:
+    """out = true attitude turned by the (small) knowledge error, body axes."""
+    x, y, z = 0.5 * knowledge[0], 0.5 * knowledge[1], 0.5 * knowledge[2]
+    out[0] = true[0] + true[3] * x + true[1] * z - true[2] * y
+    out[1] = true[1] + true[3] * y + true[2] * x - true[0] * z
+    out[2] = true[2] + true[3] * z + true[0] * y - true[1] * x
+    out[3] = true[3] - true[0] * x - true[1] * y - true[2] * z
+    norm = math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
+    for k in range(4):
+        out[k] /= norm
+
+
+@compiled
+def _reference_rate(reference: Reference, k: int, u: float, tick: float, out: Array) -> None:
+    """Table's rate at share u of tick k: cubic Hermite of rates and accelerations."""
+    for i in range(3):
+        a, b = reference.rate[k, i], reference.rate[k + 1, i]
+        da, db = tick * reference.acceleration[k, i], tick * reference.acceleration[k + 1, i]
+        c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
+        out[i] = a + u * (da + u * (c2 + u * c3))
+
+
+@compiled
+def fly(
+    plant: Plant,
+    computer: Computer,
+    reference: Reference,
+    noise: Noise,
+    gimbal: Array,
+    modes_start: Array,
+    delay_ticks: int,
+) -> Log:
+    """Fly the table from its first row, at rest on the profile.  gimbal: (4,), start angles.
+
+    modes_start: (2 m,), modal coordinates and velocities.  The knowledge error obeys
+    e' = (rate believed - rate true), corrected by star trackers between imaging intervals
+    only, with a gain of 0.1 a fix.
+    """
+    np.random.seed(noise.seed)
+    n, per_tick = len(reference.imaging), round(computer.tick_s / plant.step_s)
+    m = len(plant.stiffness)
+    state, servo = np.zeros(7 + 2 * m), np.zeros((4, 3))
+    for i in range(4):
+        servo[i, 0] = gimbal[i]
+    tools = scratch(len(state))
+    array_momentum(plant, servo, 0.0, tools.momenta[2])
+    state[:4] = reference.q[0]
+    start = np.zeros(3)
+    for k in range(3):
+        start[k] = tools.momenta[2, k]
+        for j in range(3):
+            start[k] += plant.inertia[k, j] * reference.rate[0, j]
+    for i in range(m):
+        state[7 + i] = modes_start[i]
+        state[7 + m + i] = modes_start[m + i]
+        for k in range(3):
+            state[7 + m + i] += plant.couplings[i, k] * reference.rate[0, k]
+            start[k] += plant.couplings[i, k] * modes_start[m + i]
+    rotate(state[:4], start, state[4:7])
+    memory = Memory(
+        np.zeros((2, 3)),
+        state[4:7].copy(),
+        np.zeros((2, 4)),
+        np.zeros((2, 4)),
+        servo.copy(),
+        np.zeros(1),
+    )
+    log = Log(
+        np.empty((n * per_tick, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 4)),
+        np.empty((n, 4)),
+        np.empty((n, 4)),
+        np.empty(n),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, len(state))),
+    )
+    knowledge, turned, rate, believed_rate = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    believed, channels, error, command = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
+    wanted = np.zeros(3)
+    gimbal_now = np.zeros(4)
+    body_rate(plant, state, tools.momenta[2], tools.work, rate)
+    for tick in range(n):
+        if reference.commanded[tick]:
+            memory.turn[0] = 0.0
+        _believed(state[:4], knowledge, believed)
+        for i in range(4):
+            gimbal_now[i] = servo[i, 0] + noise.resolver_noise * np.random.standard_normal()
+        _gyro(rate, noise, channels)
+        gyro_read = sensed_rate(computer, memory, believed, gimbal_now, channels, believed_rate)
+        if gyro_read:
+            update_total_momentum(
+                computer, memory, believed, gimbal_now, believed_rate, SETTLED_MOMENTUM_GAIN
+            )
+        memory.wanted[1] = memory.wanted[0]
+        memory.command[1] = memory.command[0]
+        future = min(tick + delay_ticks, n - 1)
+        log.margin[tick] = decide(
+            computer,
+            memory,
+            believed,
+            believed_rate,
+            gimbal_now,
+            reference.q[tick],
+            reference.rate[tick],
+            reference.ahead[future : future + 2],
+            reference.imaging[tick],
+        )
+        memory.turn[0] += computer.tick_s
+        send(computer, memory, gimbal_now, delay_ticks)
+        for i in range(4):
+            given = memory.command[delay_ticks, i]
+            command[i] = given * plant.rate_scale[i] + noise.gimbal_offset[i]
+            if noise.gimbal_jitter > 0.0:
+                command[i] += noise.gimbal_jitter * np.random.uniform(-1.0, 1.0)
+            log.gimbal_command[tick, i] = given
+            log.gimbal[tick, i] = servo[i, 0]
+            log.gimbal_rate[tick, i] = servo[i, 1]
+        log.state[tick] = state
+        log.rate[tick] = rate
+        log.momentum[tick] = tools.momenta[2]
+        log.total[tick] = state[4:7]
+        multiply_inverse(reference.q[tick], state[:4], error)
+        log.attitude_error[tick] = 2.0 * error[:3]
+        log.knowledge_error[tick] = knowledge
+        turned[:] = 0.0
+        for j in range(per_tick):
+            t_s = (tick * per_tick + j) * plant.step_s
+            advance(plant, state, servo, command, reference.nadir[tick], t_s, tools)
+            body_rate(plant, state, tools.momenta[2], tools.work, rate)
+            _reference_rate(reference, tick, (j + 1) / per_tick, computer.tick_s, wanted)
+            for k in range(3):
+                log.rate_error[tick * per_tick + j, k] = rate[k] - wanted[k]
+                turned[k] += rate[k] * plant.step_s
+        for k in range(3):
+            if gyro_read:
+                drift = noise.gyro_bias[k] * computer.tick_s + noise.gyro_scale[k] * turned[k]
+            else:
+                drift = believed_rate[k] * computer.tick_s - turned[k]
+            knowledge[k] += drift
+        if tick % noise.tracker_ticks == 0 and not reference.imaging[tick]:
+            for k in range(3):
+                fix = noise.tracker_noise * np.random.standard_normal()
+                knowledge[k] -= 0.1 * (knowledge[k] + fix)
+    return log

@@ -1,0 +1,81 @@
+"""What does the spacecraft fly?  Attitude and gimbal rows every 0.2 s, and when the camera runs.
+
+Plain data: made by the planner, judged and flown by parts that never saw it.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.spacecraft.mrp import BodyMotion, body_motion, mrp_rates, quintic, relative_mrp
+
+Array = NDArray[np.float64]
+TICK_S = 0.2  # Platonov, Sumarokov 2019: the control cycle
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImagingWindow:
+    """One stretch of imaging: rows first_row .. last_row, both with the camera on.
+
+    request, look: which request, and which strip, look or leg of it (from 0).
+    """
+
+    request: str
+    look: int
+    first_row: int
+    last_row: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttitudeTable:
+    """Rows k at epoch_utc + 0.2 k s (SI seconds).
+
+    eci_from_body_xyzw: (n, 4), scalar last, turns body vectors into ECI; the exports give its
+    inverse too.  omega_body_rad_s: body relative to ECI in body axes, (n, 3), and its
+    derivative alpha_body_rad_s2.  gimbal_rad, gimbal_rate_rad_s: (n, 4), rate held until the
+    next row.  Between rows the attitude is the quintic Hermite of the two rows in Rodrigues
+    parameters (attitude, rate and acceleration all meet).
+    """
+
+    epoch_utc: datetime
+    eci_from_body_xyzw: Array
+    omega_body_rad_s: Array
+    alpha_body_rad_s2: Array
+    gimbal_rad: Array
+    gimbal_rate_rad_s: Array
+    windows: tuple[ImagingWindow, ...]
+
+    @property
+    def t_s(self) -> Array:
+        """Seconds since the epoch of each row, (n,)."""
+        return np.arange(len(self.omega_body_rad_s)) / 5.0
+
+    def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
+        """eci_from_body and body rates at any instants (m,) from the first to the last row."""
+        n = len(self.omega_body_rad_s)
+        position = np.clip(np.asarray(t_s) * 5.0, 0.0, n - 1.0)
+        k = np.minimum(position.astype(int), n - 2)
+        start = Rotation.from_quat(self.eci_from_body_xyzw[k])
+        end = Rotation.from_quat(self.eci_from_body_xyzw[k + 1])
+        sigma = relative_mrp(start, end)
+        v1, a1 = mrp_rates(sigma, self.omega_body_rad_s[k + 1], self.alpha_body_rad_s2[k + 1])
+        ends = (
+            np.zeros_like(sigma),
+            self.omega_body_rad_s[k] / 4.0,
+            self.alpha_body_rad_s2[k] / 4.0,
+            sigma,
+            v1,
+            a1,
+        )
+        curve = quintic(ends, TICK_S, position - k)
+        return start * Rotation.from_mrp(curve[0]), body_motion(*curve)
+
+    def imaging(self) -> NDArray[np.bool_]:
+        """Whether the camera runs from row k to k + 1, shape (n - 1,)."""
+        on = np.zeros(len(self.omega_body_rad_s) - 1, dtype=bool)
+        for window in self.windows:
+            on[window.first_row : window.last_row] = True
+        return on

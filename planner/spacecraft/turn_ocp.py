@@ -1,0 +1,267 @@
+"""What is the best turn?  An optimal control problem over attitude splines (CasADi + Ipopt).
+
+The attitude itself is the flat output: sigma(t) is a B-spline in t/T, from which rate, control
+torque and torque rate follow exactly, so the rigid body's equations need no integration and
+no defect constraints.  (The total momentum's direction in body axes is taken along the guess:
+it enters the torque with 0.03 rad/s times a few N m s.)  Both ends match attitude, rate and acceleration.  One solver per
+objective and process, kept; times, ends, momentum and limits enter as parameters.
+"""
+
+import time
+from functools import cache
+from typing import NamedTuple
+
+import casadi
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline
+
+from planner.spacecraft.turn_problem import (
+    LIMIT_TOLERANCE,
+    Objective,
+    Turn,
+    TurnProblem,
+    loads,
+)
+
+Array = NDArray[np.float64]
+PER_POINT = 7  # |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2
+
+
+class Shape(NamedTuple):
+    """Spline degree, spans and collocation points a span."""
+
+    degree: int
+    spans: int
+    points: int
+
+
+SHAPES: dict[Objective, Shape] = {
+    "smooth": Shape(degree=5, spans=12, points=2),
+    "minimum_time": Shape(degree=3, spans=18, points=2),
+}
+PASSES = 3
+END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
+TIGHTENED = 0.997  # limits at the collocation points; between them the loads bulge by up to 0.3 %
+
+
+class Transcription(NamedTuple):
+    """A kept solver with the constant matrices of its spline."""
+
+    shape: Shape
+    knots: Array
+    rows: tuple[Array, ...]
+    solver: casadi.Function
+
+
+def _knots(shape: Shape) -> Array:
+    inner = np.linspace(0.0, 1.0, shape.spans + 1)
+    return np.concatenate([np.zeros(shape.degree), inner, np.ones(shape.degree)])
+
+
+def _points(shape: Shape) -> Array:
+    """Knots and `points` - 1 instants between each two: where the loads of a spline peak."""
+    return np.linspace(0.0, 1.0, shape.spans * shape.points + 1)
+
+
+def _design(shape: Shape, u: Array) -> tuple[Array, ...]:
+    """Matrices from coefficients to value and up to four derivatives at u, each (m, k)."""
+    knots = _knots(shape)
+    basis = BSpline(knots, np.eye(len(knots) - shape.degree - 1), shape.degree)
+    return tuple(np.asarray(basis(u, nu)) for nu in range(5))
+
+
+def _point_loads() -> casadi.Function:
+    """sigma, d1, d2, d3 (per second), G in body axes, J -> rates, torque, torque rate, H.
+
+    The formulas of `mrp.body_motion`, in CasADi's symbols.
+    """
+    sigma, d1, d2, d3, total, j = (
+        casadi.SX.sym(name, 3) for name in ("s", "d1", "d2", "d3", "G", "J")
+    )
+    s, s1 = casadi.dot(sigma, sigma), casadi.dot(sigma, d1)
+    s2 = casadi.dot(d1, d1) + casadi.dot(sigma, d2)
+    s3 = 3 * casadi.dot(d1, d2) + casadi.dot(sigma, d3)
+    inverse = 1 / (1 + s)
+    f = 4 * inverse**2
+    f1 = -4 * f * inverse * s1
+    f2 = f * inverse * (24 * inverse * s1**2 - 4 * s2)
+    c1, c2, c3 = casadi.cross(sigma, d1), casadi.cross(sigma, d2), casadi.cross(sigma, d3)
+    a = (1 - s) * d1 - 2 * c1 + 2 * sigma * s1
+    a1 = (1 - s) * d2 - 2 * c2 + 2 * sigma * s2
+    a2 = (1 - s) * d3 - 2 * s1 * d2 - 2 * casadi.cross(d1, d2) - 2 * c3 + 2 * (d1 * s2 + sigma * s3)
+    omega, alpha = f * a, f1 * a + f * a1
+    jerk = f2 * a + 2 * f1 * a1 + f * a2
+    precession = casadi.cross(omega, total)
+    torque_rate = j * jerk + casadi.cross(alpha, total) - casadi.cross(omega, precession)
+    return casadi.Function(
+        "loads",
+        [sigma, d1, d2, d3, total, j],
+        [omega, j * alpha + precession, torque_rate, total - j * omega],
+    )
+
+
+@cache
+def _transcription(objective: Objective) -> Transcription:
+    """Build the kept solver of an objective (0.5-1 s, once a process)."""
+    shape = SHAPES[objective]
+    u = _points(shape)
+    rows = _design(shape, u)
+    ends = _design(shape, np.array([0.0, 1.0]))
+    size = rows[0].shape[1]
+    c = casadi.SX.sym("c", size, 3)
+    span = casadi.SX.sym("T")
+    boundary = casadi.SX.sym("b", 6, 3)  # sigma, d1, d2 at start and at end
+    total, j = casadi.SX.sym("G", len(u), 3), casadi.SX.sym("J", 3)
+    scale = casadi.SX.sym("limits", 5)  # rate, axis rate, torque, torque rate, momentum
+    values = [casadi.mtimes(casadi.DM(m), c) for m in rows]
+    point = _point_loads()
+    g, effort = [], 0
+    for k in range(len(u)):
+        here = [values[d][k, :].T / span**d for d in range(4)]
+        omega, torque, torque_rate, stored = point(*here, total[k, :].T, j)
+        g += [
+            casadi.dot(omega, omega) / scale[0] ** 2,
+            omega / scale[1],
+            casadi.dot(torque, torque) / scale[2] ** 2,
+            casadi.dot(torque_rate, torque_rate) / scale[3] ** 2,
+            casadi.dot(stored, stored) / scale[4] ** 2,
+        ]
+        effort += casadi.dot(torque_rate, torque_rate) / scale[3] ** 2
+        if objective == "smooth":
+            snap = 4.0 * j * values[4][k, :].T / span**4
+            effort += 0.1 * casadi.dot(snap, snap) / scale[3] ** 2
+    effort = effort / len(u)
+    for end in range(2):
+        for d in range(3):
+            made = casadi.mtimes(casadi.DM(ends[d][end : end + 1]), c)
+            g.append((made - boundary[3 * end + d, :] * span**d).T)
+    cost = span + 1e-3 * effort if objective == "minimum_time" else 100.0 * effort
+    nlp = {
+        "x": casadi.vertcat(casadi.vec(c), span),
+        "p": casadi.vertcat(casadi.vec(boundary), casadi.vec(total), j, scale),
+        "f": cost,
+        "g": casadi.vertcat(*g),
+    }
+    options = {
+        "ipopt": {
+            "linear_solver": "mumps",
+            "print_level": 0,
+            "sb": "yes",
+            "tol": 1e-6,
+            "acceptable_iter": 0,
+            "max_iter": 150,
+            "mu_strategy": "adaptive",
+            "bound_relax_factor": 0.0,
+        },
+        "print_time": False,
+    }
+    return Transcription(shape, _knots(shape), rows, casadi.nlpsol("turn", "ipopt", nlp, options))
+
+
+def solve_turn(
+    problem: TurnProblem, guess: Turn, objective: Objective, duration_s: float | None
+) -> Turn | None:
+    """The optimal turn from a guess, or None when Ipopt finds none that keeps the limits.
+
+    duration_s None: T is free, at most the guess's.  What comes back is checked on a dense
+    grid, whatever the solver says of itself; where a load bulges over its limit between the
+    collocation points, one more pass tightens the limits by as much.
+    """
+    begun = time.perf_counter()
+    kept = _transcription(objective)
+    low, high = 0.3 * guess.duration_s, 1.05 * guess.duration_s
+    if duration_s is not None:
+        low = high = duration_s
+    x = np.append(_coefficients(kept, guess).ravel(order="F"), np.clip(guess.duration_s, low, high))
+    tightened = TIGHTENED
+    for _ in range(PASSES):
+        x = _solve(kept, problem, guess, x, (low, high), tightened)
+        turn = _checked(kept, problem, x, time.perf_counter() - begun)
+        over = turn.loads.share_of(problem.limits)
+        if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < END_TOLERANCE:
+            return turn
+        tightened /= min(over, 1.1)
+    return None
+
+
+def _solve(
+    kept: Transcription,
+    problem: TurnProblem,
+    guess: Turn,
+    x0: Array,
+    span_s: tuple[float, float],
+    tightened: float,
+) -> Array:
+    """Ipopt's answer: coefficients, column by column, then T."""
+    limits = problem.limits
+    on_guess = guess.at(_points(kept.shape) * guess.duration_s)[0]
+    total = on_guess.inv().apply(problem.momentum_eci_n_m_s)
+    scale = [
+        limits.rate_rad_s,
+        limits.rate_axis_rad_s,
+        limits.torque_n_m,
+        limits.torque_rate_n_m_s,
+        limits.momentum_sphere_n_m_s,
+    ]
+    points = len(kept.rows[0])
+    lower = np.tile([-np.inf, -1.0, -1.0, -1.0, -np.inf, -np.inf, -np.inf], points)
+    free = np.full(len(x0) - 1, 2.0)  # |sigma| < 1 up to half a turn to each side
+    found = kept.solver(
+        x0=x0,
+        p=np.concatenate(
+            [
+                np.array(problem.ends_mrp()).ravel(order="F"),
+                total.ravel(order="F"),
+                problem.inertia_kg_m2,
+                tightened * np.array(scale),
+            ]
+        ),
+        lbx=np.append(-free, span_s[0]),
+        ubx=np.append(free, span_s[1]),
+        lbg=np.concatenate([lower, np.zeros(18)]),
+        ubg=np.concatenate([np.ones(PER_POINT * points), np.zeros(18)]),
+    )
+    return np.array(found["x"]).ravel()
+
+
+def _checked(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float) -> Turn:
+    span_s = float(x[-1])
+    spline = BSpline(kept.knots, x[:-1].reshape(3, -1).T, kept.shape.degree)
+
+    def sigma(t_s: Array) -> tuple[Array, Array, Array, Array]:
+        u = np.clip(np.asarray(t_s) / span_s, 0.0, 1.0)
+        return (
+            spline(u),
+            spline(u, 1) / span_s,
+            spline(u, 2) / span_s**2,
+            spline(u, 3) / span_s**3,
+        )
+
+    return Turn(
+        middle=problem.middle(),
+        sigma=sigma,
+        duration_s=span_s,
+        method="ocp",
+        status=str(kept.solver.stats()["return_status"]),
+        solve_s=solve_s,
+        loads=loads(problem, sigma, span_s),
+    )
+
+
+def _miss(problem: TurnProblem, turn: Turn) -> float:
+    """Largest difference in sigma or its derivatives from what the two ends ask for."""
+    made = turn.sigma(np.array([0.0, turn.duration_s]))[:3]
+    asked = problem.ends_mrp()
+    return max(
+        float(np.max(np.abs(made[d][end] - asked[3 * end + d])))
+        for end in range(2)
+        for d in range(3)
+    )
+
+
+def _coefficients(kept: Transcription, guess: Turn) -> Array:
+    """Least-squares spline through a turn, shape (k, 3)."""
+    u = np.linspace(0.0, 1.0, 8 * kept.shape.spans + 1)
+    design = _design(kept.shape, u)[0]
+    return np.asarray(np.linalg.lstsq(design, guess.sigma(u * guess.duration_s)[0], rcond=None)[0])

@@ -1,0 +1,107 @@
+"""Which turn is flown?  The OCP's if it is better, the eigenaxis's if not, a refusal if neither."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from planner.errors import InfeasibleSlew
+from planner.spacecraft.eigenaxis import eigenaxis_turn
+from planner.spacecraft.table import TICK_S
+from planner.spacecraft.turn_ocp import solve_turn
+from planner.spacecraft.turn_problem import LIMIT_TOLERANCE, Objective, Turn, TurnProblem
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnComparison:
+    """One turn beside its baselines at the same limits.
+
+    angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
+    with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
+    effort: integral of the squared torque rate over that of the eigenaxis turn of the same
+    duration (what excites the modes).
+    """
+
+    angle_rad: float
+    duration_s: float
+    eigenaxis_s: float
+    bang_coast_bang_s: float
+    torque_rate_peak_n_m_s: float
+    eigenaxis_torque_rate_peak_n_m_s: float
+    method: str
+    status: str
+    solve_s: float
+
+
+def quickest_turn(problem: TurnProblem) -> Turn:
+    """The least-time turn found: never longer than the eigenaxis turn at the same limits."""
+    baseline = eigenaxis_turn(problem)
+    best = solve_turn(problem, baseline, "minimum_time", None)
+    if best is None or best.duration_s >= baseline.duration_s:
+        return baseline
+    return best
+
+
+def smooth_turn(problem: TurnProblem, duration_s: float) -> Turn:
+    """The turn of this duration that shakes the structure least.
+
+    Raises InfeasibleSlew, with the least time found, when it doesn't fit.
+    """
+    guess = eigenaxis_turn(problem, duration_s)
+    best = solve_turn(problem, guess, "smooth", duration_s)
+    if best is not None:
+        return best
+    if guess.loads.share_of(problem.limits) <= 1.0 + LIMIT_TOLERANCE:
+        return guess
+    least_s = math.ceil(quickest_turn(problem).duration_s / TICK_S) * TICK_S
+    raise InfeasibleSlew(
+        f"a turn of {math.degrees(problem.angle_rad()):.1f} deg needs about {least_s:.1f} s within "
+        f"the limits of rate, torque and momentum, but only {duration_s:.1f} s are left; give it "
+        "that much more time, or image less",
+        limit="time",
+    )
+
+
+def turn_onto(
+    problem_at: Callable[[float], TurnProblem], available_s: float, objective: Objective
+) -> Turn:
+    """The turn onto a moving goal, its duration a whole number of ticks, at most available_s.
+
+    problem_at: the problem when the goal is met after so many seconds.  `smooth` takes what
+    time there is, up to twice the eigenaxis's; `minimum_time` as little as it can.
+    """
+    ticks = math.floor(available_s / TICK_S + 1e-6)
+    if ticks < 1:
+        raise InfeasibleSlew("no time is left for the turn; leave a gap", limit="time")
+    problem = problem_at(ticks * TICK_S)
+    if objective == "smooth":
+        easy_s = max(2.0 * eigenaxis_turn(problem).duration_s, 8.0)
+        ticks = min(ticks, math.ceil(easy_s / TICK_S))
+        return smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S)
+    for _ in range(3):
+        least = math.ceil(quickest_turn(problem).duration_s / TICK_S + 0.5)
+        problem = problem_at(min(least, ticks) * TICK_S)
+    for used in range(min(least, ticks), ticks + 1):
+        try:
+            return smooth_turn(problem_at(used * TICK_S), used * TICK_S)
+        except InfeasibleSlew:
+            if used == ticks:
+                raise
+    raise InfeasibleSlew(
+        f"the turn needs {least * TICK_S:.1f} s but only {available_s:.1f} s are left", limit="time"
+    )
+
+
+def compare(problem: TurnProblem, turn: Turn) -> TurnComparison:
+    """A planned turn beside the eigenaxis ones."""
+    same_time = eigenaxis_turn(problem, turn.duration_s)
+    return TurnComparison(
+        angle_rad=problem.angle_rad(),
+        duration_s=turn.duration_s,
+        eigenaxis_s=eigenaxis_turn(problem).duration_s,
+        bang_coast_bang_s=eigenaxis_turn(problem, jerk=False).duration_s,
+        torque_rate_peak_n_m_s=turn.loads.torque_rate_n_m_s,
+        eigenaxis_torque_rate_peak_n_m_s=same_time.loads.torque_rate_n_m_s,
+        method=turn.method,
+        status=turn.status,
+        solve_s=turn.solve_s,
+    )
