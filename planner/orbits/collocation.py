@@ -23,6 +23,7 @@ _J2 = 1.0826359e-3  # of the same field; only speeds convergence, no influence o
 _INNER_TOLERANCE_M = 1e-7
 _OUTER_TOLERANCE_M = 1e-5
 _MAX_SWEEPS = 60
+_DIVERGED_M = 1e9
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ def propagate_segment(
     start_s: float,
     stop_s: float,
     acceleration: Callable[[Vectors, Vectors], Vectors],
-) -> Segment:
+) -> Segment | None:
     """Motion from the state r_m, v_m_s, shape (3,), at start_s.
 
     acceleration: positions and velocities at the nodes, shape (NODES, 3), to accelerations in
@@ -106,6 +107,8 @@ def propagate_segment(
         improved = r_m + v_m_s * since_s + half_s**2 * (scheme.twice_at @ total)
         change_m = float(np.max(np.abs(improved - r)))
         r = improved
+        if not change_m < _DIVERGED_M:
+            return None
         if change_m < _INNER_TOLERANCE_M:
             v = v_m_s + half_s * (scheme.once_at @ total)
             full = acceleration(r, v)
@@ -114,7 +117,7 @@ def propagate_segment(
             held = renewed
             if step_m < _OUTER_TOLERANCE_M:
                 return _segment(r_m, v_m_s, start_s, stop_s, full)
-    raise RuntimeError(f"Picard iteration did not converge between {start_s} and {stop_s} s")
+    return None
 
 
 def _segment(

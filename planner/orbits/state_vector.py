@@ -196,15 +196,17 @@ def _propagated(
         nodes = Instants(orbit.epoch, node_times_s(start_s, stop_s))
         forces = forces_at(nodes, drag)
         segment = propagate_segment(r_m, v_m_s, start_s, stop_s, forces.acceleration_eci_m_s2)
-        segments.append(segment)
-        end_r_m, end_v_m_s = segment.at(np.array([stop_s]))
-        r_m, v_m_s = end_r_m[0], end_v_m_s[0]
-        if np.linalg.norm(r_m) < _PERIGEE_MIN_M:
-            at_utc = shifted_utc(orbit.epoch, stop_s)
+        if segment is not None:
+            end_r_m, end_v_m_s = segment.at(np.array([stop_s]))
+            r_m, v_m_s = end_r_m[0], end_v_m_s[0]
+        if segment is None or np.linalg.norm(r_m) < _PERIGEE_MIN_M:
+            at_utc = shifted_utc(orbit.epoch, start_s)
             raise OutsideCoverage(
-                f"the satellite falls below {HEIGHT_MIN_M / 1e3:.0f} km at {utc_text(at_utc, 0)}; "
-                "stop the plan before",
+                f"the satellite falls below {HEIGHT_MIN_M / 1e3:.0f} km soon after "
+                f"{utc_text(at_utc, 0)}; end the plan before, or check orbit.mass_kg and "
+                "orbit.drag_area_m2",
                 field="orbit",
                 at_utc=at_utc,
             )
+        segments.append(segment)
     return segments
