@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from app.errors import STATUS_OF_REFUSAL
+from planner.errors import Refusal
+
 ROOT = Path(__file__).parents[2]
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 README = (ROOT / "README.md").read_text()
@@ -111,3 +114,10 @@ def test_links_lead_somewhere(page):
     file = ROOT / page
     for target in re.findall(r"\]\(([^)#]+)\)", file.read_text()):
         assert (file.parent / target).exists(), target
+
+
+def test_every_refusal_is_explained():
+    tutorial = (ROOT / "docs" / "http.md").read_text()
+    for refusal in STATUS_OF_REFUSAL:
+        if refusal is not Refusal:
+            assert f"`{refusal.slug}`" in tutorial
