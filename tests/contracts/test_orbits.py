@@ -1,0 +1,165 @@
+"""What must every orbit source do?  A new source needs one row in EXAMPLES."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from planner.errors import OutsideCoverage
+from planner.frames.time_scales import Instants, elapsed_s
+from planner.orbits import ORBITS, OemOrbit, OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
+
+DATA = Path(__file__).parents[1] / "data"
+ISS_STATE = {
+    "frame": "EME2000",
+    "epoch": datetime(2022, 1, 17, 12, tzinfo=UTC),
+    "position_km": (545.284043961596, 4217.41745999061, 5288.80993327732),
+    "velocity_km_s": (-7.63639664838008, 0.168827885257, 0.65634287389035),
+}
+OMM = """CCSDS_OMM_VERS = 2.0
+CREATION_DATE = 2015-02-27T12:00:00
+ORIGINATOR = NORAD
+OBJECT_NAME = ISS (ZARYA)
+OBJECT_ID = 1998-067-A
+CENTER_NAME = EARTH
+REF_FRAME = TEME
+TIME_SYSTEM = UTC
+MEAN_ELEMENT_THEORY = SGP4
+EPOCH = 2015-02-27T11:33:31.612032
+MEAN_MOTION = 15.54887163
+ECCENTRICITY = 0.0008043
+INCLINATION = 51.6478
+RA_OF_ASC_NODE = 271.9610
+ARG_OF_PERICENTER = 54.4849
+MEAN_ANOMALY = 18.6646
+EPHEMERIS_TYPE = 0
+CLASSIFICATION_TYPE = U
+NORAD_CAT_ID = 25544
+ELEMENT_SET_NO = 999
+REV_AT_EPOCH = 93096
+BSTAR = 0.00035618
+MEAN_MOTION_DOT = 0.00023857
+MEAN_MOTION_DDOT = 0
+"""
+OPM = """CCSDS_OPM_VERS = 2.0
+CREATION_DATE = 2022-01-17T12:00:00
+ORIGINATOR = NASA
+OBJECT_NAME = ISS
+OBJECT_ID = 1998-067-A
+CENTER_NAME = EARTH
+REF_FRAME = EME2000
+TIME_SYSTEM = UTC
+EPOCH = 2022-01-17T12:00:00.000
+X = 545.284043961596
+Y = 4217.41745999061
+Z = 5288.80993327732
+X_DOT = -7.63639664838008
+Y_DOT = 0.168827885257
+Z_DOT = 0.65634287389035
+"""
+SGP4_VELOCITY_ERROR_M_S = 0.02  # SGP4's velocity leaves out slow parts of its own derivative
+
+
+@dataclass
+class Example:
+    orbit: object
+    start_utc: datetime
+    velocity_error_m_s: float  # how far velocity may be from position's derivative
+
+
+EXAMPLES = {
+    "tle": Example(
+        TleOrbit(
+            line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
+            line2="2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964",
+        ),
+        datetime(2015, 2, 27, 17, 36, tzinfo=UTC),
+        SGP4_VELOCITY_ERROR_M_S,
+    ),
+    "omm": Example(
+        OmmOrbit(content=OMM), datetime(2015, 2, 27, 17, 36, tzinfo=UTC), SGP4_VELOCITY_ERROR_M_S
+    ),
+    "opm": Example(OpmOrbit(content=OPM), datetime(2022, 1, 17, 12, 5, tzinfo=UTC), 1e-6),
+    "oem": Example(
+        OemOrbit(content=(DATA / "iss_oem_2022-017_excerpt.xml").read_text()),
+        datetime(2022, 1, 17, 12, 20, tzinfo=UTC),
+        1e-6,
+    ),
+    "state": Example(StateVectorOrbit(**ISS_STATE), datetime(2022, 1, 17, 12, 5, tzinfo=UTC), 1e-6),
+    "state, before its epoch": Example(
+        StateVectorOrbit(**ISS_STATE), datetime(2022, 1, 17, 11, 50, tzinfo=UTC), 1e-6
+    ),
+    "state, the paper's model": Example(
+        StateVectorOrbit(**ISS_STATE, force_model="j2j4"),
+        datetime(2022, 1, 17, 12, 5, tzinfo=UTC),
+        3e-5,  # its rows, 1 s apart, leave out the motion of the Earth's axis
+    ),
+}
+SPAN_S = 90.0
+
+
+def test_every_source_has_an_example():
+    assert {type(example.orbit) for example in EXAMPLES.values()} == set(ORBITS.values())
+    assert all(ORBITS[example.orbit.source] is type(example.orbit) for example in EXAMPLES.values())
+
+
+@pytest.fixture(params=EXAMPLES.values(), ids=EXAMPLES.keys())
+def example(request):
+    return request.param
+
+
+def ephemeris_of(example):
+    return example.orbit.ephemeris(example.start_utc, example.start_utc + timedelta(seconds=SPAN_S))
+
+
+def test_velocity_is_the_derivative_of_position(example):
+    ephemeris = ephemeris_of(example)
+    h = 0.25
+    t_s = np.arange(1.0, SPAN_S - 1.0, 0.37)
+
+    def r_m(shift_s):
+        return ephemeris.states(Instants(example.start_utc, t_s + shift_s)).r_sat_eci_m
+
+    difference = (8.0 * (r_m(h) - r_m(-h)) - (r_m(2 * h) - r_m(-2 * h))) / (12.0 * h)
+    velocity = ephemeris.states(Instants(example.start_utc, t_s)).v_sat_eci_m_s
+    # double precision of 7e6 m over 0.25 s adds 1e-8 m/s
+    np.testing.assert_allclose(velocity, difference, rtol=0, atol=example.velocity_error_m_s)
+
+
+def test_states_don_t_depend_on_how_they_are_asked_for(example):
+    ephemeris = ephemeris_of(example)
+    shifted_utc = example.start_utc + timedelta(seconds=30)
+    together = ephemeris.states(Instants(example.start_utc, np.array([31.0, 40.0, 89.0])))
+    alone = ephemeris.states(Instants(shifted_utc, np.array([10.0])))
+    # the time of an instant, to double precision: 1e-11 s
+    np.testing.assert_allclose(alone.r_sat_eci_m[0], together.r_sat_eci_m[1], rtol=0, atol=1e-6)
+
+
+def test_nothing_is_said_outside_the_span(example):
+    ephemeris = ephemeris_of(example)
+    for t_s in (-0.1, SPAN_S + 0.1):
+        with pytest.raises(OutsideCoverage, match="prepared only from"):
+            ephemeris.states(Instants(example.start_utc, np.array([t_s])))
+    assert len(ephemeris.states(Instants(example.start_utc, np.array([]))).r_sat_eci_m) == 0
+
+
+def test_a_plan_of_no_length_is_possible(example):
+    ephemeris = example.orbit.ephemeris(example.start_utc, example.start_utc)
+    states = ephemeris.states(Instants(example.start_utc, np.zeros(1)))
+    assert 6.5e6 < np.linalg.norm(states.r_sat_eci_m) < 6.9e6
+
+
+def test_age_grows_a_second_a_second(example):
+    ephemeris = ephemeris_of(example)
+    ages_s = ephemeris.age_s(Instants(example.start_utc, np.array([0.0, SPAN_S])))
+    assert abs(abs(ages_s[1] - ages_s[0])) in (0.0, pytest.approx(SPAN_S))
+    assert np.all(ages_s >= 0.0)
+    assert ephemeris.kind in ORBITS
+
+
+def test_age_of_a_state_counts_from_its_epoch():
+    example = EXAMPLES["state"]
+    ages_s = ephemeris_of(example).age_s(Instants(example.start_utc, np.zeros(1)))
+    assert ages_s[0] == elapsed_s(example.start_utc, ISS_STATE["epoch"]) == 300.0

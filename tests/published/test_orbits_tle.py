@@ -1,0 +1,74 @@
+"""Are element sets checked as they are published, and SGP4's verdicts passed on?"""
+
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+from planner.errors import OutsideCoverage
+from planner.frames.time_scales import Instants
+from planner.orbits import TleOrbit
+
+# ISS on 2015-02-27, as distributed by NORAD
+LINE1 = "1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991"
+LINE2 = "2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964"
+EPOCH = datetime(2015, 2, 27, 11, 33, 31, tzinfo=UTC)  # day 58.48161588
+MINUTE = timedelta(minutes=1)
+
+
+def checksummed(line):
+    """The line with the checksum its other characters call for."""
+    total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68])
+    return line[:68] + str(total % 10)
+
+
+def test_epoch():
+    epoch_utc = TleOrbit(line1=LINE1, line2=LINE2).epoch_utc
+    # 1e-8 of a day
+    assert abs((epoch_utc - EPOCH).total_seconds() - 0.612) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("line1", "line2", "reason"),
+    [
+        (LINE1[:-1] + "2", LINE2, "line1 ends in checksum '2', its digits give 1"),
+        (LINE1, LINE2[:-1] + "5", "line2 ends in checksum '5', its digits give 4"),
+        (LINE1, LINE2[:-2], "line2 has 67 characters"),
+        (LINE2, LINE1, "are the lines swapped"),
+        (LINE1, checksummed(LINE2.replace("25544", "25545")), "line1 is of satellite 25544"),
+        (LINE1, checksummed(LINE2.replace("271.9610", "271,9610")), "doesn't belong"),
+        (LINE1, checksummed(LINE2.replace("271.9610", "xxx.9610")), "doesn't belong"),
+        (LINE1, checksummed(LINE2.replace("15.54887163", "00.00000000")), "are no orbit"),
+        (LINE1.replace(" ", "\u2003", 1), LINE2, "ASCII"),
+    ],
+)
+def test_faulty_sets_are_refused(line1, line2, reason):
+    with pytest.raises(ValueError, match=reason):
+        TleOrbit(line1=line1, line2=line2)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_age_is_warned_of_from_3_days_and_refused_from_30(sign):
+    orbit = TleOrbit(line1=LINE1, line2=LINE2)
+
+    def ephemeris(days):
+        start_utc = orbit.epoch_utc + sign * timedelta(days=days)
+        return orbit.ephemeris(start_utc, start_utc + MINUTE)
+
+    assert ephemeris(2.99).warnings == ()
+    (warning,) = ephemeris(3.01).warnings
+    assert "3.0 days from the plan" in warning
+    with pytest.raises(OutsideCoverage, match="take newer ones") as refusal:
+        ephemeris(30.01)
+    assert refusal.value.field == "orbit.line1"
+
+
+def test_sgp4s_own_errors_are_refusals():
+    # so much drag that the mean motion loses its root within days
+    heavy = checksummed(LINE1.replace("35618-3", "99999-0"))
+    low = checksummed(LINE2.replace("15.54887163", "16.48887163"))
+    orbit = TleOrbit(line1=heavy, line2=low)
+    start_utc = orbit.epoch_utc + timedelta(days=2)
+    ephemeris = orbit.ephemeris(start_utc, start_utc + MINUTE)
+    with pytest.raises(OutsideCoverage, match="SGP4 gives up at"):
+        ephemeris.states(Instants(start_utc, np.zeros(1)))
