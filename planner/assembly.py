@@ -1,36 +1,32 @@
 """How do slews and tracks become one command table?"""
 
-from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.commands import CommandTable
-
-
-@dataclass(frozen=True, kw_only=True)
-class Piece:
-    """Rows of a slew or a track, shape (n, m); the first stands at `first_row` of the table."""
-
-    first_row: int
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
+from planner.commands import ROWS_PER_S, CommandTable
+from planner.joining import Join
 
 
-def assembled(
-    epoch_utc: datetime, axis_names: tuple[str, ...], pieces: list[Piece]
-) -> CommandTable:
-    """The table of all pieces; where two share a row, the later piece has it."""
-    rows = max(piece.first_row + len(piece.angle_rad) for piece in pieces)
-    angle_rad = np.full((rows, len(axis_names)), np.nan)
-    rate_rad_s = np.full((rows, len(axis_names)), np.nan)
-    for piece in pieces:
-        here = slice(piece.first_row, piece.first_row + len(piece.angle_rad))
-        angle_rad[here] = piece.angle_rad
-        rate_rad_s[here] = piece.rate_rad_s
-    if np.isnan(angle_rad).any():
-        raise AssertionError("the pieces leave a gap in the table")
+def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]) -> CommandTable:
+    """Row by row: at rest until each slew begins, the slew, the track.
+
+    A row shared by two of them is the later one's.
+    """
+    rows = joins[-1].stop_row + 1
+    angle_rad = np.empty((rows, len(axis_names)))
+    rate_rad_s = np.empty((rows, len(axis_names)))
+    from_row = 0
+    for join in joins:
+        slew_t_s = np.arange(join.join_row - join.slew_row + 1) / ROWS_PER_S
+        slew = slice(join.slew_row, join.join_row + 1)
+        angle_rad[slew], rate_rad_s[slew], _, _ = join.slew.motion(slew_t_s)
+        angle_rad[from_row : join.slew_row] = angle_rad[join.slew_row]
+        rate_rad_s[from_row : join.slew_row] = 0.0
+        track = slice(join.join_row, join.stop_row + 1)
+        track_t_s = np.arange(join.join_row, join.stop_row + 1) / ROWS_PER_S
+        angle_rad[track], rate_rad_s[track], _ = join.track.motion(track_t_s)
+        from_row = join.stop_row
     return CommandTable(
         epoch_utc=epoch_utc, axis_names=axis_names, angle_rad=angle_rad, rate_rad_s=rate_rad_s
     )

@@ -5,6 +5,7 @@ table.  The message explains the physics and the way out; the attributes carry t
 facts for programs.  Bugs are not refusals: they are left to crash.
 """
 
+from dataclasses import dataclass
 from datetime import datetime
 from typing import ClassVar
 
@@ -82,11 +83,25 @@ class TrackBreaksLimit(Refusal):
     title = "Tracking the target breaks a limit of the platform"
 
 
+@dataclass(frozen=True, kw_only=True)
+class GiveUp:
+    """What one session would lose if the plan's `on_conflict` were set so."""
+
+    on_conflict: str
+    session: int
+    start_later_s: float
+    stop_earlier_s: float
+
+
 class InfeasibleSlew(Refusal):
-    """The axis can't get from its state to the track in the time available."""
+    """The axis can't get from its state to the track in the time available.
+
+    give_up: what would make the sequence fit, one entry per way out and session that loses.
+    """
 
     slug = "infeasible-slew"
     title = "The slew doesn't fit in the time available"
+    give_up: tuple[GiveUp, ...] = ()
 
 
 class SolverFailed(Refusal):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.commands import ROWS_PER_S
 from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage
@@ -36,6 +37,18 @@ class Rows:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Way:
+    """One way to hold a session's target: an axis track over `rows` and what lies before.
+
+    seen_from_s: since when, up to the session, the target can be seen without a break.
+    """
+
+    track: AxisTrack
+    rows: Rows
+    seen_from_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Join:
     """A slew from `slew_row` to `join_row`, and its track followed to `stop_row`."""
 
@@ -53,46 +66,45 @@ def session_rows(session: Session, epoch_utc: datetime) -> Rows:
     return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
 
 
-def joined(
+def ways_to_hold(
     scenario: Scenario,
     ephemeris: Ephemeris,
     number: int,
     session: Session,
     from_row: int,
-    state: tuple[AxisState, ...],
-) -> Join:
-    """Slew from `state` at row `from_row` onto the track of one session.
+    start_angle_rad: NDArray[np.float64],
+) -> tuple[Way, ...]:
+    """Every way to hold the target over the session, the shortest slew first.
 
     number: the session's index, for refusals.  session: that session, or the same with other
-    times.  With the objective "minimum_time" the track is joined as early as the slew can
-    and the target can be seen and followed, else at the session's start.
-    Raises NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew.
+    times.  from_row: the target is of no use before.  start_angle_rad: shape (m,), where
+    the axes come from.  Raises NotVisible, Unreachable, TrackBreaksLimit.
     """
     rows = session_rows(session, scenario.initial_state.epoch)
     los = _line_of_sight(scenario, ephemeris, session, rows, from_row)
     _require_visible(los, rows, session, number)
-    ways = track_candidates(
-        scenario.platform,
-        los,
-        rows.start / ROWS_PER_S,
-        rows.stop / ROWS_PER_S,
-        np.array([axis.angle_rad for axis in state]),
+    start_s = rows.start / ROWS_PER_S
+    tracks = track_candidates(
+        scenario.platform, los, start_s, rows.stop / ROWS_PER_S, start_angle_rad
     )
-    refusals: list[InfeasibleSlew] = []
-    for track in ways:
-        try:
-            join_row, slew = _slew(scenario, los, track, rows, from_row, state)
-        except InfeasibleSlew as refusal:
-            refusals.append(refusal)
-        else:
-            return Join(
-                slew=slew,
-                track=track,
-                slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
-                join_row=join_row,
-                stop_row=rows.stop,
-            )
-    raise refusals[0]
+    seen_from_s = _seen_from_s(los, start_s)
+    return tuple(Way(track=track, rows=rows, seen_from_s=seen_from_s) for track in tracks)
+
+
+def joined(scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]) -> Join:
+    """Slew from `state` at row `from_row` onto one way's track.
+
+    With the objective "minimum_time" the track is joined as early as the slew can and the
+    target is seen, else at the first row of the session.  Raises InfeasibleSlew.
+    """
+    join_row, slew = _slew(scenario, way, from_row, state)
+    return Join(
+        slew=slew,
+        track=way.track,
+        slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
+        join_row=join_row,
+        stop_row=way.rows.stop,
+    )
 
 
 def covering(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
@@ -161,39 +173,34 @@ def _require_visible(los: LineOfSight, rows: Rows, session: Session, number: int
 
 
 def _slew(
-    scenario: Scenario,
-    los: LineOfSight,
-    track: AxisTrack,
-    rows: Rows,
-    from_row: int,
-    state: tuple[AxisState, ...],
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
 ) -> tuple[int, SlewSolution]:
-    """The slew onto one track, and the row it ends on."""
-    if rows.start <= from_row:
+    """The slew, and the row it ends on."""
+    start_row = way.rows.start
+    if start_row <= from_row:
         raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
-    start_s = rows.start / ROWS_PER_S
     backend = BACKENDS[scenario.slew.method]
     if backend.keeps_limits and scenario.slew.objective == "minimum_time":
         early = earliest_join(
-            track,
+            way.track,
             scenario.axis_limits,
             state,
             from_row / ROWS_PER_S,
             scenario.slew,
-            after_s=_seen_from_s(los, start_s),
+            after_s=way.seen_from_s,
         )
-        if early is not None and early.t_s <= start_s:
+        if early is not None and early.t_s <= start_row / ROWS_PER_S:
             return round(early.t_s * ROWS_PER_S), early.solution
     problem = SlewProblem(
-        axis_names=track.axis_names,
+        axis_names=way.track.axis_names,
         limits=scenario.axis_limits,
         start=state,
-        end=track_states(track, start_s),
-        duration_s=(rows.start - from_row) / ROWS_PER_S,
+        end=track_states(way.track, start_row / ROWS_PER_S),
+        duration_s=(start_row - from_row) / ROWS_PER_S,
         objective="smooth" if backend.keeps_limits else scenario.slew.objective,
     )
     solution = backend.solve(problem, scenario.slew)
-    return rows.start, flown(solution) if backend.keeps_limits else solution
+    return start_row, flown(solution) if backend.keeps_limits else solution
 
 
 def _seen_from_s(los: LineOfSight, start_s: float) -> float:

@@ -66,7 +66,8 @@ def _derivative(values: NDArray[np.float64], step_s: float, order: int) -> NDArr
     first = np.clip(np.arange(n) - STENCIL // 2, 0, n - STENCIL)
     weights = np.array([_stencil_weights(here, order) for here in range(STENCIL)])
     nodes = values[first[:, None] + np.arange(STENCIL)]
-    return np.einsum("nk,nkj->nj", weights[np.arange(n) - first], nodes) / step_s**order
+    differences = np.einsum("nk,nkj->nj", weights[np.arange(n) - first], nodes)
+    return np.asarray(differences / step_s**order)
 
 
 def _stencil_weights(here: int, order: int) -> NDArray[np.float64]:

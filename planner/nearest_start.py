@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from datetime import datetime
 from itertools import islice
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from planner.errors import (
     Unreachable,
 )
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.joining import Rows, joined, session_rows
+from planner.joining import Rows, joined, session_rows, ways_to_hold
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
 from planner.slew import AxisState
@@ -27,8 +28,8 @@ HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60  # each takes some 10 ms; a refusal may take a second, not a minute
 
-CantBeFlown = (NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew)
 Attempt = Callable[[int], Session | None]
+R = TypeVar("R", bound=Refusal)
 
 
 def refused_with_nearest_start(
@@ -36,8 +37,8 @@ def refused_with_nearest_start(
     number: int,
     from_row: int,
     state: tuple[AxisState, ...],
-    refusal: Refusal,
-) -> Refusal:
+    refusal: R,
+) -> R:
     """The same refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short at its start, then moved as a whole, by at most a day.
@@ -84,11 +85,11 @@ def _nearest(
                 return None
             start_utc = shifted_utc(epoch_utc, start_row / ROWS_PER_S)
             moved = replace(session, start=start_utc, stop=stop(start_row))
-            try:
-                joined(scenario, ephemeris, number, moved, from_row, state)
-            except CantBeFlown:
-                return None
-            return moved
+            return (
+                moved
+                if _can_be_flown(scenario, ephemeris, number, moved, from_row, state)
+                else None
+            )
 
         return attempt
 
@@ -105,6 +106,28 @@ def _nearest(
     if found is None:
         found = _search(shift, _by_distance(seen, length_rows, wanted.start), wanted.start)
     return found
+
+
+def _can_be_flown(
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    number: int,
+    session: Session,
+    from_row: int,
+    state: tuple[AxisState, ...],
+) -> bool:
+    angle_rad = np.array([axis.angle_rad for axis in state])
+    try:
+        ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
+    except (NotVisible, Unreachable, TrackBreaksLimit):
+        return False
+    for way in ways:
+        try:
+            joined(scenario, way, from_row, state)
+        except InfeasibleSlew:
+            continue
+        return True
+    return False
 
 
 def _search(attempt: Attempt, rows: Iterable[int], wanted_row: int) -> Session | None:

@@ -3,27 +3,20 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from datetime import datetime
 
-import numpy as np
-
-from planner.assembly import Piece, assembled
+from planner.assembly import assembled
 from planner.commands import ROWS_PER_S
-from planner.errors import (
-    InfeasibleSlew,
-    InvalidInput,
-    NotVisible,
-    TrackBreaksLimit,
-    Unreachable,
-    VerificationFailed,
-)
+from planner.errors import InvalidInput, VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
-from planner.frames.time_scales import Instants, shifted_utc
-from planner.joining import Join, covering, joined, session_rows
-from planner.nearest_start import refused_with_nearest_start
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.joining import Join, covering, session_rows
 from planner.orbits import Ephemeris
 from planner.plan import Plan, Segment, SegmentKind, SlewRun
 from planner.scenario import Scenario
-from planner.slew import BACKENDS, AxisState, compared, track_states
+from planner.sequence import sequenced
+from planner.slew import BACKENDS, SlewProblem, compared, next_duration_s
 from planner.verification import VerificationReport, verify
 
 
@@ -31,96 +24,95 @@ def make_plan(scenario: Scenario) -> Plan:
     """Plan every session in order of time and have the table judged.
 
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
-    there is one, the earliest session start that can.
+    there is one, the nearest session start that can.
     """
     if scenario.slew.method not in BACKENDS:
         raise InvalidInput(
             f"slew.method {scenario.slew.method!r} is not known; choose {' or '.join(BACKENDS)}",
             field="slew.method",
         )
-    clock = _StageClock()
+    keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
     epoch_utc = scenario.initial_state.epoch
-    rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
+    clock = _StageClock()
     with clock.stage("orbit"):
-        ephemeris = covering(scenario, rows)
-
-    pieces: list[Piece] = []
-    segments: list[Segment] = []
-    runs: list[SlewRun] = []
-    row, state = 0, initial_state(scenario)
-    for number, session in enumerate(scenario.sessions):
-        try:
-            with clock.stage("slew and track"):
-                join = joined(scenario, ephemeris, number, session, row, state)
-        except (NotVisible, Unreachable, TrackBreaksLimit, InfeasibleSlew) as refusal:
-            raise refused_with_nearest_start(scenario, number, row, state, refusal) from None
-        with clock.stage("comparison"):
-            runs.append(_slew_run(scenario, number, join))
-        pieces += _pieces(join, row)
-        segments += _segments(scenario, number, join, row)
-        row, state = join.stop_row, track_states(join.track, join.stop_row / ROWS_PER_S)
-
-    table = assembled(epoch_utc, scenario.platform.axis_names, pieces)
+        ephemeris = covering(
+            scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
+        )
+    with clock.stage("slews and tracks"):
+        joins = sequenced(scenario, ephemeris)
+    with clock.stage("comparison"):
+        slews = tuple(
+            _slew_run(scenario, number, join, keeps_limits) for number, join in enumerate(joins)
+        )
+    as_flown, losses = _as_flown(scenario, joins)
+    table = assembled(epoch_utc, scenario.platform.axis_names, joins)
     with clock.stage("verification"):
-        report = verify(table, scenario)
-    if not report.passed and BACKENDS[scenario.slew.method].keeps_limits:
+        report = verify(table, as_flown)
+    if keeps_limits and not report.passed:
         raise _rejected(report)
     return Plan(
-        scenario=scenario,
-        segments=tuple(segments),
+        scenario=as_flown,
+        segments=_segments(epoch_utc, joins),
         table=table,
         verification=report,
-        slews=tuple(runs),
-        warnings=_warnings(ephemeris, Instants(epoch_utc, table.t_s), report),
+        slews=slews,
+        warnings=(*losses, *_warnings(ephemeris, Instants(epoch_utc, table.t_s), report)),
         stage_wall_s=clock.wall_s,
     )
 
 
-def initial_state(scenario: Scenario) -> tuple[AxisState, ...]:
-    """The platform at row 0, axis by axis."""
-    motions = (scenario.initial_motion(axis) for axis in scenario.platform.axis_names)
-    return tuple(
-        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
-        for q, v, a in motions
-    )
-
-
-def _pieces(join: Join, from_row: int) -> list[Piece]:
-    """The wait if there is one, the slew, the track; a shared row is the later piece's."""
-    slew_row = join.slew_row
-    waited = np.zeros((slew_row - from_row, len(join.slew.profiles)))
-    slew_t_s = np.arange(join.join_row - slew_row + 1) / ROWS_PER_S
-    slew_angle_rad, slew_rate_rad_s, _, _ = join.slew.motion(slew_t_s)
-    track_t_s = np.arange(join.join_row, join.stop_row + 1) / ROWS_PER_S
-    track_angle_rad, track_rate_rad_s, _ = join.track.motion(track_t_s)
-    return [
-        Piece(first_row=from_row, angle_rad=waited + slew_angle_rad[0], rate_rad_s=waited),
-        Piece(first_row=slew_row, angle_rad=slew_angle_rad, rate_rad_s=slew_rate_rad_s),
-        Piece(first_row=join.join_row, angle_rad=track_angle_rad, rate_rad_s=track_rate_rad_s),
-    ]
-
-
-def _segments(scenario: Scenario, number: int, join: Join, from_row: int) -> list[Segment]:
-    epoch_utc = scenario.initial_state.epoch
-    ends_utc = [
-        shifted_utc(epoch_utc, row / ROWS_PER_S)
-        for row in (from_row, join.slew_row, join.join_row, join.stop_row)
-    ]
-    kinds: tuple[SegmentKind, ...] = ("wait", "slew", "track")
-    return [
-        Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
-        for kind, start_utc, stop_utc in zip(kinds, ends_utc, ends_utc[1:], strict=False)
-        if stop_utc > start_utc
-    ]
-
-
-def _slew_run(scenario: Scenario, number: int, join: Join) -> SlewRun:
-    compare = BACKENDS[scenario.slew.method].keeps_limits
+def _slew_run(scenario: Scenario, number: int, join: Join, compare: bool) -> SlewRun:
+    slew = join.slew
     return SlewRun(
         session=number,
-        solution=join.slew,
-        comparison=compared(join.slew, scenario.slew) if compare else None,
+        backend=slew.backend,
+        status="; ".join(dict.fromkeys(slew.status)),
+        iterations=slew.iterations,
+        wall_s=slew.wall_s,
+        duration_s=slew.duration_s,
+        minimum_s=_minimum_s(slew.problem),
+        comparison=compared(slew, scenario.slew) if compare else None,
     )
+
+
+def _minimum_s(problem: SlewProblem) -> float:
+    ends = zip(problem.start, problem.end, problem.limits, strict=True)
+    return max(next_duration_s(*axis, 0.0) or 0.0 for axis in ends)
+
+
+def _as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str]]:
+    """The sessions as they are left after conflicts, and what each of them lost."""
+    epoch_utc = scenario.initial_state.epoch
+    sessions, losses = [], []
+    for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
+        start = max(session.start, shifted_utc(epoch_utc, join.join_row / ROWS_PER_S))
+        stop = min(session.stop, shifted_utc(epoch_utc, join.stop_row / ROWS_PER_S))
+        sessions.append(replace(session, start=start, stop=stop))
+        late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
+        if late_s or early_s:
+            losses.append(
+                f"session {number} starts {late_s:.1f} s later and stops {early_s:.1f} s earlier "
+                f"than asked, so that the slew between sessions fits ({scenario.on_conflict})"
+            )
+    return replace(scenario, sessions=tuple(sessions)), losses
+
+
+def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
+    kinds: tuple[SegmentKind, ...] = ("wait", "slew", "track")
+    segments = []
+    from_row = 0
+    for number, join in enumerate(joins):
+        ends = [
+            shifted_utc(epoch_utc, row / ROWS_PER_S)
+            for row in (from_row, join.slew_row, join.join_row, join.stop_row)
+        ]
+        segments += [
+            Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
+            for kind, start_utc, stop_utc in zip(kinds, ends, ends[1:], strict=False)
+            if stop_utc > start_utc
+        ]
+        from_row = join.stop_row
+    return tuple(segments)
 
 
 def _warnings(
@@ -145,7 +137,7 @@ def _rejected(report: VerificationReport) -> VerificationFailed:
 
 
 class _StageClock:
-    """Wall time per stage of the pipeline, summed over the sessions."""
+    """Wall time per stage of the pipeline."""
 
     def __init__(self) -> None:
         self.wall_s: dict[str, float] = {}
@@ -154,4 +146,4 @@ class _StageClock:
     def stage(self, name: str) -> Iterator[None]:
         began_s = time.perf_counter()
         yield
-        self.wall_s[name] = self.wall_s.get(name, 0.0) + time.perf_counter() - began_s
+        self.wall_s[name] = time.perf_counter() - began_s

@@ -17,6 +17,8 @@ from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.spec import spec
 from planner.targets import Target
 
+OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
+
 
 @spec
 class InitialState:
@@ -93,7 +95,11 @@ class SlewOptions:
 
 @spec
 class Scenario:
-    """A carrier, a platform on it, its state, and the sessions to fly in order of time."""
+    """A carrier, a platform on it, its state, and the sessions to fly in order of time.
+
+    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, or let the
+    later, the earlier, or whichever gives the least loss be shortened.
+    """
 
     name: str = ""
     orbit: Orbit
@@ -102,6 +108,7 @@ class Scenario:
     initial_state: InitialState
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()
+    on_conflict: OnConflict = "refuse"
 
     def __post_init__(self) -> None:
         if not self.sessions:

@@ -1,0 +1,269 @@
+"""Which way is every session held, and when is each joined and left?"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from planner.commands import ROWS_PER_S
+from planner.errors import GiveUp, InfeasibleSlew, NotVisible, TrackBreaksLimit, Unreachable
+from planner.joining import Join, Way, joined, ways_to_hold
+from planner.nearest_start import refused_with_nearest_start
+from planner.orbits import Ephemeris
+from planner.scenario import Scenario
+from planner.slew import BACKENDS, AxisState, next_duration_s, track_states, verdict
+
+SPLITS = 8  # how finely a loss is shared between two sessions
+States = tuple[AxisState, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Stand:
+    """Where a slew begins: on a session's way, joined at `join_row`, or at rest in row 0."""
+
+    way: Way | None
+    join_row: int
+    initial: States
+
+    @property
+    def last_row(self) -> int:
+        return self.way.rows.stop if self.way else self.join_row
+
+    def state(self, row: int) -> States:
+        return track_states(self.way.track, row / ROWS_PER_S) if self.way else self.initial
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Step:
+    """From a stand to a way: the rows it is left and joined at, and what that costs."""
+
+    way: Way
+    leave_row: int
+    join_row: int
+    lost_rows: int
+    slew_s: float
+
+
+Steps = tuple[_Step, ...]
+Conflict = Callable[[Scenario, _Stand, Way], tuple[int, int] | None]
+
+
+def initial_state(scenario: Scenario) -> States:
+    """The platform at row 0, axis by axis."""
+    motions = (scenario.initial_motion(axis) for axis in scenario.platform.axis_names)
+    return tuple(
+        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
+        for q, v, a in motions
+    )
+
+
+def sequenced(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """A slew and a track for every session, in order.
+
+    Of all choices of branch and whole turns the one with the least time slewing is taken,
+    after the least time lost to sessions where `on_conflict` allows some to be lost.
+    Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the
+    nearest start that can be flown; the last with what each session would have to give up.
+    """
+    sessions = _ways_by_session(scenario, ephemeris)
+    barred: set[tuple[int, int]] = set()
+    while True:
+        steps = _cheapest(scenario, sessions, CONFLICTS[scenario.on_conflict], barred)
+        if steps is None:
+            raise _conflict(scenario, sessions, barred)
+        joins: list[Join] = []
+        for number, step in enumerate(steps):
+            stand = _stand(scenario, steps[:number])
+            way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
+            try:
+                join = joined(scenario, way, step.leave_row, stand.state(step.leave_row))
+            except InfeasibleSlew:
+                # Undecided by closed form, then found impossible by the solver.
+                barred.add((id(stand.way), id(step.way)))
+                break
+            if joins:
+                joins[-1] = replace(joins[-1], stop_row=step.leave_row)
+            joins.append(join)
+        else:
+            return joins
+
+
+def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way, ...]]:
+    state, from_row = initial_state(scenario), 0
+    sessions: list[tuple[Way, ...]] = []
+    for number, session in enumerate(scenario.sessions):
+        angle_rad = np.array([axis.angle_rad for axis in state])
+        try:
+            ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
+        except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
+            raise refused_with_nearest_start(scenario, number, from_row, state, refusal) from None
+        sessions.append(ways)
+        from_row = ways[0].rows.stop
+        state = track_states(ways[0].track, from_row / ROWS_PER_S)
+    return sessions
+
+
+def _stand(scenario: Scenario, steps: Steps) -> _Stand:
+    initial = initial_state(scenario)
+    if not steps:
+        return _Stand(way=None, join_row=0, initial=initial)
+    return _Stand(way=steps[-1].way, join_row=steps[-1].join_row, initial=initial)
+
+
+def _cheapest(
+    scenario: Scenario,
+    sessions: list[tuple[Way, ...]],
+    resolve: Conflict,
+    barred: set[tuple[int, int]],
+) -> Steps | None:
+    """Dynamic programme over the ways of each session; None when no chain of ways fits."""
+    chains: list[Steps] = [()]
+    for ways in sessions:
+        longer: list[Steps] = []
+        for way in ways:
+            options = [
+                (*chain, step)
+                for chain in chains
+                if (id(chain[-1].way) if chain else id(None), id(way)) not in barred
+                and (step := _step(scenario, _stand(scenario, chain), way, resolve)) is not None
+            ]
+            if options:
+                longer.append(min(options, key=_cost))
+        chains = longer
+    return min(chains, key=_cost, default=None)
+
+
+def _cost(steps: Steps) -> tuple[int, float]:
+    return sum(step.lost_rows for step in steps), sum(step.slew_s for step in steps)
+
+
+def _step(scenario: Scenario, stand: _Stand, way: Way, resolve: Conflict) -> _Step | None:
+    asked = (stand.last_row, way.rows.start)
+    rows = asked if _fits(scenario, stand, way, *asked) else resolve(scenario, stand, way)
+    if rows is None:
+        return None
+    leave_row, join_row = rows
+    there = track_states(way.track, join_row / ROWS_PER_S)
+    least_s = [
+        next_duration_s(*ends, 0.0)
+        for ends in zip(stand.state(leave_row), there, scenario.axis_limits, strict=True)
+    ]
+    return _Step(
+        way=way,
+        leave_row=leave_row,
+        join_row=join_row,
+        lost_rows=stand.last_row - leave_row + join_row - way.rows.start,
+        slew_s=max(0.0 if least is None else least for least in least_s),
+    )
+
+
+def _fits(scenario: Scenario, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
+    """Whether nothing known in closed form forbids the slew."""
+    if not stand.join_row <= leave_row < join_row < way.rows.stop:
+        return False
+    if not BACKENDS[scenario.slew.method].keeps_limits:
+        return True
+    duration_s = (join_row - leave_row) / ROWS_PER_S
+    there = track_states(way.track, join_row / ROWS_PER_S)
+    return all(
+        verdict(*ends, duration_s).limit is None
+        for ends in zip(stand.state(leave_row), there, scenario.axis_limits, strict=True)
+    )
+
+
+def _refuse(scenario: Scenario, stand: _Stand, way: Way) -> None:
+    """Nothing is given up."""
+
+
+def _shorten_later(scenario: Scenario, stand: _Stand, way: Way) -> tuple[int, int] | None:
+    """The later session begins late."""
+    return _shared(scenario, stand, way, (0,))
+
+
+def _shorten_earlier(scenario: Scenario, stand: _Stand, way: Way) -> tuple[int, int] | None:
+    """The earlier session ends early."""
+    return _shared(scenario, stand, way, (SPLITS,))
+
+
+def _least_loss(scenario: Scenario, stand: _Stand, way: Way) -> tuple[int, int] | None:
+    """Both give something, so that the sum is least."""
+    return _shared(scenario, stand, way, tuple(range(SPLITS + 1)))
+
+
+CONFLICTS: dict[str, Conflict] = {
+    "refuse": _refuse,
+    "shorten_later": _shorten_later,
+    "shorten_earlier": _shorten_earlier,
+    "least_loss": _least_loss,
+}
+
+
+def _shared(
+    scenario: Scenario, stand: _Stand, way: Way, eighths: tuple[int, ...]
+) -> tuple[int, int] | None:
+    """The rows of least loss, of which the earlier session bears one of the given eighths."""
+
+    def fitting(loss: int) -> tuple[int, int] | None:
+        for share in eighths:
+            early = round(loss * share / SPLITS)
+            rows = (stand.last_row - early, way.rows.start + loss - early)
+            if _fits(scenario, stand, way, *rows):
+                return rows
+        return None
+
+    overlap = max(stand.last_row - way.rows.start, 0)
+    most = stand.last_row - stand.join_row + way.rows.stop - way.rows.start
+    low, high, found = overlap, overlap + 1, fitting(overlap + 1)
+    while found is None:
+        low, high = high, overlap + 2 * (high - overlap)
+        if low > most:
+            return None
+        found = fitting(high)
+    while high - low > 1:
+        middle = (low + high) // 2
+        nearer = fitting(middle)
+        if nearer is None:
+            low = middle
+        else:
+            high, found = middle, nearer
+    return found
+
+
+def _conflict(
+    scenario: Scenario, sessions: list[tuple[Way, ...]], barred: set[tuple[int, int]]
+) -> InfeasibleSlew:
+    """The refusal of the first session that can't be joined in time, and what would help."""
+    steps: Steps = ()
+    for number in range(len(sessions)):
+        longer = _cheapest(scenario, sessions[: number + 1], _refuse, barred)
+        if longer is None:
+            break
+        steps = longer
+    stand = _stand(scenario, steps)
+    state = stand.state(stand.last_row)
+    try:
+        joined(scenario, sessions[number][0], stand.last_row, state)
+    except InfeasibleSlew as refusal:
+        found = refused_with_nearest_start(scenario, number, stand.last_row, state, refusal)
+    found.give_up = tuple(
+        offer
+        for mode, resolve in CONFLICTS.items()
+        for offer in _given_up(
+            mode, _cheapest(scenario, sessions[: number + 1], resolve, barred) or ()
+        )
+    )
+    return found
+
+
+def _given_up(mode: str, steps: Steps) -> list[GiveUp]:
+    """What each session loses; a session's start is its own step's, its stop the next one's."""
+    later_s = [(step.join_row - step.way.rows.start) / ROWS_PER_S for step in steps]
+    earlier_s = [
+        (before.way.rows.stop - step.leave_row) / ROWS_PER_S for before, step in pairwise(steps)
+    ] + [0.0]
+    return [
+        GiveUp(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
+        for session, (later, earlier) in enumerate(zip(later_s, earlier_s, strict=False))
+        if later or earlier
+    ]
