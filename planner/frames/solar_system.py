@@ -1,6 +1,6 @@
 """Where are the Sun, the Moon and the planets?  JPL's DE421, from a package.
 
-Geometric geocentric positions in GCRF axes; neither light time nor aberration.
+Geometric positions in GCRF (= ICRF) axes; neither light time nor aberration.
 """
 
 from functools import cache
@@ -12,12 +12,26 @@ from jplephem.spk import SPK
 from numpy.typing import NDArray
 
 from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants
+from planner.frames.time_scales import DAY_S, Instants
 
 _EARTH_MOON_BARYCENTER = 3
 _SUN = 10
 _MOON = 301
 _EARTH = 399
+
+# Which segments, NAIF numbers of centre and target, lead from the barycentre to the body.
+_CHAINS = {
+    "sun": ((0, _SUN),),
+    "moon": ((0, _EARTH_MOON_BARYCENTER), (_EARTH_MOON_BARYCENTER, _MOON)),
+    "mercury": ((0, 1), (1, 199)),
+    "venus": ((0, 2), (2, 299)),
+    "mars": ((0, 4), (4, 499)),
+    "jupiter": ((0, 5),),
+    "saturn": ((0, 6),),
+    "uranus": ((0, 7),),
+    "neptune": ((0, 8),),
+}
+BODIES = tuple(_CHAINS)
 
 
 def r_sun_eci_m(instants: Instants) -> NDArray[np.float64]:
@@ -36,6 +50,31 @@ def r_moon_eci_m(instants: Instants) -> NDArray[np.float64]:
     )
 
 
+def r_body_bary_m(body: str, instants: Instants) -> NDArray[np.float64]:
+    """One of `BODIES` from the solar system's barycentre, shape (n, 3).
+
+    From Jupiter on it is the barycentre of planet and moons, seen from the Earth at most
+    0.08 arcsec (Jupiter), 0.06 (Saturn) and 0.005 (Uranus, Neptune) from the planet's centre.
+    """
+    return np.asarray(
+        sum(_position_m(center, target, instants) for center, target in _CHAINS[body])
+    )
+
+
+def earth_bary_state(
+    instants: Instants,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The Earth's centre from the solar system's barycentre: m and m/s, each (n, 3)."""
+    positions, velocities = zip(
+        *(
+            _state_m(center, target, instants)
+            for center, target in ((0, _EARTH_MOON_BARYCENTER), (_EARTH_MOON_BARYCENTER, _EARTH))
+        ),
+        strict=True,
+    )
+    return np.asarray(sum(positions)), np.asarray(sum(velocities))
+
+
 def _position_m(center: int, target: int, instants: Instants) -> NDArray[np.float64]:
     """target from center, NAIF numbers, shape (n, 3).
 
@@ -44,9 +83,25 @@ def _position_m(center: int, target: int, instants: Instants) -> NDArray[np.floa
     try:
         return np.asarray(_kernel()[center, target].compute(*instants.tt_jd()).T * 1e3)
     except OutOfRangeError:
-        raise OutsideCoverage(
-            "Sun and Moon are known from 1899-07-29 to 2053-10-09 (DE421); use times in between"
-        ) from None
+        raise _outside() from None
+
+
+def _state_m(
+    center: int, target: int, instants: Instants
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """target from center, m and m/s, each (n, 3); TT stands for TDB."""
+    try:
+        r_km, v_km_day = _kernel()[center, target].compute_and_differentiate(*instants.tt_jd())
+    except OutOfRangeError:
+        raise _outside() from None
+    return np.asarray(r_km.T * 1e3), np.asarray(v_km_day.T * (1e3 / DAY_S))
+
+
+def _outside() -> OutsideCoverage:
+    return OutsideCoverage(
+        "Sun, Moon and planets are known from 1899-07-29 to 2053-10-09 (DE421); "
+        "use times in between"
+    )
 
 
 @cache

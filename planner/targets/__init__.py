@@ -3,10 +3,30 @@
 from typing import get_args
 
 from planner.targets.apparent import VisibleTarget
+from planner.targets.body import BodyTarget
 from planner.targets.earth_fixed import EarthFixedTarget
 from planner.targets.ground import GroundTarget
+from planner.targets.ground_moving import MovingGroundTarget
+from planner.targets.ground_path import GroundPathTarget
+from planner.targets.sky import SkyTarget
+from planner.targets.star import StarTarget
+from planner.targets.test_motion import AxisMotion, AxisMotionTarget, BenchMotionTarget
 
-Target = GroundTarget
-TARGETS = {mode.mode: mode for mode in (get_args(Target) or (Target,))}
+Target = GroundTarget | MovingGroundTarget | GroundPathTarget | StarTarget | BodyTarget
+TARGETS = {mode.mode: mode for mode in get_args(Target)}
 
-__all__ = ["TARGETS", "EarthFixedTarget", "GroundTarget", "Target", "VisibleTarget"]
+__all__ = [
+    "TARGETS",
+    "AxisMotion",
+    "AxisMotionTarget",
+    "BenchMotionTarget",
+    "BodyTarget",
+    "EarthFixedTarget",
+    "GroundPathTarget",
+    "GroundTarget",
+    "MovingGroundTarget",
+    "SkyTarget",
+    "StarTarget",
+    "Target",
+    "VisibleTarget",
+]

@@ -11,18 +11,22 @@ from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrated
+from planner.targets.ranges import require_within
+from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
 
 LIGHT_TIME_PASSES = 2  # each pass shrinks the error by v/c: 2.5 m, then 4 um, after the first
 
 
 class EarthFixedTarget(ABC):
-    """A target given by its ITRF position.
+    """A target given by its ITRF position, at rest or moving over the Earth.
 
     min_elevation_deg: the carrier must stand at least this high in the target's sky over
     the whole session, measured from the plane of the ellipsoid, without refraction.
+    refraction: "standard" aims where the standard atmosphere makes the target appear.
     """
 
     min_elevation_deg: float
+    refraction: Refraction
 
     @abstractmethod
     def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
@@ -31,27 +35,33 @@ class EarthFixedTarget(ABC):
     def apparent(self, instants: Instants, states: OrbitStates) -> ApparentDirection:
         """Light time and aberration in the geocentric frame; clearance is elevation to spare.
 
-        Neglects refraction (7.6 m on the ground at 30 deg elevation), the target's own
-        motion over the Earth during the light time (3 ms), and the offset of the platform
-        from the carrier's reference point.
-        Source: Sumarokov 2016, eq. 9.
+        Neglects the offset of the platform from the carrier's reference point and, unless
+        asked for, refraction: at 30 deg elevation 8.0 m across the line of sight, which is
+        16.1 m along the ground.  Source: Sumarokov 2016, eq. 9.
         """
         c_itrf_from_eci_ = c_itrf_from_eci(instants)
         r_target_itrf_m = self.r_target_itrf_m(instants)
-        r_target_eci_m = np.einsum("nji,nj->ni", c_itrf_from_eci_, r_target_itrf_m)
-        omega_earth_eci_rad_s = OMEGA_EARTH_RAD_S * c_itrf_from_eci_[:, 2, :]
-        v_target_eci_m_s = np.cross(omega_earth_eci_rad_s, r_target_eci_m)
-
+        r_target_eci_m = _eci(c_itrf_from_eci_, r_target_itrf_m)
         los_eci_m = r_target_eci_m - states.r_sat_eci_m
         range_m = np.linalg.norm(los_eci_m, axis=1)
-        up_eci = np.einsum(
-            "nji,nj->ni", c_itrf_from_eci_, up_itrf(*geodetic_from_itrf(r_target_itrf_m)[:2])
-        )
+        latitude_rad, longitude_rad, height_m = geodetic_from_itrf(r_target_itrf_m)
+        up_eci = _eci(c_itrf_from_eci_, up_itrf(latitude_rad, longitude_rad))
         elevation_rad = np.arcsin(-np.sum(los_eci_m * up_eci, axis=1) / range_m)
+
+        raised_eci_m = np.zeros_like(los_eci_m)
+        if self.refraction == "standard":
+            raised = raised_m(math.pi / 2.0 - elevation_rad, range_m, height_m)
+            raised_eci_m = raised[:, None] * up_eci
+        omega_earth_eci_rad_s = OMEGA_EARTH_RAD_S * c_itrf_from_eci_[:, 2, :]
         for _ in range(LIGHT_TIME_PASSES):
-            light_time_s = np.linalg.norm(los_eci_m, axis=1, keepdims=True) / SPEED_OF_LIGHT_M_S
-            los_eci_m = r_target_eci_m - light_time_s * v_target_eci_m_s - states.r_sat_eci_m
-        direction_eci = los_eci_m / np.linalg.norm(los_eci_m, axis=1, keepdims=True)
+            light_time_s = np.linalg.norm(los_eci_m, axis=1) / SPEED_OF_LIGHT_M_S
+            emitted = Instants(instants.epoch_utc, instants.t_s - light_time_s)
+            # Where it was over the Earth then, and the Earth turned back: 3 ms, 1.4 m.
+            r_target_eci_m = _eci(c_itrf_from_eci_, self.r_target_itrf_m(emitted))
+            turned_m = light_time_s[:, None] * np.cross(omega_earth_eci_rad_s, r_target_eci_m)
+            los_eci_m = r_target_eci_m - turned_m - states.r_sat_eci_m
+        seen_eci_m = los_eci_m + raised_eci_m
+        direction_eci = seen_eci_m / np.linalg.norm(seen_eci_m, axis=1, keepdims=True)
         return ApparentDirection(
             direction_eci=aberrated(direction_eci, states.v_sat_eci_m_s),
             range_m=range_m,
@@ -65,3 +75,19 @@ class EarthFixedTarget(ABC):
             f"the carrier stands at {elevation_deg:.2f} deg elevation in the target's sky, "
             f"below the {self.min_elevation_deg:g} deg asked for"
         )
+
+
+def require_ground_ranges(target: EarthFixedTarget) -> None:
+    """The ranges of the fields every EarthFixedTarget has."""
+    require_within(target, ("min_elevation_deg", 0.0, 90.0))
+    if target.refraction == "standard" and target.min_elevation_deg < LOWEST_ELEVATION_DEG:
+        raise ValueError(
+            f"refraction 'standard' is modelled from {LOWEST_ELEVATION_DEG:g} deg elevation up; "
+            f"raise min_elevation_deg from {target.min_elevation_deg:g} to that"
+        )
+
+
+def _eci(
+    c_itrf_from_eci_: NDArray[np.float64], vector_itrf: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return np.asarray(np.einsum("nji,nj->ni", c_itrf_from_eci_, vector_itrf))

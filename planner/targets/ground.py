@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.spec import spec
-from planner.targets.earth_fixed import EarthFixedTarget
+from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
+from planner.targets.ranges import GEODETIC_RANGES, require_within
+from planner.targets.refraction import Refraction
 
 
 @spec
@@ -25,17 +27,11 @@ class GroundTarget(EarthFixedTarget):
     longitude_deg: float
     height_m: float = 0.0
     min_elevation_deg: float = 0.0
+    refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("latitude_deg", -90.0, 90.0),
-            ("longitude_deg", -180.0, 360.0),
-            ("height_m", -1000.0, 100e3),
-            ("min_elevation_deg", 0.0, 90.0),
-        ):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value}")
+        require_within(self, *GEODETIC_RANGES)
+        require_ground_ranges(self)
 
     def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
         """Shape (n, 3), the same point n times."""

@@ -1,0 +1,273 @@
+"""Which test signals can an axis be given?
+
+Every motion gives angle, rate and acceleration in closed form, in the units of the request:
+`motion_deg(t_s)` has shape (3, n) for t_s of shape (n,).  angle_deg is where the signal is
+centred or starts.
+"""
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.spec import spec
+from planner.targets.ranges import require_within
+from planner.targets.smooth_step import ramp, step
+
+COMPONENTS_MAX = 100
+_FREQUENCIES_HZ = (1e-4, 2.5)  # up to the Nyquist frequency of the 0.2 s table
+_ANGLES_DEG = (-360.0, 360.0)
+_DURATIONS_S = (1e-3, 86400.0)
+
+
+@spec
+class ConstantRate:
+    """angle_deg + rate_deg_s t."""
+
+    kind: Literal["constant_rate"] = "constant_rate"
+    angle_deg: float = 0.0
+    rate_deg_s: float
+
+    def __post_init__(self) -> None:
+        require_within(self, ("angle_deg", *_ANGLES_DEG), ("rate_deg_s", *_ANGLES_DEG))
+
+    def shortest_period_s(self) -> float:
+        return math.inf
+
+    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        rate = np.full_like(t_s, self.rate_deg_s)
+        return np.stack([self.angle_deg + rate * t_s, rate, np.zeros_like(t_s)])
+
+
+@spec
+class Sine:
+    """angle_deg + amplitude_deg sin(2 pi frequency_hz t + phase_deg)."""
+
+    kind: Literal["sine"] = "sine"
+    angle_deg: float = 0.0
+    amplitude_deg: float
+    frequency_hz: float
+    phase_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_within(
+            self,
+            ("angle_deg", *_ANGLES_DEG),
+            ("amplitude_deg", 0.0, 360.0),
+            ("frequency_hz", *_FREQUENCIES_HZ),
+            ("phase_deg", *_ANGLES_DEG),
+        )
+
+    def shortest_period_s(self) -> float:
+        return 1.0 / self.frequency_hz
+
+    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        omega = 2.0 * math.pi * self.frequency_hz
+        phase = omega * t_s + math.radians(self.phase_deg)
+        motion = self.amplitude_deg * _sine(phase, omega, np.zeros_like(t_s))
+        motion[0] += self.angle_deg
+        return motion
+
+
+@spec
+class Chirp:
+    """A sine whose frequency goes from start_ to stop_frequency_hz in sweep_s and stays there.
+
+    sweep: "linear" in time, or "logarithmic" (equal time per octave).
+    """
+
+    kind: Literal["chirp"] = "chirp"
+    angle_deg: float = 0.0
+    amplitude_deg: float
+    start_frequency_hz: float
+    stop_frequency_hz: float
+    sweep_s: float
+    sweep: Literal["linear", "logarithmic"] = "linear"
+
+    def __post_init__(self) -> None:
+        require_within(
+            self,
+            ("angle_deg", *_ANGLES_DEG),
+            ("amplitude_deg", 0.0, 360.0),
+            ("start_frequency_hz", *_FREQUENCIES_HZ),
+            ("stop_frequency_hz", *_FREQUENCIES_HZ),
+            ("sweep_s", *_DURATIONS_S),
+        )
+        if self.start_frequency_hz == self.stop_frequency_hz:
+            raise ValueError("a chirp needs two different frequencies; a sine has one")
+
+    def shortest_period_s(self) -> float:
+        return 1.0 / max(self.start_frequency_hz, self.stop_frequency_hz)
+
+    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Before t = 0 at the start frequency; the acceleration steps where the sweep ends."""
+        turns, frequency, sweeping = self._swept(np.clip(t_s, 0.0, self.sweep_s))
+        still = t_s - np.clip(t_s, 0.0, self.sweep_s)
+        phase = 2.0 * math.pi * (turns + frequency * still)
+        moving = np.where(still == 0.0, sweeping, 0.0)
+        motion = self.amplitude_deg * _sine(
+            phase, 2.0 * math.pi * frequency, 2.0 * math.pi * moving
+        )
+        motion[0] += self.angle_deg
+        return motion
+
+    def _swept(
+        self, t_s: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Turns since t = 0, frequency (Hz) and its rate (Hz/s) within the sweep."""
+        if self.sweep == "linear":
+            slope = (self.stop_frequency_hz - self.start_frequency_hz) / self.sweep_s
+            frequency = self.start_frequency_hz + slope * t_s
+            turns = (self.start_frequency_hz + slope * t_s / 2.0) * t_s
+            return turns, frequency, np.full_like(t_s, slope)
+        growth = math.log(self.stop_frequency_hz / self.start_frequency_hz) / self.sweep_s
+        frequency = self.start_frequency_hz * np.exp(growth * t_s)
+        turns = self.start_frequency_hz * np.expm1(growth * t_s) / growth
+        return turns, frequency, growth * frequency
+
+
+@spec
+class Step:
+    """From angle_deg by step_deg, leaving at at_s and arriving rise_s later.
+
+    Continuous jerk; peaks: rate 2.2 step/rise, acceleration 7.5 step/rise^2, jerk
+    52.5 step/rise^3.
+    """
+
+    kind: Literal["step"] = "step"
+    angle_deg: float = 0.0
+    step_deg: float
+    at_s: float = 0.0
+    rise_s: float
+
+    def __post_init__(self) -> None:
+        require_within(
+            self,
+            ("angle_deg", *_ANGLES_DEG),
+            ("step_deg", *_ANGLES_DEG),
+            ("at_s", 0.0, 86400.0),
+            ("rise_s", *_DURATIONS_S),
+        )
+
+    def shortest_period_s(self) -> float:
+        return self.rise_s
+
+    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        risen = step((t_s - self.at_s) / self.rise_s)
+        motion = self.step_deg * risen / np.array([[1.0], [self.rise_s], [self.rise_s**2]])
+        motion[0] += self.angle_deg
+        return np.asarray(motion)
+
+
+@spec
+class Triangle:
+    """Constant rate up and down around angle_deg, a period in period_s, rising at t = 0.
+
+    amplitude_deg: of the sharp triangle.  turn_s: how long each reversal lasts; the turn has
+    continuous jerk, stays 0.14 rate turn_s inside the tip, and its acceleration peaks at
+    4.4 rate/turn_s with rate = 4 amplitude_deg/period_s.
+    """
+
+    kind: Literal["triangle"] = "triangle"
+    angle_deg: float = 0.0
+    amplitude_deg: float
+    period_s: float
+    turn_s: float
+
+    def __post_init__(self) -> None:
+        require_within(
+            self,
+            ("angle_deg", *_ANGLES_DEG),
+            ("amplitude_deg", 0.0, 360.0),
+            ("period_s", *_DURATIONS_S),
+            ("turn_s", *_DURATIONS_S),
+        )
+        if self.turn_s > self.period_s / 2.0:
+            raise ValueError(
+                f"turn_s must be at most half of period_s, {self.period_s / 2.0:g}, "
+                f"not {self.turn_s:g}"
+            )
+
+    def shortest_period_s(self) -> float:
+        return self.turn_s
+
+    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        rate = 4.0 * self.amplitude_deg / self.period_s
+        half_s = self.period_s / 2.0
+        tip = np.round((t_s - half_s / 2.0) / half_s)
+        side = np.where(tip % 2.0 == 0.0, 1.0, -1.0)  # +1 at the upper tips
+        since_tip_s = t_s - half_s / 2.0 - tip * half_s
+        turned, slope, _ = step(since_tip_s / self.turn_s + 0.5)
+        falling = since_tip_s - 2.0 * ramp(since_tip_s, self.turn_s)
+        moved: NDArray[np.float64] = np.stack(
+            [
+                self.angle_deg + side * (self.amplitude_deg + rate * falling),
+                side * rate * (1.0 - 2.0 * turned),
+                side * rate * -2.0 * slope / self.turn_s,
+            ]
+        )
+        return moved
+
+
+@spec
+class Multisine:
+    """angle_deg + the sum of amplitudes_deg[k] sin(2 pi frequencies_hz[k] t + phases_deg[k]).
+
+    phases_deg: Schroeder's -pi k (k - 1)/N unless given, which keep the peak low for equal
+    amplitudes.  Source: Schroeder 1970, IEEE Trans. Inf. Theory 16, 85.
+    """
+
+    kind: Literal["multisine"] = "multisine"
+    angle_deg: float = 0.0
+    amplitudes_deg: tuple[float, ...]
+    frequencies_hz: tuple[float, ...]
+    phases_deg: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        require_within(self, ("angle_deg", *_ANGLES_DEG))
+        count = len(self.frequencies_hz)
+        if not 1 <= count <= COMPONENTS_MAX:
+            raise ValueError(f"frequencies_hz must hold 1 to {COMPONENTS_MAX}, not {count}")
+        phases_deg = self.phases_deg if self.phases_deg is not None else (0.0,) * count
+        for name, values, (low, high) in (
+            ("amplitudes_deg", self.amplitudes_deg, (0.0, 360.0)),
+            ("frequencies_hz", self.frequencies_hz, _FREQUENCIES_HZ),
+            ("phases_deg", phases_deg, _ANGLES_DEG),
+        ):
+            if len(values) != count:
+                raise ValueError(
+                    f"{name} must hold one for each of the {count} frequencies, not {len(values)}"
+                )
+            for k, value in enumerate(values):
+                if not low <= value <= high:
+                    raise ValueError(f"{name}.{k} must lie in {low:g}..{high:g}, not {value}")
+
+    def shortest_period_s(self) -> float:
+        return 1.0 / max(self.frequencies_hz)
+
+    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+        motion = np.zeros((3, len(t_s)))
+        motion[0] = self.angle_deg
+        count = len(self.frequencies_hz)
+        for k, (amplitude_deg, frequency_hz) in enumerate(
+            zip(self.amplitudes_deg, self.frequencies_hz, strict=True)
+        ):
+            omega = 2.0 * math.pi * frequency_hz
+            phase = (
+                math.radians(self.phases_deg[k])
+                if self.phases_deg is not None
+                else -math.pi * (k + 1) * k / count
+            )
+            motion += amplitude_deg * _sine(omega * t_s + phase, omega, np.zeros_like(t_s))
+        return motion
+
+
+def _sine(
+    phase: NDArray[np.float64],
+    phase_rate_s: NDArray[np.float64] | float,
+    phase_acceleration_s2: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """A sine and its first two derivatives by time, shape (3, n)."""
+    sin, cos = np.sin(phase), np.cos(phase)
+    return np.stack([sin, phase_rate_s * cos, phase_acceleration_s2 * cos - phase_rate_s**2 * sin])

@@ -1,0 +1,56 @@
+"""Where is something that moves over the ground at a steady course and speed?"""
+
+import math
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.geodesic import geodesic_end
+from planner.frames.geodesy import itrf_from_geodetic
+from planner.frames.time_scales import Instants, elapsed_s, require_offset
+from planner.spec import spec
+from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
+from planner.targets.ranges import GEODETIC_RANGES, require_within
+from planner.targets.refraction import Refraction
+
+
+@spec
+class MovingGroundTarget(EarthFixedTarget):
+    """A ship, vehicle or aircraft known at an epoch, going straight on along a geodesic.
+
+    latitude_deg, longitude_deg, height_m: WGS84, at `epoch`; the height stays.
+    course_deg: at the epoch, clockwise from north; at a pole north is that of the longitude
+    given.  speed_m_s: over the ellipsoid's surface, in the aircraft's case its ground speed.
+    A vessel that holds its compass course instead leaves the geodesic by
+    distance^2 tan(latitude) / (2 Earth radii): 8 m after 10 km at 45 deg.
+    """
+
+    mode: Literal["ground_moving"] = "ground_moving"
+    epoch: datetime
+    latitude_deg: float
+    longitude_deg: float
+    height_m: float = 0.0
+    course_deg: float
+    speed_m_s: float
+    min_elevation_deg: float = 0.0
+    refraction: Refraction = "none"
+
+    def __post_init__(self) -> None:
+        require_offset("epoch", self.epoch)
+        require_within(
+            self, *GEODETIC_RANGES, ("course_deg", -180.0, 360.0), ("speed_m_s", 0.0, 10e3)
+        )
+        require_ground_ranges(self)
+
+    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+        """Shape (n, 3)."""
+        since_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch)
+        latitude_rad, longitude_rad = geodesic_end(
+            math.radians(self.latitude_deg),
+            math.radians(self.longitude_deg),
+            math.radians(self.course_deg),
+            self.speed_m_s * since_s,
+        )
+        return itrf_from_geodetic(latitude_rad, longitude_rad, self.height_m)

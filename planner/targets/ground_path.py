@@ -1,0 +1,155 @@
+"""Where is the point that scans a line on the ground?"""
+
+import dataclasses
+import math
+from datetime import datetime
+from functools import cached_property
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import InvalidInput
+from planner.frames.geodesic import geodesic_between, geodesic_end
+from planner.frames.geodesy import itrf_from_geodetic
+from planner.frames.time_scales import Instants, elapsed_s, require_offset
+from planner.spec import spec
+from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
+from planner.targets.ranges import GEODETIC_RANGES, require_within
+from planner.targets.refraction import Refraction
+from planner.targets.smooth_step import ramp
+
+POINTS_MAX = 1000
+
+
+@spec
+class PathPoint:
+    """A point of the line, in WGS84 geodetic coordinates; height above the ellipsoid."""
+
+    latitude_deg: float
+    longitude_deg: float
+    height_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_within(self, *GEODETIC_RANGES)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Legs:
+    """passing_s: (m,), when the m points are passed.
+
+    arriving_m_s, leaving_m_s: (m, 3), velocity east, north and up on the way to and from
+    each point, in the plane that keeps distances and directions from the point.
+    """
+
+    passing_s: NDArray[np.float64]
+    arriving_m_s: NDArray[np.float64]
+    leaving_m_s: NDArray[np.float64]
+
+
+@spec
+class GroundPathTarget(EarthFixedTarget):
+    """A polyline of geodesics between two or more points, scanned from its first point on.
+
+    speed_m_s: over the ellipsoid's surface, constant on the legs; heights change linearly.
+    start: when the first point is passed; None for the start of the session (`starting`).
+    corner_s: how long the turn from one leg to the next lasts.  The velocity turns over with
+    continuous jerk, the timetable stays: halfway the speed has dropped to cos(turn/2) of
+    itself and the point passes 0.14 corner_s speed sin(turn/2) inside the corner (70 m at
+    right angles, 4 s and 180 m/s); the acceleration peaks at 4.4 speed sin(turn/2)/corner_s.
+    Before its start and after its end the path goes straight on along its outer legs.
+    """
+
+    mode: Literal["ground_path"] = "ground_path"
+    points: tuple[PathPoint, ...]
+    speed_m_s: float
+    start: datetime | None = None
+    corner_s: float = 4.0
+    min_elevation_deg: float = 0.0
+    refraction: Refraction = "none"
+
+    def __post_init__(self) -> None:
+        if self.start is not None:
+            require_offset("start", self.start)
+        if not 2 <= len(self.points) <= POINTS_MAX:
+            raise ValueError(f"points must hold 2 to {POINTS_MAX} points, not {len(self.points)}")
+        require_within(self, ("speed_m_s", 1e-3, 10e3), ("corner_s", 0.2, 600.0))
+        require_ground_ranges(self)
+        for leg, lasts_s in enumerate(np.diff(self._legs.passing_s)):
+            if len(self.points) > 2 and lasts_s < self.corner_s:
+                raise ValueError(
+                    f"points.{leg} to points.{leg + 1} takes {lasts_s:.3g} s at "
+                    f"{self.speed_m_s:g} m/s, less than the {self.corner_s:g} s of a corner; "
+                    "lower corner_s or the speed, or leave out a point"
+                )
+
+    @property
+    def duration_s(self) -> float:
+        """From the first point to the last."""
+        return float(self._legs.passing_s[-1])
+
+    def starting(self, start_utc: datetime) -> Self:
+        """The same path, passing its first point at start_utc unless it says when itself."""
+        return self if self.start is not None else dataclasses.replace(self, start=start_utc)
+
+    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+        """Shape (n, 3)."""
+        if self.start is None:
+            raise InvalidInput(
+                "the path doesn't say when it starts; give its start, or plan it in a session",
+                field="start",
+            )
+        legs = self._legs
+        t_s = instants.t_s + elapsed_s(instants.epoch_utc, self.start)
+        halfway_s = (legs.passing_s[1:] + legs.passing_s[:-1]) / 2.0
+        nearest = np.searchsorted(halfway_s, t_s)
+        r_itrf_m = np.empty((len(t_s), 3))
+        for node in np.unique(nearest):
+            here = nearest == node
+            since_s = (t_s[here] - legs.passing_s[node])[:, None]
+            turn_m_s = legs.leaving_m_s[node] - legs.arriving_m_s[node]
+            offset_m = legs.arriving_m_s[node] * since_s + turn_m_s * ramp(since_s, self.corner_s)
+            r_itrf_m[here] = _near(self.points[node], offset_m)
+        return r_itrf_m
+
+    @cached_property
+    def _legs(self) -> _Legs:
+        leaving, arriving, lasting_s = [], [], []
+        for leg, (a, b) in enumerate(zip(self.points[:-1], self.points[1:], strict=True)):
+            try:
+                forth, distance_m = _between(a, b)
+                back, _ = _between(b, a)
+            except ValueError as error:
+                raise ValueError(f"points.{leg} and points.{leg + 1}: {error}") from None
+            if distance_m == 0.0:
+                raise ValueError(f"points.{leg} and points.{leg + 1} are the same place")
+            climb = (b.height_m - a.height_m) / distance_m
+            leaving.append([math.sin(forth), math.cos(forth), climb])
+            arriving.append([-math.sin(back), -math.cos(back), climb])
+            lasting_s.append(distance_m / self.speed_m_s)
+        return _Legs(
+            passing_s=np.concatenate([[0.0], np.cumsum(lasting_s)]),
+            arriving_m_s=self.speed_m_s * np.array([leaving[0], *arriving]),
+            leaving_m_s=self.speed_m_s * np.array([*leaving, arriving[-1]]),
+        )
+
+
+def _between(a: PathPoint, b: PathPoint) -> tuple[float, float]:
+    """Azimuth at a (rad) and distance (m)."""
+    return geodesic_between(
+        *(
+            math.radians(angle_deg)
+            for angle_deg in (a.latitude_deg, a.longitude_deg, b.latitude_deg, b.longitude_deg)
+        )
+    )
+
+
+def _near(point: PathPoint, offset_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """ITRF positions (n, 3) at offsets east, north and up measured along geodesics."""
+    latitude_rad, longitude_rad = geodesic_end(
+        math.radians(point.latitude_deg),
+        math.radians(point.longitude_deg),
+        np.arctan2(offset_m[:, 0], offset_m[:, 1]),
+        np.hypot(offset_m[:, 0], offset_m[:, 1]),
+    )
+    return itrf_from_geodetic(latitude_rad, longitude_rad, point.height_m + offset_m[:, 2])

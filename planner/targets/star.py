@@ -1,0 +1,119 @@
+"""Where is a star?"""
+
+import math
+from typing import Literal
+
+import erfa
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.hipparcos import CatalogueStar, hipparcos_star
+from planner.frames.time_scales import Instants
+from planner.spec import spec
+from planner.targets.deflection import AU_M
+from planner.targets.ranges import require_within
+from planner.targets.refraction import Refraction
+from planner.targets.sky import GRAZING_ALTITUDE_KM, SkyTarget, require_sky_ranges
+
+_J2000_JD = 2451545.0
+_J2000_JYEAR = 2000.0
+_MAS_RAD = float(erfa.DMAS2R)
+_AU_YR_KM_S = AU_M / 1e3 / (365.25 * 86400.0)
+
+
+@spec
+class StarTarget(SkyTarget):
+    """A star by its ICRS coordinates at an epoch, or by its Hipparcos number.
+
+    ra_deg, dec_deg: at Julian year `epoch_jyear` (TDB; 2000.0 unless given; Gaia DR3 lists
+    positions at 2016.0, Hipparcos at 1991.25).  pm_ra_cosdec_mas_yr includes cos(dec), as
+    catalogues list it.  parallax_mas: 0 for a star too far to tell.
+    hip: everything but the radial velocity comes from Hipparcos, the New Reduction; stars
+    with a companion may stray from its uniform motion by some 0.1 arcsec.
+    radial_velocity_km_s: positive receding; moves nearby stars only (Barnard's star by
+    0.7 arcsec since 1991).
+    """
+
+    mode: Literal["star"] = "star"
+    ra_deg: float | None = None
+    dec_deg: float | None = None
+    epoch_jyear: float | None = None
+    pm_ra_cosdec_mas_yr: float | None = None
+    pm_dec_mas_yr: float | None = None
+    parallax_mas: float | None = None
+    radial_velocity_km_s: float = 0.0
+    hip: int | None = None
+    grazing_altitude_km: float = GRAZING_ALTITUDE_KM
+    refraction: Refraction = "none"
+
+    def __post_init__(self) -> None:
+        coordinates = (
+            "ra_deg",
+            "dec_deg",
+            "epoch_jyear",
+            "pm_ra_cosdec_mas_yr",
+            "pm_dec_mas_yr",
+            "parallax_mas",
+        )
+        given = [name for name in coordinates if getattr(self, name) is not None]
+        if self.hip is None and (self.ra_deg is None or self.dec_deg is None):
+            raise ValueError("a star needs ra_deg and dec_deg, or its Hipparcos number as hip")
+        if self.hip is not None and given:
+            raise ValueError(
+                f"hip {self.hip} already says {', '.join(given)}; give coordinates or hip, not both"
+            )
+        if self.hip is not None and hipparcos_star(self.hip) is None:
+            raise ValueError(
+                f"hip {self.hip} is not in the Hipparcos catalogue (numbers 1 to 120404, with "
+                "gaps); give the star's ra_deg and dec_deg instead"
+            )
+        require_within(
+            self,
+            ("ra_deg", 0.0, 360.0),
+            ("dec_deg", -90.0, 90.0),
+            ("epoch_jyear", 1800.0, 2200.0),
+            ("pm_ra_cosdec_mas_yr", -20e3, 20e3),
+            ("pm_dec_mas_yr", -20e3, 20e3),
+            ("parallax_mas", 0.0, 1000.0),
+            ("radial_velocity_km_s", -1000.0, 1000.0),
+        )
+        require_sky_ranges(self)
+
+    def seen_from(
+        self, instants: Instants, r_observer_bary_m: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Uniform motion in space, parallax and Roemer delay; see `SkyTarget`.
+
+        TT stands for TDB.  Source: ESA 1997, The Hipparcos and Tycho Catalogues, vol. 1,
+        eq. 1.2.16 and 1.5.5.
+        """
+        star = self._catalogued()
+        ra = math.radians(star.ra_deg)
+        towards = np.array(erfa.s2c(ra, math.radians(star.dec_deg)))
+        east = np.array([-math.sin(ra), math.cos(ra), 0.0])
+        north = np.cross(towards, east)
+        parallax_rad = star.parallax_mas * _MAS_RAD
+        receding_yr = self.radial_velocity_km_s * parallax_rad / _AU_YR_KM_S
+        across_yr = (star.pm_ra_cosdec_mas_yr * east + star.pm_dec_mas_yr * north) * _MAS_RAD
+        motion_yr = across_yr + receding_yr * towards
+
+        roemer_s = r_observer_bary_m @ towards / erfa.CMPS
+        day, fraction = instants.tt_jd()
+        since_days = (day - _J2000_JD) + fraction + roemer_s / erfa.DAYSEC
+        since_yr = since_days / erfa.DJY + (_J2000_JYEAR - star.epoch_jyear)
+        seen = towards + since_yr[:, None] * motion_yr - parallax_rad * r_observer_bary_m / AU_M
+        direction = seen / np.linalg.norm(seen, axis=1, keepdims=True)
+        return direction, np.full(len(direction), np.inf)
+
+    def _catalogued(self) -> CatalogueStar:
+        if self.hip is not None and (star := hipparcos_star(self.hip)) is not None:
+            return star
+        assert self.ra_deg is not None and self.dec_deg is not None  # noqa: PT018 (checked at birth)
+        return CatalogueStar(
+            ra_deg=self.ra_deg,
+            dec_deg=self.dec_deg,
+            epoch_jyear=_J2000_JYEAR if self.epoch_jyear is None else self.epoch_jyear,
+            pm_ra_cosdec_mas_yr=self.pm_ra_cosdec_mas_yr or 0.0,
+            pm_dec_mas_yr=self.pm_dec_mas_yr or 0.0,
+            parallax_mas=self.parallax_mas or 0.0,
+        )

@@ -1,0 +1,179 @@
+"""How do the axes move to identify the platform on the bench, with no target in sight?"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.commands import COMMAND_STEP_S
+from planner.errors import InvalidInput, TrackBreaksLimit
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.platforms import AxisLimits
+from planner.spec import spec
+from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+
+Motion = ConstantRate | Sine | Chirp | Step | Triangle | Multisine
+
+ON_GRID_RAD = math.radians(0.1 / 3600.0)  # how closely the table's cubics must follow a plan
+_SAMPLES_PER_PERIOD = 64  # a sine's peak is met within 0.03 %
+_SAMPLES_PER_ROW = 8
+_SAMPLES_MAX = 2_000_000
+_UNITS = {"angle": "deg", "rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisMotion:
+    """Angle, rate and acceleration of m axes at n instants, each of shape (n, m)."""
+
+    angle_rad: NDArray[np.float64]
+    rate_rad_s: NDArray[np.float64]
+    acceleration_rad_s2: NDArray[np.float64]
+
+
+class AxisMotionTarget(Protocol):
+    """A target that says how the axes move instead of where to look."""
+
+    def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
+        """t_s: seconds since the start of the session, shape (n,)."""
+        ...
+
+    def require_flyable(
+        self,
+        axis_names: tuple[str, ...],
+        axis_limits: tuple[AxisLimits, ...],
+        start_utc: datetime,
+        duration_s: float,
+    ) -> None:
+        """Raise what keeps the axes from flying it over a session."""
+        ...
+
+
+@spec
+class BenchMotionTarget:
+    """A test signal for each axis; t = 0 is the start of the session.
+
+    axes: one motion per axis of the platform, by the axis's name.
+    Source of the mode: Sumarokov 2016, p. 85.
+    """
+
+    mode: Literal["test_motion"] = "test_motion"
+    axes: Mapping[str, Motion]
+
+    def __post_init__(self) -> None:
+        if not self.axes:
+            raise ValueError("axes must name a motion for each axis of the platform")
+
+    def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
+        """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
+        if set(self.axes) != set(axis_names):
+            raise InvalidInput(
+                f"axes must give a motion for each of {', '.join(axis_names)}, not for "
+                f"{', '.join(self.axes)}; constant_rate with rate_deg_s 0 keeps an axis still",
+                field="axes",
+            )
+        moved_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
+        angle_rad, rate_rad_s, acceleration_rad_s2 = moved_rad.transpose(1, 2, 0)
+        return AxisMotion(
+            angle_rad=angle_rad, rate_rad_s=rate_rad_s, acceleration_rad_s2=acceleration_rad_s2
+        )
+
+    def require_flyable(
+        self,
+        axis_names: tuple[str, ...],
+        axis_limits: tuple[AxisLimits, ...],
+        start_utc: datetime,
+        duration_s: float,
+    ) -> None:
+        """Refuse what breaks a limit or is too quick for the 0.2 s table.
+
+        Looks at 64 instants per period of the fastest component and 8 per row.
+        """
+        shortest_s = min(motion.shortest_period_s() for motion in self.axes.values())
+        sample_s = min(COMMAND_STEP_S / _SAMPLES_PER_ROW, shortest_s / _SAMPLES_PER_PERIOD)
+        row = math.ceil(COMMAND_STEP_S / sample_s)
+        row += row % 2
+        count = math.ceil(duration_s / COMMAND_STEP_S * row) + 1
+        if count > _SAMPLES_MAX:
+            raise InvalidInput(
+                f"a test motion with periods of {shortest_s:.3g} s can't be checked over "
+                f"{duration_s:.0f} s; shorten the session",
+                field="axes",
+            )
+        t_s = np.arange(count, dtype=np.float64) * (COMMAND_STEP_S / row)
+        motion = self.axis_motion(axis_names, t_s)
+        for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
+            moved = _Moved(
+                axis=name,
+                start_utc=start_utc,
+                t_s=t_s,
+                angle_rad=motion.angle_rad[:, axis],
+                rate_rad_s=motion.rate_rad_s[:, axis],
+                acceleration_rad_s2=motion.acceleration_rad_s2[:, axis],
+            )
+            moved.require_within(limits)
+            moved.require_on_grid(row)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Moved:
+    """One axis's motion at uniformly spaced instants, each array of shape (n,)."""
+
+    axis: str
+    start_utc: datetime
+    t_s: NDArray[np.float64]
+    angle_rad: NDArray[np.float64]
+    rate_rad_s: NDArray[np.float64]
+    acceleration_rad_s2: NDArray[np.float64]
+
+    def require_within(self, limits: AxisLimits) -> None:
+        jerk_rad_s3 = np.diff(self.acceleration_rad_s2) / (self.t_s[1] - self.t_s[0])
+        ranges = (
+            ("angle", self.angle_rad, limits.angle_min_rad, limits.angle_max_rad),
+            ("rate", self.rate_rad_s, -limits.rate_max_rad_s, limits.rate_max_rad_s),
+            (
+                "acceleration",
+                self.acceleration_rad_s2,
+                -limits.acceleration_max_rad_s2,
+                limits.acceleration_max_rad_s2,
+            ),
+            ("jerk", jerk_rad_s3, -limits.jerk_max_rad_s3, limits.jerk_max_rad_s3),
+        )
+        for limit, values, low, high in ranges:
+            excess = np.maximum(values - high, low - values)
+            worst = int(np.argmax(excess))
+            if excess[worst] > 0.0:
+                at_utc = shifted_utc(self.start_utc, float(self.t_s[worst]))
+                raise TrackBreaksLimit(
+                    f"{self.axis}'s test motion reaches {math.degrees(values[worst]):.4g} "
+                    f"{_UNITS[limit]} at {utc_text(at_utc)}, beyond its {limit} limits of "
+                    f"{math.degrees(low):.4g}..{math.degrees(high):.4g}; lower its amplitude "
+                    "or frequency, or give its steps and turns more time",
+                    field=f"axes.{self.axis}",
+                    axis=self.axis,
+                    limit=limit,
+                    at_utc=at_utc,
+                )
+
+    def require_on_grid(self, row: int) -> None:
+        """The cubic Hermite of rows 0.2 s apart, wherever they fall, must follow the motion."""
+        if len(self.t_s) <= row:
+            return
+        middle_rad = (self.angle_rad[:-row] + self.angle_rad[row:]) / 2.0 + (
+            self.rate_rad_s[:-row] - self.rate_rad_s[row:]
+        ) * (COMMAND_STEP_S / 8.0)
+        off_rad = np.abs(middle_rad - self.angle_rad[row // 2 : row // 2 - row])
+        worst = int(np.argmax(off_rad))
+        if off_rad[worst] > ON_GRID_RAD:
+            raise TrackBreaksLimit(
+                f"{self.axis}'s test motion leaves the 0.2 s table by "
+                f"{math.degrees(off_rad[worst]) * 3600.0:.2g} arcsec between rows (0.1 at most); "
+                "lower its amplitude (proportional) or frequency (fourth power)",
+                field=f"axes.{self.axis}",
+                axis=self.axis,
+                limit="table step",
+                at_utc=shifted_utc(self.start_utc, float(self.t_s[worst])),
+            )

@@ -1,0 +1,210 @@
+"""Points that move over the ground: speed, straightness, corners, light time, refusals."""
+
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.errors import InvalidInput
+from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.frames.geodesy import geodetic_from_itrf, itrf_from_geodetic
+from planner.frames.time_scales import Instants
+from planner.orbits.ephemeris import OrbitStates
+from planner.targets import GroundPathTarget, GroundTarget, MovingGroundTarget
+from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrated
+from planner.targets.ground_path import PathPoint
+
+EPOCH = datetime(2015, 2, 27, 17, 36, 20, tzinfo=UTC)
+STEP_S = 0.2
+latitudes = st.floats(-90.0, 90.0)
+longitudes = st.floats(-180.0, 360.0)
+
+
+def instants(duration_s, step_s=STEP_S):
+    return Instants(EPOCH, np.arange(0.0, duration_s, step_s))
+
+
+def moving(**changes):
+    fields = {"epoch": EPOCH, "latitude_deg": 36.0, "longitude_deg": -115.0, "course_deg": 75.0}
+    return MovingGroundTarget(**(fields | {"speed_m_s": 250.0} | changes))
+
+
+@given(latitudes, longitudes, st.floats(-180.0, 360.0), st.floats(0.1, 3000.0))
+def test_moving_point_keeps_its_speed_and_stays_on_the_ellipsoid(
+    latitude, longitude, course, speed
+):
+    """Poles and antimeridian included; a geodesic never turns within the surface."""
+    target = moving(
+        latitude_deg=latitude, longitude_deg=longitude, course_deg=course, speed_m_s=speed
+    )
+    r_m = target.r_target_itrf_m(instants(60.0, 1.0))
+    v_m_s = (r_m[2:] - r_m[:-2]) / 2.0
+    # The chord of 2 s is shorter than the arc by (v/R)^2/6; positions round at 1e-9 m.
+    np.testing.assert_allclose(np.linalg.norm(v_m_s, axis=1), speed, rtol=5e-8, atol=1e-8)
+    latitude_rad, longitude_rad, height_m = geodetic_from_itrf(r_m)
+    assert np.max(np.abs(height_m)) < 1e-6
+    acceleration = r_m[2:] - 2.0 * r_m[1:-1] + r_m[:-2]
+    up = np.stack(
+        [
+            np.cos(latitude_rad) * np.cos(longitude_rad),
+            np.cos(latitude_rad) * np.sin(longitude_rad),
+            np.sin(latitude_rad),
+        ],
+        axis=1,
+    )[1:-1]
+    along_surface = acceleration - np.sum(acceleration * up, axis=1, keepdims=True) * up
+    # v^2/R is up to 1.4 m/s2, of which a turning course would leave a part along the surface;
+    # positions round at 1e-9 m each, and latitude and longitude behind them at 7e-10 m.
+    assert np.max(np.abs(along_surface)) < 3e-8 + 1e-7 * speed**2 / 6.4e6
+
+
+def test_course_points_where_a_compass_says():
+    east = moving(course_deg=90.0, latitude_deg=0.0).r_target_itrf_m(instants(1.0, 0.5))
+    latitude, longitude, _ = geodetic_from_itrf(east)
+    assert longitude[1] > longitude[0]
+    assert latitude[1] == pytest.approx(0.0, abs=1e-15)
+    north = moving(course_deg=0.0).r_target_itrf_m(instants(1.0, 0.5))
+    assert geodetic_from_itrf(north)[0][1] > geodetic_from_itrf(north)[0][0]
+
+
+def carrier(times):
+    """Over the target, 400 km up at 7.6 km/s."""
+    c = c_itrf_from_eci(times)
+    overhead = itrf_from_geodetic(np.radians(37.0), np.radians(-114.0), 400e3)
+    r_m = np.einsum("nji,j->ni", c, overhead)
+    v_m_s = np.cross(r_m / np.linalg.norm(r_m, axis=1, keepdims=True), [0.0, 0.0, 1.0]) * -7600.0
+    return OrbitStates(r_m + v_m_s * times.t_s[:, None], v_m_s)
+
+
+@pytest.mark.parametrize("speed_m_s", [0.0, 300.0, 7000.0])
+def test_light_leaves_a_moving_target_where_it_was(speed_m_s):
+    """Solved again by bisection on the emission time, the Earth turned back in full."""
+    times = instants(3.0)
+    states = carrier(times)
+    target = moving(speed_m_s=speed_m_s)
+    seen = target.apparent(times, states)
+    pole = c_itrf_from_eci(times)[:, 2, :]
+    before_s, after_s = np.full(len(times.t_s), 0.1), np.zeros(len(times.t_s))
+    for _ in range(60):
+        tau = (before_s + after_s) / 2.0
+        emitted = Instants(EPOCH, times.t_s - tau)
+        r_m = np.einsum("nji,nj->ni", c_itrf_from_eci(times), target.r_target_itrf_m(emitted))
+        angle = (-OMEGA_EARTH_RAD_S * tau)[:, None]
+        r_m = (
+            r_m * np.cos(angle)
+            + np.cross(pole, r_m) * np.sin(angle)
+            + pole * np.sum(pole * r_m, axis=1, keepdims=True) * (1.0 - np.cos(angle))
+        )
+        late = np.linalg.norm(r_m - states.r_sat_eci_m, axis=1) < SPEED_OF_LIGHT_M_S * tau
+        before_s, after_s = np.where(late, tau, before_s), np.where(late, after_s, tau)
+    los = r_m - states.r_sat_eci_m
+    expected = aberrated(los / np.linalg.norm(los, axis=1, keepdims=True), states.v_sat_eci_m_s)
+    # 2e-9 rad = 0.0004 arcsec = 1 mm: two passes leave v^2/c^2 of the range.
+    np.testing.assert_allclose(seen.direction_eci, expected, rtol=0, atol=2e-9)
+
+
+def path(*points, **changes):
+    fields = {"speed_m_s": 2000.0, "start": EPOCH}
+    where = tuple(
+        PathPoint(latitude_deg=point[0], longitude_deg=point[1], height_m=sum(point[2:]))
+        for point in points
+    )
+    return GroundPathTarget(points=where, **(fields | changes))
+
+
+CORNERED = ((36.0, -115.0, 600.0), (36.3, -114.6, 1200.0), (36.0, -114.2), (36.4, -114.0, 300.0))
+
+
+def test_path_passes_its_ends_and_leaves_on_time():
+    target = path(*CORNERED)
+    ends = Instants(EPOCH, np.array([0.0, target.duration_s]))
+    expected = [
+        itrf_from_geodetic(*np.radians(p[:2]), sum(p[2:])) for p in (CORNERED[0], CORNERED[-1])
+    ]
+    np.testing.assert_allclose(target.r_target_itrf_m(ends), expected, rtol=0, atol=1e-3)
+
+
+def test_path_keeps_its_speed_on_the_legs_and_drops_it_in_corners():
+    target = path((10.0, 20.0), (10.0, 20.6), (10.5, 20.6), corner_s=4.0)
+    times = instants(target.duration_s, 0.05)
+    r_m = target.r_target_itrf_m(times)
+    speed = np.linalg.norm(r_m[2:] - r_m[:-2], axis=1) / 0.1
+    # At sea level over the surface; a chord of 200 m is 1e-11 short.
+    assert np.median(speed) == pytest.approx(2000.0, rel=1e-7)
+    assert np.max(speed) < 2000.0 * (1.0 + 1e-6)
+    # Halfway through a right angle the velocity is the mean of both: cos(45 deg); the azimuth
+    # of a parallel's chord leaves the angle 0.1 deg off.
+    assert np.min(speed) == pytest.approx(2000.0 * np.sqrt(0.5), rel=2e-3)
+
+
+def test_corner_has_the_acceleration_and_the_cut_it_promises():
+    target = path((10.0, 20.0), (10.0, 20.6), (10.5, 20.6), corner_s=4.0)
+    times = instants(target.duration_s, 0.05)
+    r_m = target.r_target_itrf_m(times)
+    acceleration = np.linalg.norm(r_m[2:] - 2.0 * r_m[1:-1] + r_m[:-2], axis=1) / 0.05**2
+    expected = 4.375 * 2000.0 * np.sin(np.pi / 4.0) / 4.0  # 35/16 of the velocity's turn over 4 s
+    assert np.max(acceleration) == pytest.approx(expected, rel=5e-3)
+    corner_m = itrf_from_geodetic(np.radians(10.0), np.radians(20.6), 0.0)
+    cut_m = np.min(np.linalg.norm(r_m - corner_m, axis=1))
+    assert cut_m == pytest.approx(0.13672 * 4.0 * 2000.0 * np.sin(np.pi / 4.0), rel=5e-3)
+
+
+@settings(max_examples=25)
+@given(latitudes, longitudes, st.floats(0.0, 360.0))
+def test_path_is_smooth_anywhere_on_earth(latitude, longitude, course):
+    """Across poles and the antimeridian: no jump that a 0.2 s difference would see."""
+    away = moving(
+        latitude_deg=latitude, longitude_deg=longitude, course_deg=course, speed_m_s=20e3 / 3
+    )
+    where = geodetic_from_itrf(away.r_target_itrf_m(instants(19.0, 6.0)))
+    points = [(np.degrees(a), np.degrees(b)) for a, b in zip(where[0], where[1], strict=True)]
+    r_m = path(*points).r_target_itrf_m(instants(70.0))
+    third = np.diff(r_m, 3, axis=0) / STEP_S**3
+    # A straight line of points: only the Earth's curvature, v^3/R^2 = 2e-4 m/s3, and positions
+    # that agree to 0.1 mm between neighbouring points: 4 * 1e-4 / 0.2^3 = 0.05 m/s3.
+    assert np.max(np.abs(third)) < 0.06
+
+
+def test_path_without_a_start_takes_the_sessions():
+    target = path(*CORNERED, start=None)
+    with pytest.raises(InvalidInput, match="start"):
+        target.r_target_itrf_m(instants(1.0))
+    later = EPOCH + timedelta(seconds=10)
+    assert target.starting(later).start == later
+    assert path(*CORNERED).starting(later).start == EPOCH
+
+
+@pytest.mark.parametrize(
+    ("points", "changes", "says"),
+    [
+        (CORNERED[:1], {}, "points must hold 2"),
+        ((CORNERED[0], CORNERED[0]), {}, "same place"),
+        (((0.0, 0.0), (0.0, 179.9)), {}, "put one in between"),
+        (CORNERED, {"corner_s": 40.0}, "lower corner_s or the speed"),
+        (CORNERED, {"speed_m_s": 0.0}, "speed_m_s must lie in"),
+        (CORNERED, {"start": datetime(2015, 2, 27)}, "no UTC offset"),  # noqa: DTZ001
+        (CORNERED, {"refraction": "standard"}, "raise min_elevation_deg"),
+    ],
+)
+def test_impossible_paths_are_refused(points, changes, says):
+    with pytest.raises(ValueError, match=says):
+        path(*points, **changes)
+
+
+def test_refraction_lifts_the_line_of_sight_away_from_nadir():
+    times = instants(3.0)
+    states = carrier(times)
+    where = {"latitude_deg": 36.0, "longitude_deg": -119.0, "min_elevation_deg": 10.0}
+    bare = GroundTarget(**where).apparent(times, states)
+    lifted = GroundTarget(refraction="standard", **where).apparent(times, states)
+    across_m = (
+        np.linalg.norm(np.cross(bare.direction_eci, lifted.direction_eci), axis=1) * bare.range_m
+    )
+    zenith = np.pi / 2.0 - bare.clearance_rad - np.radians(10.0)
+    # The flat-layer form 2.34 m tan z / cos z, which curvature lowers by 1.2 % per tan^2 z.
+    expected = 2.343 * np.tan(zenith) / np.cos(zenith)
+    np.testing.assert_allclose(across_m, expected, rtol=0.02)
+    up = states.r_sat_eci_m / np.linalg.norm(states.r_sat_eci_m, axis=1, keepdims=True)
+    assert np.all(np.sum((lifted.direction_eci - bare.direction_eci) * up, axis=1) > 0.0)
