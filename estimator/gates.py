@@ -19,12 +19,14 @@ MIN_ARC_OF_ALL_RAD = np.deg2rad(10.0)
 _INLIER_SIGMA = 3.0
 _MIN_SHARE_OF_ARC = 0.35
 _MIN_INLIERS = 0.60
+# Rms residual over what the limb's roughness and the noise make: a wrong shape has more.
+_MAX_MISFIT = 1.2
 _MIN_CONTRAST = 0.35
 _MAX_WIDTH_M = 28e3
 _MAX_WIDTH_PX = 4.0
 _BLACK = 0.012
 _SATURATED_SHARE = 0.85
-_SUN_SET_DEG = -4.0
+_SUN_SET_DEG = 4.0
 _HEIGHT_M = (2e3, 45e3)
 
 
@@ -80,7 +82,10 @@ def judge_camera(
     else:
         width_m = float(np.median(points.width_m[inlier]))
         pixel_m = camera.rad_per_px * reach_m
-        if width_m > max(_MAX_WIDTH_M, _MAX_WIDTH_PX * pixel_m):
+        misfit = float(np.sqrt(np.mean((residual[inlier] / tolerance[inlier]) ** 2)))
+        if misfit > _MAX_MISFIT:
+            reason = Reason.RESIDUALS
+        elif width_m > max(_MAX_WIDTH_M, _MAX_WIDTH_PX * pixel_m):
             reason = Reason.BLURRED
         elif float(np.median(points.contrast[inlier])) < _MIN_CONTRAST:
             reason = Reason.NO_SKY

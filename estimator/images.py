@@ -35,12 +35,14 @@ _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 class Frame:
     """grey: brightness 0..1, (h, w).  usable: False where masked or transparent.
 
-    step: the smallest difference of brightness the file can hold.
+    step: the smallest difference of brightness the file can hold.  blue: grey is a colour
+    image's blue channel.
     """
 
     grey: Grey
     usable: NDArray[np.bool_]
     step: float
+    blue: bool
 
 
 def decode_image(content: bytes, field: str = "images") -> Pixels:
@@ -69,8 +71,11 @@ def decode_image(content: bytes, field: str = "images") -> Pixels:
     return np.asarray(pixels)
 
 
-def prepare(pixels: Pixels, camera: HorizonCamera, field: str) -> Frame:
-    """Brightness of an image for a camera.  Raises InvalidImage when sizes differ."""
+def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Frame:
+    """Brightness of an image for a camera.  Raises InvalidImage when sizes differ.
+
+    blue: take the blue channel of a colour image, else the mean of all.
+    """
     if pixels.shape[:2] != (camera.height_px, camera.width_px):
         height, width = pixels.shape[:2]
         raise InvalidImage(
@@ -83,13 +88,15 @@ def prepare(pixels: Pixels, camera: HorizonCamera, field: str) -> Frame:
     if pixels.ndim == 3 and pixels.shape[2] == 4:
         usable[pixels[..., 3] < 0.5 * full] = 0
         pixels = np.ascontiguousarray(pixels[..., :3])
-    if pixels.ndim == 3 and pixels.shape[2] == 3:
-        grey = cv2.transform(pixels.astype(np.float32), np.full((1, 3), 1.0 / 3.0))
+    colour = pixels.ndim == 3 and pixels.shape[2] == 3
+    if colour:
+        weights = [[1.0, 0.0, 0.0]] if blue else [[1.0 / 3.0] * 3]
+        grey = cv2.transform(pixels.astype(np.float32), np.array(weights))
     else:
         grey = pixels.reshape(pixels.shape[:2]).astype(np.float32)
     for polygon in camera.mask:
         cv2.fillPoly(usable, [np.rint(np.array(polygon)).astype(np.int32)], 0)
-    return Frame(grey=grey / np.float32(full), usable=usable.astype(bool), step=1.0 / full)
+    return Frame(grey=grey / np.float32(full), usable=usable.astype(bool), step=1.0 / full, blue=colour and blue)
 
 
 def _header_size(content: bytes, field: str) -> tuple[int, int]:

@@ -19,7 +19,6 @@ from estimator.limb_geometry import Limb
 
 Floats = NDArray[np.float64]
 
-AIR_SCALE_M = 7.6e3
 _SMOOTHING_M = 5.0e3
 _LENS_BLUR_PX = 0.7
 _MAX_COLUMNS = 640

@@ -2,7 +2,7 @@
 
 Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb, with
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb
-hardly shows it) and the limb's height.  The limb's roughness is common to neighbouring
+hardly shows it), the limb's height and how strongly it rises under a low Sun.  The limb's roughness is common to neighbouring
 columns: n columns within 5 deg of azimuth carry the information of one.
 Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
 """
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from estimator.limb import LimbPoints
 from estimator.limb_geometry import Limb
+from estimator.limb_height import sun_rise_m
 
 Floats = NDArray[np.float64]
 
@@ -22,10 +23,13 @@ CORRELATED_RAD = np.deg2rad(5.0)
 _TUKEY = 4.685
 _STEPS = 8
 
-# Rise of the daylight limb with falling Sun, and its own scatter (systems.md section 2).
-_SUN_DEG = np.array([-6.0, -4.0, 0.0, 5.0, 10.0, 20.0, 90.0])
-_SUN_RISE_M = np.array([32e3, 20e3, 5.0e3, 2.4e3, 1.0e3, 0.2e3, 0.0])
-_SUN_SCATTER = 0.35
+# How far the limb's rise under a low Sun may differ from its model: as a whole, which the
+# images themselves can tell, and from place to place.
+_RISE_SIGMA = 0.7
+_RISE_SCATTER = 0.2
+# Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
+# height leans along the Sun's azimuth by some hundred metres, which no image can tell from a tilt.
+_LEAN_SIGMA_M = 400.0
 
 
 @dataclass(frozen=True)
@@ -44,8 +48,9 @@ class Prior:
 
 @dataclass(frozen=True)
 class Fit:
-    """c_body_from_itrf (3, 3), limb height, and the covariance (4, 4) of tilt about the limb's
-    east and north axes, turn about nadir (rad) and height (m).
+    """c_body_from_itrf (3, 3), limb height, and the covariance (6, 6) of tilt about the limb's
+    east and north axes, turn about nadir (rad), height (m), the rise under a low Sun over its
+    model and the limb's lean along the Sun's azimuth (m).
 
     residual_rad: per camera, over its columns, NaN where nothing was found.
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood.
@@ -57,12 +62,6 @@ class Fit:
     residual_rad: tuple[Floats, ...]
     tolerance_rad: tuple[Floats, ...]
     cost: float
-
-
-def sun_rise_m(sun_elevation_rad: Floats) -> tuple[Floats, Floats]:
-    """How much higher the limb lies where the Sun is low, and the 1-sigma of that."""
-    rise = np.interp(np.rad2deg(sun_elevation_rad), _SUN_DEG, _SUN_RISE_M)
-    return rise, _SUN_SCATTER * rise
 
 
 def attitude_facing(nadir_body: Floats, limb: Limb, heading_rad: float = 0.0) -> Floats:
@@ -98,24 +97,36 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
         return _unfitted(points, c_body_from_itrf, prior)
     ray_body = np.concatenate([p.ray_body[p.found] for p in used])
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
-    crowd = np.concatenate([_columns_per_patch(p)[p.found] for p in used])
+    crowd = np.concatenate([columns_per_patch(p)[p.found] for p in used])
     axes = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
-    c, height, turn = c_body_from_itrf.copy(), prior.height_m, 0.0
+    c, turn = c_body_from_itrf.copy(), 0.0
+    height, rising, lean = prior.height_m, 1.0, 0.0
     information = np.diag(
-        [0.0, 0.0, prior.heading_sigma_rad**-2, max(prior.height_sigma_m, 1.0) ** -2]
+        [
+            1.0,
+            1.0,
+            prior.heading_sigma_rad**-2,
+            max(prior.height_sigma_m, 1.0) ** -2,
+            _RISE_SIGMA**-2,
+            _LEAN_SIGMA_M**-2,
+        ]
     )
     scale = np.inf
     for _ in range(_STEPS):
         d = ray_body @ c
         rough_m = np.full(len(d), prior.roughness_m)
-        rise = np.zeros(len(d))
+        rise, sunward = np.zeros(len(d)), np.zeros(len(d))
         if prior.sun_itrf is not None:
             elevation = limb.sun_elevation_rad(d, height, prior.sun_itrf)
-            rise, scatter = sun_rise_m(elevation)
-            rough_m = np.hypot(rough_m, scatter)
-        residual, by_turn, by_height = _residuals(limb, d, height, rise)
-        jacobian = np.column_stack([by_turn @ axes.T, by_height])
+            rise = sun_rise_m(elevation)
+            rough_m = np.hypot(rough_m, _RISE_SCATTER * rise)
+            sunward = d @ _horizontal(prior.sun_itrf, limb.nadir_itrf)
+        above = rising * rise + lean * sunward
+        residual, by_turn, by_height = _residuals(limb, d, height, above)
+        jacobian = np.column_stack(
+            [by_turn @ axes.T, by_height, by_height * rise, by_height * sunward]
+        )
         one = np.hypot(edge_rad, rough_m / reach_m)
         weight = _tukey(residual, one, scale)
         scale = max(1.0, 1.4826 * float(np.median(np.abs(residual) / one)))
@@ -125,11 +136,18 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
         gradient = weighted.T @ residual
         gradient[2] += information[2, 2] * turn
         gradient[3] += information[3, 3] * (height - prior.height_m)
+        gradient[4] += information[4, 4] * (rising - 1.0)
+        gradient[5] += information[5, 5] * lean
         step = -np.linalg.solve(normal + 1e-9 * np.diag(np.diag(normal)), gradient)
         step[:3] = np.clip(step[:3], -0.05, 0.05)
         c = c @ _rotation(axes.T @ step[:3]).T
         turn += step[2]
-        height += step[3]
+        # Out of this range it will be refused; within it, there is a limb to compare with.
+        reach_sigma_m = 10.0 * max(prior.height_sigma_m, 1.0)
+        low_m, high_m = prior.height_m - reach_sigma_m, prior.height_m + reach_sigma_m
+        height = float(np.clip(height + step[3], low_m, high_m))
+        rising += step[4]
+        lean += step[5]
         if np.max(np.abs(step[:3])) < 1e-7:
             break
     tolerance = one * scale
@@ -137,6 +155,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     loss = (_TUKEY**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) * one**2 / spread2
     cost = float(np.sum(loss)) + (turn / prior.heading_sigma_rad) ** 2
     cost += (height - prior.height_m) ** 2 * information[3, 3]
+    cost += (rising - 1.0) ** 2 * information[4, 4] + lean**2 * information[5, 5]
     # A fit worse than its model says is less certain than its model says.
     covariance = np.linalg.inv(normal) * _misfit2(residual, weight, one, spread2)
     result = _unfitted(points, c, prior)
@@ -164,7 +183,7 @@ def _residuals(
     return value / slope + by_height * rise, by_turn, by_height
 
 
-def _columns_per_patch(points: LimbPoints) -> Floats:
+def columns_per_patch(points: LimbPoints) -> Floats:
     """How many found columns share each column's 5 deg of azimuth, itself included."""
     reach = max(int(CORRELATED_RAD / points.step_rad), 1)
     window = np.ones(reach)
@@ -202,11 +221,18 @@ def _unfitted(points: list[LimbPoints], c: Floats, prior: Prior) -> Fit:
     return Fit(
         c_body_from_itrf=c,
         height_m=prior.height_m,
-        covariance=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2]),
+        covariance=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2, _RISE_SIGMA**2, _LEAN_SIGMA_M**2]),
         residual_rad=nothing,
         tolerance_rad=nothing,
         cost=np.inf,
     )
+
+
+def _horizontal(sun_itrf: Floats, nadir_itrf: Floats) -> Floats:
+    """The Sun's direction across nadir, a unit vector; zeros where it stands overhead."""
+    across = sun_itrf - (sun_itrf @ nadir_itrf) * nadir_itrf
+    length = float(np.linalg.norm(across))
+    return across / length if length > 0.02 else np.zeros(3)
 
 
 def _cross(v: Floats) -> Floats:

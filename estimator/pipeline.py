@@ -78,8 +78,9 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
             f"{len(images)} images for {len(request.cameras)} cameras; send one per camera",
             field="images",
         )
+    daylight = request.body.limb_height_km is None
     frames = [
-        prepare(image, camera, f"images.{k}")
+        prepare(image, camera, f"images.{k}", blue=daylight)
         for k, (image, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
     around = Surroundings(request.epoch, request.position, request.body)
@@ -87,7 +88,9 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
     if request.predicted is not None:
         c_predicted = predicted_c_body_from_itrf(around, request.predicted)
     search = Search(
-        around=around, prior=prior_of(around, request.predicted), c_predicted=c_predicted
+        around=around,
+        prior=prior_of(around, request.predicted, all(frame.blue for frame in frames)),
+        c_predicted=c_predicted,
     )
     views = [look(frame, camera) for frame, camera in zip(frames, request.cameras, strict=True)]
     return _answer(find_horizon(views, search), request, around, c_predicted)

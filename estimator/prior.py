@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.limb import AIR_SCALE_M
+from estimator.limb_height import AIR_SCALE_M
 from estimator.nadir import ROUGHNESS_M, Prior
 from estimator.request import NIGHT_LIMB_KM, PredictedAttitude, Surroundings
 from scipy.spatial.transform import Rotation
@@ -13,13 +13,17 @@ Floats = NDArray[np.float64]
 # The daylight limb in the middle of the visible band (systems.md section 2).
 DAYLIGHT_LIMB_M = 17.5e3
 DAYLIGHT_LIMB_SIGMA_M = 4.0e3
-_UNKNOWN_HEADING_RAD = np.deg2rad(20.0)
+_BLUE_RISE_M = 3.5e3
+_UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
 _CLIPPED_RISE_M, _CLIPPED_SIGMA_M = 5e3, 5e3
 
 
-def prior_of(around: Surroundings, predicted: PredictedAttitude | None) -> Prior:
+def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bool) -> Prior:
     """The limb's height as the request or the daylight gives it, and the heading's hold.
+
+    blue: the frames are blue channels.  There the limb stands higher, in air that holds
+    little dust, and follows its model better than in grey.
 
     Without a prediction the heading is tried all round, in steps this prior bridges.
     """
@@ -29,7 +33,7 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None) -> Prior
     body = around.body
     if body.limb_height_km is None or body.limb_height_sigma_km is None:
         return Prior(
-            height_m=DAYLIGHT_LIMB_M,
+            height_m=DAYLIGHT_LIMB_M + (_BLUE_RISE_M if blue else 0.0),
             height_sigma_m=DAYLIGHT_LIMB_SIGMA_M,
             heading_sigma_rad=heading,
             roughness_m=ROUGHNESS_M,

@@ -58,6 +58,13 @@ class Body:
         if self.limb_height_sigma_km is not None and self.limb_height_sigma_km < 0.0:
             raise ValueError("limb_height_sigma_km must not be negative")
 
+    @property
+    def highest_limb_km(self) -> float:
+        """Above any limb the estimator will try."""
+        if self.limb_height_km is None or self.limb_height_sigma_km is None:
+            return 60.0
+        return max(self.limb_height_km, 0.0) + 10.0 * self.limb_height_sigma_km
+
 
 @spec
 class PredictedAttitude:
@@ -95,10 +102,11 @@ class HorizonRequest:
         if len(set(names)) < len(names):
             raise ValueError(f"cameras need names of their own, not {names}")
         range_km = float(np.linalg.norm(self.position.position_km))
-        if not self.body.a_km * 1.003 < range_km < _MAX_RANGE_KM:
+        least_km = self.body.a_km * 1.015 + self.body.highest_limb_km
+        if not least_km < range_km < _MAX_RANGE_KM:
             raise ValueError(
                 f"position_km is {range_km:.1f} km from the body's centre; it must be above "
-                f"{self.body.a_km * 1.003:.0f} and below {_MAX_RANGE_KM:.0f} km"
+                f"{least_km:.0f} and below {_MAX_RANGE_KM:.0f} km"
             )
 
 

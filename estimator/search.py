@@ -17,6 +17,7 @@ from estimator.gates import (
     sunlit,
     unusable_frame,
 )
+from estimator.heading import brightness_cost
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
 from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to
@@ -32,7 +33,7 @@ _WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
 _TRIED = 5
 _PROMISING = 0.25
 _CLIPPED_SHARE = 0.3
-_HEADINGS = 8
+_HEADINGS = 12
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
 
@@ -61,7 +62,7 @@ class Horizon:
 
     @property
     def best(self) -> Fit:
-        return max(self.fits, key=lambda weighted: weighted[0])[1]
+        return _best(self.fits)
 
 
 @dataclass(frozen=True)
@@ -130,8 +131,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
     limb, prior = search.around.limb, search.prior
     scale_m = air_scale_m(search.around)
-    # Heading unknown: the first rounds take the limb as if the Sun stood high everywhere.
-    rough = prior if search.heading_known else replace(prior, sun_itrf=None)
+    known = prior
     active = [view.unusable is None for view in views]
     result = None
     c, height = c_body_from_itrf, prior.height_m
@@ -140,11 +140,9 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
             _points(view, search, c, height, window, scale_m, on)
             for view, on in zip(views, active, strict=True)
         ]
-        if _mostly_clipped(points) and search.daylight:
-            rough = overexposed(prior) if search.heading_known else replace(
-                overexposed(prior), sun_itrf=None
-            )
-        result = fit(points, limb, c, rough)
+        if search.daylight and _mostly_clipped(points):
+            known = overexposed(prior)
+        result = _best(_all_headings(points, c, known, search))
         c, height = result.c_body_from_itrf, result.height_m
         cameras = _judged(views, points, result, search)
         if window == _FIRST_WINDOW_RAD:
@@ -157,12 +155,12 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     assert result is not None
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
-    fits = _all_headings(points, limb, result, rough, search)
-    result = max(fits, key=lambda weighted: weighted[0])[1]
+    fits = _all_headings(points, c, known, search)
+    result = _best(fits)
     judged = _judged(views, points, result, search)
     cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
     horizon = Horizon(
-        reason=None, fits=tuple(fits), cameras=tuple(cameras), points=tuple(points)
+        reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points)
     )
     return replace(horizon, reason=_verdict(horizon, search))
 
@@ -188,26 +186,27 @@ def _points(
 
 
 def _all_headings(
-    points: list[LimbPoints], limb: object, first: Fit, prior: Prior, search: Search
-) -> list[tuple[float, Fit]]:
+    points: list[LimbPoints], c_body_from_itrf: Floats, prior: Prior, search: Search
+) -> tuple[tuple[float, Fit], ...]:
+    """The fit, or without a known heading those from headings all round, with weights."""
+    limb, sun = search.around.limb, search.around.sun_itrf
     if search.heading_known:
-        return [(1.0, fit(points, search.around.limb, first.c_body_from_itrf, prior))]
-    nadir = search.around.limb.nadir_geodetic_itrf
-    nadir_body = first.c_body_from_itrf @ nadir
-    held = replace(prior, sun_itrf=search.prior.sun_itrf)
+        return ((1.0, fit(points, limb, c_body_from_itrf, prior)),)
+    nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
     fits = [
-        fit(
-            points,
-            search.around.limb,
-            attitude_facing(nadir_body, search.around.limb, heading),
-            held,
-        )
+        fit(points, limb, attitude_facing(nadir_body, limb, heading), prior)
         for heading in np.arange(_HEADINGS) * (2.0 * np.pi / _HEADINGS)
     ]
-    # Half the evidence: the limb's own height varies in ways that look like a heading.
-    evidence = -0.25 * np.array([f.cost for f in fits])
-    weight = np.exp(evidence - evidence.max())
-    return [(float(w), f) for w, f in zip(weight / weight.sum(), fits, strict=True)]
+    cost = np.array([f.cost for f in fits])
+    if search.daylight:
+        cost = cost + [brightness_cost(points, limb, f, sun) for f in fits]
+    # Half the evidence: limb height and dust vary in ways that look like a heading.
+    weight = np.exp(-0.25 * (cost - cost.min()))
+    return tuple((float(w), f) for w, f in zip(weight / weight.sum(), fits, strict=True))
+
+
+def _best(fits: tuple[tuple[float, Fit], ...]) -> Fit:
+    return max(fits, key=lambda weighted: weighted[0])[1]
 
 
 def _judged(
