@@ -10,11 +10,20 @@ from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.gimbal.hermite import flown_range
 from planner.platforms import AxisLimits
+from planner.slew.backends.ipopt import SPANS, graded_ocp
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.problem import LIMIT_TOLERANCE, AxisState
+from planner.slew.quickest import quickest_profile
 from planner.slew.solution import AxisProfile, SlewSolution, bounds, obeys
 
 REPRODUCTION_RAD = np.deg2rad(0.1 / 3600.0)  # how far the flown Hermite may leave the plan
+EXCESS_MARGIN = 1.2
+ROWS_ALL_FREE = 120  # beyond, freeing the jerk on every row takes long and comes last
+ROWS_ALL_FREE_MAX = (
+    700  # 140 s: longer than any platform's least time, and half a second of solving
+)
+ROWS_SPREAD = 48
+ROWS_AROUND = 6  # of each switch of the least-time profile, where the jerk wants to change
 SAMPLES_PER_ROW = 8  # the deviation is a quartic bump in a cell: its peak is met within 4 %
 
 
@@ -91,10 +100,49 @@ def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
 def _repaired(
     profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits, rows: int
 ) -> tuple[AxisProfile | None, int]:
-    result = _on_rows(rows).solve(start, end, limits, profile.duration_s)
-    if obeys(result.profile, start, end, limits) and reproduces(result.profile, rows, limits):
-        return result.profile, result.iterations
-    return None, result.iterations
+    """The smoothest of the motions that rows can carry, and the iterations it took."""
+    iterations = 0
+    if rows > ROWS_ALL_FREE:
+        # A long slew leaves its plan only where the acceleration's limit bends it.
+        excess = max(limit_excess(profile, rows, limits), 0.0)
+        spared = replace(
+            limits,
+            acceleration_max_rad_s2=limits.acceleration_max_rad_s2
+            * (1.0 - 2.0 * EXCESS_MARGIN * excess),
+        )
+        result = graded_ocp(SPANS).solve(start, end, spared, profile.duration_s)
+        iterations += result.iterations
+        if _flies(result.profile, start, end, limits, rows):
+            return result.profile, iterations
+        result = _on_some_rows(start, end, limits, rows).solve(
+            start, end, limits, profile.duration_s
+        )
+        iterations += result.iterations
+        if _flies(result.profile, start, end, limits, rows):
+            return result.profile, iterations
+    if rows <= ROWS_ALL_FREE_MAX:
+        result = _on_all_rows(rows).solve(start, end, limits, profile.duration_s)
+        iterations += result.iterations
+        if _flies(result.profile, start, end, limits, rows):
+            return result.profile, iterations
+    return None, iterations
+
+
+def _flies(
+    profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits, rows: int
+) -> bool:
+    return obeys(profile, start, end, limits) and reproduces(profile, rows, limits)
+
+
+def _on_some_rows(start: AxisState, end: AxisState, limits: AxisLimits, rows: int) -> SplineOcp:
+    """A solver whose jerk may change on the rows that matter in a slew near its least time."""
+    quickest = quickest_profile(start, end, limits, rows * COMMAND_STEP_S)
+    free = set(np.linspace(0, rows, ROWS_SPREAD, dtype=int).tolist())
+    if quickest is not None:
+        for switch_s in quickest.breakpoints_s:
+            row = round(float(switch_s) / COMMAND_STEP_S)
+            free.update(range(max(row - ROWS_AROUND, 0), min(row + ROWS_AROUND, rows) + 1))
+    return SplineOcp(np.array(sorted(free | {0, rows})) / rows, degree=3)
 
 
 def _deviation_rad(profile: AxisProfile, rows: int) -> float:
@@ -115,6 +163,6 @@ def _deviation_rad(profile: AxisProfile, rows: int) -> float:
     return float(np.abs(hermite - planned).max())
 
 
-@lru_cache(maxsize=32)
-def _on_rows(rows: int) -> SplineOcp:
+@lru_cache(maxsize=16)
+def _on_all_rows(rows: int) -> SplineOcp:
     return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)

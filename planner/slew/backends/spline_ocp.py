@@ -19,6 +19,7 @@ from planner.slew.solution import AxisProfile, bounds
 
 Array = NDArray[np.float64]
 JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
+INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
 ENDS = 3  # angle, rate and acceleration at an end fix so many coefficients there
 GAUSS_POINTS = 3  # exact to degree 5; squared third derivatives of a quintic have degree 4
 IPOPT: dict[str, str | float | int] = {
@@ -116,11 +117,15 @@ class SplineOcp:
         limit = bounds(limits)
         low = (limit[0][0] - start.angle_rad) / scale / self._unit
         high = (limit[0][1] - start.angle_rad) / scale / self._unit
-        reach = self._row_scale * np.concatenate(
-            [
-                np.full(len(rows), limit[order][1] * T**order / scale)
-                for order, rows in enumerate(self._limited, start=1)
-            ]
+        reach = (
+            INSIDE
+            * self._row_scale
+            * np.concatenate(
+                [
+                    np.full(len(rows), limit[order][1] * T**order / scale)
+                    for order, rows in enumerate(self._limited, start=1)
+                ]
+            )
         )
         known = self._jacobian_fixed @ fixed
         free_optimum = self._unconstrained @ fixed
