@@ -17,6 +17,7 @@ from planner.targets.ranges import require_within
 from planner.targets.refraction import Refraction
 
 GRAZING_ALTITUDE_KM = 80.0  # refraction bends by 0.1 arcsec there, and by 8 times more 15 km lower
+LOWEST_SEEN_KM = 2.0  # a ray that grazes the sea seems to pass at 1.77 km
 
 
 class SkyTarget(ABC):
@@ -92,6 +93,3 @@ def require_sky_ranges(target: SkyTarget) -> None:
             f"grazing_altitude_km must be at least {LOWEST_SEEN_KM:g} with refraction "
             f"'standard', not {target.grazing_altitude_km:g}: lower rays end on the ground"
         )
-
-
-LOWEST_SEEN_KM = 2.0  # a ray that grazes the sea seems to pass at 1.77 km

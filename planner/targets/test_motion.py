@@ -99,8 +99,8 @@ class BenchMotionTarget:
         count = math.ceil(duration_s / COMMAND_STEP_S * row) + 1
         if count > _SAMPLES_MAX:
             raise InvalidInput(
-                f"a test motion with periods of {shortest_s:.3g} s can't be checked over "
-                f"{duration_s:.0f} s; shorten the session",
+                f"a test motion can't be checked every {sample_s:.2g} s over {duration_s:.0f} s; "
+                "shorten the session or slow its fastest part",
                 field="axes",
             )
         t_s = np.arange(count, dtype=np.float64) * (COMMAND_STEP_S / row)

@@ -144,7 +144,7 @@ def test_stars_match_skyfield_and_sofa(sky, name):
         * erfa.DMAS2R
         / np.cos(np.radians(fields["dec_deg"])),
         fields.get("pm_dec_mas_yr", 0.0) * erfa.DMAS2R,
-        fields.get("parallax_mas", 0.0) / 1e3,
+        fields.get("parallax_mas", 0.1) / 1e3,  # motion needs some distance
         fields.get("radial_velocity_km_s", 0.0),
         2451545.0,
         0.0,
