@@ -30,7 +30,7 @@ IPOPT: dict[str, str | float | int] = {
     "bound_relax_factor": 0.0,
     "acceptable_iter": 0,
     "max_iter": 120,
-    "mu_init": 1e-2,
+    "mehrotra_algorithm": "yes",  # predictor-corrector: made for convex quadratic programs
     "jac_d_constant": "yes",
     "hessian_constant": "yes",
 }
