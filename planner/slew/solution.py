@@ -1,7 +1,7 @@
 """What is a planned slew: piecewise polynomials, their exact extremes, what they break?"""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -92,6 +92,33 @@ class AxisProfile:
         scale = np.abs(acceleration[:, 0]).max() + np.abs(at_end).max() + 1e-12
         return bool(np.any(np.abs(at_end[:-1] - acceleration[1:, 0]) > 1e-6 * scale))
 
+    @property
+    def end_accelerations_rad_s2(self) -> tuple[float, float]:
+        """At the first and at the last instant."""
+        return float(self.end_values[0, 2]), float(self.end_values[1, 2])
+
+    @cached_property
+    def end_values(self) -> Array:
+        """Angle, rate, acceleration, jerk at the first and the last instant, shape (2, 4)."""
+        width = np.diff(self.breakpoints_s)[-1:]
+        return np.array(
+            [
+                [derivative[0, 0] for derivative in self._derivatives],
+                [_value(derivative[-1:], width)[0] for derivative in self._derivatives],
+            ]
+        )
+
+    def surely_within(self, limits: AxisLimits) -> bool:
+        """Whether the hull of each piece keeps all limits: proof when true, nothing when false."""
+        width = np.diff(self.breakpoints_s)[:, None]
+        for derivative, (low, high) in zip(self._derivatives, bounds(limits), strict=True):
+            count = derivative.shape[1]
+            hull = (derivative * width ** np.arange(count)) @ _bernstein_from_power(count).T
+            slack = LIMIT_TOLERANCE * (high - low)
+            if hull.min() < low - slack or hull.max() > high + slack:
+                return False
+        return True
+
     @cached_property
     def _derivatives(self) -> tuple[Array, ...]:
         """Coefficients of angle, rate, acceleration and jerk."""
@@ -169,19 +196,18 @@ def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[Lim
 
 def obeys(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
     """Whether the profile joins both states and keeps every limit at every instant."""
-    return joins(profile, start, end, limits) and not violations("", profile, limits)
+    return joins(profile, start, end, limits) and (
+        profile.surely_within(limits) or not violations("", profile, limits)
+    )
 
 
 def joins(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
     """Whether the profile begins and ends in the given states, to 1e-9 of the limits."""
-    width = np.diff(profile.breakpoints_s)[-1:]
-    for order, name in enumerate(("angle_rad", "rate_rad_s", "acceleration_rad_s2")):
-        low, high = bounds(limits)[order]
-        slack = LIMIT_TOLERANCE * (high - low)
-        derivative = profile._derivatives[order]
-        first, last = derivative[0, 0], _value(derivative[-1:], width)[0]
-        if abs(first - getattr(start, name)) > slack or abs(last - getattr(end, name)) > slack:
-            return False
+    for values, state in zip(profile.end_values, (start, end), strict=True):
+        wanted = (state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2)
+        for value, target, (low, high) in zip(values[:3], wanted, bounds(limits)[:3], strict=True):
+            if abs(value - target) > LIMIT_TOLERANCE * (high - low):
+                return False
     return True
 
 
@@ -207,6 +233,7 @@ def _pieces_that_may_turn(unit: Array) -> NDArray[np.intp]:
     return np.flatnonzero((hull.min(axis=1) < 0.0) & (hull.max(axis=1) > 0.0))
 
 
+@cache
 def _bernstein_from_power(count: int) -> Array:
     """Bernstein coefficients are this (count, count) matrix times ascending power ones."""
     matrix = np.zeros((count, count))

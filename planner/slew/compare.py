@@ -1,0 +1,100 @@
+"""What does the optimal slew gain over the paper's cubic?"""
+
+import math
+from dataclasses import dataclass
+
+from planner.scenario import SlewOptions
+from planner.slew.backends import BACKENDS
+from planner.slew.backends.spline import paper_duration_s
+from planner.slew.feasibility import next_duration_s
+from planner.slew.problem import LIMIT_TOLERANCE
+from planner.slew.solution import LimitViolation, SlewSolution, bounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlewFigures:
+    """One slew in figures; tuples hold one value per axis.
+
+    jerk_squared_integral: rad^2/s^5.  It and peak_jerk_rad_s3 are infinite where the
+    acceleration jumps, at the ends too.  violations: every limit broken.
+    """
+
+    duration_s: float
+    peak_rate_rad_s: tuple[float, ...]
+    peak_acceleration_rad_s2: tuple[float, ...]
+    peak_jerk_rad_s3: tuple[float, ...]
+    jerk_squared_integral: tuple[float, ...]
+    violations: tuple[LimitViolation, ...]
+    end_error_rad: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlewComparison:
+    """The optimal slew beside the paper's spline over the same time between the same states.
+
+    least_duration_s: what the limits allow, stops aside; paper_duration_s: what the paper's
+    estimate asks for (Sumarokov 2016, eq. 12-13).
+    """
+
+    axis_names: tuple[str, ...]
+    ocp: SlewFigures
+    spline: SlewFigures
+    least_duration_s: float
+    paper_duration_s: float
+
+
+def compare(ocp: SlewSolution, spline: SlewSolution) -> SlewComparison:
+    """Figures of two solutions of one problem, side by side."""
+    problem = ocp.problem
+    least_s = (
+        next_duration_s(start, end, limits, 0.0) or math.inf
+        for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
+    )
+    return SlewComparison(
+        axis_names=problem.axis_names,
+        ocp=_figures(ocp),
+        spline=_figures(spline),
+        least_duration_s=max(least_s),
+        paper_duration_s=paper_duration_s(problem),
+    )
+
+
+def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparison:
+    """The optimal slew beside the paper's spline, solved for the purpose."""
+    return compare(ocp, BACKENDS["spline"](ocp.problem, options))
+
+
+def _figures(solution: SlewSolution) -> SlewFigures:
+    extremes = [profile.extremes for profile in solution.profiles]
+    peaks = [
+        tuple(max(-axis[order].least, axis[order].greatest) for axis in extremes)
+        for order in (1, 2, 3)
+    ]
+    jumps = [_acceleration_jumps(solution, axis) for axis in range(len(solution.profiles))]
+    return SlewFigures(
+        duration_s=solution.duration_s,
+        peak_rate_rad_s=peaks[0],
+        peak_acceleration_rad_s2=peaks[1],
+        peak_jerk_rad_s3=tuple(
+            math.inf if jump else peak for jump, peak in zip(jumps, peaks[2], strict=True)
+        ),
+        jerk_squared_integral=tuple(
+            math.inf if jump else profile.jerk_squared_integral
+            for jump, profile in zip(jumps, solution.profiles, strict=True)
+        ),
+        violations=solution.violations,
+        end_error_rad=solution.end_error_rad,
+    )
+
+
+def _acceleration_jumps(solution: SlewSolution, axis: int) -> bool:
+    problem, profile = solution.problem, solution.profiles[axis]
+    _, high = bounds(problem.limits[axis])[2]
+    first, last = profile.end_accelerations_rad_s2
+    steps = (
+        first - problem.start[axis].acceleration_rad_s2,
+        last - problem.end[axis].acceleration_rad_s2,
+    )
+    return profile.acceleration_jumps or any(
+        abs(step) > 2.0 * LIMIT_TOLERANCE * high for step in steps
+    )
