@@ -67,6 +67,8 @@ def message_element(content: str, message: str, versions: tuple[str, ...]) -> Me
         load_dtd=False,
         remove_comments=True,
         remove_pis=True,
+        remove_blank_text=True,
+        collect_ids=False,
     )
     try:
         root = etree.fromstring(body.encode(), parser)

@@ -49,8 +49,13 @@ def hermite_error_m(
             rate_rad_s = np.linalg.norm(v_m_s[start], axis=1) / radius_m
             error_m[here] = radius_m * (rate_rad_s * h_s) ** 4 / 384.0
             continue
-        other_count = count + 1 if count < len(node_s) else count - 1
-        other_first = np.minimum(first[here], len(node_s) - other_count)
+        start = first[here]
+        if count < len(node_s):
+            other_count = count + 1
+            other_first = np.minimum(start, len(node_s) - other_count)
+        else:
+            other_count = count - 1
+            other_first = start + (t_s[here] > 0.5 * (node_s[0] + node_s[-1]))
         other, _ = _interpolated(node_s, r_m, v_m_s, t_s[here], other_first, other_count)
         error_m[here] = np.linalg.norm(other - r[here], axis=1)
     return error_m

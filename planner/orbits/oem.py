@@ -23,6 +23,7 @@ from planner.orbits.smooth_arcs import smooth_arcs
 from planner.spec import spec
 
 NODES = 6
+MARGIN = NODES // 2 + 1  # nodes beyond the asked span: half a window and one to judge it by
 WARN_ERROR_M = 1.0
 REFUSE_ERROR_M = 100.0
 _EDGE_S = 1e-6
@@ -125,8 +126,8 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
     """Arcs of one segment that together cover start to stop."""
     start_s, stop_s = (elapsed_s(t, segment.epoch_utc) for t in (start_utc, stop_utc))
     last = len(segment.t_s) - 1
-    low = max(int(np.searchsorted(segment.t_s, start_s, side="right")) - NODES // 2, 0)
-    high = min(int(np.searchsorted(segment.t_s, stop_s)) + NODES // 2, last)
+    low = max(int(np.searchsorted(segment.t_s, start_s, side="right")) - MARGIN, 0)
+    high = min(int(np.searchsorted(segment.t_s, stop_s)) + MARGIN, last)
     near = slice(low, high + 1)
     node_s = segment.t_s[near]
     r_m, v_m_s = _eci(segment, near)

@@ -53,7 +53,10 @@ class StateVectorOrbit:
     drag_coefficient: float = 2.0
 
     def __post_init__(self) -> None:
-        tai_us(self.epoch)
+        try:
+            tai_us(self.epoch)
+        except OutsideCoverage as refusal:
+            raise ValueError(refusal.detail) from None
         for name in ("position_km", "velocity_km_s"):
             if not all(map(math.isfinite, getattr(self, name))):
                 raise ValueError(f"{name} must be three finite numbers, not {getattr(self, name)}")
