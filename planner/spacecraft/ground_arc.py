@@ -97,15 +97,16 @@ class Profile:
         return self.middle * Rotation.from_mrp(curve[0]), body_motion(*curve)
 
 
-def arc_attitude(arc: GroundArc, ephemeris: Ephemeris, instants: Instants) -> Rotation:
-    """eci_from_body while scanning the arc, at any instants (their epoch the session's).
+def arc_attitude(
+    arc: GroundArc, share: Array, ephemeris: Ephemeris, instants: Instants
+) -> Rotation:
+    """eci_from_body with the arc's point at `share` (n,) under the slit at n instants.
 
     Geometric: light time and aberration shift the image by 16 m along the track, alike for
     every point, and refraction by less than 5 m at 45 deg; both are left out.
     """
     r_sat_eci_m = ephemeris.states(instants).r_sat_eci_m
     c = c_itrf_from_eci(instants)
-    share = (instants.t_s - arc.start_s) / arc.duration_s
     r_itrf_m, motion_itrf = arc.point_itrf(share)
     r_eci_m = np.einsum("nji,nj->ni", c, r_itrf_m)
     motion_eci = np.einsum("nji,nj->ni", c, motion_itrf)
@@ -136,7 +137,7 @@ def fitted_profile(
     if arc is None:
         attitude = orbital_attitude(ephemeris, instants)
     else:
-        attitude = arc_attitude(arc, ephemeris, instants)
+        attitude = arc_attitude(arc, (t_s - arc.start_s) / arc.duration_s, ephemeris, instants)
     middle = attitude[DEGREE // 2]
     sigma = (middle.inv() * attitude).as_mrp()
     basis = chebyshev.chebvander(x, DEGREE)

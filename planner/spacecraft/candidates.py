@@ -1,0 +1,322 @@
+"""When could each request be imaged?  Request -> looks on a grid of start times.
+
+A candidate is one way to fulfil a request: its ground arcs with their times.  Those that
+leave the +-45/+-30 deg of the camera are dropped; a request with none left is refused with
+the nearest alternative.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.errors import Unreachable
+from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
+from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.orbits import Ephemeris
+from planner.spacecraft.definition import AgileSpacecraft
+from planner.spacecraft.ground_arc import GroundArc, arc_attitude, look_angles
+from planner.spacecraft.requests import (
+    AreaRequest,
+    CorridorRequest,
+    ImagingRequest,
+    Request,
+    StereoRequest,
+    StripRequest,
+)
+from planner.spacecraft.table import TICK_S
+from planner.spacecraft.turn_time import TurnTime
+
+Array = NDArray[np.float64]
+GRID_S = 2.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """One way to image a request: arcs in order of time, all within the camera's angles.
+
+    entry, exit: eci_from_body at the first arc's start and the last one's end.  part: 0 for
+    a whole request, 1 and 2 for the two looks of a stereo pair (which may have others between).
+    """
+
+    request: int
+    part: int
+    arcs: tuple[GroundArc, ...]
+    entry: Rotation
+    exit: Rotation
+
+    @property
+    def start_s(self) -> float:
+        return self.arcs[0].start_s
+
+    @property
+    def stop_s(self) -> float:
+        return self.arcs[-1].start_s + on_ticks(self.arcs[-1]) * TICK_S
+
+
+@dataclass(frozen=True, kw_only=True)
+class Session:
+    """What all requests share: orbit, epoch, length and spacecraft of a session."""
+
+    ephemeris: Ephemeris
+    epoch_utc: datetime
+    duration_s: float
+    spacecraft: AgileSpacecraft
+    turn_time: TurnTime
+
+    def instants(self, t_s: Array) -> Instants:
+        return Instants(self.epoch_utc, t_s)
+
+
+def candidates(request: Request, number: int, session: Session) -> list[Candidate]:
+    """Every candidate of a request.  Raises Unreachable when there is none."""
+    if isinstance(request, StereoRequest):
+        return _stereo(request, number, session)
+    chains = _chains(request, session)
+    starts_s = _start_times(request, session)
+    found: list[Candidate] = []
+    for chain in chains:
+        found += _timed(chain, starts_s, number, request, session)
+    if not found:
+        raise _unreachable(request, number, chains, session)
+    return found
+
+
+def _start_times(request: ImagingRequest, session: Session) -> Array:
+    if request.start is not None:
+        asked = elapsed_s(request.start, session.epoch_utc)
+        return np.array([round(asked / TICK_S) * TICK_S])
+    return np.arange(0.0, session.duration_s, GRID_S)
+
+
+def _chains(request: Request, session: Session) -> list[list[GroundArc]]:
+    """Arcs in the order they may be scanned, times yet open (start_s = 0)."""
+    if isinstance(request, AreaRequest):
+        arcs = _strips(request, session)
+    elif isinstance(request, StripRequest | CorridorRequest):
+        arcs = _legs(request)
+    else:
+        arcs = []
+    forward = [_along_flight(arc, session) for arc in arcs]
+    if isinstance(request, CorridorRequest):
+        return [arcs]
+    if not session.spacecraft.camera.reversible:
+        return [forward]
+    other = [_reversed(arc) for arc in forward]
+    zigzag = [forward[i] if i % 2 == 0 else other[i] for i in range(len(arcs))]
+    zagzig = [other[i] if i % 2 == 0 else forward[i] for i in range(len(arcs))]
+    return [zigzag, zagzig]
+
+
+def _arc(a: tuple[float, ...], b: tuple[float, ...], request: ImagingRequest) -> GroundArc:
+    arc = GroundArc(
+        latitude_rad=(math.radians(a[1]), math.radians(b[1])),
+        longitude_rad=(math.radians(a[0]), math.radians(b[0])),
+        height_m=request.height_m,
+        start_s=0.0,
+        duration_s=1.0,
+    )
+    return replace(arc, duration_s=arc.length_m() / request.scan_speed_m_s)
+
+
+def _legs(request: StripRequest | CorridorRequest | StereoRequest) -> list[GroundArc]:
+    points = request.geometry.coordinates
+    return [_arc(a, b, request) for a, b in zip(points, points[1:], strict=False)]
+
+
+def _strips(request: AreaRequest, session: Session) -> list[GroundArc]:
+    """Parallel strips over the polygon's bounding box in scan direction."""
+    ring = np.deg2rad([p[:2] for p in request.geometry.coordinates[0][:-1]])
+    corners = itrf_from_geodetic(ring[:, 1], ring[:, 0], request.height_m)
+    latitude, longitude, _ = geodetic_from_itrf(corners.mean(axis=0))
+    origin = itrf_from_geodetic(latitude, longitude, request.height_m)
+    enu = c_enu_from_itrf(latitude, longitude)
+    if request.azimuth_deg is None:
+        azimuth = _track_azimuth(origin, enu, session)
+    else:
+        azimuth = math.radians(request.azimuth_deg)
+    along = np.array([math.sin(azimuth), math.cos(azimuth), 0.0])
+    across = np.array([math.cos(azimuth), -math.sin(azimuth), 0.0])
+    local = (corners - origin) @ enu.T
+    low, high = (local @ along).min(), (local @ along).max()
+    left, right = (local @ across).min(), (local @ across).max()
+    swath_m = session.spacecraft.camera.swath_m
+    count = max(1, math.ceil((right - left) / swath_m - 1e-3))
+    middle = 0.5 * (left + right)
+    arcs = []
+    for k in range(count):
+        offset = middle + (k - 0.5 * (count - 1)) * swath_m
+        ends = [origin + (s * along + offset * across) @ enu for s in (low, high)]
+        lat, lon, _ = geodetic_from_itrf(np.array(ends))
+        lon_deg, lat_deg = np.rad2deg(lon), np.rad2deg(lat)
+        arcs.append(_arc((lon_deg[0], lat_deg[0]), (lon_deg[1], lat_deg[1]), request))
+    return arcs
+
+
+def _track_azimuth(r_itrf_m: Array, enu: Array, session: Session) -> float:
+    """Azimuth of the satellite's motion over ground where it passes closest, rad."""
+    instants = session.instants(np.arange(0.0, session.duration_s + 1.0, 5.0))
+    states = session.ephemeris.states(instants)
+    r, v = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
+    nearest = int(np.argmin(np.linalg.norm(r - r_itrf_m, axis=1)))
+    east, north, _ = enu @ v[nearest]
+    return math.atan2(east, north)
+
+
+def _along_flight(arc: GroundArc, session: Session) -> GroundArc:
+    """The arc in the sense of the flight."""
+    ends, _ = arc.point_itrf(np.array([0.0, 1.0]))
+    instants = session.instants(np.arange(0.0, session.duration_s + 1.0, 20.0))
+    states = session.ephemeris.states(instants)
+    r, v = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
+    nearest = int(np.argmin(np.linalg.norm(r - ends[0], axis=1)))
+    if (ends[1] - ends[0]) @ v[nearest] >= 0.0:
+        return arc
+    return replace(arc, latitude_rad=arc.latitude_rad[::-1], longitude_rad=arc.longitude_rad[::-1])
+
+
+def _reversed(arc: GroundArc) -> GroundArc:
+    return replace(
+        arc,
+        latitude_rad=arc.latitude_rad[::-1],
+        longitude_rad=arc.longitude_rad[::-1],
+        backwards=not arc.backwards,
+    )
+
+
+def on_ticks(arc: GroundArc) -> int:
+    """Ticks that cover the arc's duration."""
+    return math.ceil(arc.duration_s / TICK_S - 1e-6)
+
+
+def _timed(
+    chain: list[GroundArc],
+    starts_s: Array,
+    number: int,
+    request: ImagingRequest,
+    session: Session,
+) -> list[Candidate]:
+    """The chain at every start time where all its arcs are within the camera's angles."""
+    times = starts_s.copy()
+    begins, entries, exits = [], [], []
+    ok = np.ones(len(times), dtype=bool)
+    for k, arc in enumerate(chain):
+        if k > 0:
+            times = _after_turn(exits[-1], times, arc, session)
+        begins.append(times)
+        span_s = on_ticks(arc) * TICK_S
+        inside = (times >= 0.0) & (times + span_s <= session.duration_s)
+        times = np.where(inside, times, 0.0)
+        ok &= inside & _in_reach(arc, times, span_s, session)
+        entries.append(_scan(arc, 0.0, times, session))
+        exits.append(_scan(arc, span_s / arc.duration_s, times + span_s, session))
+        times = times + span_s
+    first_s, last_s = _bounds(request, session)
+    ok &= (begins[0] >= first_s - 1e-6) & (times <= last_s + 1e-6)
+    return [
+        Candidate(
+            request=number,
+            part=0,
+            arcs=tuple(
+                replace(arc, start_s=float(begin[i]))
+                for arc, begin in zip(chain, begins, strict=True)
+            ),
+            entry=entries[0][i],
+            exit=exits[-1][i],
+        )
+        for i in np.flatnonzero(ok)
+    ]
+
+
+def _bounds(request: ImagingRequest, session: Session) -> tuple[float, float]:
+    first, last = 0.0, session.duration_s
+    if request.window_start is not None:
+        first = elapsed_s(request.window_start, session.epoch_utc)
+    if request.window_stop is not None:
+        last = elapsed_s(request.window_stop, session.epoch_utc)
+    return first, last
+
+
+def _after_turn(exits: Rotation, times: Array, arc: GroundArc, session: Session) -> Array:
+    """Start of the next arc: the turn's time depends on it, so three rounds."""
+    starts = times + 10.0
+    for _ in range(3):
+        safe = np.clip(starts, 0.0, session.duration_s)
+        angle = (exits.inv() * _scan(arc, 0.0, safe, session)).magnitude()
+        starts = times + session.turn_time.ticks(angle) * TICK_S
+    return np.asarray(starts)
+
+
+def _scan(arc: GroundArc, share: float, times: Array, session: Session) -> Rotation:
+    """eci_from_body with the arc's point at `share` under the slit at each time."""
+    return arc_attitude(arc, np.full(len(times), share), session.ephemeris, session.instants(times))
+
+
+def _in_reach(arc: GroundArc, times: Array, span_s: float, session: Session) -> NDArray[np.bool_]:
+    camera = session.spacecraft.camera
+    ok = np.ones(len(times), dtype=bool)
+    for share in (0.0, 0.5, 1.0):
+        along, across = _angles(arc, share, times + share * span_s, session)
+        ok &= np.abs(along) <= math.radians(camera.along_max_deg)
+        ok &= np.abs(across) <= math.radians(camera.across_max_deg)
+    return ok
+
+
+def _angles(arc: GroundArc, share: float, times: Array, session: Session) -> tuple[Array, Array]:
+    """Along and across angle of one point of the arc; behind the horizon: pi."""
+    point, _ = arc.point_itrf(np.array([share]))
+    instants = session.instants(times)
+    along, across = look_angles(
+        np.broadcast_to(point, (len(times), 3)), session.ephemeris, instants
+    )
+    states = session.ephemeris.states(instants)
+    r_itrf = np.einsum("nij,nj->ni", c_itrf_from_eci(instants), states.r_sat_eci_m)
+    hidden = np.sum((r_itrf - point) * point, axis=1) < 0.0
+    return np.where(hidden, np.pi, along), np.where(hidden, np.pi, across)
+
+
+def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candidate]:
+    """Two looks: where the strip's middle is look_angle_deg ahead, and the same behind."""
+    arc = _along_flight(_legs(request)[0], session)
+    grid = np.arange(0.0, session.duration_s, TICK_S)
+    along, _ = _angles(arc, 0.5, grid, session)
+    found: list[Candidate] = []
+    for part, angle in ((1, request.look_angle_deg), (2, -request.look_angle_deg)):
+        middle = float(grid[np.argmin(np.abs(along - math.radians(angle)))])
+        start = round((middle - 0.5 * arc.duration_s) / TICK_S) * TICK_S
+        nudged = start + np.arange(-5, 6) * TICK_S * 2
+        looks = _timed([arc], nudged, number, request, session)
+        found += [replace(look, part=part) for look in looks]
+    if {c.part for c in found} != {1, 2}:
+        raise _unreachable(request, number, [[arc]], session)
+    return found
+
+
+def _unreachable(
+    request: Request, number: int, chains: list[list[GroundArc]], session: Session
+) -> Unreachable:
+    """Say by how much, and when it would come closest."""
+    camera = session.spacecraft.camera
+    arc = chains[0][0]
+    grid = np.arange(0.0, session.duration_s, 1.0)
+    along, across = _angles(arc, 0.5, grid, session)
+    best = int(np.argmin(np.abs(along) + 1e3 * (np.abs(along) > 3.0)))
+    at_utc = shifted_utc(session.epoch_utc, float(grid[best]))
+    where = (
+        f"closest at {utc_text(at_utc, 1)}, {math.degrees(along[best]):.1f} deg along and "
+        f"{math.degrees(across[best]):.1f} deg across the track"
+        if abs(along[best]) < 3.0
+        else "it stays below the horizon"
+    )
+    return Unreachable(
+        f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
+        f"{camera.across_max_deg:g} deg across the track, in its window and session, for as long "
+        f"as it takes to scan: {where}; move the window there, shorten it or use another pass",
+        field=f"requests.{number}",
+        limit="camera angles",
+        at_utc=at_utc,
+    )

@@ -1,0 +1,387 @@
+"""Which requests are imaged, when and in what order?  Exact, with a bound.
+
+A path through candidates in order of time, worth the priorities of the requests it fulfils.
+Repeats are first allowed and then forbidden where they occur (decremental state-space
+relaxation): every round's value bounds the optimum from above, and the first path without
+repeats is optimal.  The two looks of a stereo pair are candidates of their own; only the
+second earns, and only after the first.
+Source: Righini, Salani 2008, Networks 51(3) (DSSR); Peng et al. 2020 (agile satellites).
+"""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.spacecraft.candidates import Candidate
+from planner.spacecraft.compiled import compiled
+from planner.spacecraft.table import TICK_S
+from planner.spacecraft.turn_time import TurnTime
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
+LABELS_MAX = 4_000_000
+BITS = 62
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """Chosen candidates in order of time, and how good the choice is.
+
+    chosen: indices into the candidates; requests: theirs.  value: sum of priorities fulfilled.  bound: no choice
+    from these candidates and turn times is worth more.  greedy_value: of taking requests by
+    priority, each at the first moment that fits.  rounds: relaxations solved.
+    """
+
+    chosen: tuple[int, ...]
+    requests: tuple[int, ...]
+    value: float
+    bound: float
+    greedy_value: float
+    rounds: int
+    seconds: float
+
+    @property
+    def proven_optimal(self) -> bool:
+        return self.bound <= self.value * (1.0 + 1e-9)
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """Candidates sorted by start, in whole ticks; turn_ticks(i, j) through quaternions."""
+
+    order: Ints
+    start: Ints
+    stop: Ints
+    request: Ints
+    part: Ints
+    entry: Array
+    exit: Array
+
+
+def choose(
+    candidates: Sequence[Candidate],
+    priorities: Sequence[float],
+    turn_time: TurnTime,
+    extra_ticks: dict[tuple[int, int], int],
+) -> Choice:
+    """The best choice.  extra_ticks: (candidate, candidate) -> turn time known to be needed."""
+    begun = time.perf_counter()
+    nodes = _nodes(candidates)
+    earn = np.array([0.0 if p == 1 else priorities[r] for r, p in zip(nodes.request, nodes.part,
+        strict=True)])  # fmt: skip
+    pairs = _pairs(nodes, turn_time, extra_ticks)
+    critical = sorted({int(r) for r, p in zip(nodes.request, nodes.part, strict=True) if p})
+    bound, rounds = np.inf, 0
+    best: tuple[float, list[int]] = (-1.0, [])
+    while True:
+        rounds += 1
+        value, path, complete = _relaxed(nodes, earn, pairs, critical)
+        if complete:
+            bound = min(bound, value)
+        repeats = _repeated(nodes, path)
+        feasible = _without_repeats(nodes, path, earn)
+        best = max(best, feasible, key=lambda item: item[0])
+        fresh = [r for r in repeats if r not in critical]
+        if not fresh or not complete or len(critical) + len(fresh) > BITS:
+            break
+        critical = sorted(set(critical) | set(fresh))
+    greedy = _greedy(nodes, priorities, turn_time, extra_ticks)
+    best = max(best, greedy, key=lambda item: item[0])
+    return Choice(
+        chosen=tuple(int(nodes.order[k]) for k in best[1]),
+        requests=tuple(int(nodes.request[k]) for k in best[1]),
+        value=best[0],
+        bound=float(bound),
+        greedy_value=greedy[0],
+        rounds=rounds,
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def _nodes(candidates: Sequence[Candidate]) -> _Nodes:
+    start = np.array([round(c.start_s / TICK_S) for c in candidates], dtype=np.int64)
+    order = np.argsort(start, kind="stable")
+
+    def column(values: list[int]) -> Ints:
+        return np.array(values, dtype=np.int64)[order]
+
+    return _Nodes(
+        order=np.asarray(order, dtype=np.int64),
+        start=start[order],
+        stop=column([round(c.stop_s / TICK_S) for c in candidates]),
+        request=column([c.request for c in candidates]),
+        part=column([c.part for c in candidates]),
+        entry=Rotation.concatenate([c.entry for c in candidates]).as_quat()[order],
+        exit=Rotation.concatenate([c.exit for c in candidates]).as_quat()[order],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """For node j the predecessors it can follow directly, first[j] .. first[j + 1], and reach:
+    ticks after a node's stop by which any other can be entered, (n,)."""
+
+    first: Ints
+    before: Ints
+    reach: Ints
+
+
+def _angle(nodes: _Nodes, i: Ints, j: Ints) -> Array:
+    dot = np.abs(np.sum(nodes.exit[i] * nodes.entry[j], axis=-1))
+    return np.asarray(2.0 * np.arccos(np.minimum(dot, 1.0)))
+
+
+def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int], int]) -> _Pairs:
+    n = len(nodes.start)
+    widest = int(turn_time.ticks(np.array([np.pi]))[0])
+    widest = max([widest, *extra_ticks.values()], default=widest)
+    reach = np.zeros(n, dtype=np.int64)
+    before: list[Ints] = []
+    first = np.zeros(n + 1, dtype=np.int64)
+    position = {int(k): place for place, k in enumerate(nodes.order)}
+    extra = {(position[a], position[b]): ticks for (a, b), ticks in extra_ticks.items()}
+    for j in range(n):
+        gap = nodes.start[j] - nodes.stop
+        i = np.flatnonzero((gap > 0) & (gap <= widest))
+        needed = turn_time.ticks(_angle(nodes, i, np.full(len(i), j)))
+        if extra:
+            needed = np.array([max(t, extra.get((int(a), j), 0)) for a, t in zip(i, needed,
+                strict=True)], dtype=np.int64)  # fmt: skip
+        np.maximum.at(reach, i, needed)
+        before.append(np.asarray(i[needed <= gap[i]], dtype=np.int64))
+        first[j + 1] = first[j] + len(before[-1])
+    return _Pairs(first, np.concatenate(before) if n else np.zeros(0, dtype=np.int64), reach)
+
+
+def _relaxed(
+    nodes: _Nodes,
+    earn: Array,
+    pairs: _Pairs,
+    critical: list[int],
+) -> tuple[float, list[int], bool]:
+    """Best path that repeats no critical request; (value, node indices, search completed)."""
+    n = len(nodes.start)
+    bit = np.full(int(nodes.request.max()) + 1, -1, dtype=np.int64)
+    for place, request in enumerate(critical):
+        bit[request] = place
+    alive = np.zeros(int(nodes.request.max()) + 1, dtype=np.int64)
+    np.maximum.at(alive, nodes.request, nodes.start)
+    value, parent, node, best, count = _label(
+        nodes.start,
+        nodes.stop,
+        nodes.request,
+        nodes.part,
+        earn,
+        pairs.first,
+        pairs.before,
+        pairs.reach,
+        bit,
+        alive,
+        LABELS_MAX,
+    )
+    path: list[int] = []
+    k = best
+    while k >= 0:
+        if 0 <= node[k] < n:
+            path.append(int(node[k]))
+        k = int(parent[k])
+    return float(value[best]) if best >= 0 else 0.0, path[::-1], count < LABELS_MAX
+
+
+@compiled
+def _insert(
+    head: Ints,
+    following: Ints,
+    value: Array,
+    visited: Ints,
+    opened: Ints,
+    node: Ints,
+    parent: Ints,
+    place: int,
+    count: int,
+    v: float,
+    seen: int,
+    half: int,
+    comes_from: int,
+    is_node: int,
+) -> int:
+    """Add a label to a place unless another there is at least as good; returns the new count."""
+    k = head[place]
+    previous = -1
+    while k >= 0:
+        if value[k] >= v and (visited[k] & ~seen) == 0 and (half & ~opened[k]) == 0:
+            return count
+        if v >= value[k] and (seen & ~visited[k]) == 0 and (opened[k] & ~half) == 0:
+            if previous < 0:
+                head[place] = following[k]
+            else:
+                following[previous] = following[k]
+        else:
+            previous = k
+        k = following[k]
+    if count >= len(value):
+        return count
+    value[count], visited[count], opened[count] = v, seen, half
+    node[count], parent[count] = is_node, comes_from
+    following[count] = head[place]
+    head[place] = count
+    return count + 1
+
+
+@compiled
+def _label(
+    start: Ints,
+    stop: Ints,
+    request: Ints,
+    part: Ints,
+    earn: Array,
+    first: Ints,
+    before: Ints,
+    reach: Ints,
+    bit: Ints,
+    alive: Ints,
+    labels_max: int,
+) -> tuple[Array, Ints, Ints, int, int]:
+    """Labels forward in time over candidates (places 0..n-1) and idle instants (n..n+m).
+
+    A label carries what critical requests it has imaged (while they can still come again) and
+    which stereo pairs it has begun.
+    """
+    n = len(start)
+    end = int(stop.max() + reach.max()) + 2 * WAIT_TICKS
+    idle = end // WAIT_TICKS + 2
+    head = np.full(n + idle, -1, dtype=np.int64)
+    value = np.empty(labels_max)
+    visited = np.empty(labels_max, dtype=np.int64)
+    opened = np.empty(labels_max, dtype=np.int64)
+    node = np.empty(labels_max, dtype=np.int64)
+    parent = np.empty(labels_max, dtype=np.int64)
+    following = np.empty(labels_max, dtype=np.int64)
+    count = _insert(
+        head, following, value, visited, opened, node, parent,
+        n, 0, 0.0, 0, 0, -1, -1,
+    )  # fmt: skip
+    now = 0
+    best = -1
+    for j in range(n):
+        while (now + 1) * WAIT_TICKS <= start[j]:
+            dead = 0
+            for r in range(len(alive)):
+                if bit[r] >= 0 and alive[r] < (now + 1) * WAIT_TICKS:
+                    dead |= 1 << bit[r]
+            k = head[n + now]
+            while k >= 0:
+                count = _insert(
+                    head, following, value, visited, opened, node, parent, n + now + 1, count,
+                    value[k], visited[k] & ~dead, opened[k] & ~dead, k, -1,
+                )  # fmt: skip
+                k = following[k]
+            now += 1
+        dead, own = 0, 0
+        for r in range(len(alive)):
+            if bit[r] >= 0 and alive[r] < start[j]:
+                dead |= 1 << bit[r]
+        if bit[request[j]] >= 0:
+            own = 1 << bit[request[j]]
+        sources = first[j + 1] - first[j] + 1
+        for source in range(sources):
+            k = head[n + now] if source == 0 else head[before[first[j] + source - 1]]
+            while k >= 0:
+                seen, half = visited[k] & ~dead, opened[k] & ~dead
+                allowed = (seen & own) == 0
+                if part[j] == 1:
+                    allowed = allowed and (half & own) == 0
+                    half |= own
+                elif part[j] == 2:
+                    allowed = allowed and (half & own) != 0
+                    half &= ~own
+                    seen |= own
+                else:
+                    seen |= own
+                if allowed:
+                    count = _insert(
+                        head, following, value, visited, opened, node, parent, j, count,
+                        value[k] + earn[j], seen, half, k, j,
+                    )  # fmt: skip
+                k = following[k]
+        free = (stop[j] + reach[j] + WAIT_TICKS - 1) // WAIT_TICKS
+        k = head[j]
+        while k >= 0:
+            if best < 0 or value[k] > value[best]:
+                best = k
+            count = _insert(
+                head, following, value, visited, opened, node, parent, n + free, count,
+                value[k], visited[k], opened[k], k, -1,
+            )  # fmt: skip
+            k = following[k]
+    return value[:count], parent[:count], node[:count], best, count
+
+
+def _repeated(nodes: _Nodes, path: list[int]) -> list[int]:
+    done = [(int(nodes.request[k]), int(nodes.part[k])) for k in path]
+    return sorted({request for request, part in done if done.count((request, part)) > 1})
+
+
+def _without_repeats(nodes: _Nodes, path: list[int], earn: Array) -> tuple[float, list[int]]:
+    """The path with later repeats left out: what remains stays flyable, the gaps only grow."""
+    seen: set[tuple[int, int]] = set()
+    kept = []
+    for k in path:
+        what = (int(nodes.request[k]), int(nodes.part[k]))
+        if what not in seen:
+            seen.add(what)
+            kept.append(k)
+    return float(sum(earn[k] for k in kept)), kept
+
+
+def _greedy(
+    nodes: _Nodes,
+    priorities: Sequence[float],
+    turn_time: TurnTime,
+    extra_ticks: dict[tuple[int, int], int],
+) -> tuple[float, list[int]]:
+    """Requests by falling priority, each at the first time that fits between those placed."""
+    placed: list[int] = []
+    total = 0.0
+    for request in sorted(range(len(priorities)), key=lambda r: -priorities[r]):
+        parts = sorted({int(p) for p in nodes.part[nodes.request == request]})
+        trial = placed
+        for part in parts:
+            options = np.flatnonzero((nodes.request == request) & (nodes.part == part))
+            spot = next(
+                (int(k) for k in options if _fits(nodes, trial, int(k), turn_time, extra_ticks)),
+                None,
+            )
+            if spot is None:
+                break
+            trial = sorted([*trial, spot], key=lambda k: int(nodes.start[k]))
+        else:
+            if parts:
+                placed, total = trial, total + priorities[request]
+    return total, placed
+
+
+def _fits(
+    nodes: _Nodes,
+    placed: list[int],
+    k: int,
+    turn_time: TurnTime,
+    extra_ticks: dict[tuple[int, int], int],
+) -> bool:
+    before = [i for i in placed if nodes.start[i] <= nodes.start[k]]
+    after = [i for i in placed if nodes.start[i] > nodes.start[k]]
+    neighbours = [(before[-1], k)] if before else []
+    if after:
+        neighbours.append((k, after[0]))
+    for i, j in neighbours:
+        gap = nodes.start[j] - nodes.stop[i]
+        needed = int(turn_time.ticks(_angle(nodes, np.array([i]), np.array([j])))[0])
+        needed = max(needed, extra_ticks.get((int(nodes.order[i]), int(nodes.order[j])), 0))
+        if gap < needed:
+            return False
+    return True

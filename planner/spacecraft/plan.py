@@ -1,0 +1,245 @@
+"""How is an imaging session planned?  Candidates, choice, timeline, gimbals, judges."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import InfeasibleSlew, InvalidInput, Refusal, Unreachable, VerificationFailed
+from planner.frames.time_scales import elapsed_s
+from planner.spacecraft.candidates import Candidate, Session, candidates
+from planner.spacecraft.choose import Choice, choose
+from planner.spacecraft.definition import AgileSpacecraft
+from planner.spacecraft.gimbals import gimbal_rows, total_momentum_eci
+from planner.spacecraft.ground_arc import fitted_profile
+from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.simulation import fly_many
+from planner.spacecraft.stabilisation import ASSUMPTIONS, StabilisationReport, stabilisation
+from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.timeline import PlannedTurn, Timeline, TurnDoesNotFit, build_timeline
+from planner.spacecraft.turn_time import turn_time
+from planner.spacecraft.verification import SpacecraftVerification, verify_table
+
+Array = NDArray[np.float64]
+ROUNDS = 12  # choices revised when a turn needs more time than estimated
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A request that isn't imaged, and why."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImagingPlan:
+    """The plan of a session.
+
+    table: what is flown.  turns: each beside its eigenaxis baselines.  choice: worth and bound
+    of what was chosen (against the turn times as estimated).  stabilisation: of the dispersed
+    closed-loop runs.  assumptions: what the numbers rest on that the paper doesn't give.
+    """
+
+    request: ImagingPlanRequest
+    spacecraft: AgileSpacecraft
+    table: AttitudeTable
+    turns: tuple[PlannedTurn, ...]
+    choice: Choice
+    left_out: tuple[LeftOut, ...]
+    verification: SpacecraftVerification
+    stabilisation: StabilisationReport
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
+    """Plan, verify and simulate an imaging session.
+
+    Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
+    InvalidInput for momentum beyond the sphere, VerificationFailed when the judge objects.
+    """
+    spacecraft = request.definition()
+    _refuse_momentum(request, spacecraft)
+    session = _session(request, spacecraft)
+    options, left_out = _options(request, session)
+    choice, timeline = _chosen(request, session, options)
+    table = _table(request, session, timeline)
+    verification = verify_table(table, request)
+    if not verification.passed:
+        raise VerificationFailed("; ".join(verification.findings))
+    states = session.ephemeris.states(session.instants(table.t_s))
+    seeds = range(request.seed, request.seed + request.simulation_runs)
+    logs = fly_many(spacecraft, table, states, list(seeds))
+    return ImagingPlan(
+        request=request,
+        spacecraft=spacecraft,
+        table=table,
+        turns=timeline.turns,
+        choice=choice,
+        left_out=(*left_out, *_not_chosen(request, options, choice, left_out)),
+        verification=verification,
+        stabilisation=stabilisation(spacecraft, table, verification, logs),
+        assumptions=ASSUMPTIONS,
+        warnings=session.ephemeris.warnings,
+    )
+
+
+def _refuse_momentum(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> None:
+    stored = float(np.linalg.norm(request.settings.momentum_n_m_s))
+    sphere = spacecraft.slew.momentum_sphere_n_m_s
+    if stored > sphere:
+        raise InvalidInput(
+            f"the gyros store {stored:.1f} N m s at the start, beyond the {sphere:.0f} N m s "
+            f"sphere they are steered in; unload at least {stored - sphere:.1f} N m s first",
+            field="settings.momentum_n_m_s",
+            limit="momentum",
+        )
+
+
+def _session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> Session:
+    margin = timedelta(seconds=200)
+    return Session(
+        ephemeris=request.orbit.ephemeris(request.start - margin, request.stop + margin),
+        epoch_utc=request.start,
+        duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
+        spacecraft=spacecraft,
+        turn_time=turn_time(spacecraft),
+    )
+
+
+def _options(
+    request: ImagingPlanRequest, session: Session
+) -> tuple[list[Candidate], tuple[LeftOut, ...]]:
+    """Candidates that can be turned to from the session's start and back before its end."""
+    found: list[Candidate] = []
+    left_out: list[LeftOut] = []
+    refusal: Refusal | None = None
+    for number, one in enumerate(request.requests):
+        try:
+            found += _within_session(candidates(one, number, session), number, session)
+        except (Unreachable, InfeasibleSlew) as why:
+            refusal = refusal or why
+            left_out.append(LeftOut(name=one.name, reason=why.detail))
+    if not found and refusal is not None:
+        raise refusal
+    return found, tuple(left_out)
+
+
+def _within_session(options: list[Candidate], number: int, session: Session) -> list[Candidate]:
+    profile = fitted_profile(
+        None, session.ephemeris, session.epoch_utc, (-1.0, session.duration_s + 1.0)
+    )
+    kept = []
+    for option in options:
+        rest, _ = profile.at(np.array([max(option.start_s - 20.0, 0.0), option.stop_s]))
+        angles = np.array(
+            [(rest[0].inv() * option.entry).magnitude(), (option.exit.inv() * rest[1]).magnitude()]
+        )
+        there_s, back_s = session.turn_time.ticks(angles) * TICK_S
+        if there_s <= option.start_s and option.stop_s + back_s <= session.duration_s:
+            kept.append(option)
+    if not kept:
+        first = options[0]
+        raise InfeasibleSlew(
+            f"the turn onto requests.{number} and back to orbital orientation needs about "
+            f"{there_s:.1f} s before its start and {back_s:.1f} s after its end, more than the "
+            f"session leaves (it could be imaged {first.start_s:.1f} to {first.stop_s:.1f} s "
+            "after the start); start earlier or stop later by as much",
+            field=f"requests.{number}",
+            limit="time",
+        )
+    return kept
+
+
+def _chosen(
+    request: ImagingPlanRequest, session: Session, options: list[Candidate]
+) -> tuple[Choice, Timeline]:
+    """Choose and fly; a pair whose turn doesn't fit gets the time it needs, and again."""
+    extra: dict[tuple[int, int], int] = {}
+    barred: set[int] = set()
+    priorities = [one.priority for one in request.requests]
+    momentum = np.array(request.settings.momentum_n_m_s)
+    names = [one.name for one in request.requests]
+    failure: TurnDoesNotFit | None = None
+    for _ in range(ROUNDS):
+        open_ones = [k for k in range(len(options)) if k not in barred]
+        if not open_ones:
+            break
+        place = {k: position for position, k in enumerate(open_ones)}
+        choice = choose(
+            [options[k] for k in open_ones],
+            priorities,
+            session.turn_time,
+            {
+                (place[a], place[b]): ticks
+                for (a, b), ticks in extra.items()
+                if a in place and b in place
+            },
+        )
+        chosen = [open_ones[k] for k in choice.chosen]
+        try:
+            timeline = build_timeline(session, options, chosen, names, momentum, request.objective)
+        except TurnDoesNotFit as why:
+            failure = why
+            if why.before is None or why.after is None or why.before == why.after:
+                barred.add(next(k for k in (why.after, why.before) if k is not None))
+            else:
+                extra[why.before, why.after] = why.ticks
+            continue
+        return choice, timeline
+    assert failure is not None
+    failure.why.field = "requests"
+    raise failure.why
+
+
+def _table(request: ImagingPlanRequest, session: Session, timeline: Timeline) -> AttitudeTable:
+    spacecraft = session.spacecraft
+    rows = len(timeline.motion.omega_body_rad_s)
+    inertia = np.array(spacecraft.inertia_kg_m2)
+    omega = timeline.motion.omega_body_rad_s
+    states = session.ephemeris.states(session.instants(np.arange(rows) / 5.0))
+    gyros = np.array(request.settings.momentum_n_m_s)
+    total = total_momentum_eci(
+        timeline.attitude,
+        timeline.attitude[0].apply(inertia * omega[0] + gyros),
+        states.r_sat_eci_m,
+        inertia,
+    )
+    imaging = np.zeros(rows - 1, dtype=bool)
+    for window in timeline.windows:
+        imaging[window.first_row : window.last_row] = True
+    angles, rates = gimbal_rows(
+        spacecraft.array,
+        timeline.attitude.inv().apply(total) - inertia * omega,
+        imaging,
+        spacecraft.gains.null_gain_rad_s,
+    )
+    return AttitudeTable(
+        epoch_utc=request.start,
+        eci_from_body_xyzw=timeline.attitude.as_quat(),
+        omega_body_rad_s=omega,
+        alpha_body_rad_s2=timeline.motion.alpha_body_rad_s2,
+        gimbal_rad=angles,
+        gimbal_rate_rad_s=rates,
+        windows=timeline.windows,
+    )
+
+
+def _not_chosen(
+    request: ImagingPlanRequest,
+    options: Sequence[Candidate],
+    choice: Choice,
+    left_out: tuple[LeftOut, ...],
+) -> tuple[LeftOut, ...]:
+    """Requests with candidates that the best choice has no time for."""
+    done = set(choice.requests)
+    unseen = {one.name for one in left_out}
+    gap = "no better choice exists" if choice.proven_optimal else "the choice is not proven best"
+    return tuple(
+        LeftOut(name=one.name, reason=f"no time beside requests worth more ({gap})")
+        for number, one in enumerate(request.requests)
+        if number not in done and one.name not in unseen
+    )

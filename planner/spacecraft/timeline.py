@@ -1,0 +1,272 @@
+"""How do chosen looks become one attitude for every instant?  Holds, turns, scans.
+
+Orbital orientation until the first turn must begin and after the last one; between looks a
+turn onto the next scan's profile, which is then ridden until the camera starts.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.errors import InfeasibleSlew
+from planner.frames.time_scales import shifted_utc
+from planner.spacecraft.candidates import Candidate, Session, on_ticks
+from planner.spacecraft.ground_arc import GroundArc, fitted_profile
+from planner.spacecraft.mrp import BodyMotion
+from planner.spacecraft.table import TICK_S, ImagingWindow
+from planner.spacecraft.turn_problem import EndState, Objective, TurnProblem
+from planner.spacecraft.turns import TurnComparison, compare, turn_onto
+
+Array = NDArray[np.float64]
+REST_AFTER_S = 150.0  # longer pauses are spent in orbital orientation
+
+
+class Attitudes(Protocol):
+    """What every stretch of the timeline answers: eci_from_body and rates at instants (m,)."""
+
+    def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]: ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """One stretch of imaging: rows first_row .. last_row scan the arc."""
+
+    candidate: int
+    request: int
+    arc: GroundArc
+    first_row: int
+    last_row: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedTurn:
+    """A turn from row first_row to last_row; look: the number of the one it leads to, None for
+    orbital orientation."""
+
+    first_row: int
+    last_row: int
+    start_utc: datetime
+    look: int | None
+    comparison: TurnComparison
+
+
+@dataclass(frozen=True, kw_only=True)
+class Timeline:
+    """Attitudes of all rows: (n,) and (n, 3), with what they are made of."""
+
+    attitude: Rotation
+    motion: BodyMotion
+    looks: tuple[Look, ...]
+    turns: tuple[PlannedTurn, ...]
+    windows: tuple[ImagingWindow, ...]
+
+
+class TurnDoesNotFit(Exception):
+    """Between two looks; says how many ticks that pair would need."""
+
+    def __init__(self, before: int | None, after: int | None, ticks: int, why: InfeasibleSlew):
+        super().__init__(str(why))
+        self.before = before
+        self.after = after
+        self.ticks = ticks
+        self.why = why
+
+
+def looks_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Look, ...]:
+    """The arcs of the chosen candidates in order of time."""
+    looks = [
+        Look(
+            candidate=k,
+            request=candidates[k].request,
+            arc=arc,
+            first_row=round(arc.start_s / TICK_S),
+            last_row=round(arc.start_s / TICK_S) + on_ticks(arc),
+        )
+        for k in chosen
+        for arc in candidates[k].arcs
+    ]
+    return tuple(sorted(looks, key=lambda look: look.first_row))
+
+
+class _Builder:
+    """Collects stretches in order; `now` is the last row decided."""
+
+    def __init__(self, session: Session, momentum_eci_n_m_s: Array, objective: Objective) -> None:
+        self.session = session
+        self.momentum_eci_n_m_s = momentum_eci_n_m_s
+        self.objective = objective
+        self.stretches: list[tuple[int, Attitudes]] = []
+        self.turns: list[PlannedTurn] = []
+        self.now = 0
+        self.profile: Attitudes = self.orbital(0, self.last_row)
+
+    @property
+    def last_row(self) -> int:
+        return round(self.session.duration_s / TICK_S)
+
+    def orbital(self, first_row: int, last_row: int) -> Attitudes:
+        return fitted_profile(
+            None,
+            self.session.ephemeris,
+            self.session.epoch_utc,
+            (first_row * TICK_S - 1.0, last_row * TICK_S + 1.0),
+        )
+
+    def scan(self, arc: GroundArc, first_row: int, last_row: int) -> Attitudes:
+        return fitted_profile(
+            arc,
+            self.session.ephemeris,
+            self.session.epoch_utc,
+            (first_row * TICK_S - 1.0, last_row * TICK_S + 1.0),
+        )
+
+    def hold(self, until_row: int) -> None:
+        self.stretches.append((until_row, self.profile))
+        self.now = until_row
+
+    def turn(self, goal: Attitudes, latest_row: int, look: int | None, *, late: bool) -> None:
+        """Turn onto the goal, leaving now and arriving when done, or (late) arriving at
+        latest_row and leaving as late as that allows."""
+        available_s = (latest_row - self.now) * TICK_S
+
+        def problem_at(duration_s: float) -> TurnProblem:
+            rows = round(duration_s / TICK_S)
+            start_row = latest_row - rows if late else self.now
+            return self.problem(goal, start_row, start_row + rows)
+
+        turn = turn_onto(problem_at, available_s, self.objective)
+        rows = round(turn.duration_s / TICK_S)
+        if late:
+            self.hold(latest_row - rows)
+        problem = problem_at(turn.duration_s)
+        start_s = self.now * TICK_S
+        self.turns.append(
+            PlannedTurn(
+                first_row=self.now,
+                last_row=self.now + rows,
+                start_utc=shifted_utc(self.session.epoch_utc, start_s),
+                look=look,
+                comparison=compare(problem, turn),
+            )
+        )
+        self.stretches.append((self.now + rows, _Shifted(turn.at, start_s)))
+        self.now += rows
+        self.profile = goal
+
+    def problem(self, goal: Attitudes, start_row: int, end_row: int) -> TurnProblem:
+        spacecraft = self.session.spacecraft
+        return TurnProblem(
+            start=_state(self.profile, start_row),
+            end=_state(goal, end_row),
+            momentum_eci_n_m_s=self.momentum_eci_n_m_s,
+            inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
+            limits=spacecraft.slew,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Shifted:
+    """A turn on the session's clock."""
+
+    of: Callable[[Array], tuple[Rotation, BodyMotion]]
+    start_s: float
+
+    def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
+        return self.of(t_s - self.start_s)
+
+
+def _state(profile: Attitudes, row: int) -> EndState:
+    attitude, motion = profile.at(np.array([row * TICK_S]))
+    return EndState(
+        attitude=attitude[0],
+        omega_body_rad_s=motion.omega_body_rad_s[0],
+        alpha_body_rad_s2=motion.alpha_body_rad_s2[0],
+    )
+
+
+def build_timeline(
+    session: Session,
+    candidates: Sequence[Candidate],
+    chosen: Sequence[int],
+    names: Sequence[str],
+    gyro_momentum_n_m_s: Array,
+    objective: Objective,
+) -> Timeline:
+    """Fly the chosen looks.  Raises TurnDoesNotFit for the pair that needs more time."""
+    looks = looks_of(candidates, chosen)
+    first = fitted_profile(None, session.ephemeris, session.epoch_utc, (-1.0, 30.0))
+    attitude, motion = first.at(np.zeros(1))
+    inertia = np.array(session.spacecraft.inertia_kg_m2)
+    total = attitude[0].apply(inertia * motion.omega_body_rad_s[0] + gyro_momentum_n_m_s)
+    builder = _Builder(session, total, objective)
+    settle_rows = math.ceil(session.spacecraft.slew.settle_s / TICK_S - 1e-6)
+    before: Look | None = None
+    for number, look in enumerate(looks):
+        arrive_row = look.first_row - settle_rows
+        try:
+            long_pause = before is not None and (
+                (look.first_row - before.last_row) * TICK_S > REST_AFTER_S
+            )
+            if long_pause:
+                rest = builder.orbital(builder.now, look.first_row)
+                builder.turn(rest, builder.now + (arrive_row - builder.now) // 2, None, late=False)
+            resting = before is None or long_pause
+            begin = builder.now
+            goal = builder.scan(look.arc, begin, look.last_row + 1)
+            builder.turn(goal, arrive_row, number, late=resting)
+        except InfeasibleSlew as why:
+            raise TurnDoesNotFit(
+                None if before is None else before.candidate,
+                look.candidate,
+                look.first_row - (0 if before is None else before.last_row) + 3,
+                why,
+            ) from why
+        builder.hold(look.last_row + 1)
+        before = look
+    if before is not None:
+        try:
+            rest = builder.orbital(builder.now, builder.last_row)
+            builder.turn(rest, builder.last_row, None, late=False)
+        except InfeasibleSlew as why:
+            raise TurnDoesNotFit(
+                before.candidate, None, builder.last_row - before.last_row + 3, why
+            ) from why
+    builder.hold(builder.last_row)
+    return _assembled(builder, looks, names)
+
+
+def _assembled(builder: _Builder, looks: tuple[Look, ...], names: Sequence[str]) -> Timeline:
+    attitudes, motions, row = [], [], 0
+    for until, stretch in builder.stretches:
+        rows = np.arange(row, until + (until == builder.last_row))
+        if len(rows):
+            attitude, motion = stretch.at(rows / 5.0)
+            attitudes.append(attitude)
+            motions.append(motion)
+            row = int(rows[-1]) + 1
+    counted: dict[int, int] = {}
+    windows = []
+    for look in looks:
+        number = counted.get(look.request, 0)
+        counted[look.request] = number + 1
+        windows.append(
+            ImagingWindow(
+                request=names[look.request],
+                look=number,
+                first_row=look.first_row,
+                last_row=look.last_row,
+            )
+        )
+    return Timeline(
+        attitude=Rotation.concatenate(attitudes),
+        motion=BodyMotion(*(np.concatenate(column) for column in zip(*motions, strict=True))),
+        looks=looks,
+        turns=tuple(builder.turns),
+        windows=tuple(windows),
+    )
