@@ -8,7 +8,7 @@ from datetime import datetime
 
 from planner.assembly import assembled
 from planner.commands import ROWS_PER_S
-from planner.errors import InvalidInput, VerificationFailed
+from planner.errors import VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.joining import Join, covering, session_rows
@@ -16,7 +16,7 @@ from planner.orbits import Ephemeris
 from planner.plan import Plan, Segment, SegmentKind, SlewRun
 from planner.scenario import Scenario
 from planner.sequence import sequenced
-from planner.slew import BACKENDS, SlewProblem, compared, next_duration_s
+from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
 from planner.verification import VerificationReport, verify
 
 
@@ -26,11 +26,6 @@ def make_plan(scenario: Scenario) -> Plan:
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
     there is one, the nearest session start that can.
     """
-    if scenario.slew.method not in BACKENDS:
-        raise InvalidInput(
-            f"slew.method {scenario.slew.method!r} is not known; choose {' or '.join(BACKENDS)}",
-            field="slew.method",
-        )
     keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
     epoch_utc = scenario.initial_state.epoch
     clock = _StageClock()
@@ -71,7 +66,7 @@ def _slew_run(scenario: Scenario, number: int, join: Join, compare: bool) -> Sle
         wall_s=slew.wall_s,
         duration_s=slew.duration_s,
         minimum_s=_minimum_s(slew.problem),
-        comparison=compared(slew, scenario.slew) if compare else None,
+        comparison=compare_with_spline(slew, scenario.slew) if compare else None,
     )
 
 

@@ -1,0 +1,23 @@
+"""How the axes get from one state to another."""
+
+from planner.slew.backends import BACKENDS
+from planner.slew.compare import SlewComparison, compare_with_spline
+from planner.slew.feasibility import next_duration_s, verdict
+from planner.slew.grid import flown
+from planner.slew.join import earliest_join, track_states
+from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.solution import SlewSolution
+
+__all__ = [
+    "BACKENDS",
+    "AxisState",
+    "SlewComparison",
+    "SlewProblem",
+    "SlewSolution",
+    "compare_with_spline",
+    "earliest_join",
+    "flown",
+    "next_duration_s",
+    "track_states",
+    "verdict",
+]

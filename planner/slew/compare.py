@@ -61,7 +61,7 @@ def compare(ocp: SlewSolution, spline: SlewSolution) -> SlewComparison:
 
 def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparison:
     """The optimal slew beside the paper's spline, solved for the purpose."""
-    return compare(ocp, BACKENDS["spline"](ocp.problem, options))
+    return compare(ocp, BACKENDS["spline"].solve(ocp.problem, options))
 
 
 def _figures(solution: SlewSolution) -> SlewFigures:

@@ -93,6 +93,6 @@ def _flown(
         axis_names=track.axis_names, limits=limits, start=start, end=end, duration_s=duration_s
     )
     try:
-        return flown(BACKENDS["ocp"](problem, options))
+        return flown(BACKENDS["ocp"].solve(problem, options))
     except InfeasibleSlew:
         return None
