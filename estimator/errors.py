@@ -34,6 +34,7 @@ class Reason(StrEnum):
     SHORT_ARC = "the visible arc of the limb is too short"
     BROKEN_ARC = "too little of the limb that should be visible was found"
     NIGHT_SIDE = "the Sun is below the limb in view: a daylight limb can't be there"
+    LOW_SUN = "the Sun is too low at the craft: the limb in view is twilight, of unknown height"
     BLURRED = "the edge found is far too soft for the limb: a terminator, glow or cloud edge"
     LIMB_HEIGHT = "the edge lies at a height the limb doesn't have: airglow, aurora or cloud tops"
     RESIDUALS = "the edge found does not follow the limb's shape; suspect the intrinsics"

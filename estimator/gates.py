@@ -24,9 +24,11 @@ _MAX_MISFIT = 1.2
 _MIN_CONTRAST = 0.35
 _MAX_WIDTH_M = 28e3
 _MAX_WIDTH_PX = 4.0
-_BLACK = 0.012
+_BLACK = 0.02
 _SATURATED_SHARE = 0.85
-_SUN_SET_DEG = 4.0
+_SUN_LOW_RAD = np.deg2rad(5.0)
+_SUN_LEAST = np.sin(np.deg2rad(3.0))
+_SUN_NEAR_RAD = np.deg2rad(30.0)
 _HEIGHT_M = (2e3, 45e3)
 
 
@@ -102,15 +104,23 @@ def judge_height(fit: Fit, limb_height_m: float | None, sigma_m: float) -> Reaso
     return None if low <= fit.height_m <= high else Reason.LIMB_HEIGHT
 
 
-def sunlit(limb: Limb, direction_itrf: Floats, height_m: float, sun_itrf: Floats) -> Floats:
-    """Which limb points the Sun still reaches, (n,) of bool."""
+def well_lit(
+    limb: Limb, direction_itrf: Floats, height_m: float, sun_itrf: Floats
+) -> NDArray[np.bool_]:
+    """Which limb points along (n, 3) stand where the daylight limb's height is known.
+
+    Under a lower Sun the limb is that of twilight; near the Sun it is that of dust.
+    """
     elevation = limb.sun_elevation_rad(direction_itrf, height_m, sun_itrf)
-    return np.asarray(np.rad2deg(elevation) > _SUN_SET_DEG)
+    from_sun = np.arccos(np.clip(direction_itrf @ sun_itrf, -1.0, 1.0))
+    return np.asarray((elevation > _SUN_LOW_RAD) & (from_sun > _SUN_NEAR_RAD))
 
 
-def never_sunlit(limb: Limb, height_m: float, sun_itrf: Floats) -> bool:
-    """Whether no point of the whole limb has the Sun above it, whichever way the craft looks."""
-    azimuth = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
-    return not bool(
-        np.any(sunlit(limb, limb.directions_itrf(azimuth, height_m), height_m, sun_itrf))
-    )
+def darkness(limb: Limb, sun_itrf: Floats) -> Reason | None:
+    """Why the Sun at a craft allows no daylight limb, or None."""
+    sine = float(-limb.nadir_itrf @ sun_itrf)
+    if sine > _SUN_LEAST:
+        return None
+    # At the far limb the Sun stands higher by the angle that the limb is away.
+    lit_as_far_as = float(np.arccos(limb.mean_radius_m / limb.range_m))
+    return Reason.LOW_SUN if np.arcsin(sine) > -lit_as_far_as else Reason.NIGHT_SIDE

@@ -6,6 +6,7 @@ exponential atmosphere, 1 - exp(-exp(-(h - h0)/H)), rises fastest at h0, but blu
 moves outwards, towards the mean of the Gumbel distribution; that shift is taken off.
 """
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cache
 
@@ -55,6 +56,15 @@ class LimbPoints:
 
     def __len__(self) -> int:
         return len(self.azimuth_rad)
+
+    def thinned(self, by: int) -> "LimbPoints":
+        """Every so many-th column; neighbours share nearly all they know."""
+        kept = {
+            field.name: getattr(self, field.name)[::by]
+            for field in dataclasses.fields(self)
+            if field.name != "step_rad"
+        }
+        return LimbPoints(**kept, step_rad=self.step_rad * by)
 
     @property
     def arc_rad(self) -> float:

@@ -7,6 +7,8 @@ height h is that of the ellipsoid with both axes longer by h.  Straight rays: re
 lifts the limb by 0.2 km at 17 km height, inside the scatter of its effective height.
 """
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,7 +77,7 @@ class Limb:
         """Distance from the craft to its limb, a sphere's: differs by 0.5 % around the limb."""
         return float(np.sqrt(self.range_m**2 - (self.mean_radius_m + height_m) ** 2))
 
-    @property
+    @cached_property
     def mean_radius_m(self) -> float:
         """Radius of the sphere whose limb has the mean angular radius, limb height zero."""
         azimuth = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)

@@ -18,7 +18,7 @@ from estimator.limb_height import sun_rise_m
 
 Floats = NDArray[np.float64]
 
-ROUGHNESS_M = 1.0e3
+ROUGHNESS_M = 0.9e3
 CORRELATED_RAD = np.deg2rad(5.0)
 _TUKEY = 4.685
 _STEPS = 8
@@ -27,21 +27,20 @@ _STEPS = 8
 # images themselves can tell, and from place to place.
 _RISE_SIGMA = 0.7
 _RISE_SCATTER = 0.2
-# Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
-# height leans along the Sun's azimuth by some hundred metres, which no image can tell from a tilt.
-_LEAN_SIGMA_M = 400.0
 
 
 @dataclass(frozen=True)
 class Prior:
     """What is known beforehand: the limb's height, and the heading to 1-sigma.
 
+    lean_sigma_m: of the height's slope along the Sun's azimuth.
     sun_itrf: None where the limb doesn't follow the Sun.
     """
 
     height_m: float
     height_sigma_m: float
     heading_sigma_rad: float
+    lean_sigma_m: float
     roughness_m: float
     sun_itrf: Floats | None
 
@@ -109,7 +108,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
             prior.heading_sigma_rad**-2,
             max(prior.height_sigma_m, 1.0) ** -2,
             _RISE_SIGMA**-2,
-            _LEAN_SIGMA_M**-2,
+            prior.lean_sigma_m**-2,
         ]
     )
     scale = np.inf
@@ -221,7 +220,7 @@ def _unfitted(points: list[LimbPoints], c: Floats, prior: Prior) -> Fit:
     return Fit(
         c_body_from_itrf=c,
         height_m=prior.height_m,
-        covariance=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2, _RISE_SIGMA**2, _LEAN_SIGMA_M**2]),
+        covariance=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2, _RISE_SIGMA**2, prior.lean_sigma_m**2]),
         residual_rad=nothing,
         tolerance_rad=nothing,
         cost=np.inf,

@@ -1,5 +1,7 @@
 """What is known of the limb and the attitude before an image is looked at?"""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,10 @@ Floats = NDArray[np.float64]
 DAYLIGHT_LIMB_M = 17.5e3
 DAYLIGHT_LIMB_SIGMA_M = 4.0e3
 _BLUE_RISE_M = 3.5e3
+_BLUE_LIMB_SIGMA_M = 3.0e3
+# Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
+# height leans along the Sun's azimuth by some hundred metres, which no image can tell from a tilt.
+_LEAN_M, _BLUE_LEAN_M = 400.0, 250.0
 _UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
 _CLIPPED_RISE_M, _CLIPPED_SIGMA_M = 5e3, 5e3
@@ -34,7 +40,8 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
     if body.limb_height_km is None or body.limb_height_sigma_km is None:
         return Prior(
             height_m=DAYLIGHT_LIMB_M + (_BLUE_RISE_M if blue else 0.0),
-            height_sigma_m=DAYLIGHT_LIMB_SIGMA_M,
+            height_sigma_m=_BLUE_LIMB_SIGMA_M if blue else DAYLIGHT_LIMB_SIGMA_M,
+            lean_sigma_m=(_BLUE_LEAN_M if blue else _LEAN_M) * _low_sun_factor(around),
             heading_sigma_rad=heading,
             roughness_m=ROUGHNESS_M,
             sun_itrf=around.sun_itrf,
@@ -44,20 +51,25 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
         height_m=body.limb_height_km * 1e3,
         height_sigma_m=sigma_m,
         heading_sigma_rad=heading,
+        lean_sigma_m=1.0,
         # A limb said to be known to the metre is no rougher than that.
         roughness_m=min(ROUGHNESS_M, sigma_m + 1.0),
         sun_itrf=None,
     )
 
 
+def _low_sun_factor(around: Surroundings) -> float:
+    """How much more the limb leans when the Sun is low; twice at 14 deg."""
+    sine = max(float(-around.limb.nadir_itrf @ around.sun_itrf), 0.0)
+    return 1.0 + 3.0 * float(np.exp(-sine / 0.23))
+
+
 def overexposed(prior: Prior) -> Prior:
     """The prior of a limb that is saturated up to its edge: what is seen is its faint top."""
-    return Prior(
+    return replace(
+        prior,
         height_m=prior.height_m + _CLIPPED_RISE_M,
         height_sigma_m=float(np.hypot(prior.height_sigma_m, _CLIPPED_SIGMA_M)),
-        heading_sigma_rad=prior.heading_sigma_rad,
-        roughness_m=prior.roughness_m,
-        sun_itrf=prior.sun_itrf,
     )
 
 

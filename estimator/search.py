@@ -11,11 +11,11 @@ from estimator.errors import Reason
 from estimator.gates import (
     MIN_ARC_OF_ALL_RAD,
     CameraFit,
+    darkness,
     judge_camera,
     judge_height,
-    never_sunlit,
-    sunlit,
     unusable_frame,
+    well_lit,
 )
 from estimator.heading import brightness_cost
 from estimator.images import Frame
@@ -34,6 +34,7 @@ _TRIED = 5
 _PROMISING = 0.25
 _CLIPPED_SHARE = 0.3
 _HEADINGS = 12
+_THINNED = 6
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
 
@@ -93,10 +94,12 @@ def look(frame: Frame, camera: HorizonCamera) -> View:
 
 def find_horizon(views: list[View], search: Search) -> Horizon:
     """The best horizon in all views together."""
-    if search.daylight and never_sunlit(
-        search.around.limb, search.prior.height_m, search.around.sun_itrf
-    ):
-        return _none(views, Reason.NIGHT_SIDE)
+    if search.daylight:
+        too_dark = darkness(search.around.limb, search.around.sun_itrf)
+        if too_dark is not None:
+            return _none(views, too_dark)
+    if all(view.unusable is not None for view in views):
+        return _none(views, views[0].unusable or Reason.NO_HORIZON)
     edges = [
         find_edges(view.frame, view.camera, _SEED + k) if view.unusable is None else None
         for k, view in enumerate(views)
@@ -121,9 +124,7 @@ def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search)
             return tried
         failed.append(tried)
     if not failed:
-        reasons = {view.unusable for view in views}
-        only = reasons.pop() if len(reasons) == 1 else None
-        return _none(views, only or Reason.NO_HORIZON)
+        return _none(views, Reason.NO_HORIZON)
     return max(failed, key=lambda h: sum(c.arc_rad for c in h.cameras))
 
 
@@ -142,7 +143,9 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
         ]
         if search.daylight and _mostly_clipped(points):
             known = overexposed(prior)
-        result = _best(_all_headings(points, c, known, search))
+        if window == _FIRST_WINDOW_RAD and not search.heading_known:
+            c = _best(_all_headings(points, c, known, search)).c_body_from_itrf
+        result = fit(points, limb, c, known)
         c, height = result.c_body_from_itrf, result.height_m
         cameras = _judged(views, points, result, search)
         if window == _FIRST_WINDOW_RAD:
@@ -156,8 +159,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
     fits = _all_headings(points, c, known, search)
-    result = _best(fits)
-    judged = _judged(views, points, result, search)
+    judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, known), search)
     cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
     horizon = Horizon(
         reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points)
@@ -180,7 +182,7 @@ def _points(
         return _emptied(points)
     if search.daylight and search.heading_known and len(points):
         direction = limb.directions_itrf(points.azimuth_rad, height)
-        lit = sunlit(limb, direction, height, search.around.sun_itrf)
+        lit = well_lit(limb, direction, height, search.around.sun_itrf)
         points = replace(points, found=points.found & lit, blocked=points.blocked | ~lit)
     return points
 
@@ -193,6 +195,7 @@ def _all_headings(
     if search.heading_known:
         return ((1.0, fit(points, limb, c_body_from_itrf, prior)),)
     nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
+    points = [p.thinned(_THINNED) for p in points]
     fits = [
         fit(points, limb, attitude_facing(nadir_body, limb, heading), prior)
         for heading in np.arange(_HEADINGS) * (2.0 * np.pi / _HEADINGS)

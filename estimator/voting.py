@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 
 _PAIRS = 1500
 _CANDIDATES = 500
+_COUNTED = 30
 _BEST = 8
 _GRADIENT_COSINE = 0.90
 _APART_RAD = np.deg2rad(1.0)
@@ -56,7 +57,7 @@ def vote(
     nadir = np.concatenate(candidates)
     found: list[Vote] = []
     rough = _scores(nadir, ray, inward, weight, cosine, sine, band_rad)
-    order = np.argsort(-rough)[:60]
+    order = np.argsort(-rough)[:_COUNTED]
     scored = [(_coverage(nadir[k], ray, inward, weight, cosine, sine, band_rad), k) for k in order]
     for score, k in sorted(scored, key=lambda pair: -pair[0]):
         near = any(nadir[k] @ other.nadir_body > np.cos(_APART_RAD) for other in found)

@@ -1,0 +1,259 @@
+"""Which images does the horizon benchmark use, and what is their truth?"""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from estimator.atmosphere import Atmosphere
+from estimator.camera import HorizonCamera
+from estimator.images import Pixels
+from estimator.request import Body, HorizonRequest, Position, PredictedAttitude, Surroundings
+from estimator.sensor import Sensor
+from estimator.synthetic import Horizon, Scene
+from planner.frames.geodesy import itrf_from_geodetic
+
+Floats = NDArray[np.float64]
+COLOUR = Sensor(colour=True)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A request with its images, and the true nadirs in body axes."""
+
+    images: tuple[Pixels, ...]
+    request: HorizonRequest
+    geocentric_body: Floats
+    geodetic_body: Floats
+
+
+def camera(
+    name: str, azimuth_deg: float, width: int = 640, height: int = 480, down_deg: float = 22.0
+) -> HorizonCamera:
+    """A camera 60 deg wide on a body whose +Z is nadir, looking down at the horizon."""
+    azimuth, down = np.deg2rad([azimuth_deg, down_deg])
+    z = np.array(
+        [np.cos(azimuth) * np.cos(down), np.sin(azimuth) * np.cos(down), np.sin(down)]
+    )
+    # Image rows run down, towards nadir.
+    y = np.array([0.0, 0.0, 1.0]) - z[2] * z
+    y /= np.linalg.norm(y)
+    c_camera_from_body = np.stack([np.cross(y, z), y, z])
+    focal_px = 0.5 * width / np.tan(np.deg2rad(30.0))
+    return HorizonCamera(
+        name=name,
+        width_px=width,
+        height_px=height,
+        fx_px=focal_px,
+        fy_px=focal_px,
+        cx_px=0.5 * (width - 1),
+        cy_px=0.5 * (height - 1),
+        q_camera_from_body_xyzw=tuple(Rotation.from_matrix(c_camera_from_body).as_quat().tolist()),
+    )
+
+
+def ring(count: int, width: int = 640, height: int = 480) -> tuple[HorizonCamera, ...]:
+    """Cameras 90 deg apart."""
+    return tuple(camera(f"c{k}", 90.0 * k, width, height) for k in range(count))
+
+
+def random_air(rng: np.random.Generator) -> Scene:
+    """Clouds, land, dust, ozone and scale height as they vary; 0.8 km of limb roughness."""
+    return Scene(
+        atmosphere=Atmosphere(
+            air_scale_m=rng.uniform(6.8e3, 8.4e3),
+            dust_optical_depth=rng.uniform(0.03, 0.3),
+            dust_scale_m=rng.uniform(1.0e3, 2.5e3),
+            haze_optical_depth=float(np.exp(rng.uniform(np.log(6e-4), np.log(5e-3)))),
+            ozone=rng.uniform(0.7, 1.3),
+        ),
+        cloud_cover=rng.uniform(0.1, 0.8),
+        land=rng.uniform(0.0, 0.8),
+        roughness_m=800.0,
+    )
+
+
+def case(
+    rng: np.random.Generator,
+    cameras: tuple[HorizonCamera, ...],
+    *,
+    scene: Scene | None = None,
+    sensor: Sensor = COLOUR,
+    sun_deg: tuple[float, float] = (35.0, 90.0),
+    sun_from_boresight_deg: tuple[float, float] = (0.0, 180.0),
+    attitude_deg: float = 8.0,
+    predicted_off_deg: float | None = 0.0,
+    true_cameras: tuple[HorizonCamera, ...] | None = None,
+) -> Case:
+    """One frame per camera from a random place, time and attitude.
+
+    sun_deg: elevation of the Sun at the craft; sun_from_boresight_deg: from the first camera's
+    axis.  predicted_off_deg: the prediction's largest error, None for no prediction.
+    true_cameras: those that take the picture, when they differ from those the estimator knows.
+    """
+    while True:
+        epoch = datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=rng.uniform(0.0, 3.15e7))
+        latitude, longitude = np.arcsin(rng.uniform(-0.85, 0.85)), rng.uniform(-np.pi, np.pi)
+        r_itrf_m = itrf_from_geodetic(latitude, longitude, rng.uniform(350e3, 700e3))
+        position = Position(frame="ITRF", position_km=tuple((r_itrf_m / 1e3).tolist()))
+        around = Surroundings(epoch, position, Body())
+        limb = around.limb
+        heading = rng.uniform(0.0, 2.0 * np.pi)
+        x = np.cos(heading) * limb.axes_itrf[0] + np.sin(heading) * limb.axes_itrf[1]
+        level = np.stack([x, np.cross(limb.nadir_itrf, x), limb.nadir_itrf])
+        tilt = Rotation.from_euler("xyz", rng.uniform(-attitude_deg, attitude_deg, 3), degrees=True)
+        c_body_from_itrf = tilt.as_matrix() @ level
+        sun_body = c_body_from_itrf @ around.sun_itrf
+        elevation = np.rad2deg(np.arcsin(-around.sun_itrf @ limb.nadir_itrf))
+        off = np.rad2deg(np.arccos(sun_body @ cameras[0].boresight_body))
+        low, high = sun_from_boresight_deg
+        if sun_deg[0] <= elevation <= sun_deg[1] and low <= off <= high:
+            break
+    horizon = Horizon(
+        r_itrf_m,
+        c_body_from_itrf,
+        around.sun_itrf,
+        scene or random_air(rng),
+        int(rng.integers(1 << 30)),
+    )
+    images = tuple(horizon.picture(c, sensor) for c in true_cameras or cameras)
+    predicted = None
+    if predicted_off_deg is not None:
+        axis = rng.normal(size=3)
+        axis *= np.deg2rad(predicted_off_deg) * rng.uniform() / np.linalg.norm(axis)
+        c = Rotation.from_rotvec(axis).as_matrix() @ c_body_from_itrf @ around.c_itrf_from_eci
+        predicted = PredictedAttitude(
+            q_body_from_eci_xyzw=tuple(Rotation.from_matrix(c).as_quat().tolist()),
+            # Rms of one component of an error spread evenly over 0..largest.
+            sigma_deg=max(predicted_off_deg / 3.0, 0.05),
+        )
+    return Case(
+        images=images,
+        request=HorizonRequest(
+            epoch=epoch, position=position, cameras=cameras, predicted=predicted
+        ),
+        geocentric_body=c_body_from_itrf @ limb.nadir_itrf,
+        geodetic_body=c_body_from_itrf @ limb.nadir_geodetic_itrf,
+    )
+
+
+NEGATIVES = (
+    "black",
+    "white",
+    "noise",
+    "stars",
+    "moon",
+    "ground",
+    "cloud deck",
+    "airglow",
+    "straight edge",
+    "text",
+    "blobs",
+    "terminator",
+)
+
+
+def negative(kind: str, rng: np.random.Generator) -> tuple[Pixels, HorizonRequest]:
+    """An image without a usable horizon, at an epoch and place where it would be day."""
+    day = case_frame(rng)
+    height, width = 480, 640
+    image = rng.normal(2.0, 1.0, (height, width))
+    y, x = np.mgrid[0:height, 0:width].astype(float)
+    if kind == "black":
+        image *= 0.4
+    elif kind == "white":
+        image = np.full((height, width), 255.0) - 3.0 * rng.random((height, width))
+    elif kind == "noise":
+        image = rng.normal(120.0, 50.0, (height, width))
+    elif kind == "stars":
+        image = _starfield(image, rng, 400)
+    elif kind == "moon":
+        radius, (cx, cy) = rng.uniform(10.0, 150.0), rng.uniform([150, 120], [490, 360])
+        phase = rng.uniform(-1.0, 1.0)
+        disc = np.hypot(x - cx, y - cy) < radius
+        lit = (x - cx) > phase * np.sqrt(np.maximum(radius**2 - (y - cy) ** 2, 0.0))
+        image = image + cv2.GaussianBlur(200.0 * (disc & lit), (0, 0), 0.8)
+    elif kind in ("ground", "cloud deck"):
+        return _looking_down(rng, kind == "cloud deck"), day
+    elif kind in ("airglow", "terminator"):
+        return _night(rng, kind)
+    elif kind == "straight edge":
+        angle, offset = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-100.0, 100.0)
+        side = (x - 320.0) * np.cos(angle) + (y - 240.0) * np.sin(angle) > offset
+        image = image + cv2.GaussianBlur(rng.uniform(60.0, 220.0) * side, (0, 0), 1.5)
+    elif kind == "text":
+        for _ in range(12):
+            place = (int(rng.integers(-50, 450)), int(rng.integers(20, 470)))
+            cv2.putText(image, "NO HORIZON 0123", place, 2, rng.uniform(0.5, 3.0), 230.0, 2)
+    elif kind == "blobs":
+        for _ in range(int(rng.integers(2, 9))):
+            axes = (int(rng.integers(20, 300)), int(rng.integers(20, 300)))
+            place = (int(rng.integers(0, 640)), int(rng.integers(0, 480)))
+            level = rng.uniform(40.0, 240.0)
+            cv2.ellipse(image, place, axes, rng.uniform(0.0, 180.0), 0, 360, level, -1)
+        image = cv2.GaussianBlur(image, (0, 0), 1.0)
+    noisy = image + rng.normal(0.0, 1.0, image.shape)
+    return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8), day
+
+
+def case_frame(rng: np.random.Generator) -> HorizonRequest:
+    """A request in daylight, without a prediction, for one camera."""
+    return _request(rng, (30.0, 80.0), 22.0)[0]
+
+
+def _request(
+    rng: np.random.Generator, sun_deg: tuple[float, float], down_deg: float
+) -> tuple[HorizonRequest, Surroundings]:
+    while True:
+        epoch = datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=rng.uniform(0.0, 3.15e7))
+        r_itrf_m = itrf_from_geodetic(
+            np.arcsin(rng.uniform(-0.85, 0.85)), rng.uniform(-np.pi, np.pi), 420e3
+        )
+        position = Position(frame="ITRF", position_km=tuple((r_itrf_m / 1e3).tolist()))
+        around = Surroundings(epoch, position, Body())
+        elevation = np.rad2deg(np.arcsin(-around.sun_itrf @ around.limb.nadir_itrf))
+        if sun_deg[0] < elevation < sun_deg[1]:
+            cameras = (camera("c0", 0.0, down_deg=down_deg),)
+            return HorizonRequest(epoch=epoch, position=position, cameras=cameras), around
+
+
+def _seen(
+    rng: np.random.Generator, around: Surroundings, seen_by: HorizonCamera, scene: Scene
+) -> Pixels:
+    limb = around.limb
+    heading = rng.uniform(0.0, 2.0 * np.pi)
+    x = np.cos(heading) * limb.axes_itrf[0] + np.sin(heading) * limb.axes_itrf[1]
+    level = np.stack([x, np.cross(limb.nadir_itrf, x), limb.nadir_itrf])
+    seed = int(rng.integers(1 << 30))
+    return Horizon(limb.r_itrf_m, level, around.sun_itrf, scene, seed).picture(seen_by, COLOUR)
+
+
+def _looking_down(rng: np.random.Generator, clouds: bool) -> Pixels:
+    request, around = _request(rng, (30.0, 80.0), 75.0)
+    scene = Scene(cloud_cover=0.95 if clouds else rng.uniform(0.1, 0.6), land=rng.uniform(0, 0.8))
+    return _seen(rng, around, request.cameras[0], scene)
+
+
+def _night(rng: np.random.Generator, kind: str) -> tuple[Pixels, HorizonRequest]:
+    """Airglow over a moonlit Earth; or only the terminator, the limb being out of frame.
+
+    The request claims daylight: the image alone has to give the night away.
+    """
+    sun_deg = (-60.0, -30.0) if kind == "airglow" else (-5.0, 10.0)
+    down_deg = 22.0 if kind == "airglow" else 60.0
+    request, around = _request(rng, sun_deg, down_deg)
+    glow = Atmosphere(airglow=rng.uniform(0.002, 0.02), airglow_height_m=rng.uniform(86e3, 96e3))
+    scene = Scene(atmosphere=glow, moonlight=rng.choice([0.0, 3e-3]), stars=100)
+    image = _seen(rng, around, request.cameras[0], scene)
+    return image, case_frame(rng)
+
+
+def _starfield(image: Floats, rng: np.random.Generator, count: int) -> Floats:
+    for _ in range(count):
+        image[rng.integers(0, image.shape[0]), rng.integers(0, image.shape[1])] += rng.uniform(
+            20.0, 3000.0
+        )
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), 0.9))
