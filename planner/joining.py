@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.commands import ROWS_PER_S
-from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage
+from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.gimbal.track import AxisTrack, track_candidates
 from planner.line_of_sight import STENCIL, LineOfSight, line_of_sight
@@ -23,6 +23,7 @@ from planner.slew import (
     flown,
     track_states,
 )
+from planner.targets import BenchMotionTarget, VisibleTarget
 
 GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
@@ -81,14 +82,40 @@ def ways_to_hold(
     the axes come from.  Raises NotVisible, Unreachable, TrackBreaksLimit.
     """
     rows = session_rows(session, scenario.initial_state.epoch)
-    los = _line_of_sight(scenario, ephemeris, session, rows, from_row)
-    _require_visible(los, rows, session, number)
+    if isinstance(session.target, BenchMotionTarget):
+        track = _prescribed(scenario, session.target, number, rows)
+        return (Way(track=track, rows=rows, seen_from_s=rows.start / ROWS_PER_S),)
+    los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
+    _require_visible(los, rows, session.target, number)
     start_s = rows.start / ROWS_PER_S
     tracks = track_candidates(
         scenario.platform, los, start_s, rows.stop / ROWS_PER_S, start_angle_rad
     )
     seen_from_s = _seen_from_s(los, start_s)
     return tuple(Way(track=track, rows=rows, seen_from_s=seen_from_s) for track in tracks)
+
+
+def _prescribed(
+    scenario: Scenario, target: BenchMotionTarget, number: int, rows: Rows
+) -> AxisTrack:
+    """The motion a test target asks for, once it has shown that it can be flown."""
+    epoch_utc = scenario.initial_state.epoch
+    t_s = np.arange(rows.start, rows.stop + 1) / ROWS_PER_S
+    start_utc = shifted_utc(epoch_utc, t_s[0])
+    names = scenario.platform.axis_names
+    try:
+        target.require_flyable(names, scenario.axis_limits, start_utc, float(t_s[-1] - t_s[0]))
+        motion = target.axis_motion(names, t_s - elapsed_s(target.start or start_utc, epoch_utc))
+    except Refusal as refusal:
+        refusal.field = f"sessions.{number}.target.{refusal.field}"
+        raise
+    return AxisTrack(
+        axis_names=names,
+        t_s=t_s,
+        angle_rad=motion.angle_rad,
+        rate_rad_s=motion.rate_rad_s,
+        acceleration_rad_s2=motion.acceleration_rad_s2,
+    )
 
 
 def joined(scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]) -> Join:
@@ -129,19 +156,21 @@ def _early_row(scenario: Scenario, start_row: int, from_row: int) -> int:
 
 
 def _line_of_sight(
-    scenario: Scenario, ephemeris: Ephemeris, session: Session, rows: Rows, from_row: int
+    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows, from_row: int
 ) -> LineOfSight:
     """Over the session and, where the orbit is known, over the time for joining it early."""
     early_row = _early_row(scenario, rows.start, from_row)
     try:
-        return sight(scenario, ephemeris, session, Rows(start=early_row, stop=rows.stop))
+        return sight(scenario, ephemeris, target, Rows(start=early_row, stop=rows.stop))
     except OutsideCoverage:
         if early_row == rows.start:
             raise
-    return sight(scenario, ephemeris, session, rows)
+    return sight(scenario, ephemeris, target, rows)
 
 
-def sight(scenario: Scenario, ephemeris: Ephemeris, session: Session, rows: Rows) -> LineOfSight:
+def sight(
+    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows
+) -> LineOfSight:
     """The target from row to row, finer where the rows are fewer than the derivatives need."""
     count = max(rows.stop - rows.start + 1, STENCIL)
     t_s = np.linspace(rows.start, rows.stop, count) / ROWS_PER_S
@@ -150,11 +179,11 @@ def sight(scenario: Scenario, ephemeris: Ephemeris, session: Session, rows: Rows
         ephemeris,
         scenario.attitude,
         scenario.platform.q_platform_from_body,
-        session.target,
+        target,
     )
 
 
-def _require_visible(los: LineOfSight, rows: Rows, session: Session, number: int) -> None:
+def _require_visible(los: LineOfSight, rows: Rows, target: VisibleTarget, number: int) -> None:
     in_session = los.instants.t_s > (rows.start - 0.5) / ROWS_PER_S
     hidden = np.flatnonzero(in_session & (los.clearance_rad < 0.0))
     if not hidden.size:
@@ -162,10 +191,10 @@ def _require_visible(los: LineOfSight, rows: Rows, session: Session, number: int
     worst = hidden[np.argmin(los.clearance_rad[hidden])]
     first_utc = shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[hidden[0]]))
     worst_utc = shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[worst]))
-    why = session.target.hidden_because(float(los.clearance_rad[worst]))
+    why = target.hidden_because(float(los.clearance_rad[worst]))
     raise NotVisible(
-        f"session {number} ({utc_text(session.start)} to {utc_text(session.stop)}): from "
-        f"{utc_text(first_utc)} the target can't be seen; at {utc_text(worst_utc)} {why}",
+        f"session {number}: from {utc_text(first_utc)} the target can't be seen; at "
+        f"{utc_text(worst_utc)} {why}",
         field=f"sessions.{number}.start" if hidden[0] == 0 else f"sessions.{number}.stop",
         limit="visibility",
         at_utc=first_utc,

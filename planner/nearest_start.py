@@ -22,6 +22,7 @@ from planner.joining import Rows, joined, session_rows, ways_to_hold
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
 from planner.slew import AxisState
+from planner.targets import BenchMotionTarget
 
 DAY_S = 86400.0
 HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
@@ -181,6 +182,8 @@ def _span(scenario: Scenario, wanted: Rows, from_row: int) -> tuple[Ephemeris, R
 
 def _seen(scenario: Scenario, ephemeris: Ephemeris, session: Session, known: Rows) -> list[Rows]:
     """Runs of rows in which the target can be seen, their ends good to the coarse step."""
+    if isinstance(session.target, BenchMotionTarget):
+        return [known]
     rows = np.arange(known.start, known.stop + 1, COARSE_ROWS)
     instants = Instants(scenario.initial_state.epoch, rows / ROWS_PER_S)
     visible = session.target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0

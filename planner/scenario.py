@@ -15,7 +15,7 @@ from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.spec import spec
-from planner.targets import Target
+from planner.targets import GroundPathTarget, Target, TimedTarget
 
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 
@@ -60,6 +60,9 @@ class Session:
     def __post_init__(self) -> None:
         require_offset("start", self.start)
         require_offset("stop", self.stop)
+        if isinstance(self.target, TimedTarget):
+            # Bound now, so that a session cut short later keeps the target's timetable.
+            object.__setattr__(self, "target", self.target.starting(self.start))
         duration_s = elapsed_s(self.stop, self.start)
         if duration_s <= 0.0:
             raise ValueError(
@@ -68,6 +71,16 @@ class Session:
         if duration_s < COMMAND_STEP_S:
             raise ValueError(
                 f"a session lasts at least one command step, 0.2 s, not {duration_s:.3f} s"
+            )
+        if isinstance(self.target, GroundPathTarget):
+            self._require_path_to_last(self.target)
+
+    def _require_path_to_last(self, path: GroundPathTarget) -> None:
+        over_s = elapsed_s(self.stop, path.start or self.start) - path.duration_s
+        if over_s > COMMAND_STEP_S:
+            raise ValueError(
+                f"the path ends {over_s:.1f} s before stop ({utc_text(self.stop)}); end the "
+                "session there, or give the path more points or less speed"
             )
 
 

@@ -2,7 +2,10 @@
 
 import dataclasses
 import math
-from typing import TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, TypeVar, dataclass_transform
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 T = TypeVar("T")
 
@@ -19,7 +22,7 @@ def spec(cls: type[T]) -> type[T]:
     """
     own_check = cls.__dict__.get("__post_init__")
 
-    def __post_init__(self: object) -> None:  # noqa: N807 (dataclasses calls it by this name)
+    def __post_init__(self: "DataclassInstance") -> None:  # noqa: N807 (dataclasses calls it by this name)
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, float) and not math.isfinite(value):

@@ -23,15 +23,6 @@ LIMIT_TOLERANCE = 1e-9  # of the limit: rounding of degrees to radians
 
 
 @dataclass(frozen=True, kw_only=True)
-class SlowStretch:
-    """From start_s to stop_s, rows included, `axis` moves below its least drive rate."""
-
-    axis: str
-    start_s: float
-    stop_s: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class AxisTrack:
     """Axis motion along a target, continuous: angles are never wrapped.
 
@@ -39,7 +30,7 @@ class AxisTrack:
     over which the target can be followed within the limits too.
     angle_rad, rate_rad_s, acceleration_rad_s2: (n, 2).
     branch: row of `axis_angles`.  singular_margin_rad: least over the session, at
-    singular_at_s.  slow: stretches of the session under the least drive rate.
+    singular_at_s.  All three None where the motion follows no line of sight.
     """
 
     axis_names: tuple[str, str]
@@ -47,10 +38,9 @@ class AxisTrack:
     angle_rad: Array
     rate_rad_s: Array
     acceleration_rad_s2: Array
-    branch: int
-    singular_margin_rad: float
-    singular_at_s: float
-    slow: tuple[SlowStretch, ...]
+    branch: int | None = None
+    singular_margin_rad: float | None = None
+    singular_at_s: float | None = None
 
     def motion(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Angle, rate, acceleration, each (k, 2), at t_s (k,) within the rows."""
@@ -139,7 +129,6 @@ def track_candidates(
                     branch=branch,
                     singular_margin_rad=float(margin[nearest]),
                     singular_at_s=float(t_s[nearest]),
-                    slow=_slow_stretches(platform, t_s[here][session], rate[session]),
                 )
             )
     if not ways:
@@ -212,22 +201,6 @@ def _first_break(
             name = platform.axis_names[axis]
             return _Break(name, limit, cell, float(value[cell, axis]), float(bound[cell, axis]))
     return None
-
-
-def _slow_stretches(
-    platform: TwoAxisPlatform, t_s: Array, rate_rad_s: Array
-) -> tuple[SlowStretch, ...]:
-    stretches = []
-    for axis, (name, limits) in enumerate(
-        zip(platform.axis_names, platform.axis_limits, strict=True)
-    ):
-        slow = np.abs(rate_rad_s[:, axis]) < limits.rate_min_rad_s
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]])))
-        stretches += [
-            SlowStretch(axis=name, start_s=float(t_s[start]), stop_s=float(t_s[end - 1]))
-            for start, end in edges.reshape(-1, 2)
-        ]
-    return tuple(stretches)
 
 
 def _preference(

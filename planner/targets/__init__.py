@@ -12,7 +12,15 @@ from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
 from planner.targets.test_motion import AxisMotion, AxisMotionTarget, BenchMotionTarget
 
-Target = GroundTarget | MovingGroundTarget | GroundPathTarget | StarTarget | BodyTarget
+Target = (
+    GroundTarget
+    | MovingGroundTarget
+    | GroundPathTarget
+    | StarTarget
+    | BodyTarget
+    | BenchMotionTarget
+)
+TimedTarget = GroundPathTarget | BenchMotionTarget  # t = 0 is the session's start unless given
 TARGETS = {mode.mode: mode for mode in get_args(Target)}
 
 __all__ = [
@@ -28,5 +36,6 @@ __all__ = [
     "SkyTarget",
     "StarTarget",
     "Target",
+    "TimedTarget",
     "VisibleTarget",
 ]

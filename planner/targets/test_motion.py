@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Literal, Protocol
+from typing import Literal, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit
-from planner.frames.time_scales import shifted_utc, utc_text
+from planner.frames.time_scales import require_offset, shifted_utc, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
 from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
@@ -54,7 +54,7 @@ class AxisMotionTarget(Protocol):
 
 @spec
 class BenchMotionTarget:
-    """A test signal for each axis; t = 0 is the start of the session.
+    """A test signal for each axis; t = 0 is its start, the session's unless given.
 
     axes: one motion per axis of the platform, by the axis's name.
     Source of the mode: Sumarokov 2016, p. 85.
@@ -62,10 +62,17 @@ class BenchMotionTarget:
 
     mode: Literal["test_motion"] = "test_motion"
     axes: Mapping[str, Motion]
+    start: datetime | None = None
 
     def __post_init__(self) -> None:
+        if self.start is not None:
+            require_offset("start", self.start)
         if not self.axes:
             raise ValueError("axes must name a motion for each axis of the platform")
+
+    def starting(self, start_utc: datetime) -> Self:
+        """The same motion, beginning at start_utc unless it says when itself."""
+        return self if self.start is not None else replace(self, start=start_utc)
 
     def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
