@@ -123,26 +123,39 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
     return members
 
 
-def _told_apart(node: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
+def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
     """The core schema with each union of a registry's classes made a tagged union."""
-    if isinstance(node, list | tuple):
-        return type(node)(_told_apart(item) for item in node)
-    if not isinstance(node, dict):
+    class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
+
+    def class_of(choice: Any) -> type | None:  # noqa: ANN401
+        found: type | None = choice.get("cls") or class_by_ref.get(choice.get("schema_ref"))
+        return found
+
+    def told_apart(node: Any) -> Any:  # noqa: ANN401
+        if isinstance(node, list | tuple):
+            return type(node)(told_apart(item) for item in node)
+        if not isinstance(node, dict):
+            return node
+        node = {key: told_apart(value) for key, value in node.items()}
+        if node.get("type") != "union":
+            return node
+        choices = {class_of(choice): choice for choice in node["choices"]}
+        for member, registry in KINDS.items():
+            if choices.keys() <= set(registry.values()):
+                return _tagged(member, {k: choices[c] for k, c in registry.items() if c in choices})
         return node
-    node = {key: _told_apart(value) for key, value in node.items()}
-    choices = node["choices"] if node.get("type") == "union" else [node]
-    classes = [choice.get("cls") for choice in choices if isinstance(choice, dict)]
-    for member, registry in KINDS.items():
-        if set(classes) == set(registry.values()):
-            kinds = {kind: choices[classes.index(cls)] for kind, cls in registry.items()}
-            return core_schema.tagged_union_schema(
-                kinds,
-                member,
-                custom_error_type="unknown_kind",
-                custom_error_message=f"must be one of {', '.join(registry)}",
-                custom_error_context={"member": member},
-            )
-    return node
+
+    return told_apart(schema)
+
+
+def _tagged(member: str, choice_by_kind: dict[str, Any]) -> Any:  # noqa: ANN401
+    return core_schema.tagged_union_schema(
+        choice_by_kind,
+        member,
+        custom_error_type="unknown_kind",
+        custom_error_message=f"must be one of {', '.join(choice_by_kind)}",
+        custom_error_context={"member": member},
+    )
 
 
 def _with_utc_times(node: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)

@@ -11,6 +11,7 @@ from planner.frames.time_scales import elapsed_s
 from planner.orbits import Orbit
 from planner.platforms import PLATFORMS, PlatformDefinition, TwoAxisPlatform
 from planner.scenario import InitialState, Scenario, Session, SlewOptions
+from planner.slew.backends import BACKENDS
 from planner.spec import spec
 
 SESSIONS_MAX = 200
@@ -41,6 +42,10 @@ class PlanRequest:
     slew: SlewOptions = SlewOptions()
 
     def __post_init__(self) -> None:
+        if self.slew.method not in BACKENDS:
+            raise ValueError(
+                f"slew.method must be {' or '.join(BACKENDS)}, not {self.slew.method[:80]!r}"
+            )
         scenario = self.scenario()
         span_s = elapsed_s(scenario.sessions[-1].stop, scenario.initial_state.epoch)
         if span_s > SPAN_MAX_S:
@@ -82,4 +87,6 @@ def read_plan_request(body: bytes) -> Scenario:
 
 def plan_request_json_schema(ref_template: str) -> dict[str, Any]:
     """JSON Schema of the request; its `$defs` hold what it refers to by `ref_template`."""
-    return _READER.json_schema(ref_template)
+    schema = _READER.json_schema(ref_template)
+    schema["$defs"]["SlewOptions"]["properties"]["method"]["enum"] = list(BACKENDS)
+    return schema

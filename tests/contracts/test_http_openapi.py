@@ -1,5 +1,6 @@
 """Do the API's pages work without a network and tell all there is, from the registries?"""
 
+import dataclasses
 import json
 import re
 
@@ -11,6 +12,7 @@ from app.main import create_app
 from planner.attitude import ATTITUDES
 from planner.orbits import ORBITS
 from planner.platforms import PLATFORMS
+from planner.slew.backends import BACKENDS
 from planner.targets import TARGETS
 
 REGISTRIES = [
@@ -47,7 +49,7 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
     assert described["properties"][member]["const"] == kind
     assert member in described["required"]
     assert described["additionalProperties"] is False
-    assert set(described["properties"]) == set(cls.__dataclass_fields__)
+    assert set(described["properties"]) == {field.name for field in dataclasses.fields(cls)}
     assert described["description"]
 
 
@@ -56,6 +58,12 @@ def test_every_registered_platform_is_documented(document, client):
     assert platform["oneOf"][0]["enum"] == list(PLATFORMS)
     listed = client.get("/v1/platforms").json()["platforms"]
     assert [entry["name"] for entry in listed] == list(PLATFORMS)
+
+
+def test_every_registered_backend_is_documented(document):
+    options = document["components"]["schemas"]["SlewOptions"]["properties"]
+    assert options["method"]["enum"] == list(BACKENDS)
+    assert set(options["objective"]["enum"]) == {"smooth", "minimum_time"}
 
 
 def test_every_reference_leads_somewhere(document):
