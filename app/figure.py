@@ -84,10 +84,9 @@ def _bounds_deg(limits: AxisLimits) -> tuple[tuple[float, float], ...]:
 def _draw_limits(panel: Axes, bounds_deg: list[tuple[float, float]], peak_deg: float) -> None:
     """Dashed, in an axis's colour where the axes differ; in words when far off the motion."""
     if peak_deg < SCALE_SHARE * min(min(abs(low), abs(high)) for low, high in bounds_deg):
-        said = "; ".join(
-            dict.fromkeys(f"limits {low:g} and {high:g}, off the scale" for low, high in bounds_deg)
-        )
-        panel.text(0.01, 0.93, said, transform=panel.transAxes, va="top", color=LIMIT_COLOUR)
+        said = dict.fromkeys(f"{low:g}..{high:g}" for low, high in bounds_deg)
+        text = f"limits {' and '.join(said)}, off the scale"
+        panel.text(0.01, 0.93, text, transform=panel.transAxes, va="top", color=LIMIT_COLOUR)
         return
     same = len(set(bounds_deg)) == 1
     for bounds, colour in zip(bounds_deg, AXIS_COLOURS, strict=True):

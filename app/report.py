@@ -4,6 +4,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from app.api.comparison import comparison_out
 from app.api.plan_response import PointingOut, margins_out, pointing_out
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.plan import Plan
@@ -23,7 +24,7 @@ def print_report(plan: Plan) -> None:
     )
     pointing = [pointing_out(session) for session in plan.verification.sessions]
     for part in (_segments(plan), _pointing(pointing), _margins(plan), _comparison(plan)):
-        if part is not None and part.row_count:
+        if part.row_count:
             console.print(part)
     for warning in plan.warnings:
         console.print(Text(f"warning: {warning}", style="yellow"))
@@ -69,9 +70,9 @@ def _pointing(pointing: list[PointingOut]) -> Table:
         ground_m = session.ground_max_m
         table.add_row(
             str(session.session),
-            f"{session.max_arcsec:.4f}",
-            f"{session.rms_arcsec:.4f}",
-            "-" if ground_m is None else f"{ground_m:.3f}",
+            f"{session.max_arcsec:.2g}",
+            f"{session.rms_arcsec:.2g}",
+            "-" if ground_m is None else f"{ground_m:.2g}",
             f"{session.elevation_min_deg:.2f}",
             f"{session.range_min_km:.1f}",
         )
@@ -91,11 +92,43 @@ def _margins(plan: Plan) -> Table:
                 f"{margin.extreme:.6g}",
                 f"{margin.margin:.6g}",
                 margin.unit,
-                margin.at[11:],
+                margin.at[11:-3],  # to a tenth of a second
                 style="red" if margin.margin < 0.0 else None,
             )
     return table
 
 
-def _comparison(plan: Plan) -> Table | None:
-    return None
+def _comparison(plan: Plan) -> Table:
+    table = _table(
+        "optimal slew against the spline",
+        "<slew",
+        "<axis",
+        "<by",
+        "deg/s",
+        "deg/s2",
+        "deg/s3",
+        "jerk², deg²/s⁵",
+        "<breaks",
+    )
+    for run in plan.slews:
+        if run.comparison is None:
+            continue
+        compared = comparison_out(run.session, run.comparison)
+        for axis in run.comparison.axis_names:
+            for method, figures in (("ocp", compared.ocp[axis]), ("spline", compared.spline[axis])):
+                table.add_row(
+                    f"{run.session}",
+                    axis,
+                    method,
+                    f"{figures.peak_rate_deg_s:.4f}",
+                    f"{figures.peak_acceleration_deg_s2:.4f}",
+                    _or_jump(figures.peak_jerk_deg_s3),
+                    _or_jump(figures.jerk_squared_integral_deg2_s5),
+                    ", ".join(figures.limits_broken) or "-",
+                    style="red" if figures.limits_broken else None,
+                )
+    return table
+
+
+def _or_jump(value: float | None) -> str:
+    return "jump" if value is None else f"{value:.3g}"

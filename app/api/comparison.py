@@ -1,13 +1,73 @@
-"""placeholder"""
+"""How does the answer set the optimal slew beside the paper's spline?"""
 
+import math
 from dataclasses import dataclass
-from typing import Any
+
+from planner.slew.compare import SlewComparison, SlewFigures
+
+DECIMALS = 9
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisFigures:
+    """One axis over one slew; null where the acceleration jumps and the jerk has no bound.
+
+    jerk_squared_integral_deg2_s5: the cost the objective `smooth` makes least.
+    limits_broken: limits the axis breaks, such as "rate"; end_error_arcsec: distance from the
+    angle wanted at the end.
+    """
+
+    peak_rate_deg_s: float
+    peak_acceleration_deg_s2: float
+    peak_jerk_deg_s3: float | None
+    jerk_squared_integral_deg2_s5: float | None
+    limits_broken: list[str]
+    end_error_arcsec: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlewComparisonOut:
+    """Both ways over the same time between the same states, by axis.
+
+    least_s: the least time the limits allow; paper_s: the time the paper's estimate asks for
+    (Sumarokov 2016, eq. 12-13).
+    """
+
     session: int
+    duration_s: float
+    least_s: float | None
+    paper_s: float
+    ocp: dict[str, AxisFigures]
+    spline: dict[str, AxisFigures]
 
 
-def comparison_out(session: int, comparison: Any) -> SlewComparisonOut:
-    return SlewComparisonOut(session=session)
+def comparison_out(session: int, comparison: SlewComparison) -> SlewComparisonOut:
+    """In degrees."""
+    names = comparison.axis_names
+    return SlewComparisonOut(
+        session=session,
+        duration_s=comparison.ocp.duration_s,
+        least_s=_finite(comparison.least_duration_s),
+        paper_s=comparison.paper_duration_s,
+        ocp=_by_axis(names, comparison.ocp),
+        spline=_by_axis(names, comparison.spline),
+    )
+
+
+def _by_axis(names: tuple[str, ...], figures: SlewFigures) -> dict[str, AxisFigures]:
+    deg = math.degrees(1.0)
+    return {
+        name: AxisFigures(
+            peak_rate_deg_s=round(figures.peak_rate_rad_s[axis] * deg, DECIMALS),
+            peak_acceleration_deg_s2=round(figures.peak_acceleration_rad_s2[axis] * deg, DECIMALS),
+            peak_jerk_deg_s3=_finite(figures.peak_jerk_rad_s3[axis] * deg),
+            jerk_squared_integral_deg2_s5=_finite(figures.jerk_squared_integral[axis] * deg**2),
+            limits_broken=[found.limit for found in figures.violations if found.axis == name],
+            end_error_arcsec=round(figures.end_error_rad[axis] * deg * 3600.0, DECIMALS),
+        )
+        for axis, name in enumerate(names)
+    }
+
+
+def _finite(value: float) -> float | None:
+    return round(value, DECIMALS) if math.isfinite(value) else None
