@@ -3,13 +3,14 @@
 import hashlib
 import json
 import math
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 from refusal_cases import request
 from scipy.interpolate import CubicHermiteSpline
+from skyfield.api import EarthSatellite, load, wgs84
 
 from app.api.examples import LAS_VEGAS
 from app.main import create_app
@@ -162,3 +163,46 @@ def test_an_offset_other_than_z_is_the_same_instant(client, plan):
         "/v1/plans", json=request(("sessions.0.start", "2015-02-27T09:36:20-08:00"))
     )
     assert answer.json()["table"]["alpha_deg"] == plan["table"]["alpha_deg"]
+
+
+def _overhead_request(moment: datetime):
+    """A request for the point under the satellite at a moment, by Skyfield."""
+    orbit = LAS_VEGAS["orbit"]
+    satellite = EarthSatellite(orbit["line1"], orbit["line2"])
+    below = wgs84.subpoint_of(satellite.at(load.timescale(builtin=True).from_datetime(moment)))
+    return request(
+        ("sessions.0.target.latitude_deg", below.latitude.degrees),
+        ("sessions.0.target.longitude_deg", below.longitude.degrees),
+        ("sessions.0.start", (moment - timedelta(seconds=30)).isoformat()),
+        ("sessions.0.stop", (moment + timedelta(seconds=30)).isoformat()),
+        ("initial_state.epoch", (moment - timedelta(seconds=200)).isoformat()),
+    )
+
+
+@pytest.mark.parametrize(("age_days", "warns"), [(2.9, False), (3.1, True), (29.0, True)])
+def test_an_old_tle_is_used_with_a_warning(client, age_days, warns):
+    """The target lies under the satellite as Skyfield sees it, so an old TLE is no obstacle."""
+    elements_utc = datetime(2015, 2, 27, 11, 33, tzinfo=UTC)
+    moment = elements_utc + timedelta(days=age_days)
+    answer = client.post("/v1/plans", json=_overhead_request(moment))
+    assert answer.status_code == 201, answer.text
+    plan = answer.json()
+    # 1 s along the track is 1 deg of elevation: Skyfield's and our frames differ by far less.
+    assert plan["pointing"][0]["range_min_km"] == pytest.approx(410, abs=15)
+    assert any("days" in warning for warning in plan["warnings"]) == warns
+
+
+def test_the_spline_says_which_limits_it_breaks(client):
+    """A moving start towards a near stop: the cubic overshoots, and the plan says so."""
+    document = request(
+        ("slew", {"method": "spline"}),
+        ("initial_state.epoch", "2015-02-27T17:35:00Z"),
+        ("initial_state.angles_deg.alpha", 172.0),
+        ("initial_state.rates_deg_s.alpha", 1.5),
+    )
+    plan = client.post("/v1/plans", json=document).json()
+    assert not plan["verification"]["passed"]
+    broken = [finding for finding in plan["verification"]["findings"] if finding["axis"] == "alpha"]
+    assert {finding["limit"] for finding in broken} >= {"rate", "angle_max"}
+    assert plan["margins"]["alpha"]["angle_max"]["margin"] < 0.0
+    assert any("alpha" in warning for warning in plan["warnings"])
