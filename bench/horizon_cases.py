@@ -185,9 +185,11 @@ def negative(kind: str, rng: np.random.Generator) -> tuple[Pixels, HorizonReques
         side = (x - 320.0) * np.cos(angle) + (y - 240.0) * np.sin(angle) > offset
         image = image + cv2.GaussianBlur(rng.uniform(60.0, 220.0) * side, (0, 0), 1.5)
     elif kind == "text":
+        page = np.zeros((height, width), dtype=np.uint8)
         for _ in range(12):
             place = (int(rng.integers(-50, 450)), int(rng.integers(20, 470)))
-            cv2.putText(image, "NO HORIZON 0123", place, 2, rng.uniform(0.5, 3.0), 230.0, 2)
+            cv2.putText(page, "NO HORIZON 0123", place, 2, rng.uniform(0.5, 3.0), 230.0, 2)
+        image = image + page
     elif kind == "blobs":
         for _ in range(int(rng.integers(2, 9))):
             axes = (int(rng.integers(20, 300)), int(rng.integers(20, 300)))

@@ -30,6 +30,7 @@ class Reason(StrEnum):
     ALL_BLACK = "the frame is black: nothing in it is brighter than the noise"
     SATURATED = "the frame is saturated nearly everywhere"
     NO_HORIZON = "no bright-to-dark edge has the shape and the size of the Earth's limb"
+    NOT_IN_FRAME = "the limb is not in the frame: the camera sees only sky or only ground"
     NO_SKY = "no dark sky outside the best candidate limb: ground, clouds or glare fill the frame"
     SHORT_ARC = "the visible arc of the limb is too short"
     BROKEN_ARC = "too little of the limb that should be visible was found"

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 DAYLIGHT_LIMB_M = 17.5e3
 DAYLIGHT_LIMB_SIGMA_M = 4.0e3
 _BLUE_RISE_M = 3.5e3
-_BLUE_LIMB_SIGMA_M = 3.0e3
+_BLUE_LIMB_SIGMA_M = 2.5e3
 # Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
 # height leans along the Sun's azimuth by some hundred metres, which no image can tell from a tilt.
 _LEAN_M, _BLUE_LEAN_M = 400.0, 250.0

@@ -35,6 +35,7 @@ _PROMISING = 0.25
 _CLIPPED_SHARE = 0.3
 _HEADINGS = 12
 _THINNED = 6
+_UNFITTED_COST = 1e12
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
 
@@ -200,7 +201,7 @@ def _all_headings(
         fit(points, limb, attitude_facing(nadir_body, limb, heading), prior)
         for heading in np.arange(_HEADINGS) * (2.0 * np.pi / _HEADINGS)
     ]
-    cost = np.array([f.cost for f in fits])
+    cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     if search.daylight:
         cost = cost + [brightness_cost(points, limb, f, sun) for f in fits]
     # Half the evidence: limb height and dust vary in ways that look like a heading.

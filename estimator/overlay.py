@@ -1,0 +1,54 @@
+"""How does a person see what was measured in a frame?"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.camera import HorizonCamera
+from estimator.images import Pixels
+from estimator.pipeline import CameraReport, VerticalEstimate
+
+Floats = NDArray[np.float64]
+
+_MEASURED = (60, 255, 60)
+_EXPECTED = (60, 160, 255)
+
+
+def draw_overlay(
+    pixels: Pixels,
+    camera: HorizonCamera,
+    report: CameraReport,
+    estimate: VerticalEstimate,
+    expected_px: Floats | None = None,
+) -> NDArray[np.uint8]:
+    """The frame in 8-bit colour with the limb points used (green), the limb a plan expects
+    (orange; `HorizonPrediction.limb_px`) and the verdict."""
+    scale = 1.0 / 257.0 if pixels.dtype == np.uint16 else 1.0
+    picture = np.asarray(np.rint(pixels * scale), dtype=np.uint8)
+    if picture.ndim == 2 or picture.shape[2] == 1:
+        picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
+    picture = np.ascontiguousarray(picture[..., :3])
+    thick = max(1, camera.width_px // 800)
+    if expected_px is not None and len(expected_px) > 1:
+        line = np.rint(expected_px[np.isfinite(expected_px[:, 0])]).astype(np.int32)
+        cv2.polylines(picture, [line], False, _EXPECTED, thick)
+    for x, y in np.rint(report.limb_px[::3]).astype(int):
+        cv2.circle(picture, (int(x), int(y)), thick, _MEASURED, -1)
+    said = str(estimate.verdict)
+    if estimate.geocentric is not None:
+        said += f" +-{np.rad2deg(estimate.geocentric.sigma_rad):.3f} deg"
+    lines = [f"{camera.name}: {said}", f"arc {report.arc_deg:.0f} deg"]
+    if report.reason is not None:
+        lines.append(report.reason.name.lower().replace("_", " "))
+    size = max(0.4, camera.width_px / 1400.0)
+    for k, text in enumerate(lines):
+        place = (8, int(40 * size * (k + 1)))
+        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, (0, 0, 0), 3 * thick)
+        cv2.putText(picture, text, place, cv2.FONT_HERSHEY_SIMPLEX, size, (255, 255, 255), thick)
+    return picture
+
+
+def encode_png(picture: NDArray[np.uint8]) -> bytes:
+    """The picture as a PNG file."""
+    _, coded = cv2.imencode(".png", picture)
+    return bytes(coded)

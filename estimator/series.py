@@ -1,0 +1,72 @@
+"""How does the attitude run over a session's frames, and is there a bias in it?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from estimator.check import INCONSISTENT_BELOW, Verdict
+from estimator.pipeline import VerticalEstimate
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SeriesReport:
+    """Measured minus predicted nadir over the frames that could be used.
+
+    t_s (n,); off_rad (n, 2): along and across as in `AttitudeCheck`.  bias_rad (2,), with
+    covariance (2, 2): the limb's height errs alike in all frames of a session, so the bias is
+    no surer than one frame.  scatter_rad (2,): rms about the bias, jitter and limb roughness.
+    """
+
+    verdict: Verdict
+    t_s: Floats
+    off_rad: Floats
+    bias_rad: Floats
+    covariance_rad2: Floats
+    scatter_rad: Floats
+    probability: float
+
+
+def summarise_series(
+    t_s: Sequence[float], estimates: Sequence[VerticalEstimate], sigma_rad: float
+) -> SeriesReport:
+    """Estimates made against predictions, and the predictions' own 1-sigma."""
+    used = [
+        (t, e.check, e.geocentric)
+        for t, e in zip(t_s, estimates, strict=True)
+        if e.check is not None and e.geocentric is not None
+    ]
+    if not used:
+        none = np.zeros((0, 2))
+        return SeriesReport(
+            verdict=Verdict.NOT_OBSERVABLE,
+            t_s=np.zeros(0),
+            off_rad=none,
+            bias_rad=np.full(2, np.nan),
+            covariance_rad2=np.full((2, 2), np.nan),
+            scatter_rad=np.full(2, np.nan),
+            probability=float("nan"),
+        )
+    off = np.array([[check.along_rad, check.across_rad] for _, check, _ in used])
+    weight = np.array([1.0 / np.trace(nadir.covariance_rad2) for _, _, nadir in used])
+    weight /= weight.sum()
+    bias = weight @ off
+    covariance = np.einsum(
+        "n,nij->ij", weight, np.array([nadir.covariance_rad2 for _, _, nadir in used])
+    )
+    combined = covariance + sigma_rad**2 * np.eye(2)
+    probability = float(chi2.sf(float(bias @ np.linalg.solve(combined, bias)), 2))
+    consistent = probability >= INCONSISTENT_BELOW
+    return SeriesReport(
+        verdict=Verdict.CONSISTENT if consistent else Verdict.INCONSISTENT,
+        t_s=np.array([t for t, _, _ in used]),
+        off_rad=off,
+        bias_rad=bias,
+        covariance_rad2=covariance,
+        scatter_rad=np.sqrt(weight @ (off - bias) ** 2),
+        probability=probability,
+    )
