@@ -11,7 +11,8 @@ from planner.joining import Join
 def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]) -> CommandTable:
     """Row by row: at rest until each slew begins, the slew, the track.
 
-    A row shared by two of them is the later one's.
+    A row shared by two of them is the later one's.  What a slew leaves as end error is
+    flown as it dies away.
     """
     rows = joins[-1].stop_row + 1
     angle_rad = np.empty((rows, len(axis_names)))
@@ -26,6 +27,11 @@ def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join
         track = slice(join.join_row, join.stop_row + 1)
         track_t_s = np.arange(join.join_row, join.stop_row + 1) / ROWS_PER_S
         angle_rad[track], rate_rad_s[track], _ = join.track.motion(track_t_s)
+        if join.slew.settling_s:
+            since_join_s = track_t_s[:, None] - track_t_s[0]
+            left_rad = np.exp(-since_join_s / join.slew.settling_s) * join.slew.end_error_rad
+            angle_rad[track] += left_rad
+            rate_rad_s[track] -= left_rad / join.slew.settling_s
         from_row = join.stop_row
     return CommandTable(
         epoch_utc=epoch_utc, axis_names=axis_names, angle_rad=angle_rad, rate_rad_s=rate_rad_s

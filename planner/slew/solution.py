@@ -152,7 +152,8 @@ class SlewSolution:
     profiles: one per axis, all of duration_s.  status: how each axis was solved.
     iterations: of the solver, all axes together.  wall_s: time spent solving.
     violations: every limit the exact extremes break, none from the "ocp" backend.
-    end_error_rad: distance from the wanted end angle, per axis.
+    end_error_rad: distance from the wanted end angle, per axis; on the track it dies away
+    with the time constant settling_s.
     """
 
     problem: SlewProblem
@@ -163,6 +164,7 @@ class SlewSolution:
     wall_s: float
     violations: tuple[LimitViolation, ...]
     end_error_rad: tuple[float, ...]
+    settling_s: float = 0.0
 
     @property
     def duration_s(self) -> float:

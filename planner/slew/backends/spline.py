@@ -6,6 +6,7 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.commands import ROWS_PER_S
 from planner.platforms import AxisLimits
 from planner.scenario import SlewOptions
 from planner.slew.problem import AxisState, SlewProblem
@@ -21,7 +22,8 @@ SETTLED_LAGS = 24  # e^-24: then the exponential is below rounding
 def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
     """The cubic between both states over the duration, through the first-order filter if asked.
 
-    The objective plays no part, except that "minimum_time" takes the paper's own duration.
+    The objective plays no part, except that "minimum_time" takes the paper's own duration, in
+    whole command steps, where the axes are at rest and so can wait for it.
     Limits are not enforced: the paper's method has no means to; what it breaks is in
     `violations`, and `end_error_rad` is what the filter's lag leaves at the end.
     Source: Sumarokov 2016, eq. 12-14 (the printed a0 read as in the tests), filter p. 91,
@@ -29,8 +31,10 @@ def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
     """
     began_s = time.perf_counter()
     duration_s = problem.duration_s
-    if problem.objective == "minimum_time":
-        duration_s = min(duration_s, paper_duration_s(problem))
+    at_rest = all(state.at_rest() == state for state in problem.start)
+    if problem.objective == "minimum_time" and at_rest:
+        rows = math.ceil(paper_duration_s(problem) * ROWS_PER_S)
+        duration_s = min(duration_s, max(rows, 1) / ROWS_PER_S)
     lag_s = 0.0
     if options.filter_cutoff_hz is not None:
         lag_s = 1.0 / (2.0 * math.pi * options.filter_cutoff_hz)
@@ -58,6 +62,7 @@ def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
         end_error_rad=tuple(
             angle - end.angle_rad for angle, end in zip(reached, problem.end, strict=True)
         ),
+        settling_s=lag_s,
     )
 
 
