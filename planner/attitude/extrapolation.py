@@ -106,7 +106,7 @@ def choose(
     description, (leads_s, error_rad) = tried[int(np.argmin(rms_rad))]
     edges_s = lead_s * np.array([0.25, 0.5, 0.75, 1.0])
     bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
-    chosen = _fit(description, t_s, q_body_from_lvlh, period_s)
+    chosen = fitted(description, t_s, q_body_from_lvlh, period_s)
     assert chosen is not None, "fitted on less history already"
     return Choice(
         extrapolation=chosen,
@@ -131,10 +131,10 @@ def _held_out(
     for cut_s in cuts_s:
         known = t_s <= cut_s
         asked = ~known & (t_s <= cut_s + lead_s)
-        fitted = _fit(description, t_s[known], q_body_from_lvlh[known], period_s)
-        if fitted is None:
+        extrapolation = fitted(description, t_s[known], q_body_from_lvlh[known], period_s)
+        if extrapolation is None:
             break
-        miss = fitted.at(t_s[asked]) * q_body_from_lvlh[asked].inv()
+        miss = extrapolation.at(t_s[asked]) * q_body_from_lvlh[asked].inv()
         leads.append(t_s[asked] - cut_s)
         errors.append(miss.magnitude())
     if len(errors) < LEAST_CUTS:
@@ -142,13 +142,13 @@ def _held_out(
     return np.concatenate(leads), np.concatenate(errors)
 
 
-def _fit(
+def fitted(
     description: Description,
     t_s: NDArray[np.float64],
     q_body_from_lvlh: Rotation,
     period_s: float,
 ) -> Extrapolation | None:
-    """None where the history doesn't hold what the description rests on."""
+    """The description fitted to a history, or None where that is too short for it."""
     window_s = description.orbits * period_s if description.terms else TAIL_S
     if not len(t_s) or t_s[-1] - t_s[0] < 0.95 * window_s:
         return None
