@@ -29,4 +29,12 @@ class AttitudeLaw(Protocol):
 Attitude = LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude
 ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(Attitude)}
 
-__all__ = ["ATTITUDES", "Attitude", "AttitudeLaw"]
+__all__ = [
+    "ATTITUDES",
+    "AemAttitude",
+    "Attitude",
+    "AttitudeLaw",
+    "HarmonicAttitude",
+    "InertialAttitude",
+    "LvlhAttitude",
+]
