@@ -32,7 +32,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         description=_DESCRIPTION,
         redirect_slashes=False,
         separate_input_output_schemas=False,
-        swagger_ui_parameters={"tryItOutEnabled": True, "defaultModelsExpandDepth": 0},
+        swagger_ui_parameters={
+            "tryItOutEnabled": True,
+            "defaultModelsExpandDepth": 0,
+            "validatorUrl": None,  # else the page asks an outside service to judge the document
+        },
     )
     app.state.settings = settings or Settings()
     app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)

@@ -23,7 +23,8 @@ from planner.targets import TARGETS
 
 KINDS: Mapping[str, Mapping[str, type]] = {"source": ORBITS, "law": ATTITUDES, "mode": TARGETS}
 ERRORS_SHOWN = 50
-FIELDS_MAX = 1000  # of one object: bounds the work on a hostile one
+FIELDS_MAX = 1000  # of one object, and
+OBJECTS_MAX = 20_000  # of one request: bounds on the work a hostile one can make
 VALUE_SHOWN_CHARACTERS = 80
 
 JsonScalar = str | float | int | bool | None
@@ -102,14 +103,23 @@ def field_errors(errors: Sequence[Mapping[str, Any]], document: object) -> list[
 
 def _document(body: bytes) -> object:
     """The JSON value, to look field names up in; refuses what isn't JSON."""
+    objects = 0
+
+    def members(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        nonlocal objects
+        objects += 1
+        if objects > OBJECTS_MAX:
+            raise ValueError(f"it has more than {OBJECTS_MAX} objects")
+        return _members(pairs)
+
     try:
-        return json.loads(body.decode("utf-8"), object_pairs_hook=_members)
+        return json.loads(body.decode("utf-8"), object_pairs_hook=members)
     except UnicodeDecodeError as error:
         fault = f"the request must be UTF-8 text; byte {error.start} is not"
     except RecursionError:
         fault = "the request is nested too deeply"
     except ValueError as error:  # also a field twice, a number of 5000 digits
-        fault = f"the request is no valid JSON: {error}"
+        fault = f"the request can't be read as JSON: {error}"
     raise InvalidRequest(FieldError(field="", detail=fault))
 
 
