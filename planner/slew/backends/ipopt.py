@@ -16,7 +16,7 @@ from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.quickest import quickest_profile
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 
-SPANS = 40
+SPANS = 48
 STEEP_SPANS = 60
 FINER_SPANS = 120
 STEEPNESS = 3.0

@@ -1,0 +1,119 @@
+"""Are all feasible slews solved, within every limit at every instant, and the others refused?"""
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.errors import InfeasibleSlew
+from planner.gimbal.hermite import flown_range
+from planner.scenario import SlewOptions
+from planner.slew.backends import BACKENDS
+from planner.slew.feasibility import next_duration_s
+from planner.slew.grid import flown
+from planner.slew.solution import bounds
+from slew_cases import LIMITS, draw_cases, sampled
+
+SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
+ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
+OPTIONS = SlewOptions()
+
+
+def least_shared_s(case):
+    """Least duration that suits both axes: beyond each least time and outside every gap."""
+    shared = 0.0
+    for _ in range(4):
+        for start, end in zip(case.start, case.end, strict=True):
+            shared = max(shared, next_duration_s(start, end, LIMITS, shared))
+    return shared
+
+
+def assert_within_limits(profile):
+    for values, (low, high) in zip(sampled(profile), bounds(LIMITS), strict=True):
+        slack = ROUNDING * (high - low) / 2.0
+        assert values.min() >= low - slack
+        assert values.max() <= high + slack
+
+
+def assert_joins(profile, start, end):
+    q, v, a, _ = sampled(profile)
+    wanted = (start, end)
+    for values, name, tolerance in (
+        (q, "angle_rad", 1e-8),  # 2 mas, 1/300 of a camera pixel
+        (v, "rate_rad_s", 1e-9),
+        (a, "acceleration_rad_s2", 1e-9),
+    ):
+        assert values[0] == pytest.approx(getattr(wanted[0], name), abs=tolerance)
+        assert values[-1] == pytest.approx(getattr(wanted[1], name), abs=tolerance)
+
+
+@pytest.mark.parametrize("part", range(5))
+def test_500_random_slews_are_all_solved_within_limits(part):
+    for number, case in enumerate(draw_cases(seed=100 + part, count=100)):
+        slack = SLACKS[number % len(SLACKS)]
+        duration_s = least_shared_s(case) * slack
+        gaps = [
+            next_duration_s(start, end, LIMITS, duration_s) > duration_s * (1.0 + 1e-9)
+            for start, end in zip(case.start, case.end, strict=True)
+        ]
+        assert not any(gaps)  # none of these draws falls into a gap: nothing is skipped
+        solution = BACKENDS["ocp"].solve(case.problem(duration_s), OPTIONS)
+        assert solution.duration_s == pytest.approx(duration_s, rel=1e-9)
+        assert solution.violations == ()
+        for axis, profile in enumerate(solution.profiles):
+            assert_within_limits(profile)
+            assert_joins(profile, case.start[axis], case.end[axis])
+
+
+def test_too_short_a_time_is_refused_and_the_named_time_works():
+    for number, case in enumerate(draw_cases(seed=7, count=90)):
+        least_s = least_shared_s(case)
+        share = (0.3, 0.8, 0.97)[number % 3]
+        with pytest.raises(InfeasibleSlew) as refused:
+            BACKENDS["ocp"].solve(case.problem(least_s * share), OPTIONS)
+        assert refused.value.axis in ("alpha", "beta")
+        assert refused.value.limit == "duration"
+        assert "needs" in str(refused.value)
+        assert BACKENDS["ocp"].solve(case.problem(least_s), OPTIONS).violations == ()
+
+
+def test_minimum_time_is_the_least_time_of_the_slower_axis():
+    for case in draw_cases(seed=8, count=60):
+        solution = BACKENDS["ocp"].solve(case.problem(1000.0, "minimum_time"), OPTIONS)
+        slower_s = max(
+            next_duration_s(start, end, LIMITS, 0.0)
+            for start, end in zip(case.start, case.end, strict=True)
+        )
+        gap_free = least_shared_s(case) == pytest.approx(slower_s, rel=1e-9)
+        if gap_free:
+            assert solution.duration_s <= 1.01 * slower_s
+        for profile in solution.profiles:
+            assert_within_limits(profile)
+
+
+def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
+    repaired = 0
+    for number, case in enumerate(draw_cases(seed=9, count=72)):
+        slack = (1.0, 1.02, 1.2, 2.0)[number % 4]
+        rows = math.ceil(least_shared_s(case) * slack * 5.0) + 1
+        solution = flown(BACKENDS["ocp"].solve(case.problem(rows / 5.0), OPTIONS))
+        t_s = np.arange(rows + 1) / 5.0
+        angle, rate, _, _ = solution.motion(t_s)
+        repaired += sum("rows" in status for status in solution.status)
+        for (least, greatest), (low, high) in zip(
+            flown_range(0.2, angle, rate), bounds(LIMITS)[:3], strict=True
+        ):
+            slack_value = ROUNDING * (high - low)
+            assert least.min() >= low - slack_value
+            assert greatest.max() <= high + slack_value
+        # The Hermite by its definition, at places the planner doesn't sample.
+        for s in (0.21, 0.5, 0.83):
+            planned = solution.motion(t_s[:-1] + 0.2 * s)[0]
+            hermite = (
+                (1 + 2 * s) * (1 - s) ** 2 * angle[:-1]
+                + s**2 * (3 - 2 * s) * angle[1:]
+                + 0.2 * s * (1 - s) ** 2 * rate[:-1]
+                - 0.2 * s**2 * (1 - s) * rate[1:]
+            )
+            assert np.degrees(np.abs(hermite - planned).max()) * 3600.0 <= 0.1
+    assert repaired > 0  # otherwise this test tests nothing
