@@ -45,14 +45,14 @@ def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
     if ephemeris.kind == "tle":
         return OrbitSigma(
             radial_m=np.hypot(150.0, 60.0 * days),
-            along_m=np.hypot(900.0, 2500.0 * days**1.85),
+            along_m=np.hypot(900.0, 3000.0 * days**1.85),
             cross_m=np.hypot(350.0, 200.0 * days),
             basis=MEASURED_TLE,
         )
     if ephemeris.kind == "oem":
         return OrbitSigma(
             radial_m=np.hypot(20.0, 12.0 * days),
-            along_m=np.hypot(50.0, 400.0 * days**2),
+            along_m=np.hypot(50.0, 500.0 * days**2),
             cross_m=np.hypot(20.0, 8.0 * days),
             basis=MEASURED_OEM,
         )

@@ -1,0 +1,161 @@
+"""Is the pointing budget what geometry and probability theory say?"""
+
+import math
+from datetime import timedelta
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal, norm
+
+from planner.attitude import InertialAttitude, LvlhAttitude
+from planner.frames.time_scales import Instants, utc_from_text
+from planner.line_of_sight import line_of_sight
+from planner.orbits import StateVectorOrbit, TleOrbit
+from planner.platforms.iss_hrc import ISS_HRC
+from planner.targets.ground import GroundTarget
+from planner.uncertainty import BudgetAssumptions, pointing_budget, probability_inside
+
+START = utc_from_text("2015-02-27T17:36:20Z")
+TLE = TleOrbit(
+    line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
+    line2="2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964",
+)
+LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
+INERTIAL = InertialAttitude(epoch=START, q_body_from_eci_xyzw=(0.0, 0.0, 0.0, 1.0))
+INSTANTS = Instants(START, np.arange(0.0, 90.05, 0.2))
+HALF_RAD = np.array([0.008, 0.005])
+QUASI_RANDOM = 0.003  # the error stated for 16384 points
+
+
+def budget(orbit=TLE, attitude=INERTIAL, assumptions=None):
+    ephemeris = orbit.ephemeris(START, START + timedelta(seconds=95))
+    los = line_of_sight(INSTANTS, ephemeris, attitude, ISS_HRC.q_platform_from_body, LAS_VEGAS)
+    found = pointing_budget(
+        los, ephemeris, attitude, LAS_VEGAS, ISS_HRC, assumptions or BudgetAssumptions()
+    )
+    return found, {c.cause: c for c in found.contributions}, los
+
+
+@pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.6])
+@pytest.mark.parametrize("size", [0.3, 1.0, 3.0])
+def test_a_constant_error_falls_in_the_rectangle_as_the_bivariate_normal_says(correlation, size):
+    """Against SciPy's bivariate normal distribution function."""
+    sigma = size * HALF_RAD
+    covariance = np.outer(sigma, sigma) * [[1.0, correlation], [correlation, 1.0]]
+    root = np.linalg.cholesky(covariance)  # columns are independent causes
+    offsets = np.repeat(root.T[:, None, :], 5, axis=1)
+    expected = multivariate_normal([0.0, 0.0], covariance).cdf(HALF_RAD, lower_limit=-HALF_RAD)
+    assert probability_inside(offsets, HALF_RAD) == pytest.approx(expected, abs=QUASI_RANDOM)
+
+
+def test_a_growing_error_counts_at_its_largest():
+    """One cause whose effect grows from 0.2 to 1.3 sigma of the frame: the last instant decides."""
+    growth = np.linspace(0.2, 1.3, 12)
+    offsets = (growth[:, None] * np.array([HALF_RAD[0], 0.0]))[None]
+    expected = 1.0 - 2.0 * norm.cdf(-1.0 / 1.3)
+    assert probability_inside(offsets, HALF_RAD) == pytest.approx(expected, abs=QUASI_RANDOM)
+
+
+def test_an_error_that_swings_across_the_frame_counts_on_both_axes():
+    """An offset of fixed length turning through all directions: a disc inside the rectangle.
+
+    With two equal causes the radius is Rayleigh distributed: 1 - exp(-r^2 / 2 sigma^2).
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    sigma, half = 0.004, np.array([0.006, 0.006])
+    first = sigma * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    second = sigma * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    expected = 1.0 - math.exp(-0.5 * (0.006 / sigma) ** 2)
+    found = probability_inside(np.stack([first, second]), half)
+    assert found == pytest.approx(expected, abs=QUASI_RANDOM)
+
+
+def test_five_independent_causes_add_in_quadrature():
+    sigmas = np.array([0.3, 0.5, 0.2, 0.6, 0.4]) * HALF_RAD[1]
+    offsets = np.zeros((5, 3, 2))
+    offsets[:, :, 1] = sigmas[:, None]
+    expected = 1.0 - 2.0 * norm.cdf(-HALF_RAD[1] / np.linalg.norm(sigmas))
+    assert probability_inside(offsets, HALF_RAD) == pytest.approx(expected, abs=QUASI_RANDOM)
+
+
+def test_a_frame_smaller_than_the_random_error_holds_nothing():
+    assert probability_inside(np.zeros((1, 1, 2)), np.array([0.0, 0.005])) == 0.0
+
+
+def test_an_orbit_error_is_seen_across_the_line_of_sight():
+    """A fresh GNSS state is 10 m off on each axis: 10 m per image axis at the target.
+
+    With an inertial attitude nothing else turns; the drift within 90 s adds 2.7 m at most.
+    """
+    ephemeris = TLE.ephemeris(START, START + timedelta(seconds=95))
+    states = ephemeris.states(Instants(START, np.zeros(1)))
+    orbit = StateVectorOrbit(
+        frame="GCRF",
+        epoch=START,
+        position_km=tuple(states.r_sat_eci_m[0] / 1e3),
+        velocity_km_s=tuple(states.v_sat_eci_m_s[0] / 1e3),
+    )
+    _, causes, _ = budget(orbit)
+    assert 10.0 <= causes["orbit"].ground_m <= 11.0
+    assert "assumed" in causes["orbit"].basis
+
+
+def test_a_late_clock_costs_the_lines_own_motion():
+    """clock_s times the rate at which the line of sight turns, spread over two axes."""
+    assumptions = BudgetAssumptions(clock_s=0.1)
+    _, causes, los = budget(assumptions=assumptions)
+    rate_rad_s = np.linalg.norm(los.los_rate_platform_s, axis=1)
+    most_arcsec = np.rad2deg(rate_rad_s.max()) * 3600.0 * 0.1 / math.sqrt(2.0)
+    assert 0.7 * most_arcsec <= causes["clock"].sigma_arcsec <= 1.001 * most_arcsec
+
+
+def test_the_local_vertical_turns_with_an_orbit_that_is_off():
+    """Along-track d turns LVLH by d/r and the target by d/range; against LVLH they partly cancel.
+
+    Near nadir at 410 km: 1/range - 1/r = 0.94 of 1/range.
+    """
+    inertial = budget(TLE, INERTIAL)[1]["orbit"].sigma_arcsec
+    lvlh = budget(TLE, LvlhAttitude())[1]["orbit"].sigma_arcsec
+    assert lvlh / inertial == pytest.approx(0.94, abs=0.02)
+
+
+def test_contributions_add_up_and_say_what_they_rest_on():
+    found, causes, los = budget()
+    total = math.sqrt(sum(c.sigma_arcsec**2 for c in found.contributions))
+    assert found.sigma_arcsec == pytest.approx(total, rel=1e-9)
+    assert set(causes) == {"orbit", "attitude", "Earth orientation", "clock", "drive resolution"}
+    assert all("measured" in c.basis or "assumed" in c.basis for c in found.contributions)
+    near_m, far_m = los.range_m.min(), los.range_m.max()
+    metres_per_arcsec = found.ground_m / found.sigma_arcsec
+    assert near_m < metres_per_arcsec * 180.0 * 3600.0 / math.pi < far_m
+
+
+class Older:
+    """The same orbit, from elements two days older."""
+
+    kind = "tle"
+    warnings = ()
+
+    def __init__(self, ephemeris):
+        self.states = ephemeris.states
+        self._age_s = ephemeris.age_s
+
+    def age_s(self, instants):
+        return self._age_s(instants) + 2.0 * 86400.0
+
+
+def test_a_better_orbit_keeps_the_target_in_the_frame():
+    fresh, _, los = budget()
+    ephemeris = Older(TLE.ephemeris(START, START + timedelta(seconds=95)))
+    stale = pointing_budget(los, ephemeris, INERTIAL, LAS_VEGAS, ISS_HRC)
+    assert stale.probability_in_frame < 0.5 < fresh.probability_in_frame < 1.0
+    wide = BudgetAssumptions(frame_half_rad=(0.5, 0.5))
+    assert budget(assumptions=wide)[0].probability_in_frame == 1.0
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"clock_s": -1.0}, {"drive_resolution_rad": -1e-6}, {"frame_half_rad": (0.1, 0.0)}]
+)
+def test_assumptions_are_checked(wrong):
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        BudgetAssumptions(**wrong)
