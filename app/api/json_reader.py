@@ -3,6 +3,7 @@
 The HTTP service and the command line read requests here and nowhere else.
 """
 
+import dataclasses
 import json
 import math
 import re
@@ -13,15 +14,11 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
-from pydantic_core import SchemaValidator, core_schema
+from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
-from planner.attitude import ATTITUDES
 from planner.errors import InvalidInput
 from planner.frames.time_scales import utc_from_text
-from planner.orbits import ORBITS
-from planner.targets import TARGETS
 
-KINDS: Mapping[str, Mapping[str, type]] = {"source": ORBITS, "law": ATTITUDES, "mode": TARGETS}
 ERRORS_SHOWN = 50
 FIELDS_MAX = 1000  # of one object, and
 OBJECTS_MAX = 20_000  # of one request: bounds on the work a hostile one can make
@@ -60,8 +57,8 @@ class JsonReader(Generic[T]):
 
     Beyond what `@spec` makes pydantic refuse (unknown fields, NaN, `true` for a number):
     times go through `utc_from_text`, so they carry an offset and may be leap seconds; the
-    member of each registry in `KINDS` is chosen by its kind alone, which must be given; no
-    object holds a field twice.
+    member of a union is chosen by its kind alone, which must be given; no object holds a
+    field twice.
     """
 
     def __init__(self, cls: type[T]) -> None:
@@ -82,10 +79,11 @@ class JsonReader(Generic[T]):
     def json_schema(self, ref_template: str) -> dict[str, Any]:
         """JSON Schema 2020-12; its `$defs` hold what it refers to by `ref_template`."""
         schema = _JsonSchema(ref_template=ref_template).generate(self._schema)
-        for member, registry in KINDS.items():
-            for cls in registry.values():
-                definition = schema["$defs"].get(cls.__name__, {})
-                definition["required"] = [member, *definition.get("required", ())]
+        definitions = schema.get("$defs", {})
+        for definition in definitions.values():
+            # A kind has a default for Python's sake; in a request it must be given.
+            kinds = [name for name, field in definition["properties"].items() if "const" in field]
+            definition["required"] = kinds + definition.get("required", [])
         return schema
 
 
@@ -134,12 +132,11 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
-    """The core schema with each union of a registry's classes made a tagged union."""
-    class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
+    """The core schema with each union of `@spec` classes made a tagged union.
 
-    def class_of(choice: Any) -> type | None:  # noqa: ANN401
-        found: type | None = choice.get("cls") or class_by_ref.get(choice.get("schema_ref"))
-        return found
+    The tag is the first field of the classes, which says their kind by its default.
+    """
+    class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
 
     def told_apart(node: Any) -> Any:  # noqa: ANN401
         if isinstance(node, list | tuple):
@@ -147,18 +144,25 @@ def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is 
         if not isinstance(node, dict):
             return node
         node = {key: told_apart(value) for key, value in node.items()}
-        if node.get("type") != "union":
-            return node
-        choices = {class_of(choice): choice for choice in node["choices"]}
-        for member, registry in KINDS.items():
-            if choices.keys() <= set(registry.values()):
-                return _tagged(member, {k: choices[c] for k, c in registry.items() if c in choices})
+        if node.get("type") == "union":
+            choices = node["choices"]
+            classes = [c.get("cls") or class_by_ref.get(c.get("schema_ref")) for c in choices]
+            tags = [_kind(cls) for cls in classes if cls is not None]
+            if len(tags) == len(choices) and len({member for member, _ in tags}) == 1:
+                kinds = {kind: choice for (_, kind), choice in zip(tags, choices, strict=True)}
+                return _tagged(tags[0][0], kinds)
         return node
 
     return told_apart(schema)
 
 
-def _tagged(member: str, choice_by_kind: dict[str, Any]) -> Any:  # noqa: ANN401
+def _kind(cls: type) -> tuple[str, object]:
+    """The field that says a class's kind, and the kind."""
+    first = dataclasses.fields(cls)[0]
+    return first.name, first.default
+
+
+def _tagged(member: str, choice_by_kind: dict[Any, Any]) -> CoreSchema:
     return core_schema.tagged_union_schema(
         choice_by_kind,
         member,
