@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from slew_cases import LIMITS, draw_cases, sampled
 
 from planner.errors import InfeasibleSlew
 from planner.gimbal.hermite import flown_range
@@ -12,7 +13,6 @@ from planner.slew.backends import BACKENDS
 from planner.slew.feasibility import next_duration_s
 from planner.slew.grid import flown
 from planner.slew.solution import bounds
-from slew_cases import LIMITS, draw_cases, sampled
 
 SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms

@@ -1,0 +1,80 @@
+"""Does every registered slew backend keep the promises all of them make?"""
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.platforms import ISS_HRC
+from planner.scenario import SlewOptions
+from planner.slew.backends import BACKENDS
+from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.solution import violations
+
+LIMITS = ISS_HRC.outer_limits
+
+
+def problem(duration_s=60.0, objective="smooth"):
+    return SlewProblem(
+        axis_names=ISS_HRC.axis_names,
+        limits=ISS_HRC.axis_limits,
+        start=(
+            AxisState(angle_rad=0.1, rate_rad_s=0.01),
+            AxisState(angle_rad=-0.4),
+        ),
+        end=(
+            AxisState(angle_rad=1.3, rate_rad_s=0.005, acceleration_rad_s2=1e-4),
+            AxisState(angle_rad=0.2, rate_rad_s=-0.002),
+        ),
+        duration_s=duration_s,
+        objective=objective,
+    )
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_solution_spans_the_duration_and_starts_where_it_must(name):
+    solution = BACKENDS[name].solve(problem(), SlewOptions())
+    assert solution.backend == name
+    assert len(solution.profiles) == len(solution.status) == 2
+    assert solution.duration_s == pytest.approx(60.0, abs=1e-9)
+    angle, rate, _, _ = solution.motion(np.array([0.0]))
+    np.testing.assert_allclose(angle[0], [0.1, -0.4], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(rate[0], [0.01, 0.0], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+@pytest.mark.parametrize("duration_s", [28.0, 60.0])
+def test_violations_are_never_hidden(name, duration_s):
+    solution = BACKENDS[name].solve(problem(duration_s), SlewOptions())
+    found = tuple(
+        violation
+        for axis, profile in zip(solution.problem.axis_names, solution.profiles, strict=True)
+        for violation in violations(axis, profile, LIMITS)
+    )
+    assert solution.violations == found
+    if BACKENDS[name].keeps_limits:
+        assert found == ()
+        assert max(map(abs, solution.end_error_rad)) < math.radians(0.1 / 3600)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_minimum_time_is_no_longer_than_the_time_given(name):
+    solution = BACKENDS[name].solve(problem(600.0, "minimum_time"), SlewOptions())
+    assert solution.duration_s <= 600.0
+
+
+@pytest.mark.parametrize(
+    ("field", "change"),
+    [
+        ("duration_s", {"duration_s": 0.0}),
+        ("limits", {"limits": (LIMITS,)}),
+        (
+            "end.beta.rate_rad_s",
+            {"end": (AxisState(angle_rad=0.0), AxisState(angle_rad=0.0, rate_rad_s=1.0))},
+        ),
+    ],
+)
+def test_problems_that_make_no_sense_are_refused_by_name(field, change):
+    fields = {name: getattr(problem(), name) for name in problem().__dataclass_fields__}
+    with pytest.raises(ValueError, match=field):
+        SlewProblem(**{**fields, **change})

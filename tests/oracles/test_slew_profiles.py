@@ -1,0 +1,112 @@
+"""Are piecewise polynomials, their extremes, the flown Hermite and the comparison right?"""
+
+import math
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
+
+from planner.gimbal.hermite import flown_range, quintic_motion
+from planner.platforms import ISS_HRC
+from planner.scenario import SlewOptions
+from planner.slew.backends import BACKENDS
+from planner.slew.compare import compare_with_spline
+from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.solution import AxisProfile
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+@given(seed=SEEDS)
+def test_values_and_extremes_agree_with_scipy(seed):
+    rng = np.random.default_rng(seed)
+    breakpoints = np.concatenate([[0.0], np.cumsum(rng.uniform(0.05, 3.0, 6))])
+    profile = AxisProfile(breakpoints_s=breakpoints, coefficients=rng.normal(size=(6, 6)))
+    peer = PPoly(profile.coefficients[:, ::-1].T, breakpoints)
+    t_s = np.linspace(0.0, breakpoints[-1], 20_001)
+    values = profile.evaluate(t_s)
+    for order in range(4):
+        expected = peer.derivative(order)(t_s) if order else peer(t_s)
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(values[order], expected, rtol=0, atol=1e-12 * scale)
+        # The pieces jump, so each is sampled to its own end.
+        pieces = [np.polynomial.Polynomial(c).deriv(order) for c in profile.coefficients]
+        expected = np.concatenate(
+            [
+                piece(np.linspace(0.0, width, 4001))
+                for piece, width in zip(pieces, np.diff(breakpoints), strict=True)
+            ]
+        )
+        extreme = profile.extremes[order]
+        # A sampled extreme misses the true one by at most a curvature's worth of half a step.
+        assert extreme.greatest >= expected.max() - 1e-12 * scale
+        assert extreme.greatest <= expected.max() + 1e-4 * scale
+        assert extreme.least <= expected.min() + 1e-12 * scale
+        assert extreme.least >= expected.min() - 1e-4 * scale
+
+
+@given(seed=SEEDS)
+def test_flown_range_agrees_with_scipy_hermite(seed):
+    rng = np.random.default_rng(seed)
+    angle, rate = rng.normal(size=(9, 2)), rng.normal(scale=5.0, size=(9, 2))
+    ranges = flown_range(0.2, angle, rate)
+    peer = CubicHermiteSpline(np.arange(9) / 5.0, angle, rate)
+    s = np.linspace(0.0, 0.2, 401)
+    for cell in range(8):
+        values = (
+            peer(cell / 5.0 + s),
+            peer.derivative(1)(cell / 5.0 + s),
+            peer.derivative(2)(cell / 5.0 + s[:-1]),
+        )
+        for found, sampled in zip(ranges[:2], values[:2], strict=True):
+            span = np.ptp(sampled, axis=0) + 1e-9
+            assert np.all(found[1][cell] >= sampled.max(axis=0) - 1e-12)
+            assert np.all(found[1][cell] <= sampled.max(axis=0) + 1e-4 * span)
+            assert np.all(found[0][cell] <= sampled.min(axis=0) + 1e-12)
+            assert np.all(found[0][cell] >= sampled.min(axis=0) - 1e-4 * span)
+        straight = values[2]
+        ends = np.sort(np.stack([straight[0], 2 * straight[-1] - straight[-2]]), axis=0)
+        np.testing.assert_allclose(ranges[2][:, cell], ends, rtol=0, atol=1e-8)
+
+
+@given(seed=SEEDS)
+def test_quintic_motion_agrees_with_scipy(seed):
+    rng = np.random.default_rng(seed)
+    rows_s = np.cumsum(rng.uniform(0.1, 0.4, 8))
+    motion = rng.normal(size=(3, 8, 2))
+    t_s = np.linspace(rows_s[0], rows_s[-1] - 1e-9, 300)
+    found = quintic_motion(t_s, rows_s, *motion)
+    for axis in range(2):
+        peer = BPoly.from_derivatives(rows_s, motion[:, :, axis].T)
+        for order in range(3):
+            expected = peer.derivative(order)(t_s) if order else peer(t_s)
+            np.testing.assert_allclose(
+                found[order][:, axis], expected, rtol=0, atol=1e-10 * np.abs(expected).max()
+            )
+
+
+def test_comparison_shows_what_the_cubic_costs():
+    """Rest to rest in T: the cubic's peak rate is 1.5 Δ/T, its jerk 12 Δ/T^3, the quintic's
+    squared jerk 720 Δ^2/T^5 (calculus of variations)."""
+    distance, T = math.radians(30.0), 60.0
+    problem = SlewProblem(
+        axis_names=("alpha",),
+        limits=(ISS_HRC.outer_limits,),
+        start=(AxisState(angle_rad=0.0),),
+        end=(AxisState(angle_rad=distance),),
+        duration_s=T,
+    )
+    options = SlewOptions(filter_cutoff_hz=None)
+    comparison = compare_with_spline(BACKENDS["ocp"].solve(problem, options), options)
+    np.testing.assert_allclose(comparison.spline.peak_rate_rad_s, 1.5 * distance / T, rtol=1e-9)
+    np.testing.assert_allclose(
+        comparison.spline.peak_acceleration_rad_s2, 6.0 * distance / T**2, rtol=1e-9
+    )
+    assert comparison.spline.peak_jerk_rad_s3 == (math.inf,)  # the acceleration jumps at the ends
+    assert comparison.spline.jerk_squared_integral == (math.inf,)
+    np.testing.assert_allclose(
+        comparison.ocp.jerk_squared_integral, 720.0 * distance**2 / T**5, rtol=1e-9
+    )
+    np.testing.assert_allclose(comparison.ocp.peak_rate_rad_s, 1.875 * distance / T, rtol=1e-9)
+    assert comparison.least_duration_s < comparison.paper_duration_s

@@ -1,0 +1,150 @@
+"""Does a track stay on target, unwrapped and within limits, and is an impossible one refused?"""
+
+import dataclasses
+import math
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from planner.errors import TrackBreaksLimit, Unreachable
+from planner.frames.time_scales import Instants
+from planner.gimbal.track import track_candidates
+from planner.line_of_sight import LineOfSight
+from planner.platforms import ISS_HRC
+
+EPOCH = datetime(2015, 2, 27, 17, 36, tzinfo=UTC)
+REST = np.zeros(2)
+
+
+def great_circle(t_s, normal, start, rate_rad_s):
+    """A direction that turns uniformly about `normal`, with its exact derivatives."""
+    normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+    start = np.asarray(start, dtype=float)
+    los = Rotation.from_rotvec(np.outer(rate_rad_s * t_s, normal)).apply(
+        start / np.linalg.norm(start)
+    )
+    rate = rate_rad_s * np.cross(normal, los)
+    acceleration = rate_rad_s * np.cross(normal, rate)
+    return LineOfSight(
+        instants=Instants(EPOCH, t_s),
+        los_platform=los,
+        los_rate_platform_s=rate,
+        los_acceleration_platform_s2=acceleration,
+        range_m=np.full(len(t_s), 5e5),
+        clearance_rad=np.full(len(t_s), 1.0),
+    )
+
+
+def rows(start_s, stop_s):
+    return np.arange(round(start_s * 5), round(stop_s * 5) + 1) / 5.0
+
+
+def roomy(stop_deg):
+    limits = dataclasses.replace(
+        ISS_HRC.outer_limits,
+        angle_min_rad=-math.radians(stop_deg),
+        angle_max_rad=math.radians(stop_deg),
+    )
+    return dataclasses.replace(ISS_HRC, outer_limits=limits, inner_limits=limits)
+
+
+def pointed(angle_rad):
+    outer, inner = ISS_HRC.axes_platform
+    turn = Rotation.from_rotvec(np.outer(angle_rad[:, 0], outer)) * Rotation.from_rotvec(
+        np.outer(angle_rad[:, 1], inner)
+    )
+    return turn.apply([0.0, 0.0, 1.0])
+
+
+def test_track_points_at_and_between_rows():
+    los = great_circle(rows(-20, 60), [0.1, -1.0, 0.2], [-0.3, 0.1, 0.9], 0.012)
+    for track in track_candidates(ISS_HRC, los, 0.0, 50.0, REST):
+        t_s = np.linspace(0.0, 50.0, 997)
+        angle, rate, acceleration = track.motion(t_s)
+        truth = great_circle(t_s, [0.1, -1.0, 0.2], [-0.3, 0.1, 0.9], 0.012).los_platform
+        error_arcsec = np.degrees(np.linalg.norm(pointed(angle) - truth, axis=1)) * 3600
+        assert error_arcsec.max() < 1e-6  # quintic Hermite at 0.2 s: six orders below 0.1 arcsec
+        step = 1e-3
+        ahead, behind = track.motion(t_s + step), track.motion(t_s - step)
+        inside = slice(1, -1)
+        np.testing.assert_allclose(
+            rate[inside], (ahead[0] - behind[0])[inside] / (2 * step), rtol=0, atol=1e-8
+        )
+        np.testing.assert_allclose(
+            acceleration[inside], (ahead[1] - behind[1])[inside] / (2 * step), rtol=0, atol=1e-8
+        )
+
+
+def test_nearer_branch_comes_first():
+    los = great_circle(rows(0, 40), [0.0, -1.0, 0.0], [-0.2, 0.3, 1.0], 0.01)
+    platform = roomy(200.0)
+    ways = track_candidates(platform, los, 0.0, 40.0, REST)
+    assert {way.branch for way in ways} == {0, 1}
+    distances = [np.abs(way.angle_rad[0]).max() for way in ways]
+    assert distances == sorted(distances)
+    for way in ways:
+        nearest = track_candidates(platform, los, 0.0, 40.0, way.angle_rad[0])[0]
+        np.testing.assert_array_equal(nearest.angle_rad, way.angle_rad)
+
+
+def test_angles_run_on_beyond_half_a_turn_when_the_stops_allow():
+    """1.2 turns about alpha: no wrap, and each whole turn that fits is offered."""
+    outer = ISS_HRC.axes_platform[0]
+    t_s = rows(0, 180)
+    los = great_circle(t_s, outer, [0.2, -0.4, 0.9], math.radians(2.4))
+    ways = track_candidates(roomy(400.0), los, 0.0, 180.0, REST)
+    for way in ways:
+        assert np.abs(np.diff(way.angle_rad, axis=0)).max() < math.radians(0.5)
+        span = np.degrees(way.angle_rad[-1, 0] - way.angle_rad[0, 0])
+        assert span == pytest.approx(432.0, abs=1e-6)
+    with pytest.raises(Unreachable) as refused:
+        track_candidates(ISS_HRC, los, 0.0, 180.0, REST)
+    assert refused.value.limit == "angle"
+    assert refused.value.axis == "alpha"
+    assert refused.value.at_utc is not None
+
+
+def test_whole_turns_that_fit_are_all_candidates():
+    los = great_circle(rows(0, 20), [0.0, -1.0, 0.0], [-0.2, 0.3, 1.0], 0.005)
+    ways = track_candidates(roomy(300.0), los, 0.0, 20.0, REST)
+    starts = {tuple(np.round(np.degrees(way.angle_rad[0]), 6)) for way in ways}
+    assert len(starts) == len(ways) > 2
+    for way in ways:
+        np.testing.assert_allclose(pointed(way.angle_rad), los.los_platform, rtol=0, atol=1e-12)
+
+
+def test_keyhole_pass_breaks_the_rate_limit_and_says_when():
+    """The direction passes 0.5 deg from the alpha axis at 20 s: alpha would have to spin."""
+    outer = ISS_HRC.axes_platform[0]
+    across = np.cross(outer, [1.0, 0.0, 0.0])
+    nearest = outer + math.tan(math.radians(0.5)) * across
+    normal = np.cross([1.0, 0.0, 0.0], nearest)
+    start = Rotation.from_rotvec(-0.012 * 20.0 * normal / np.linalg.norm(normal)).apply(
+        nearest / np.linalg.norm(nearest)
+    )
+    los = great_circle(rows(0, 40), normal, start, 0.012)
+    with pytest.raises(TrackBreaksLimit) as refused:
+        track_candidates(ISS_HRC, los, 0.0, 40.0, REST)
+    assert refused.value.axis == "alpha"
+    assert refused.value.limit in ("rate", "acceleration")
+    assert 0.0 < (refused.value.at_utc - EPOCH).total_seconds() <= 20.0
+
+
+def test_track_goes_on_around_the_session_only_while_it_can():
+    """After 60 s the direction enters the dead cone of the alpha axis of a tilted platform."""
+    los = great_circle(rows(-30, 130), [1.0, 0.0, 0.0], [0.3, 0.1, 0.9], 0.012)
+    way = track_candidates(ISS_HRC, los, 0.0, 20.0, REST)[0]
+    assert way.t_s[0] <= 0.0
+    assert way.t_s[-1] >= 20.0
+    limits = ISS_HRC.outer_limits
+    assert np.abs(way.angle_rad).max() <= limits.angle_max_rad
+    assert np.abs(way.rate_rad_s).max() <= limits.rate_max_rad_s * (1.0 + 1e-9)
+
+
+def test_singular_direction_itself_is_refused():
+    outer = ISS_HRC.axes_platform[0]
+    los = great_circle(rows(0, 4), outer, outer, 0.0)
+    with pytest.raises(Unreachable, match=r"singular|no pair"):
+        track_candidates(ISS_HRC, los, 0.0, 4.0, REST)
