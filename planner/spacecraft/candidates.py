@@ -8,6 +8,7 @@ the nearest alternative.
 import math
 from dataclasses import dataclass, replace
 from datetime import datetime
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +126,7 @@ def _arc(a: tuple[float, ...], b: tuple[float, ...], request: ImagingRequest) ->
 
 def _legs(request: StripRequest | CorridorRequest | StereoRequest) -> list[GroundArc]:
     points = request.geometry.coordinates
-    return [_arc(a, b, request) for a, b in zip(points, points[1:], strict=False)]
+    return [_arc(a, b, request) for a, b in pairwise(points)]
 
 
 def _strips(request: AreaRequest, session: Session) -> list[GroundArc]:
@@ -135,13 +136,13 @@ def _strips(request: AreaRequest, session: Session) -> list[GroundArc]:
     latitude, longitude, _ = geodetic_from_itrf(corners.mean(axis=0))
     origin = itrf_from_geodetic(latitude, longitude, request.height_m)
     enu = c_enu_from_itrf(latitude, longitude)
+    local = (corners - origin) @ enu.T
     if request.azimuth_deg is None:
-        azimuth = _track_azimuth(origin, enu, session)
+        azimuth = _side_azimuth(local, _track_azimuth(origin, enu, session))
     else:
         azimuth = math.radians(request.azimuth_deg)
     along = np.array([math.sin(azimuth), math.cos(azimuth), 0.0])
     across = np.array([math.cos(azimuth), -math.sin(azimuth), 0.0])
-    local = (corners - origin) @ enu.T
     low, high = (local @ along).min(), (local @ along).max()
     left, right = (local @ across).min(), (local @ across).max()
     swath_m = session.spacecraft.camera.swath_m
@@ -155,6 +156,18 @@ def _strips(request: AreaRequest, session: Session) -> list[GroundArc]:
         lon_deg, lat_deg = np.rad2deg(lon), np.rad2deg(lat)
         arcs.append(_arc((lon_deg[0], lat_deg[0]), (lon_deg[1], lat_deg[1]), request))
     return arcs
+
+
+def _side_azimuth(local: Array, track_rad: float) -> float:
+    """Azimuth of the side of the polygon nearest the track's, if within 10 deg, else the track's.
+
+    Strips along a side cover a rectangle without one too many.
+    """
+    sides = np.roll(local, -1, axis=0) - local
+    off = np.arctan2(sides[:, 0], sides[:, 1]) - track_rad
+    off = (off + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+    nearest = float(off[np.argmin(np.abs(off))])
+    return track_rad + (nearest if abs(nearest) < math.radians(10.0) else 0.0)
 
 
 def _track_azimuth(r_itrf_m: Array, enu: Array, session: Session) -> float:
@@ -202,7 +215,9 @@ def _timed(
 ) -> list[Candidate]:
     """The chain at every start time where all its arcs are within the camera's angles."""
     times = starts_s.copy()
-    begins, entries, exits = [], [], []
+    begins: list[Array] = []
+    entries: list[Rotation] = []
+    exits: list[Rotation] = []
     ok = np.ones(len(times), dtype=bool)
     for k, arc in enumerate(chain):
         if k > 0:
@@ -246,7 +261,7 @@ def _after_turn(exits: Rotation, times: Array, arc: GroundArc, session: Session)
     starts = times + 10.0
     for _ in range(3):
         safe = np.clip(starts, 0.0, session.duration_s)
-        angle = (exits.inv() * _scan(arc, 0.0, safe, session)).magnitude()
+        angle = np.asarray((exits.inv() * _scan(arc, 0.0, safe, session)).magnitude())
         starts = times + session.turn_time.ticks(angle) * TICK_S
     return np.asarray(starts)
 
@@ -288,7 +303,7 @@ def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candi
     for part, angle in ((1, request.look_angle_deg), (2, -request.look_angle_deg)):
         middle = float(grid[np.argmin(np.abs(along - math.radians(angle)))])
         start = round((middle - 0.5 * arc.duration_s) / TICK_S) * TICK_S
-        nudged = start + np.arange(-5, 6) * TICK_S * 2
+        nudged = np.asarray(start + np.arange(-5.0, 6.0) * TICK_S * 2)
         looks = _timed([arc], nudged, number, request, session)
         found += [replace(look, part=part) for look in looks]
     if {c.part for c in found} != {1, 2}:

@@ -32,9 +32,10 @@ BITS = 62
 class Choice:
     """Chosen candidates in order of time, and how good the choice is.
 
-    chosen: indices into the candidates; requests: theirs.  value: sum of priorities fulfilled.  bound: no choice
-    from these candidates and turn times is worth more.  greedy_value: of taking requests by
-    priority, each at the first moment that fits.  rounds: relaxations solved.
+    chosen: indices into the candidates; requests: theirs.  value: sum of priorities
+    fulfilled.  bound: no choice from these candidates and turn times is worth more.
+    greedy_value: of taking requests by priority, each at the first moment that fits.
+    rounds: relaxations solved.
     """
 
     chosen: tuple[int, ...]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from planner.spacecraft.compiled import compiled
 from planner.spacecraft.dynamics import (
     Plant,
+    Scratch,
     advance,
     array_momentum,
     body_rate,
@@ -29,7 +30,8 @@ from planner.spacecraft.onboard import (
 )
 
 Array = NDArray[np.float64]
-SETTLED_MOMENTUM_GAIN = 0.02  # per tick; 10 s, long against the modes, short against an orbit
+MOMENTUM_GAIN = 0.02  # per tick; 10 s, long against the modes, short against an orbit
+TRACKER_GAIN = 0.1  # per fix
 
 
 class Reference(NamedTuple):
@@ -45,17 +47,15 @@ class Reference(NamedTuple):
 
 
 class Noise(NamedTuple):
-    """Sizes of what is random within a run."""
+    """What is random within a run, drawn beforehand, and what is constantly wrong in it."""
 
-    gyro_noise: float
+    gyro: Array  # (n, 3), rad/s
+    resolver: Array  # (n, 4), rad
+    gimbal_rate: Array  # (n, 4), rad/s, execution error of every tick
+    tracker: Array  # (n, 3), rad
+    tracker_ticks: int
     gyro_bias: Array  # (3,)
     gyro_scale: Array  # (3,)
-    tracker_noise: float
-    tracker_ticks: int
-    gimbal_offset: Array  # (4,)
-    gimbal_jitter: float
-    resolver_noise: float
-    seed: int
 
 
 class Log(NamedTuple):
@@ -67,21 +67,16 @@ class Log(NamedTuple):
     rate: Array  # (n, 3)
     gimbal: Array  # (n, 4)
     gimbal_rate: Array  # (n, 4), executed
-    gimbal_command: Array  # (n, 4)
+    command: Array  # (n, 4), as sent
     margin: Array  # (n,), det(D D^T)
     momentum: Array  # (n, 3), of the array, body axes
-    total: Array  # (n, 3), inertial
     state: Array  # (n, s): attitude, total momentum, modal coordinates and momenta
 
 
 @compiled
-def _gyro(rate: Array, noise: Noise, out: Array) -> None:
+def _gyro(rate: Array, noise: Noise, tick: int, out: Array) -> None:
     for k in range(3):
-        out[k] = (
-            rate[k] * (1.0 + noise.gyro_scale[k])
-            + noise.gyro_bias[k]
-            + noise.gyro_noise * np.random.standard_normal()
-        )
+        out[k] = rate[k] * (1.0 + noise.gyro_scale[k]) + noise.gyro_bias[k] + noise.gyro[tick, k]
     out[3] = (out[0] + out[1] + out[2]) / math.sqrt(3.0)
 
 
@@ -109,6 +104,85 @@ def _reference_rate(reference: Reference, k: int, u: float, tick: float, out: Ar
 
 
 @compiled
+def _at_start(
+    plant: Plant, reference: Reference, modes: Array, gyros: Array, state: Array, work: Array
+) -> None:
+    """Fill the state: on the profile, modes as given, total momentum to match."""
+    m = len(plant.stiffness)
+    state[:4] = reference.q[0]
+    for k in range(3):
+        work[k] = gyros[k]
+        for j in range(3):
+            work[k] += plant.inertia[k, j] * reference.rate[0, j]
+    for i in range(m):
+        state[7 + i] = modes[i]
+        state[7 + m + i] = modes[m + i]
+        for k in range(3):
+            state[7 + m + i] += plant.couplings[i, k] * reference.rate[0, k]
+            work[k] += plant.couplings[i, k] * modes[m + i]
+    rotate(state[:4], work, state[4:7])
+
+
+@compiled
+def _drift(
+    noise: Noise, tick: int, tick_s: float, turned: Array, assumed: Array, gyro_read: bool,
+    fix: bool, knowledge: Array,
+) -> None:  # fmt: skip
+    """Advance the attitude knowledge error by a tick; a star-tracker fix mends a tenth of it."""
+    for k in range(3):
+        if gyro_read:
+            knowledge[k] += noise.gyro_bias[k] * tick_s + noise.gyro_scale[k] * turned[k]
+        else:
+            knowledge[k] += assumed[k] * tick_s - turned[k]
+        if fix:
+            knowledge[k] -= TRACKER_GAIN * (knowledge[k] + noise.tracker[tick, k])
+
+
+@compiled
+def _fly_tick(
+    plant: Plant,
+    reference: Reference,
+    tick: int,
+    tick_s: float,
+    state: Array,
+    servo: Array,
+    command: Array,
+    tools: Scratch,
+    errors: Array,
+    rate: Array,
+    turned: Array,
+) -> None:
+    """Integrate one control cycle; errors: (s, 3), rate minus the table's after each step."""
+    wanted = np.empty(3)
+    steps = len(errors)
+    turned[:] = 0.0
+    for j in range(steps):
+        t_s = (tick * steps + j) * plant.step_s
+        advance(plant, state, servo, command, reference.nadir[tick], t_s, tools)
+        body_rate(plant, state, tools.momenta[2], tools.work, rate)
+        _reference_rate(reference, tick, (j + 1) / steps, tick_s, wanted)
+        for k in range(3):
+            errors[j, k] = rate[k] - wanted[k]
+            turned[k] += rate[k] * plant.step_s
+
+
+@compiled
+def _empty_log(n: int, steps: int, size: int) -> Log:
+    return Log(
+        np.empty((n * steps, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
+        np.empty((n, 4)),
+        np.empty((n, 4)),
+        np.empty((n, 4)),
+        np.empty(n),
+        np.empty((n, 3)),
+        np.empty((n, size)),
+    )
+
+
+@compiled
 def fly(
     plant: Plant,
     computer: Computer,
@@ -121,30 +195,14 @@ def fly(
     """Fly the table from its first row, at rest on the profile.  gimbal: (4,), start angles.
 
     modes_start: (2 m,), modal coordinates and velocities.  The knowledge error obeys
-    e' = (rate believed - rate true), corrected by star trackers between imaging intervals
-    only, with a gain of 0.1 a fix.
+    e' = (rate believed - rate true), corrected by star trackers between imaging intervals.
     """
-    np.random.seed(noise.seed)
-    n, per_tick = len(reference.imaging), round(computer.tick_s / plant.step_s)
-    m = len(plant.stiffness)
-    state, servo = np.zeros(7 + 2 * m), np.zeros((4, 3))
-    for i in range(4):
-        servo[i, 0] = gimbal[i]
+    n, steps = len(reference.imaging), round(computer.tick_s / plant.step_s)
+    state, servo = np.zeros(7 + 2 * len(plant.stiffness)), np.zeros((4, 3))
+    servo[:, 0] = gimbal
     tools = scratch(len(state))
     array_momentum(plant, servo, 0.0, tools.momenta[2])
-    state[:4] = reference.q[0]
-    start = np.zeros(3)
-    for k in range(3):
-        start[k] = tools.momenta[2, k]
-        for j in range(3):
-            start[k] += plant.inertia[k, j] * reference.rate[0, j]
-    for i in range(m):
-        state[7 + i] = modes_start[i]
-        state[7 + m + i] = modes_start[m + i]
-        for k in range(3):
-            state[7 + m + i] += plant.couplings[i, k] * reference.rate[0, k]
-            start[k] += plant.couplings[i, k] * modes_start[m + i]
-    rotate(state[:4], start, state[4:7])
+    _at_start(plant, reference, modes_start, tools.momenta[2], state, tools.work)
     memory = Memory(
         np.zeros((2, 3)),
         state[4:7].copy(),
@@ -153,36 +211,19 @@ def fly(
         servo.copy(),
         np.zeros(1),
     )
-    log = Log(
-        np.empty((n * per_tick, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 4)),
-        np.empty((n, 4)),
-        np.empty((n, 4)),
-        np.empty(n),
-        np.empty((n, 3)),
-        np.empty((n, 3)),
-        np.empty((n, len(state))),
-    )
+    log = _empty_log(n, steps, len(state))
     knowledge, turned, rate, believed_rate = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
-    believed, channels, error, command = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
-    wanted = np.zeros(3)
-    gimbal_now = np.zeros(4)
+    believed, channels, error, seen = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
     body_rate(plant, state, tools.momenta[2], tools.work, rate)
     for tick in range(n):
         if reference.commanded[tick]:
             memory.turn[0] = 0.0
         _believed(state[:4], knowledge, believed)
-        for i in range(4):
-            gimbal_now[i] = servo[i, 0] + noise.resolver_noise * np.random.standard_normal()
-        _gyro(rate, noise, channels)
-        gyro_read = sensed_rate(computer, memory, believed, gimbal_now, channels, believed_rate)
+        seen[:] = servo[:, 0] + noise.resolver[tick]
+        _gyro(rate, noise, tick, channels)
+        gyro_read = sensed_rate(computer, memory, believed, seen, channels, believed_rate)
         if gyro_read:
-            update_total_momentum(
-                computer, memory, believed, gimbal_now, believed_rate, SETTLED_MOMENTUM_GAIN
-            )
+            update_total_momentum(computer, memory, believed, seen, believed_rate, MOMENTUM_GAIN)
         memory.wanted[1] = memory.wanted[0]
         memory.command[1] = memory.command[0]
         future = min(tick + delay_ticks, n - 1)
@@ -191,46 +232,29 @@ def fly(
             memory,
             believed,
             believed_rate,
-            gimbal_now,
+            seen,
             reference.q[tick],
             reference.rate[tick],
             reference.ahead[future : future + 2],
             reference.imaging[tick],
         )
         memory.turn[0] += computer.tick_s
-        send(computer, memory, gimbal_now, delay_ticks)
-        for i in range(4):
-            given = memory.command[delay_ticks, i]
-            command[i] = given * plant.rate_scale[i] + noise.gimbal_offset[i]
-            if noise.gimbal_jitter > 0.0:
-                command[i] += noise.gimbal_jitter * np.random.uniform(-1.0, 1.0)
-            log.gimbal_command[tick, i] = given
-            log.gimbal[tick, i] = servo[i, 0]
-            log.gimbal_rate[tick, i] = servo[i, 1]
+        send(computer, memory, seen, delay_ticks)
+        log.command[tick] = memory.command[delay_ticks]
+        executed = log.command[tick] * plant.rate_scale + noise.gimbal_rate[tick]
+        log.gimbal[tick] = servo[:, 0]
+        log.gimbal_rate[tick] = servo[:, 1]
         log.state[tick] = state
         log.rate[tick] = rate
         log.momentum[tick] = tools.momenta[2]
-        log.total[tick] = state[4:7]
         multiply_inverse(reference.q[tick], state[:4], error)
         log.attitude_error[tick] = 2.0 * error[:3]
         log.knowledge_error[tick] = knowledge
-        turned[:] = 0.0
-        for j in range(per_tick):
-            t_s = (tick * per_tick + j) * plant.step_s
-            advance(plant, state, servo, command, reference.nadir[tick], t_s, tools)
-            body_rate(plant, state, tools.momenta[2], tools.work, rate)
-            _reference_rate(reference, tick, (j + 1) / per_tick, computer.tick_s, wanted)
-            for k in range(3):
-                log.rate_error[tick * per_tick + j, k] = rate[k] - wanted[k]
-                turned[k] += rate[k] * plant.step_s
-        for k in range(3):
-            if gyro_read:
-                drift = noise.gyro_bias[k] * computer.tick_s + noise.gyro_scale[k] * turned[k]
-            else:
-                drift = believed_rate[k] * computer.tick_s - turned[k]
-            knowledge[k] += drift
-        if tick % noise.tracker_ticks == 0 and not reference.imaging[tick]:
-            for k in range(3):
-                fix = noise.tracker_noise * np.random.standard_normal()
-                knowledge[k] -= 0.1 * (knowledge[k] + fix)
+        errors = log.rate_error[tick * steps : (tick + 1) * steps]
+        _fly_tick(
+            plant, reference, tick, computer.tick_s, state, servo, executed, tools, errors, rate,
+            turned,
+        )  # fmt: skip
+        fix = tick % noise.tracker_ticks == 0 and not reference.imaging[tick]
+        _drift(noise, tick, computer.tick_s, turned, believed_rate, gyro_read, fix, knowledge)
     return log

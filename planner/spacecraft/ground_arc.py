@@ -91,7 +91,10 @@ class Profile:
         half = 0.5 * (self.stop_s - self.start_s)
         x = (np.asarray(t_s) - self.start_s) / half - 1.0
         curve = [
-            chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half**d
+            np.asarray(
+                chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half**d,
+                dtype=np.float64,
+            )
             for d in range(4)
         ]
         return self.middle * Rotation.from_mrp(curve[0]), body_motion(*curve)

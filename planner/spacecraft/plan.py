@@ -6,6 +6,7 @@ from datetime import timedelta
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from planner.errors import InfeasibleSlew, InvalidInput, Refusal, Unreachable, VerificationFailed
 from planner.frames.time_scales import elapsed_s
@@ -18,7 +19,14 @@ from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.simulation import fly_many
 from planner.spacecraft.stabilisation import ASSUMPTIONS, StabilisationReport, stabilisation
 from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.timeline import PlannedTurn, Timeline, TurnDoesNotFit, build_timeline
+from planner.spacecraft.timeline import (
+    InertialHold,
+    PlannedTurn,
+    Timeline,
+    TurnDoesNotFit,
+    build_timeline,
+    looks_of,
+)
 from planner.spacecraft.turn_time import turn_time
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
@@ -63,10 +71,10 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     """
     spacecraft = request.definition()
     _refuse_momentum(request, spacecraft)
-    session = _session(request, spacecraft)
+    session = make_session(request, spacecraft)
     options, left_out = _options(request, session)
     choice, timeline = _chosen(request, session, options)
-    table = _table(request, session, timeline)
+    table = make_table(request, session, timeline)
     verification = verify_table(table, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
@@ -99,7 +107,8 @@ def _refuse_momentum(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -
         )
 
 
-def _session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> Session:
+def make_session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> Session:
+    """The orbit and the spacecraft of a request, made ready."""
     margin = timedelta(seconds=200)
     return Session(
         ephemeris=request.orbit.ephemeris(request.start - margin, request.stop + margin),
@@ -163,6 +172,7 @@ def _chosen(
     priorities = [one.priority for one in request.requests]
     momentum = np.array(request.settings.momentum_n_m_s)
     names = [one.name for one in request.requests]
+    initial = _initial(request)
     failure: TurnDoesNotFit | None = None
     for _ in range(ROUNDS):
         open_ones = [k for k in range(len(options)) if k not in barred]
@@ -181,7 +191,9 @@ def _chosen(
         )
         chosen = [open_ones[k] for k in choice.chosen]
         try:
-            timeline = build_timeline(session, options, chosen, names, momentum, request.objective)
+            timeline = build_timeline(
+                session, looks_of(options, chosen), names, momentum, request.objective, initial
+            )
         except TurnDoesNotFit as why:
             failure = why
             if why.before is None or why.after is None or why.before == why.after:
@@ -195,7 +207,14 @@ def _chosen(
     raise failure.why
 
 
-def _table(request: ImagingPlanRequest, session: Session, timeline: Timeline) -> AttitudeTable:
+def _initial(request: ImagingPlanRequest) -> InertialHold | None:
+    if request.initial_q_body_from_eci_xyzw is None:
+        return None
+    return InertialHold(Rotation.from_quat(request.initial_q_body_from_eci_xyzw).inv())
+
+
+def make_table(request: ImagingPlanRequest, session: Session, timeline: Timeline) -> AttitudeTable:
+    """Rows of a timeline with the gimbal angles and rates that fly it."""
     spacecraft = session.spacecraft
     rows = len(timeline.motion.omega_body_rad_s)
     inertia = np.array(spacecraft.inertia_kg_m2)

@@ -145,7 +145,8 @@ class StereoRequest(ImagingRequest):
 class AreaRequest(ImagingRequest):
     """A polygon covered by parallel strips of the camera's swath.
 
-    azimuth_deg: of the strips, clockwise from north; None: along the ground track.
+    azimuth_deg: of the strips, clockwise from north; None: along the ground track, or along a
+    side of the polygon within 10 deg of it.
     """
 
     mode: Literal["area"] = "area"
@@ -245,7 +246,8 @@ class ImagingPlanRequest:
     """A session of the imaging spacecraft.
 
     Row 0 of the table is at `start` (a multiple of 0.2 s after its UTC second), in orbital
-    orientation; the session ends by `stop`, in orbital orientation again.
+    orientation, or at rest in the inertial attitude `initial_q_body_from_eci_xyzw`, which is
+    left for orbital orientation at once; the session ends by `stop`, in orbital orientation.
     simulation_runs: dispersed closed-loop runs behind the stabilisation report; seed: theirs.
     """
 
@@ -255,6 +257,7 @@ class ImagingPlanRequest:
     settings: SpacecraftSettings = SpacecraftSettings()
     start: datetime
     stop: datetime
+    initial_q_body_from_eci_xyzw: tuple[float, float, float, float] | None = None
     requests: tuple[Request, ...]
     objective: Objective = "smooth"
     simulation_runs: int = 4
@@ -277,6 +280,14 @@ class ImagingPlanRequest:
             raise ValueError(
                 f"start ({utc_text(self.start, 6)}) must be a multiple of 0.2 s after its second"
             )
+        q = self.initial_q_body_from_eci_xyzw
+        if q is not None and abs(math.hypot(*q) - 1.0) > 1e-4:
+            raise ValueError(
+                f"initial_q_body_from_eci_xyzw must have unit length, not {math.hypot(*q):.6g}"
+            )
+        self._check_requests()
+
+    def _check_requests(self) -> None:
         if not 1 <= len(self.requests) <= 200:
             raise ValueError(f"requests must hold 1 to 200 of them, not {len(self.requests)}")
         names = [request.name for request in self.requests]

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter
-from scipy.spatial.transform import Rotation
 
 from planner.orbits.ephemeris import OrbitStates
 from planner.spacecraft.cmg_array import CmgArray
@@ -33,8 +32,8 @@ class Dispersion:
 
     frequency, coupling, damping: factors per mode (m,).  inertia: factors per axis (3,).
     gimbal_scale, gimbal_offset_rad_s: executed = scale x commanded + offset, (4,) each;
-    gimbal_jitter_rad_s: a further error drawn anew every tick, uniform +-.  ripple: (4, 3), torque N m,
-    rad/s and phase of the rotor drives' disturbance (0 N m: none).  gyro_bias_rad_s,
+    gimbal_jitter_rad_s: a further error drawn anew every tick, uniform +-.  ripple: (4, 3),
+    torque N m, rad/s and phase of the rotor drives' disturbance (0 N m: none).  gyro_bias_rad_s,
     gyro_scale: (3,).  modes_start: (2 m,), swinging at the start.  noise: whether sensors
     and gimbals make random errors; seed: of those.
     """
@@ -76,7 +75,8 @@ def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
 
 def dispersed(spacecraft: AgileSpacecraft, seed: int) -> Dispersion:
     """One draw: modes +-20 % in frequency, x0.5-1.5 in coupling, x0.5-2 in damping, inertia
-    +-1 %, gimbal rates +-(1 % + 0.0069 deg/s), rotor drives 1 mN m at 0.3-3 Hz, gyro bias and scale."""
+    +-1 %, gimbal rates +-(1 % + 0.0069 deg/s), rotor drives 1 mN m at 0.3-3 Hz, gyro bias
+    and scale."""
     random = np.random.default_rng(seed)
     m, array, sensors = len(spacecraft.modes), spacecraft.array, spacecraft.sensors
     return Dispersion(
@@ -117,7 +117,7 @@ def plant(
     half, drive = servo_transition(array.servo_rad_s, array.servo_damping, step_s / 2.0)
     return Plant(
         inertia=inertia,
-        rigid_inverse=np.linalg.inv(inertia - couplings.T @ couplings),
+        rigid_inverse=np.asarray(np.linalg.inv(inertia - couplings.T @ couplings)),
         couplings=couplings,
         stiffness=omega**2,
         damping=2.0 * damping * omega,
@@ -190,20 +190,19 @@ def reference(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class FlownWindow:
-    """One imaging interval of one run.
-
-    rate_error_rad_s: (3,), largest magnitude per body axis.  pointing_error_rad: largest angle
-    between flown and commanded optical axis, what the computer can't know included.
-    smear_px: rate error over one exposure.  settled_s: from the end of the turn until the
-    rate error stays below the threshold, negative when it was settled before.
-    """
-
-    request: str
-    look: int
-    rate_error_rad_s: Array
-    pointing_error_rad: float
+def _noise(spacecraft: AgileSpacecraft, dispersion: Dispersion, ticks: int) -> Noise:
+    sensors, random = spacecraft.sensors, np.random.default_rng(dispersion.seed)
+    on = 1.0 if dispersion.noise else 0.0
+    jitter = dispersion.gimbal_jitter_rad_s * random.uniform(-1.0, 1.0, (ticks, 4))
+    return Noise(
+        gyro=on * sensors.gyro_noise_rad_s * random.standard_normal((ticks, 3)),
+        resolver=on * sensors.resolver_noise_rad * random.standard_normal((ticks, 4)),
+        gimbal_rate=dispersion.gimbal_offset_rad_s + jitter,
+        tracker=on * sensors.star_tracker_noise_rad * random.standard_normal((ticks, 3)),
+        tracker_ticks=round(sensors.star_tracker_period_s / TICK_S),
+        gyro_bias=dispersion.gyro_bias_rad_s,
+        gyro_scale=dispersion.gyro_scale,
+    )
 
 
 def fly_table(
@@ -218,23 +217,11 @@ def fly_table(
 ) -> Log:
     """One closed-loop run of the whole table; states: the orbit at the table's rows."""
     radius_m = float(np.mean(np.linalg.norm(states.r_sat_eci_m, axis=1)))
-    sensors, noisy = spacecraft.sensors, dispersion.noise
-    noise = Noise(
-        gyro_noise=sensors.gyro_noise_rad_s if noisy else 0.0,
-        gyro_bias=dispersion.gyro_bias_rad_s,
-        gyro_scale=dispersion.gyro_scale,
-        tracker_noise=sensors.star_tracker_noise_rad if noisy else 0.0,
-        tracker_ticks=round(sensors.star_tracker_period_s / TICK_S),
-        gimbal_offset=dispersion.gimbal_offset_rad_s,
-        gimbal_jitter=dispersion.gimbal_jitter_rad_s,
-        resolver_noise=sensors.resolver_noise_rad if noisy else 0.0,
-        seed=dispersion.seed,
-    )
     return fly(
         plant(spacecraft, dispersion, radius_m, step_s),
-        computer(spacecraft, law, noisy),
+        computer(spacecraft, law, dispersion.noise),
         reference(table, spacecraft.array, states, commanded),
-        noise,
+        _noise(spacecraft, dispersion, len(table.t_s) - 1),
         np.ascontiguousarray(table.gimbal_rad[0]),
         dispersion.modes_start,
         spacecraft.gains.delay_ticks,
@@ -256,8 +243,3 @@ def fly_many(
                 seeds,
             )
         )
-
-
-def attitude_at_rows(table: AttitudeTable) -> Rotation:
-    """eci_from_body at every row."""
-    return Rotation.from_quat(table.eci_from_body_xyzw)

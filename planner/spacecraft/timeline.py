@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -70,7 +71,9 @@ class Timeline:
 class TurnDoesNotFit(Exception):
     """Between two looks; says how many ticks that pair would need."""
 
-    def __init__(self, before: int | None, after: int | None, ticks: int, why: InfeasibleSlew):
+    def __init__(
+        self, before: int | None, after: int | None, ticks: int, why: InfeasibleSlew
+    ) -> None:
         super().__init__(str(why))
         self.before = before
         self.after = after
@@ -171,6 +174,17 @@ class _Builder:
 
 
 @dataclass(frozen=True, eq=False)
+class InertialHold:
+    """A fixed attitude, eci_from_body."""
+
+    attitude: Rotation
+
+    def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
+        still = np.zeros((len(t_s), 3))
+        return Rotation.concatenate([self.attitude] * len(t_s)), BodyMotion(still, still, still)
+
+
+@dataclass(frozen=True, eq=False)
 class _Shifted:
     """A turn on the session's clock."""
 
@@ -192,53 +206,70 @@ def _state(profile: Attitudes, row: int) -> EndState:
 
 def build_timeline(
     session: Session,
-    candidates: Sequence[Candidate],
-    chosen: Sequence[int],
+    looks: tuple[Look, ...],
     names: Sequence[str],
     gyro_momentum_n_m_s: Array,
     objective: Objective,
+    initial: InertialHold | None = None,
 ) -> Timeline:
-    """Fly the chosen looks.  Raises TurnDoesNotFit for the pair that needs more time."""
-    looks = looks_of(candidates, chosen)
-    first = fitted_profile(None, session.ephemeris, session.epoch_utc, (-1.0, 30.0))
-    attitude, motion = first.at(np.zeros(1))
+    """Fly the looks in order.  Raises TurnDoesNotFit for the pair that needs more time.
+
+    initial: leave this attitude for orbital orientation at once (None: begin in that).
+    """
+    rest = fitted_profile(None, session.ephemeris, session.epoch_utc, (-1.0, 30.0))
+    attitude, motion = (initial or rest).at(np.zeros(1))
     inertia = np.array(session.spacecraft.inertia_kg_m2)
     total = attitude[0].apply(inertia * motion.omega_body_rad_s[0] + gyro_momentum_n_m_s)
     builder = _Builder(session, total, objective)
-    settle_rows = math.ceil(session.spacecraft.slew.settle_s / TICK_S - 1e-6)
+    if initial is not None:
+        orbital = builder.profile
+        builder.profile = initial
+        until = looks[0].first_row // 2 if looks else builder.last_row
+        _fitted(builder, None, looks[0] if looks else None, lambda: builder.turn(
+            orbital, until, None, late=False))  # fmt: skip
     before: Look | None = None
     for number, look in enumerate(looks):
-        arrive_row = look.first_row - settle_rows
-        try:
-            long_pause = before is not None and (
-                (look.first_row - before.last_row) * TICK_S > REST_AFTER_S
-            )
-            if long_pause:
-                rest = builder.orbital(builder.now, look.first_row)
-                builder.turn(rest, builder.now + (arrive_row - builder.now) // 2, None, late=False)
-            resting = before is None or long_pause
-            begin = builder.now
-            goal = builder.scan(look.arc, begin, look.last_row + 1)
-            builder.turn(goal, arrive_row, number, late=resting)
-        except InfeasibleSlew as why:
-            raise TurnDoesNotFit(
-                None if before is None else before.candidate,
-                look.candidate,
-                look.first_row - (0 if before is None else before.last_row) + 3,
-                why,
-            ) from why
+        _fitted(builder, before, look, partial(_onto, builder, before, look, number))
         builder.hold(look.last_row + 1)
         before = look
     if before is not None:
-        try:
-            rest = builder.orbital(builder.now, builder.last_row)
-            builder.turn(rest, builder.last_row, None, late=False)
-        except InfeasibleSlew as why:
-            raise TurnDoesNotFit(
-                before.candidate, None, builder.last_row - before.last_row + 3, why
-            ) from why
+        back = builder.orbital(builder.now, builder.last_row)
+        _fitted(
+            builder, before, None, lambda: builder.turn(back, builder.last_row, None, late=False)
+        )
     builder.hold(builder.last_row)
     return _assembled(builder, looks, names)
+
+
+def _onto(builder: _Builder, before: Look | None, look: Look, number: int) -> None:
+    """Turn onto a look, by way of orbital orientation after a long pause."""
+    settle_rows = math.ceil(builder.session.spacecraft.slew.settle_s / TICK_S - 1e-6)
+    arrive_row = look.first_row - settle_rows
+    pause_s = 0.0 if before is None else (look.first_row - before.last_row) * TICK_S
+    if pause_s > REST_AFTER_S:
+        rest = builder.orbital(builder.now, look.first_row)
+        builder.turn(rest, builder.now + (arrive_row - builder.now) // 2, None, late=False)
+    # A scan's profile is continued backwards only so far: beyond, it leaves the ground.
+    begin = max(builder.now, look.first_row - round(REST_AFTER_S / TICK_S))
+    goal = builder.scan(look.arc, begin, look.last_row + 1)
+    builder.turn(goal, arrive_row, number, late=before is None or pause_s > REST_AFTER_S)
+
+
+def _fitted(
+    builder: _Builder, before: Look | None, after: Look | None, turn: Callable[[], None]
+) -> None:
+    """Run a turn; tell who needs how many ticks when it doesn't fit."""
+    try:
+        turn()
+    except InfeasibleSlew as why:
+        start_row = 0 if before is None else before.last_row
+        stop_row = builder.last_row if after is None else after.first_row
+        raise TurnDoesNotFit(
+            None if before is None else before.candidate,
+            None if after is None else after.candidate,
+            stop_row - start_row + 3,
+            why,
+        ) from why
 
 
 def _assembled(builder: _Builder, looks: tuple[Look, ...], names: Sequence[str]) -> Timeline:

@@ -3,13 +3,14 @@
 The attitude itself is the flat output: sigma(t) is a B-spline in t/T, from which rate, control
 torque and torque rate follow exactly, so the rigid body's equations need no integration and
 no defect constraints.  (The total momentum's direction in body axes is taken along the guess:
-it enters the torque with 0.03 rad/s times a few N m s.)  Both ends match attitude, rate and acceleration.  One solver per
-objective and process, kept; times, ends, momentum and limits enter as parameters.
+it enters the torque with 0.03 rad/s times a few N m s.)  Both ends match attitude, rate and
+acceleration.  One solver per objective and process, kept; times, ends, momentum and limits
+enter as parameters.
 """
 
 import time
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi
 import numpy as np
@@ -116,7 +117,8 @@ def _transcription(objective: Objective) -> Transcription:
     scale = casadi.SX.sym("limits", 5)  # rate, axis rate, torque, torque rate, momentum
     values = [casadi.mtimes(casadi.DM(m), c) for m in rows]
     point = _point_loads()
-    g, effort = [], 0
+    g: list[casadi.SX] = []
+    effort = casadi.SX(0)
     for k in range(len(u)):
         here = [values[d][k, :].T / span**d for d in range(4)]
         omega, torque, torque_rate, stored = point(*here, total[k, :].T, j)
@@ -137,13 +139,13 @@ def _transcription(objective: Objective) -> Transcription:
             made = casadi.mtimes(casadi.DM(ends[d][end : end + 1]), c)
             g.append((made - boundary[3 * end + d, :] * span**d).T)
     cost = span + 1e-3 * effort if objective == "minimum_time" else 100.0 * effort
-    nlp = {
+    nlp: dict[str, casadi.SX] = {
         "x": casadi.vertcat(casadi.vec(c), span),
         "p": casadi.vertcat(casadi.vec(boundary), casadi.vec(total), j, scale),
         "f": cost,
         "g": casadi.vertcat(*g),
     }
-    options = {
+    options: dict[str, Any] = {
         "ipopt": {
             "linear_solver": "mumps",
             "print_level": 0,

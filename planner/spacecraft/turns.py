@@ -10,6 +10,10 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turn_ocp import solve_turn
 from planner.spacecraft.turn_problem import LIMIT_TOLERANCE, Objective, Turn, TurnProblem
 
+FIRST_GUESS_TICKS = 200
+EASY = 2.0  # a smooth turn with time to spare takes this much of the eigenaxis's least time
+EASY_LEAST_S = 8.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class TurnComparison:
@@ -17,8 +21,8 @@ class TurnComparison:
 
     angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
     with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
-    effort: integral of the squared torque rate over that of the eigenaxis turn of the same
-    duration (what excites the modes).
+   *_torque_rate_peak: of this turn and of the eigenaxis one of the same duration (what shakes
+    the modes).
     """
 
     angle_rad: float
@@ -72,23 +76,20 @@ def turn_onto(
     ticks = math.floor(available_s / TICK_S + 1e-6)
     if ticks < 1:
         raise InfeasibleSlew("no time is left for the turn; leave a gap", limit="time")
-    problem = problem_at(ticks * TICK_S)
-    if objective == "smooth":
-        easy_s = max(2.0 * eigenaxis_turn(problem).duration_s, 8.0)
-        ticks = min(ticks, math.ceil(easy_s / TICK_S))
-        return smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S)
+    used = min(ticks, FIRST_GUESS_TICKS)
     for _ in range(3):
-        least = math.ceil(quickest_turn(problem).duration_s / TICK_S + 0.5)
-        problem = problem_at(min(least, ticks) * TICK_S)
-    for used in range(min(least, ticks), ticks + 1):
+        problem = problem_at(used * TICK_S)
+        if objective == "smooth":
+            wanted_s = max(EASY * eigenaxis_turn(problem).duration_s, EASY_LEAST_S)
+        else:
+            wanted_s = quickest_turn(problem).duration_s + 0.5 * TICK_S
+        used = min(ticks, math.ceil(wanted_s / TICK_S))
+    while used < ticks:
         try:
             return smooth_turn(problem_at(used * TICK_S), used * TICK_S)
         except InfeasibleSlew:
-            if used == ticks:
-                raise
-    raise InfeasibleSlew(
-        f"the turn needs {least * TICK_S:.1f} s but only {available_s:.1f} s are left", limit="time"
-    )
+            used = min(ticks, used + max(1, used // (4 if objective == "smooth" else 50)))
+    return smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S)
 
 
 def compare(problem: TurnProblem, turn: Turn) -> TurnComparison:

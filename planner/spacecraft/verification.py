@@ -5,7 +5,7 @@ come from its own intersection of the optical axis with the ellipsoid.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from planner.spacecraft.requests import AreaRequest, ImagingPlanRequest, Request
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 
 Array = NDArray[np.float64]
+StatesAt = Callable[[Instants], OrbitStates]
 GROUND_TOLERANCE_M = 1.0
 SPEED_TOLERANCE = 1e-3
 COVERAGE_TOLERANCE = 1e-3  # of the swath: strips of full width side by side on a round Earth
@@ -204,13 +205,13 @@ def _window(
     table: AttitudeTable,
     window: ImagingWindow,
     session: ImagingPlanRequest,
-    states_at: object,
+    states_at: StatesAt,
     spacecraft: AgileSpacecraft,
 ) -> VerifiedWindow:
     request = next(one for one in session.requests if one.name == window.request)
-    t_s = np.arange(window.first_row * 4, window.last_row * 4 + 1) * (TICK_S / 4)
+    t_s = np.arange(window.first_row * 4, window.last_row * 4 + 1) / 20.0
     instants = Instants(table.epoch_utc, t_s)
-    states: OrbitStates = states_at(instants)  # type: ignore[operator]
+    states = states_at(instants)
     attitude, _ = table.at(t_s)
     c = c_itrf_from_eci(instants)
     ground = _footprint(attitude, states.r_sat_eci_m, c, request.height_m)
@@ -271,7 +272,7 @@ def _ground(window: VerifiedWindow, spacecraft: AgileSpacecraft) -> Sequence[str
 
 
 def _coverage(
-    table: AttitudeTable, session: ImagingPlanRequest, states_at: object
+    table: AttitudeTable, session: ImagingPlanRequest, states_at: StatesAt
 ) -> Sequence[str]:
     """Every request begun is completed: all legs, both looks, all of an area's corners."""
     found = []
@@ -295,7 +296,7 @@ def _uncovered_m(
     table: AttitudeTable,
     looks: Sequence[ImagingWindow],
     request: AreaRequest,
-    states_at: object,
+    states_at: StatesAt,
     session: ImagingPlanRequest,
 ) -> float:
     """How far outside the scanned strips the worst corner of an area lies."""
@@ -304,9 +305,9 @@ def _uncovered_m(
     half_m = 0.5 * session.definition().camera.swath_m
     worst = np.full(len(corners), np.inf)
     for look in looks:
-        t_s = np.array([look.first_row, look.last_row]) * TICK_S
+        t_s = np.array([look.first_row, look.last_row]) / 5.0
         instants = Instants(table.epoch_utc, t_s)
-        states: OrbitStates = states_at(instants)  # type: ignore[operator]
+        states = states_at(instants)
         attitude, _ = table.at(t_s)
         a, b = _footprint(attitude, states.r_sat_eci_m, c_itrf_from_eci(instants), request.height_m)
         along = (b - a) / np.linalg.norm(b - a)
