@@ -122,7 +122,7 @@ def _fitted(
     spacing_s: float,
 ) -> Curve:
     if spacing_s:
-        return make_lsq_spline(t_s, q_xyzw, _knots(t_s, spacing_s), k=_DEGREE)
+        return make_lsq_spline(t_s, q_xyzw, _knots(t_s, spacing_s), k=_DEGREE, method="norm-eq")
     if q_dot_s is not None and len(t_s) >= 4:
         return _through_rates(t_s, q_xyzw, q_dot_s)
     if len(t_s) == 2:
