@@ -91,8 +91,8 @@ class ControlGains:
     gimbal's angle error made good in a tick.
     """
 
-    k1_per_s: float = 1.8
-    k2_per_s2: float = 1.0
+    k1_per_s: float = 2.0
+    k2_per_s2: float = 0.5
     cutoff_hz: float = 1.5
     delay_ticks: int = 0
     null_gain_rad_s: float = 0.02
@@ -110,14 +110,14 @@ class ControlGains:
 class SlewLimits:
     """What a planned turn may ask for.
 
-    rate_rad_s: vector magnitude; rate_axis_rad_s: each body axis, 1.5 deg/s by default so that
+    rate_rad_s: vector magnitude; rate_axis_rad_s: each body axis, 1.58 deg/s by default so that
     the gyro (1.6) always reads.  torque, torque_rate: magnitude of the control torque and of
     its derivative (assumed: they spare the modes).  settle_s: between the end of a turn and
     imaging, on the profile already.
     """
 
     rate_rad_s: float = math.radians(3.5)
-    rate_axis_rad_s: float = math.radians(1.5)
+    rate_axis_rad_s: float = math.radians(1.58)
     torque_n_m: float = 15.0
     torque_rate_n_m_s: float = 40.0
     momentum_sphere_n_m_s: float = 60.0

@@ -20,9 +20,11 @@ from planner.spacecraft.dynamics import (
     scratch,
 )
 from planner.spacecraft.onboard import (
+    PRIOR,
     Computer,
     Memory,
     decide,
+    learn_inertia,
     multiply_inverse,
     send,
     sensed_rate,
@@ -210,7 +212,11 @@ def fly(
         np.zeros((2, 4)),
         servo.copy(),
         np.zeros(1),
+        np.empty((3, 3)),
     )
+    memory.inertia[0] = computer.inertia
+    memory.inertia[1] = PRIOR * computer.inertia
+    memory.inertia[2] = PRIOR
     log = _empty_log(n, steps, len(state))
     knowledge, turned, rate, believed_rate = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     believed, channels, error, seen = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
@@ -223,6 +229,7 @@ def fly(
         _gyro(rate, noise, tick, channels)
         gyro_read = sensed_rate(computer, memory, believed, seen, channels, believed_rate)
         if gyro_read:
+            learn_inertia(computer, memory, believed, seen, believed_rate)
             update_total_momentum(computer, memory, believed, seen, believed_rate, MOMENTUM_GAIN)
         memory.wanted[1] = memory.wanted[0]
         memory.command[1] = memory.command[0]

@@ -18,6 +18,8 @@ from planner.spacecraft.dynamics import rotate, unrotate
 Array = NDArray[np.float64]
 TABLE = 0
 PAPER = 1
+LEARNING_RATE_RAD_S = math.radians(0.5)
+PRIOR = 1e-3  # rad^2/s^2: three cycles at 1 deg/s weigh as much as the design's inertia
 
 
 class Computer(NamedTuple):
@@ -52,6 +54,7 @@ class Memory(NamedTuple):
     command: Array  # (2, 4), the same with gimbal feedback, as sent
     servo: Array  # (4, 3), where the gimbals would be had they executed what was wanted
     turn: Array  # (1,): time since the turn was commanded
+    inertia: Array  # (3, 3): believed inertia; sums of rate x momentum and of rate^2 behind it
 
 
 @compiled
@@ -89,7 +92,7 @@ def sensed_rate(
     unrotate(attitude, memory.total_momentum, total)
     rotor_momentum(gimbal, computer.momentum, computer.rotor, computer.torque, rotors)
     for k in range(3):
-        out[k] = (total[k] - rotors[k]) / computer.inertia[k]
+        out[k] = (total[k] - rotors[k]) / memory.inertia[0, k]
     return False
 
 
@@ -101,10 +104,25 @@ def update_total_momentum(
     rotors, seen = np.empty(3), np.empty(3)
     rotor_momentum(gimbal, computer.momentum, computer.rotor, computer.torque, rotors)
     for k in range(3):
-        rotors[k] += computer.inertia[k] * rate[k]
+        rotors[k] += memory.inertia[0, k] * rate[k]
     rotate(attitude, rotors, seen)
     for k in range(3):
         memory.total_momentum[k] += gain * (seen[k] - memory.total_momentum[k])
+
+
+@compiled
+def learn_inertia(
+    computer: Computer, memory: Memory, attitude: Array, gimbal: Array, rate: Array
+) -> None:
+    """Least squares of the moments of inertia: in a turn, momentum the gyros gave over rate."""
+    rotors, total = np.empty(3), np.empty(3)
+    rotor_momentum(gimbal, computer.momentum, computer.rotor, computer.torque, rotors)
+    unrotate(attitude, memory.total_momentum, total)
+    for k in range(3):
+        if abs(rate[k]) > LEARNING_RATE_RAD_S:
+            memory.inertia[1, k] += rate[k] * (total[k] - rotors[k])
+            memory.inertia[2, k] += rate[k] * rate[k]
+        memory.inertia[0, k] = memory.inertia[1, k] / memory.inertia[2, k]
 
 
 @compiled
@@ -174,13 +192,13 @@ def decide(
         unrotate(ahead[0, :4], memory.total_momentum, now)
         unrotate(ahead[1, :4], memory.total_momentum, later)
         for k in range(3):
-            step = later[k] - now[k] - computer.inertia[k] * (ahead[1, 4 + k] - ahead[0, 4 + k])
+            step = later[k] - now[k] - memory.inertia[0, k] * (ahead[1, 4 + k] - ahead[0, 4 + k])
             wanted[k] = step / computer.tick_s
         wanted[0] -= smooth[1] * total[2] - smooth[2] * total[1]
         wanted[1] -= smooth[2] * total[0] - smooth[0] * total[2]
         wanted[2] -= smooth[0] * total[1] - smooth[1] * total[0]
     for k in range(3):
-        wanted[k] -= computer.inertia[k] * acceleration[k]
+        wanted[k] -= memory.inertia[0, k] * acceleration[k]
     null_gain = 0.0 if imaging else computer.null_gain
     middle, command = gimbal.copy(), memory.wanted[0]
     det = 0.0

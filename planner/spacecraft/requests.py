@@ -191,7 +191,7 @@ class SpacecraftSettings:
     momentum_n_m_s: stored in the gyros at the start, body axes.
     """
 
-    rate_axis_max_deg_s: float = 1.5
+    rate_axis_max_deg_s: float = 1.58
     torque_max_n_m: float = 15.0
     torque_rate_max_n_m_s: float = 40.0
     settle_s: float = 2.4
