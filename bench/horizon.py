@@ -22,18 +22,20 @@ import numpy as np
 from horizon_cases import COLOUR, NEGATIVES, Case, case, negative, random_air, ring
 
 import estimator.images  # noqa: F401 (sets OpenCV's cap before cv2 is loaded)
+
 import cv2  # isort: skip
+from scipy.spatial.transform import Rotation
+
 from estimator.atmosphere import Atmosphere
+from estimator.camera import HorizonCamera
 from estimator.check import Verdict
+from estimator.images import decode_image
 from estimator.paper_method import paper_nadir
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.prediction import predict_horizon
-from estimator.camera import HorizonCamera
-from estimator.images import decode_image
 from estimator.request import Body, HorizonRequest, Position, Surroundings
 from estimator.sensor import Sensor
 from estimator.synthetic import Scene
-from scipy.spatial.transform import Rotation
 
 cv2.setNumThreads(1)
 MEDIAN_CHI2 = 1.386  # of two degrees of freedom
@@ -201,12 +203,16 @@ def negatives(rng: np.random.Generator, count: int) -> None:
         answer = estimate_vertical([image], request)
         slowest = max(slowest, time.perf_counter() - start)
         accepted += answer.verdict != Verdict.NOT_OBSERVABLE
-    print(f"{'images without a horizon':44s} {accepted} of {count} accepted, {slowest:.2f} s at most")
+    print(
+        f"{'images without a horizon':44s} {accepted} of {count} accepted, {slowest:.2f} s at most"
+    )
 
 
 def reference_error_arcsec() -> float:
     """The image of UWCubeSat's FOUND, whose truth is known; its makers state 1339.65 arcsec."""
-    content = (Path(__file__).parents[1] / "tests/data/horizon/found_example_earth1.png").read_bytes()
+    content = (
+        Path(__file__).parents[1] / "tests/data/horizon/found_example_earth1.png"
+    ).read_bytes()
     boresight = np.array([np.cos(np.deg2rad(140.0)), np.sin(np.deg2rad(140.0)), 0.0])
     down = np.array([0.0, 0.0, -1.0])
     c_camera_from_eci = np.stack([np.cross(down, boresight), down, boresight])
@@ -262,7 +268,7 @@ def speed(rng: np.random.Generator) -> None:
 def memory() -> None:
     """In a process of its own: the renderer is no part of the estimator."""
     code = (
-        "import numpy as np, resource\n"
+        "import numpy as np\n"
         "from datetime import datetime, UTC\n"
         "from estimator.camera import HorizonCamera\n"
         "from estimator.request import HorizonRequest, Position\n"
@@ -276,7 +282,8 @@ def memory() -> None:
         "request = HorizonRequest(epoch=datetime(2026, 3, 20, 12, tzinfo=UTC), "
         "position=Position(frame='ITRF', position_km=(6800.0, 0.0, 0.0)), cameras=cams)\n"
         "estimate_vertical([image, image], request)\n"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)\n"
+        "import re\n"
+        "print(int(re.search(r'VmHWM:\\s+(\\d+)', open('/proc/self/status').read())[1]) / 1024)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     print(f"{'memory, 1920x1080 pair':44s} {float(done.stdout):.0f} MB (goal 300 MB)")

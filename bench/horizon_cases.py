@@ -1,5 +1,6 @@
 """Which images does the horizon benchmark use, and what is their truth?"""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
@@ -35,9 +36,7 @@ def camera(
 ) -> HorizonCamera:
     """A camera 60 deg wide on a body whose +Z is nadir, looking down at the horizon."""
     azimuth, down = np.deg2rad([azimuth_deg, down_deg])
-    z = np.array(
-        [np.cos(azimuth) * np.cos(down), np.sin(azimuth) * np.cos(down), np.sin(down)]
-    )
+    z = np.array([np.cos(azimuth) * np.cos(down), np.sin(azimuth) * np.cos(down), np.sin(down)])
     # Image rows run down, towards nadir.
     y = np.array([0.0, 0.0, 1.0]) - z[2] * z
     y /= np.linalg.norm(y)
@@ -158,47 +157,71 @@ NEGATIVES = (
 
 def negative(kind: str, rng: np.random.Generator) -> tuple[Pixels, HorizonRequest]:
     """An image without a usable horizon, at an epoch and place where it would be day."""
-    day = case_frame(rng)
-    height, width = 480, 640
-    image = rng.normal(2.0, 1.0, (height, width))
-    y, x = np.mgrid[0:height, 0:width].astype(float)
-    if kind == "black":
-        image *= 0.4
-    elif kind == "white":
-        image = np.full((height, width), 255.0) - 3.0 * rng.random((height, width))
-    elif kind == "noise":
-        image = rng.normal(120.0, 50.0, (height, width))
-    elif kind == "stars":
-        image = _starfield(image, rng, 400)
-    elif kind == "moon":
-        radius, (cx, cy) = rng.uniform(10.0, 150.0), rng.uniform([150, 120], [490, 360])
-        phase = rng.uniform(-1.0, 1.0)
-        disc = np.hypot(x - cx, y - cy) < radius
-        lit = (x - cx) > phase * np.sqrt(np.maximum(radius**2 - (y - cy) ** 2, 0.0))
-        image = image + cv2.GaussianBlur(200.0 * (disc & lit), (0, 0), 0.8)
-    elif kind in ("ground", "cloud deck"):
-        return _looking_down(rng, kind == "cloud deck"), day
-    elif kind in ("airglow", "terminator"):
+    if kind in ("ground", "cloud deck"):
+        return _looking_down(rng, kind == "cloud deck"), case_frame(rng)
+    if kind in ("airglow", "terminator"):
         return _night(rng, kind)
-    elif kind == "straight edge":
-        angle, offset = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-100.0, 100.0)
-        side = (x - 320.0) * np.cos(angle) + (y - 240.0) * np.sin(angle) > offset
-        image = image + cv2.GaussianBlur(rng.uniform(60.0, 220.0) * side, (0, 0), 1.5)
-    elif kind == "text":
-        page = np.zeros((height, width), dtype=np.uint8)
-        for _ in range(12):
-            place = (int(rng.integers(-50, 450)), int(rng.integers(20, 470)))
-            cv2.putText(page, "NO HORIZON 0123", place, 2, rng.uniform(0.5, 3.0), 230.0, 2)
-        image = image + page
-    elif kind == "blobs":
-        for _ in range(int(rng.integers(2, 9))):
-            axes = (int(rng.integers(20, 300)), int(rng.integers(20, 300)))
-            place = (int(rng.integers(0, 640)), int(rng.integers(0, 480)))
-            level = rng.uniform(40.0, 240.0)
-            cv2.ellipse(image, place, axes, rng.uniform(0.0, 180.0), 0, 360, level, -1)
-        image = cv2.GaussianBlur(image, (0, 0), 1.0)
-    noisy = image + rng.normal(0.0, 1.0, image.shape)
-    return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8), day
+    image = _DRAWN[kind](rng) + rng.normal(0.0, 1.0, _SHAPE)
+    return np.asarray(np.clip(np.rint(image), 0, 255), dtype=np.uint8), case_frame(rng)
+
+
+_SHAPE = (480, 640)
+_Y, _X = np.mgrid[0:480, 0:640].astype(float)
+
+
+def _dark(rng: np.random.Generator) -> Floats:
+    return rng.normal(2.0, 1.0, _SHAPE)
+
+
+def _stars(rng: np.random.Generator) -> Floats:
+    image = _dark(rng)
+    for _ in range(400):
+        image[rng.integers(0, 480), rng.integers(0, 640)] += rng.uniform(20.0, 3000.0)
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), 0.9))
+
+
+def _moon(rng: np.random.Generator) -> Floats:
+    radius, (cx, cy) = rng.uniform(10.0, 150.0), rng.uniform([150, 120], [490, 360])
+    phase = rng.uniform(-1.0, 1.0)
+    disc = np.hypot(_X - cx, _Y - cy) < radius
+    lit = (_X - cx) > phase * np.sqrt(np.maximum(radius**2 - (_Y - cy) ** 2, 0.0))
+    return np.asarray(_dark(rng) + cv2.GaussianBlur(200.0 * (disc & lit), (0, 0), 0.8))
+
+
+def _edge(rng: np.random.Generator) -> Floats:
+    angle, offset = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(-100.0, 100.0)
+    side = (_X - 320.0) * np.cos(angle) + (_Y - 240.0) * np.sin(angle) > offset
+    return np.asarray(_dark(rng) + cv2.GaussianBlur(rng.uniform(60, 220) * side, (0, 0), 1.5))
+
+
+def _text(rng: np.random.Generator) -> Floats:
+    page = np.zeros(_SHAPE, dtype=np.uint8)
+    for _ in range(12):
+        place = (int(rng.integers(-50, 450)), int(rng.integers(20, 470)))
+        cv2.putText(page, "NO HORIZON 0123", place, 2, rng.uniform(0.5, 3.0), 230, 2)
+    return _dark(rng) + page
+
+
+def _blobs(rng: np.random.Generator) -> Floats:
+    image = _dark(rng)
+    for _ in range(int(rng.integers(2, 9))):
+        axes = (int(rng.integers(20, 300)), int(rng.integers(20, 300)))
+        place = (int(rng.integers(0, 640)), int(rng.integers(0, 480)))
+        level = rng.uniform(40.0, 240.0)
+        cv2.ellipse(image, place, axes, rng.uniform(0.0, 180.0), 0, 360, level, -1)
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), 1.0))
+
+
+_DRAWN: dict[str, Callable[[np.random.Generator], Floats]] = {
+    "black": lambda rng: 0.4 * _dark(rng),
+    "white": lambda rng: 255.0 - 3.0 * rng.random(_SHAPE),
+    "noise": lambda rng: rng.normal(120.0, 50.0, _SHAPE),
+    "stars": _stars,
+    "moon": _moon,
+    "straight edge": _edge,
+    "text": _text,
+    "blobs": _blobs,
+}
 
 
 def case_frame(rng: np.random.Generator) -> HorizonRequest:
@@ -251,11 +274,3 @@ def _night(rng: np.random.Generator, kind: str) -> tuple[Pixels, HorizonRequest]
     scene = Scene(atmosphere=glow, moonlight=rng.choice([0.0, 3e-3]), stars=100)
     image = _seen(rng, around, request.cameras[0], scene)
     return image, case_frame(rng)
-
-
-def _starfield(image: Floats, rng: np.random.Generator, count: int) -> Floats:
-    for _ in range(count):
-        image[rng.integers(0, image.shape[0]), rng.integers(0, image.shape[1])] += rng.uniform(
-            20.0, 3000.0
-        )
-    return np.asarray(cv2.GaussianBlur(image, (0, 0), 0.9))

@@ -109,9 +109,11 @@ def limb_radiance(
     dust = _henyey_greenstein(scattering, 0.65)
     lit = np.exp(-extinction_sun(height[None], sun_cosine))
     # Light scattered more than once: grey, from a bright ground under the same Sun.
-    diffuse = 0.35 * np.clip(sun_cosine + 0.1, 0.0, 1.0)[..., None] * np.exp(-height / 30e3)[
-        None, ..., None
-    ]
+    diffuse = (
+        0.35
+        * np.clip(sun_cosine + 0.1, 0.0, 1.0)[..., None]
+        * np.exp(-height / 30e3)[None, ..., None]
+    )
     weight = seen * step[..., None]
     radiance = 0.25 * np.einsum(
         "mpc,kmpc->kmc",
@@ -145,7 +147,9 @@ class _SunDepth:
     """Optical depth from a height towards the Sun, by a table over height and sun cosine."""
 
     def __init__(self, air: Atmosphere) -> None:
-        self.height = np.concatenate([np.linspace(0.0, 60e3, 61), np.linspace(64e3, 0.99 * TOP_M, 12)])
+        self.height = np.concatenate(
+            [np.linspace(0.0, 60e3, 61), np.linspace(64e3, 0.99 * TOP_M, 12)]
+        )
         self.cosine = np.concatenate(
             [np.linspace(-0.5, -0.2, 13)[:-1], np.linspace(-0.2, 0.2, 81), np.linspace(0.25, 1, 16)]
         )
@@ -161,9 +165,7 @@ class _SunDepth:
         x = end * w * np.abs(w)
         middle = 0.5 * (x[..., 1:] + x[..., :-1])
         height = np.maximum(np.sqrt(lowest**2 + middle**2) - EARTH_M, 0.0)
-        columns = [
-            np.sum(e * np.diff(x, axis=-1), axis=-1) for e in _extinction_per_m(air, height)
-        ]
+        columns = [np.sum(e * np.diff(x, axis=-1), axis=-1) for e in _extinction_per_m(air, height)]
         depth = (
             columns[0][..., None] * RAYLEIGH_PER_M
             + columns[1][..., None]
@@ -212,6 +214,4 @@ def _paths_m(tangent: Floats, points: int = 72) -> tuple[Floats, Floats]:
 
 
 def _henyey_greenstein(cosine: Floats, asymmetry: float) -> Floats:
-    return np.asarray(
-        (1.0 - asymmetry**2) / (1.0 + asymmetry**2 - 2.0 * asymmetry * cosine) ** 1.5
-    )
+    return np.asarray((1.0 - asymmetry**2) / (1.0 + asymmetry**2 - 2.0 * asymmetry * cosine) ** 1.5)

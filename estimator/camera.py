@@ -54,9 +54,8 @@ class HorizonCamera:
             raise ValueError(
                 f"q_camera_from_body_xyzw must be a unit quaternion; its norm is {norm:.4f}"
             )
-        for polygon in self.mask:
-            if len(polygon) < 3 or not np.all(np.isfinite(polygon)):
-                raise ValueError("mask: each polygon needs at least three finite [x, y] corners")
+        if any(len(polygon) < 3 or not np.all(np.isfinite(polygon)) for polygon in self.mask):
+            raise ValueError("mask: each polygon needs at least three finite [x, y] corners")
         border = _border_px(self.width_px, self.height_px)
         if not np.all(np.isfinite(_undistorted(self, border))):
             raise ValueError(

@@ -88,7 +88,8 @@ def _shrunk(frame: Frame, shrink: float) -> tuple[Grey, NDArray[np.uint8]]:
     height, width = frame.grey.shape
     size = (round(width / shrink), round(height / shrink))
     small = cv2.resize(frame.grey, size, interpolation=cv2.INTER_AREA)
-    return np.asarray(small), cv2.resize(usable, size, interpolation=cv2.INTER_NEAREST)
+    clear = cv2.resize(usable, size, interpolation=cv2.INTER_NEAREST)
+    return small.astype(np.float32, copy=False), clear.astype(np.uint8, copy=False)
 
 
 def _noise(level: Grey) -> float:

@@ -58,7 +58,9 @@ def check_attitude(
     """covariance_rad2: (2, 2) on `across_axes(nadir_body)`; sigma_rad: of the prediction."""
     axes = across_axes(nadir_body)
     angle = float(
-        np.arctan2(np.linalg.norm(np.cross(nadir_body, predicted_body)), nadir_body @ predicted_body)
+        np.arctan2(
+            np.linalg.norm(np.cross(nadir_body, predicted_body)), nadir_body @ predicted_body
+        )
     )
     sideways = axes @ predicted_body
     length = float(np.linalg.norm(sideways))

@@ -76,8 +76,8 @@ def judge_camera(
     elif np.sum(points.found) < 0.1 * open_columns:
         reason = Reason.NO_HORIZON
     elif np.sum(inlier) < _MIN_SHARE_OF_ARC * open_columns or share_found < _MIN_INLIERS:
-        reason = Reason.RESIDUALS if np.sum(points.found) > 0.7 * open_columns else (
-            Reason.BROKEN_ARC
+        reason = (
+            Reason.RESIDUALS if np.sum(points.found) > 0.7 * open_columns else (Reason.BROKEN_ARC)
         )
     elif arc < MIN_ARC_RAD:
         reason = Reason.SHORT_ARC

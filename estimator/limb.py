@@ -75,14 +75,15 @@ def visible_limb(
     camera: HorizonCamera, limb: Limb, c_body_from_itrf: Floats, height_m: float
 ) -> tuple[Floats, float]:
     """Azimuths of the limb in the frame, evenly spaced, and their spacing."""
-    coarse = np.arange(_COARSE) * (2.0 * np.pi / _COARSE)
+    coarse = np.linspace(0.0, 2.0 * np.pi, _COARSE, endpoint=False)
     seen = camera.sees(
         camera.pixels(limb.directions_itrf(coarse, height_m) @ c_body_from_itrf.T), _MARGIN_PX
     )
     turn_px = 2.0 * np.pi * limb.mean_radius_m / limb.range_m / camera.rad_per_px
     columns = min(_MAX_COLUMNS, max(float(np.mean(seen)) * turn_px, 1.0))
-    per_coarse = max(1, int(np.ceil(columns / max(np.sum(seen), 1))))
-    thinning = max(1, int(np.sum(seen) / columns))
+    count = max(int(np.sum(seen)), 1)
+    per_coarse = max(1, round(columns / count))
+    thinning = max(1, int(count / columns))
     step = 2.0 * np.pi / _COARSE / per_coarse * thinning
     inside = np.flatnonzero(seen)[::thinning] if thinning > 1 else np.flatnonzero(seen)
     within = (np.arange(per_coarse) / per_coarse - 0.5 * (per_coarse - 1) / per_coarse) * (
@@ -152,7 +153,8 @@ def find_limb(
     found = significant & inside.mean(axis=1).astype(bool)
     pixel = middle + position_px[:, None] * outward
     ray = camera.rays_body(pixel)
-    within, beyond = _sides(profile, peak, round(3.0 * sigma))
+    within, beyond = _sides(np.asarray(profile), peak, round(3.0 * sigma))
+    deeper, _ = _sides(np.asarray(profile), peak, round(6.0 * sigma))
     sigma_px = np.hypot(noise / smooth_px / curve, 0.03)
     return LimbPoints(
         ray_body=ray,
@@ -160,7 +162,7 @@ def find_limb(
         azimuth_rad=azimuth,
         found=found & np.isfinite(ray[:, 0]),
         blocked=~inside[:, half],
-        clipped=within > 0.97,
+        clipped=np.maximum(within, deeper) > 0.97,
         sigma_rad=sigma_px * m_per_px / reach_m,
         width_m=width_px * m_per_px,
         contrast=(within - beyond) / (within + beyond + 1e-6),
@@ -190,14 +192,16 @@ def _outermost_peak(
     inner = rise[:, 1:-1]
     top = (inner >= rise[:, :-2]) & (inner > rise[:, 2:])
     highest = inner.max(axis=1)
-    for typical in (None, "median"):
-        reference = highest if typical is None else np.minimum(highest, 1.5 * level)
+    reference = highest
+    for _ in range(2):
         limit = np.maximum(_SIGNIFICANT * noise, _SHARE_OF_PEAK * reference)
         peaks = top & (inner > limit[:, None])
         some = peaks.any(axis=1)
         index = inner.shape[1] - 1 - np.argmax(peaks[:, ::-1], axis=1)
         picked = inner[np.arange(len(index)), index]
-        level = float(np.median(picked[some])) if some.any() else 0.0
+        # Then against the usual limb, so that a bright cloud's edge can't hide a dim limb.
+        usual = float(np.median(picked[some])) if some.any() else np.inf
+        reference = np.minimum(highest, 1.5 * usual)
     return np.where(some, index + 1, 1), some, noise
 
 

@@ -50,4 +50,4 @@ def chapman_path(elevation_rad: Floats) -> Floats:
     # Below the horizontal: all of the path through the lowest point, less the part behind.
     sunk = x * (1.0 - np.cos(elevation_rad))
     through = 2.0 * np.sqrt(0.5 * np.pi * x) * np.exp(np.minimum(sunk, 50.0))
-    return np.where(elevation_rad >= 0.0, upward, through - upward)
+    return np.asarray(np.where(elevation_rad >= 0.0, upward, through - upward))

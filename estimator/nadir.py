@@ -2,8 +2,9 @@
 
 Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb, with
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb
-hardly shows it), the limb's height and how strongly it rises under a low Sun.  The limb's roughness is common to neighbouring
-columns: n columns within 5 deg of azimuth carry the information of one.
+hardly shows it), the limb's height, how strongly it rises under a low Sun and how it leans
+along the Sun's azimuth.  The limb's roughness is common to neighbouring columns: n columns
+within 5 deg of azimuth carry the information of one.
 Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
 """
 
@@ -22,6 +23,7 @@ ROUGHNESS_M = 0.9e3
 CORRELATED_RAD = np.deg2rad(5.0)
 _TUKEY = 4.685
 _STEPS = 8
+_CONVERGED_RAD = 2e-6  # 0.4 arcsec
 
 # How far the limb's rise under a low Sun may differ from its model: as a whole, which the
 # images themselves can tell, and from place to place.
@@ -147,7 +149,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
         height = float(np.clip(height + step[3], low_m, high_m))
         rising += step[4]
         lean += step[5]
-        if np.max(np.abs(step[:3])) < 1e-7:
+        if np.max(np.abs(step[:3])) < _CONVERGED_RAD:
             break
     tolerance = one * scale
     share2 = np.minimum((residual / (_TUKEY * tolerance)) ** 2, 1.0)
@@ -168,9 +170,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     )
 
 
-def _residuals(
-    limb: Limb, d: Floats, height: float, rise: Floats
-) -> tuple[Floats, Floats, Floats]:
+def _residuals(limb: Limb, d: Floats, height: float, rise: Floats) -> tuple[Floats, Floats, Floats]:
     """Angle of rays (n, 3) inside the limb, its derivatives by a turn (n, 3) and height (n,)."""
     cone = limb.cone(height)
     by_m = (limb.cone(height + 50.0) - limb.cone(height - 50.0)) / 100.0
@@ -220,7 +220,9 @@ def _unfitted(points: list[LimbPoints], c: Floats, prior: Prior) -> Fit:
     return Fit(
         c_body_from_itrf=c,
         height_m=prior.height_m,
-        covariance=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2, _RISE_SIGMA**2, prior.lean_sigma_m**2]),
+        covariance=np.diag(
+            [np.pi**2] * 3 + [prior.height_sigma_m**2, _RISE_SIGMA**2, prior.lean_sigma_m**2]
+        ),
         residual_rad=nothing,
         tolerance_rad=nothing,
         cost=np.inf,

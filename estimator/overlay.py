@@ -26,7 +26,8 @@ def draw_overlay(
     scale = 1.0 / 257.0 if pixels.dtype == np.uint16 else 1.0
     picture = np.asarray(np.rint(pixels * scale), dtype=np.uint8)
     if picture.ndim == 2 or picture.shape[2] == 1:
-        picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
+        grey = picture.reshape(picture.shape[:2])
+        picture = np.stack([grey, grey, grey], axis=-1)
     picture = np.ascontiguousarray(picture[..., :3])
     thick = max(1, camera.width_px // 800)
     if expected_px is not None and len(expected_px) > 1:

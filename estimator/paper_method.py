@@ -1,7 +1,8 @@
 """What nadir does the paper's own method give?  The baseline.
 
-Two cameras; Canny edges; a circle fitted to the horizon's arc; the vector that joins the
-arc's ends; the cross product of the two such vectors is the direction to the Earth's centre.
+Two cameras; Canny edges, those dark beyond; a circle fitted to the horizon's arc; the vector
+that joins the arc's ends; the cross product of the two such vectors is the direction to the
+Earth's centre.
 Source: Lomaka, Ustyugov 2016, p. 467-468.  The paper takes the chord in the image plane, true
 only for a limb through the principal point seen from afar; between unit rays it is exact on
 a sphere at any roll: both are here.
@@ -9,11 +10,11 @@ a sphere at any roll: both are here.
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
+from estimator.candidates import find_edges
 from estimator.images import Pixels, prepare
 
 Floats = NDArray[np.float64]
@@ -51,13 +52,10 @@ def paper_nadir(
 
 def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Floats, Floats] | None:
     """The ends (2, 2) of the circle arc most edge pixels lie on, and the circle's centre."""
-    frame = prepare(image, camera, "images", blue=False)
-    shown = np.asarray(np.clip(frame.grey * 255.0, 0, 255), dtype=np.uint8)
-    edge = cv2.Canny(cv2.GaussianBlur(shown, (0, 0), 1.4), 40.0, 100.0)
-    y, x = np.nonzero(edge)
-    if len(x) < 30:
+    edges = find_edges(prepare(image, camera, "images", blue=False), camera, seed=0)
+    point = camera.pixels(edges.ray_body)
+    if len(point) < 30:
         return None
-    point = np.stack([x, y], axis=1).astype(float)
     rng = np.random.default_rng(0)
     best: tuple[int, NDArray[np.bool_]] | None = None
     for _ in range(_TRIALS):
@@ -75,9 +73,7 @@ def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Floats, Floats
     centre, radius = circle[:2], circle[2]
     arc = point[best[1]]
     middle = arc.mean(axis=0) - centre
-    turn = np.arctan2(
-        (arc - centre) @ np.array([-middle[1], middle[0]]), (arc - centre) @ middle
-    )
+    turn = np.arctan2((arc - centre) @ np.array([-middle[1], middle[0]]), (arc - centre) @ middle)
     base = np.arctan2(middle[1], middle[0])
     ends = [base + turn.min(), base + turn.max()]
     on_circle = centre + radius * np.stack([np.cos(ends), np.sin(ends)], axis=1)

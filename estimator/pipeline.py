@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
-from estimator.images import Pixels, prepare
+from estimator.images import Pixels, blue_is_sharp, prepare
 from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
 from estimator.prior import predicted_c_body_from_itrf, prior_of
@@ -78,9 +78,9 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
             f"{len(images)} images for {len(request.cameras)} cameras; send one per camera",
             field="images",
         )
-    daylight = request.body.limb_height_km is None
+    blue = request.body.limb_height_km is None and all(map(blue_is_sharp, images))
     frames = [
-        prepare(image, camera, f"images.{k}", blue=daylight)
+        prepare(image, camera, f"images.{k}", blue=blue)
         for k, (image, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
     around = Surroundings(request.epoch, request.position, request.body)
@@ -89,7 +89,7 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
         c_predicted = predicted_c_body_from_itrf(around, request.predicted)
     search = Search(
         around=around,
-        prior=prior_of(around, request.predicted, all(frame.blue for frame in frames)),
+        prior=prior_of(around, request.predicted, blue),
         c_predicted=c_predicted,
     )
     views = [look(frame, camera) for frame, camera in zip(frames, request.cameras, strict=True)]

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from estimator.limb_height import AIR_SCALE_M
 from estimator.nadir import ROUGHNESS_M, Prior
 from estimator.request import NIGHT_LIMB_KM, PredictedAttitude, Surroundings
-from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 
@@ -16,13 +16,13 @@ Floats = NDArray[np.float64]
 DAYLIGHT_LIMB_M = 17.5e3
 DAYLIGHT_LIMB_SIGMA_M = 4.0e3
 _BLUE_RISE_M = 3.5e3
-_BLUE_LIMB_SIGMA_M = 2.5e3
+_BLUE_LIMB_SIGMA_M = 2.7e3
 # Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
 # height leans along the Sun's azimuth by some hundred metres, which no image can tell from a tilt.
 _LEAN_M, _BLUE_LEAN_M = 400.0, 250.0
 _UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
-_CLIPPED_RISE_M, _CLIPPED_SIGMA_M = 5e3, 5e3
+_CLIPPED_RISE_M, _CLIPPED_SIGMA_M, _CLIPPED_LEAN = 5e3, 5e3, 10.0
 
 
 def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bool) -> Prior:
@@ -70,6 +70,9 @@ def overexposed(prior: Prior) -> Prior:
         prior,
         height_m=prior.height_m + _CLIPPED_RISE_M,
         height_sigma_m=float(np.hypot(prior.height_sigma_m, _CLIPPED_SIGMA_M)),
+        # Where the frame clips is set by the Sun on the limb, so it leans with it.
+        lean_sigma_m=_CLIPPED_LEAN * prior.lean_sigma_m,
+        roughness_m=2.0 * prior.roughness_m,
     )
 
 

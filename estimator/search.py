@@ -33,8 +33,8 @@ _WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
 _TRIED = 5
 _PROMISING = 0.25
 _CLIPPED_SHARE = 0.3
-_HEADINGS = 12
-_THINNED = 6
+_FIRST_HEADINGS, _HEADINGS = 5, 10
+_THINNED = 8
 _UNFITTED_COST = 1e12
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
@@ -145,12 +145,14 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
         if search.daylight and _mostly_clipped(points):
             known = overexposed(prior)
         if window == _FIRST_WINDOW_RAD and not search.heading_known:
-            c = _best(_all_headings(points, c, known, search)).c_body_from_itrf
+            c = _best(_all_headings(points, c, known, search, _FIRST_HEADINGS)).c_body_from_itrf
         result = fit(points, limb, c, known)
         c, height = result.c_body_from_itrf, result.height_m
         cameras = _judged(views, points, result, search)
         if window == _FIRST_WINDOW_RAD:
-            if all(c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)):
+            if all(
+                c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)
+            ):
                 return _failed(views, points, result, cameras)
             continue
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
@@ -159,12 +161,10 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     assert result is not None
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
-    fits = _all_headings(points, c, known, search)
+    fits = _all_headings(points, c, known, search, _HEADINGS)
     judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, known), search)
     cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
-    horizon = Horizon(
-        reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points)
-    )
+    horizon = Horizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
     return replace(horizon, reason=_verdict(horizon, search))
 
 
@@ -189,7 +189,7 @@ def _points(
 
 
 def _all_headings(
-    points: list[LimbPoints], c_body_from_itrf: Floats, prior: Prior, search: Search
+    points: list[LimbPoints], c_body_from_itrf: Floats, prior: Prior, search: Search, tried: int
 ) -> tuple[tuple[float, Fit], ...]:
     """The fit, or without a known heading those from headings all round, with weights."""
     limb, sun = search.around.limb, search.around.sun_itrf
@@ -199,7 +199,7 @@ def _all_headings(
     points = [p.thinned(_THINNED) for p in points]
     fits = [
         fit(points, limb, attitude_facing(nadir_body, limb, heading), prior)
-        for heading in np.arange(_HEADINGS) * (2.0 * np.pi / _HEADINGS)
+        for heading in np.arange(tried) * (2.0 * np.pi / tried)
     ]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     if search.daylight:
@@ -254,12 +254,8 @@ def _with_no_dissent(
         if alone.reason is not None:
             continue
         other = alone.best
-        angle = np.linalg.norm(
-            other.c_body_from_itrf @ search.around.limb.nadir_itrf - nadir_body
-        )
-        spread = np.sqrt(
-            np.trace(best.covariance[:2, :2]) + np.trace(other.covariance[:2, :2])
-        )
+        angle = np.linalg.norm(other.c_body_from_itrf @ search.around.limb.nadir_itrf - nadir_body)
+        spread = np.sqrt(np.trace(best.covariance[:2, :2]) + np.trace(other.covariance[:2, :2]))
         if angle > _DISAGREE_SIGMA * spread:
             cameras = list(found.cameras)
             cameras[k] = replace(camera_fit, reason=Reason.CAMERAS_DISAGREE)

@@ -70,7 +70,7 @@ class Horizon:
         self.scene = scene
         self.range_m = float(np.linalg.norm(r_itrf_m))
         up = r_itrf_m / self.range_m
-        east = np.cross([0.0, 0.0, 1.0], up) + [1e-12, 0.0, 0.0]
+        east = np.cross([0.0, 0.0, 1.0], up) + np.array([1e-12, 0.0, 0.0])
         east /= np.linalg.norm(east)
         self.enu = np.stack([east, np.cross(up, east), up])
         self._seed = seed
@@ -194,9 +194,7 @@ def _pixel_rays_itrf(camera: HorizonCamera, c_body_from_itrf: Floats) -> Floats:
     return camera.rays_body(np.column_stack([x.ravel(), y.ravel()])) @ c_body_from_itrf
 
 
-def _looked_up(
-    tables: LimbRadiance, azimuth: Floats, tangent_m: Floats
-) -> tuple[Floats, Floats]:
+def _looked_up(tables: LimbRadiance, azimuth: Floats, tangent_m: Floats) -> tuple[Floats, Floats]:
     """Radiance and transmittance (n, 3) by bilinear interpolation in the tables."""
     grid = tables.tangent_m
     middle = 0.5 * (tables.azimuth_rad[0] + tables.azimuth_rad[-1])
@@ -234,7 +232,7 @@ def _textbook(azimuth: Floats, height_m: float) -> LimbRadiance:
 def _texture(rng: np.random.Generator, slope: float) -> NDArray[np.float32]:
     """A tile of fractal noise whose values are spread evenly over 0..1, and which wraps."""
     frequency = np.fft.fftfreq(_TILE_PX)
-    radius = np.hypot(frequency[:, None], frequency[None, :_TILE_PX // 2 + 1])
+    radius = np.hypot(frequency[:, None], frequency[None, : _TILE_PX // 2 + 1])
     radius[0, 0] = 1.0
     spectrum = np.fft.rfft2(rng.standard_normal((_TILE_PX, _TILE_PX))) / radius**slope
     spectrum[radius < 4.0 / _TILE_PX] = 0.0
