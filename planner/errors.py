@@ -16,7 +16,7 @@ class Refusal(Exception):
     field: the request field at fault, dotted (`sessions.0.start`).
     axis, limit: the axis and the limit that break ("rate", "acceleration", ...).
     at_utc: when the limit breaks.  earliest_feasible_start_utc: the nearest session start
-    that works, on the command grid.
+    that works, on the command grid, for a session that stops at feasible_stop_utc.
     """
 
     slug: ClassVar[str] = "refused"
@@ -31,6 +31,7 @@ class Refusal(Exception):
         limit: str | None = None,
         at_utc: datetime | None = None,
         earliest_feasible_start_utc: datetime | None = None,
+        feasible_stop_utc: datetime | None = None,
     ) -> None:
         super().__init__(detail)
         self.detail = detail
@@ -39,6 +40,7 @@ class Refusal(Exception):
         self.limit = limit
         self.at_utc = at_utc
         self.earliest_feasible_start_utc = earliest_feasible_start_utc
+        self.feasible_stop_utc = feasible_stop_utc
 
 
 class InvalidInput(Refusal):

@@ -172,8 +172,14 @@ def sight(
     scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows
 ) -> LineOfSight:
     """The target from row to row, finer where the rows are fewer than the derivatives need."""
-    count = max(rows.stop - rows.start + 1, STENCIL)
-    t_s = np.linspace(rows.start, rows.stop, count) / ROWS_PER_S
+    return sampled_sight(scenario, ephemeris, target, rows, rows.stop - rows.start + 1)
+
+
+def sampled_sight(
+    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows, count: int
+) -> LineOfSight:
+    """The target at `count` instants, but at least as many as the derivatives need."""
+    t_s = np.linspace(rows.start, rows.stop, max(count, STENCIL)) / ROWS_PER_S
     return line_of_sight(
         Instants(scenario.initial_state.epoch, t_s),
         ephemeris,

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from planner.commands import ROWS_PER_S
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.errors import (
     InfeasibleSlew,
     NotVisible,
@@ -49,9 +49,7 @@ def refused_with_nearest_start(
     session = scenario.sessions[number]
     if moved is None:
         way_out = "no start within reach of the orbit data, or within a day, can be flown"
-        earliest_utc = None
     else:
-        earliest_utc = moved.start
         kept = (
             "keeping the stop"
             if moved.stop == session.stop
@@ -64,7 +62,8 @@ def refused_with_nearest_start(
         axis=refusal.axis,
         limit=refusal.limit,
         at_utc=refusal.at_utc,
-        earliest_feasible_start_utc=earliest_utc,
+        earliest_feasible_start_utc=moved.start if moved else None,
+        feasible_stop_utc=moved.stop if moved else None,
     )
 
 
@@ -85,6 +84,8 @@ def _nearest(
             if not any(run.start <= start_row and stop_row(start_row) <= run.stop for run in seen):
                 return None
             start_utc = shifted_utc(epoch_utc, start_row / ROWS_PER_S)
+            if elapsed_s(stop(start_row), start_utc) < COMMAND_STEP_S:
+                return None
             moved = replace(session, start=start_utc, stop=stop(start_row))
             return (
                 moved

@@ -11,13 +11,17 @@ from planner.commands import ROWS_PER_S
 from planner.errors import VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
-from planner.joining import Join, covering, session_rows
+from planner.joining import Join, covering, sampled_sight, session_rows
 from planner.orbits import Ephemeris
 from planner.plan import Plan, Segment, SegmentKind, SlewRun
-from planner.scenario import Scenario
+from planner.scenario import Scenario, Session
 from planner.sequence import sequenced
 from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
+from planner.targets import BenchMotionTarget
+from planner.uncertainty import PointingBudget, pointing_budget
 from planner.verification import VerificationReport, verify
+
+BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
 
 
 def make_plan(scenario: Scenario) -> Plan:
@@ -41,6 +45,8 @@ def make_plan(scenario: Scenario) -> Plan:
         )
     as_flown, losses = _as_flown(scenario, joins)
     table = assembled(epoch_utc, scenario.platform.axis_names, joins)
+    with clock.stage("pointing budget"):
+        budgets = tuple(_budget(as_flown, ephemeris, session) for session in as_flown.sessions)
     with clock.stage("verification"):
         report = verify(table, as_flown)
     if keeps_limits and not report.passed:
@@ -51,7 +57,14 @@ def make_plan(scenario: Scenario) -> Plan:
         table=table,
         verification=report,
         slews=slews,
-        warnings=(*losses, *_warnings(ephemeris, Instants(epoch_utc, table.t_s), report)),
+        budgets=budgets,
+        warnings=(
+            *losses,
+            *ephemeris.warnings,
+            *scenario.attitude.warnings,
+            *_earth_warning(Instants(epoch_utc, table.t_s)),
+            *(finding.detail for finding in report.findings),
+        ),
         stage_wall_s=clock.wall_s,
     )
 
@@ -110,15 +123,18 @@ def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
     return tuple(segments)
 
 
-def _warnings(
-    ephemeris: Ephemeris, instants: Instants, report: VerificationReport
-) -> tuple[str, ...]:
-    earth = earth_orientation_warning(instants)
-    return (
-        *ephemeris.warnings,
-        *([earth] if earth else []),
-        *(finding.detail for finding in report.findings),
-    )
+def _budget(scenario: Scenario, ephemeris: Ephemeris, session: Session) -> PointingBudget | None:
+    """None where no target is looked at."""
+    if isinstance(session.target, BenchMotionTarget):
+        return None
+    rows = session_rows(session, scenario.initial_state.epoch)
+    los = sampled_sight(scenario, ephemeris, session.target, rows, BUDGET_INSTANTS)
+    return pointing_budget(los, ephemeris, scenario.attitude, session.target, scenario.platform)
+
+
+def _earth_warning(instants: Instants) -> tuple[str, ...]:
+    warning = earth_orientation_warning(instants)
+    return (warning,) if warning else ()
 
 
 def _rejected(report: VerificationReport) -> VerificationFailed:

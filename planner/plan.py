@@ -7,6 +7,7 @@ from typing import Literal
 from planner.commands import CommandTable
 from planner.scenario import Scenario
 from planner.slew import SlewComparison
+from planner.uncertainty import PointingBudget
 from planner.verification import VerificationReport
 
 SegmentKind = Literal["wait", "slew", "track"]
@@ -49,6 +50,7 @@ class Plan:
 
     verification: the independent judge's report; a plan is only made when it passed, except
     for the baseline spline, whose broken limits the report and the warnings carry.
+    budgets: 1-sigma pointing error per session, None for a test motion.
     stage_wall_s: seconds spent per stage of the pipeline, by name.
     """
 
@@ -57,5 +59,6 @@ class Plan:
     table: CommandTable
     verification: VerificationReport
     slews: tuple[SlewRun, ...]
+    budgets: tuple[PointingBudget | None, ...]
     warnings: tuple[str, ...]
     stage_wall_s: dict[str, float]

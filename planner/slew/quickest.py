@@ -11,6 +11,7 @@ from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile
 
+LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; any slew of an hour can rest on its way
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
 _SUCCESS = (ruckig.Result.Working, ruckig.Result.Finished)
 
@@ -25,6 +26,8 @@ def quickest_profile(
     Source: Berscheid, Kroeger 2021, "Jerk-limited real-time trajectory generation with
     arbitrary target states".
     """
+    if at_least_s > LONGEST_S:
+        return _resting_profile(start, end, limits, at_least_s)
     request = ruckig.InputParameter(1)
     rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
     # Scaled so that Ruckig's absolute tolerances (1e-8) mean the same for every platform.
@@ -53,6 +56,37 @@ def quickest_profile(
         *zip(found.accel.t, found.accel.j, strict=True),
     ]
     return profile_from_jerk(start, [(t, j / scale) for t, j in phases if t > 0.0])
+
+
+def _resting_profile(
+    start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
+) -> AxisProfile | None:
+    """Back to rest at the start's angle, a wait there, and on to the end."""
+    rest = AxisState(angle_rad=start.angle_rad)
+    to_rest = None if start == rest else quickest_profile(start, rest, limits)
+    on = None if end == rest else quickest_profile(rest, end, limits)
+    if (to_rest is None and start != rest) or (on is None and end != rest):
+        return None
+    return resting(rest, to_rest, on, duration_s)
+
+
+def resting(
+    rest: AxisState, to_rest: AxisProfile | None, on: AxisProfile | None, duration_s: float
+) -> AxisProfile:
+    """A motion to rest, a wait, and a motion on; a missing one is already where it leads."""
+    parts = [np.array([[rest.angle_rad, 0.0, 0.0, 0.0]])]
+    breakpoints = [np.zeros(1), np.full(1, duration_s)]
+    if to_rest is not None:
+        parts.insert(0, to_rest.coefficients)
+        breakpoints[0] = to_rest.breakpoints_s
+    if on is not None:
+        parts.append(on.coefficients)
+        breakpoints[1] = duration_s - on.duration_s + on.breakpoints_s
+    width = max(part.shape[1] for part in parts)
+    padded = [np.pad(part, ((0, 0), (0, width - part.shape[1]))) for part in parts]
+    return AxisProfile(
+        breakpoints_s=np.concatenate(breakpoints), coefficients=np.concatenate(padded)
+    )
 
 
 def profile_lasting(

@@ -1,6 +1,8 @@
 """Which motion within all limits is the smoothest, or the quickest? The optimal control backend."""
 
 import time
+from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,13 +15,13 @@ from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.feasibility import AxisVerdict, infeasible, next_duration_s, verdict
 from planner.slew.least_jerk import least_jerk_profile
 from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.quickest import quickest_profile
+from planner.slew.quickest import LONGEST_S, quickest_profile, resting
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 
 SPANS = 48
 STEEP_SPANS = 60
 FINER_SPANS = 120
-STEEPNESS = 3.0
+STEEPNESS = 2.5
 QUICKEST_SHARE = 1.01  # below this multiple of the least time the exact profile is flown
 GAP_PASSES = 8  # each pass leaves one gap of one axis behind; an axis has two at most
 
@@ -61,6 +63,8 @@ def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
 
 def solve_axis(problem: SlewProblem, axis: int, duration_s: float) -> AxisSolution:
     """One axis in exactly duration_s.  Raises InfeasibleSlew."""
+    if duration_s > LONGEST_S:
+        return _with_a_rest(problem, axis, duration_s)
     start, end, limits = problem.start[axis], problem.end[axis], problem.limits[axis]
     smoothest = least_jerk_profile(start, end, duration_s)
     if obeys(smoothest, start, end, limits):
@@ -74,6 +78,30 @@ def solve_axis(problem: SlewProblem, axis: int, duration_s: float) -> AxisSoluti
     if solution is None:
         raise infeasible(problem, axis, duration_s, "angle")
     return solution
+
+
+def _with_a_rest(problem: SlewProblem, axis: int, duration_s: float) -> AxisSolution:
+    """Smoothly to rest, a wait, and smoothly on: within rounding as smooth as using the hours.
+
+    The knots of one spline over hours would be too far apart to gather speed between stops.
+    """
+    start, end = problem.start[axis], problem.end[axis]
+    rest = AxisState(angle_rad=start.angle_rad)
+    stills = tuple(AxisState(angle_rad=state.angle_rad) for state in problem.start)
+    to_rest = on = None
+    if start != rest:
+        to_rest = solve_axis(replace(problem, end=stills), axis, LONGEST_S / 2.0)
+    if end != rest:
+        on = solve_axis(replace(problem, start=stills), axis, LONGEST_S / 2.0)
+    parts = [part for part in (to_rest, on) if part is not None]
+    profile = resting(
+        rest, to_rest.profile if to_rest else None, on.profile if on else None, duration_s
+    )
+    return AxisSolution(
+        profile,
+        ", a wait, ".join(part.status for part in parts) or "at rest",
+        sum(part.iterations for part in parts),
+    )
 
 
 def shared_minimum_s(problem: SlewProblem) -> float:
@@ -136,18 +164,25 @@ def _exact_ends(breakpoints: NDArray[np.float64]) -> NDArray[np.float64]:
     return breakpoints
 
 
-LADDER = (
-    (graded_ocp, SPANS, "optimal"),
-    (steep_ocp, STEEP_SPANS, "optimal on steep knots"),
-    (steep_ocp, FINER_SPANS, "optimal on finer steep knots"),
-)
+Rung = tuple[Callable[[int], SplineOcp], int, str]
+GRADED: Rung = (graded_ocp, SPANS, "optimal")
+STEEP: Rung = (steep_ocp, STEEP_SPANS, "optimal on steep knots")
+FINER: Rung = (steep_ocp, FINER_SPANS, "optimal on finer steep knots")
 
 
 def _climb(
     start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float, found: AxisVerdict
 ) -> AxisSolution | None:
+    """The first rung whose profile obeys; where a stop turns the axis back, steep knots first.
+
+    Between the stops the graded knots cost under 1e-3 of the least integral.  Against a stop
+    the hull of a few coarse spans keeps the axis away from it: steep knots leave a few
+    per cent, where graded ones leave tens when the time is long.
+    """
     iterations = 0
-    for ocp, spans, status in LADDER:
+    free = least_jerk_profile(start, end, duration_s).extremes[0]
+    stopped = free.least < limits.angle_min_rad or free.greatest > limits.angle_max_rad
+    for ocp, spans, status in (STEEP, GRADED, FINER) if stopped else (GRADED, STEEP, FINER):
         result = ocp(spans).solve(start, end, limits, duration_s)
         iterations += result.iterations
         if obeys(result.profile, start, end, limits):

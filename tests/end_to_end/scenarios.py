@@ -1,0 +1,42 @@
+"""Scenarios on the real pass over Las Vegas, 27 Feb 2015."""
+
+from datetime import UTC, datetime, timedelta
+
+from planner.attitude.lvlh import LvlhAttitude
+from planner.orbits import TleOrbit
+from planner.platforms import PLATFORMS
+from planner.scenario import InitialState, Scenario, Session, SlewOptions
+from planner.targets import GroundTarget
+
+TLE = TleOrbit(
+    line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
+    line2="2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964",
+)
+EPOCH = datetime(2015, 2, 27, 17, 34, tzinfo=UTC)
+LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
+SALT_LAKE = GroundTarget(latitude_deg=40.76, longitude_deg=-111.89, height_m=1288.0)
+LARAMIE = GroundTarget(latitude_deg=41.31, longitude_deg=-105.59, height_m=2184.0)
+
+
+def at(seconds):
+    return EPOCH + timedelta(seconds=seconds)
+
+
+def session(target, start_s, stop_s):
+    return Session(target=target, start=at(start_s), stop=at(stop_s))
+
+
+def scenario(*sessions, alpha=(0.0, 0.0, 0.0), beta=(0.0, 0.0, 0.0), epoch_s=0, slew=None, **more):
+    motion = {
+        what: {"alpha": alpha[order], "beta": beta[order]}
+        for order, what in enumerate(("angles_deg", "rates_deg_s", "accelerations_deg_s2"))
+    }
+    return Scenario(
+        orbit=TLE,
+        attitude=LvlhAttitude(),
+        platform=PLATFORMS["iss-hrc"],
+        initial_state=InitialState(epoch=at(epoch_s), **motion),
+        sessions=sessions,
+        slew=slew or SlewOptions(),
+        **more,
+    )
