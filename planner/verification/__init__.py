@@ -7,6 +7,7 @@ from planner.verification.report import (
     LimitMargin,
     PointingError,
     SessionReport,
+    SkyView,
     SlowStretch,
     VerificationReport,
 )
@@ -17,6 +18,7 @@ __all__ = [
     "LimitMargin",
     "PointingError",
     "SessionReport",
+    "SkyView",
     "SlowStretch",
     "VerificationReport",
     "verify",

@@ -4,9 +4,14 @@ from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 from astropy_iers_data import IERS_LEAP_SECOND_FILE
+from numpy.typing import NDArray
 
 DAY_US = 86_400_000_000
+DAY_S = 86400.0
+TT_MINUS_TAI_S = 32.184
+_J2000_TT_US = 51544 * DAY_US + DAY_US // 2  # since MJD 0
 _MJD_ZERO = datetime(1858, 11, 17, tzinfo=UTC)
 
 
@@ -28,6 +33,11 @@ def tai_minus_utc_s(mjd_utc: int) -> int:
 def elapsed_us(until_utc: datetime, since_utc: datetime) -> int:
     """SI microseconds from since_utc to until_utc."""
     return tai_us(until_utc) - tai_us(since_utc)
+
+
+def tt_s(epoch_utc: datetime, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """TT in seconds since J2000, shape of t_s, seconds after the epoch; good to 1e-7 s."""
+    return np.asarray((tai_us(epoch_utc) - _J2000_TT_US) / 1e6 + TT_MINUS_TAI_S + t_s)
 
 
 @cache

@@ -17,11 +17,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from planner.errors import OutsideCoverage
-from planner.verification.clock import DAY_US, tai_minus_utc_s, tai_us
+from planner.verification.clock import DAY_S, DAY_US, TT_MINUS_TAI_S, tai_minus_utc_s, tai_us
 
 MJD_JD = 2400000.5
-DAY_S = 86400.0
-TT_MINUS_TAI_S = 32.184
 NODE_SPACING_MAX_S = 1800.0  # a cubic through nutation's fastest day-long terms: < 1e-9 arcsec
 NODES_MIN = 4
 EARTH_ROTATION_RAD_S = 2.0 * np.pi * 1.00273781191135448 / DAY_S  # IERS Conventions 2010, 5.15

@@ -1,21 +1,27 @@
 """Where does a target fixed to the Earth appear, and does the Earth or its horizon hide it?"""
 
+import math
 from dataclasses import dataclass
-from typing import TypeGuard
 
 import erfa
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, GroundTarget
+from planner.verification.air import lift_to_ground_rad
 from planner.verification.earth import earth_orientation
+from planner.verification.light import SPEED_OF_LIGHT_M_S, seen_in_motion
 
 WGS84 = 1  # ERFA's number for the ellipsoid
 WGS84_A_M = 6378137.0
 WGS84_A_OVER_B = 1.0 / (1.0 - 1.0 / 298.257223563)
-SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
+
+_POINTS_PER_LIFT = 20  # of the judge's instants: a second, in which the lift hardly curves
+_LIFTS_MIN = 4
+_LOWEST_RAY_RAD = math.radians(1.0)  # lower ones are refused anyway; no ray grazes the ground
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,17 +40,14 @@ class EarthFixedSight:
     hidden: NDArray[np.bool_]
 
 
-def is_earth_fixed(target: object) -> TypeGuard[EarthFixedTarget]:
-    """Whether the judge can tell by itself where the target appears."""
-    return isinstance(target, EarthFixedTarget)
-
-
 def earth_fixed_sight(
     target: EarthFixedTarget, instants: Instants, states: OrbitStates
 ) -> EarthFixedSight:
     """Light leaves the target at t - range/c and meets the carrier at t.
 
-    Neglects refraction (8 m across the line of sight at 30 deg elevation).
+    Through the standard atmosphere where the target asks for it, its layers about the mean
+    radius (the ellipsoid's own curvature changes 0.035 arcsec at 5 deg elevation, 0.001 at
+    15); else refraction is left out (8 m across the line of sight at 30 deg).
     """
     earth = earth_orientation(instants.epoch_utc, instants.t_s)
     r_now_itrf_m = _r_target_itrf_m(target, instants)
@@ -59,32 +62,19 @@ def earth_fixed_sight(
     to_target_m = r_then_eci_m - states.r_sat_eci_m
     incoming = to_target_m / np.sqrt(np.sum(to_target_m * to_target_m, axis=1, keepdims=True))
 
-    up_eci = earth.eci_from_itrf(_up_itrf(r_now_itrf_m))
+    up_itrf, height_m = _vertical(r_now_itrf_m)
+    up_eci = earth.eci_from_itrf(up_itrf)
+    elevation_rad = np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / range_m)
+    if target.refraction == "standard":
+        incoming = _lifted(incoming, up_eci, elevation_rad, range_m, height_m)
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)
     return EarthFixedSight(
         apparent_eci=seen_in_motion(incoming, states.v_sat_eci_m_s),
         up_eci=up_eci,
         range_m=range_m,
-        elevation_rad=np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / range_m),
+        elevation_rad=elevation_rad,
         hidden=hidden_by_earth(r_now_itrf_m, r_sat_itrf_m),
     )
-
-
-def seen_in_motion(
-    towards_source: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Direction to the source in the rest frame of a moving observer, unit vectors (n, 3).
-
-    The photon's four-momentum is boosted: its energy and momentum along and across the motion.
-    Source: Lorentz transformation, Jackson 1999, eq. 11.19.
-    """
-    beta = v_observer_m_s / SPEED_OF_LIGHT_M_S
-    beta2 = np.sum(beta * beta, axis=1, keepdims=True)
-    gamma = 1.0 / np.sqrt(1.0 - beta2)
-    photon = -towards_source
-    along = np.sum(photon * beta, axis=1, keepdims=True)
-    boosted = photon + (gamma**2 / (gamma + 1.0) * along - gamma) * beta
-    return np.asarray(-boosted / np.sqrt(np.sum(boosted * boosted, axis=1, keepdims=True)))
 
 
 def hidden_by_earth(
@@ -114,6 +104,27 @@ def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> NDArray[np
     return target.r_target_itrf_m(instants)
 
 
-def _up_itrf(r_itrf_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    longitude_rad, latitude_rad, _ = erfa.gc2gd(WGS84, r_itrf_m)
-    return np.asarray(erfa.s2c(longitude_rad, latitude_rad))
+def _vertical(r_itrf_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Unit vectors up (n, 3) and heights (n,) above the ellipsoid."""
+    longitude_rad, latitude_rad, height_m = erfa.gc2gd(WGS84, r_itrf_m)
+    return np.asarray(erfa.s2c(longitude_rad, latitude_rad)), np.asarray(height_m)
+
+
+def _lifted(
+    incoming: NDArray[np.float64],
+    up_eci: NDArray[np.float64],
+    elevation_rad: NDArray[np.float64],
+    range_m: NDArray[np.float64],
+    height_m: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Directions turned towards the target's vertical as the air does, unit vectors (n, 3)."""
+    count = len(elevation_rad)
+    node = np.unique(np.linspace(0, count - 1, count // _POINTS_PER_LIFT + _LIFTS_MIN).astype(int))
+    low = np.maximum(elevation_rad[node], _LOWEST_RAY_RAD)
+    lift_rad = lift_to_ground_rad(np.pi / 2.0 - low, range_m[node], height_m[node])
+    if len(node) < count:
+        lift_rad = CubicSpline(node, lift_rad)(np.arange(count))
+    across = up_eci - np.sum(up_eci * incoming, axis=1, keepdims=True) * incoming
+    size = np.sqrt(np.sum(across * across, axis=1, keepdims=True))
+    turned = incoming + np.tan(lift_rad)[:, None] * across / np.maximum(size, 1e-12)
+    return np.asarray(turned / np.sqrt(np.sum(turned * turned, axis=1, keepdims=True)))

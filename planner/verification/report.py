@@ -12,12 +12,14 @@ Limit = Literal[
     "jerk",
     "acceleration_jump",
     "pointing",
+    "motion",
     "elevation",
     "occlusion",
     "table",
     "initial_state",
     "coverage",
 ]
+Given = Literal["orbit", "attitude", "target", "motion"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +61,10 @@ class LimitMargin:
 
 @dataclass(frozen=True, kw_only=True)
 class PointingError:
-    """Angle between boresight and apparent target over a set of instants."""
+    """Angle between boresight and apparent target over a set of instants.
+
+    Of a session that prescribes how the axes move: the larger of the axes' deviations.
+    """
 
     max_rad: float
     rms_rad: float
@@ -88,6 +93,22 @@ class EarthFixedView:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SkyView:
+    """How a target beyond the Earth is seen over a session.
+
+    limb_clearance_min_rad: least angle from the limb of the ellipsoid raised by the target's
+    grazing altitude, negative behind it.
+    range_min_m: None for a star.  refraction_max_rad: by how much the standard atmosphere of
+    the limb lifts the target at most; 0 unless asked for.
+    """
+
+    limb_clearance_min_rad: float
+    limb_clearance_min_utc: datetime
+    range_min_m: float | None
+    refraction_max_rad: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class SlowStretch:
     """An axis commanded below its least smooth drive rate: allowed, but it will oscillate."""
 
@@ -103,6 +124,7 @@ class SessionReport:
     """One session, judged from the row at or before its start to the row at or after its stop.
 
     at_rows, between_rows, overall: over the rows, over the instants between them, over both.
+    view: None where the session prescribes how the axes move instead of where to look.
     slow_stretches: in order of axis, then of time.
     """
 
@@ -112,7 +134,7 @@ class SessionReport:
     at_rows: PointingError
     between_rows: PointingError
     overall: PointingError
-    view: EarthFixedView
+    view: EarthFixedView | SkyView | None
     slow_stretches: tuple[SlowStretch, ...]
 
 
@@ -120,8 +142,13 @@ class SessionReport:
 class VerificationReport:
     """The verdict on one command table.
 
-    passed: no finding is an error.  taken_as_given: the inputs the judge did not derive
-    again ("orbit" always; an attitude or target it has no derivation of its own for).
+    passed: no finding is an error.
+    taken_as_given: the inputs the judge did not derive again.  "orbit": the carrier's states;
+    "attitude": the rotations of a law other than lvlh and inertial (aem, harmonic); "target":
+    where a target moves over the Earth or the sky (ground_moving, ground_path, any mode the
+    judge doesn't know), though not how it then appears; "motion": the angles and rates a
+    test motion prescribes.  Published data (IERS, DE421, Hipparcos) count as known; the
+    judge reads them by itself.
     sessions, limits: empty when the table's structure is too broken to fly.
     """
 
@@ -129,4 +156,4 @@ class VerificationReport:
     findings: tuple[Finding, ...]
     sessions: tuple[SessionReport, ...]
     limits: tuple[LimitMargin, ...]
-    taken_as_given: tuple[str, ...]
+    taken_as_given: tuple[Given, ...]

@@ -214,6 +214,7 @@ class SurveyedPoint(EarthFixedTarget):
 
     r_itrf_m: tuple[float, float, float]
     min_elevation_deg: float = 0.0
+    refraction: str = "none"
 
     def r_target_itrf_m(self, instants):
         return np.broadcast_to(self.r_itrf_m, (len(instants), 3))

@@ -17,8 +17,9 @@ from planner.platforms import ISS_HRC
 from planner.verification.carrier import boresight_platform
 from planner.verification.clock import elapsed_us, tai_us
 from planner.verification.earth import earth_orientation
-from planner.verification.earth_fixed import hidden_by_earth, seen_in_motion
+from planner.verification.earth_fixed import hidden_by_earth
 from planner.verification.hermite import AxisHermite
+from planner.verification.light import seen_in_motion
 from planner.verification.limits import ACCELERATION_JUMP, slow_stretches
 
 STEP_S = 0.2

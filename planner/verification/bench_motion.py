@@ -1,0 +1,76 @@
+"""Do the axes fly the motion a bench session prescribes, on the rows and between them?"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from planner.commands import CommandTable
+from planner.errors import InvalidInput
+from planner.scenario import Scenario
+from planner.targets import AxisMotion, BenchMotionTarget
+from planner.verification.clock import elapsed_us
+from planner.verification.report import Finding, SessionReport
+from planner.verification.session import FlownSession, flown_session, session_report
+
+BETWEEN_ROWS_MAX_RAD = math.radians(0.1 / 3600.0)  # what the 0.2 s table promises of its cubics
+# Rows are the motion's own values; the first is where the slew ends, met to a thousandth.
+AT_ROWS_MAX_RAD = math.radians(0.01 / 3600.0)
+AT_ROWS_MAX_RAD_S = math.radians(0.01 / 3600.0)
+
+
+def bench_session(
+    table: CommandTable, scenario: Scenario, number: int, target: BenchMotionTarget, rows: range
+) -> tuple[SessionReport | None, tuple[Finding, ...]]:
+    """The session of that number; its error is the larger one of the axes' angles.
+
+    Where the motion stands at each instant is taken from the target.
+    """
+    flown = flown_session(table, number, rows)
+    start_utc = target.start if target.start is not None else scenario.sessions[number].start
+    since_s = flown.t_s - elapsed_us(start_utc, flown.epoch_utc) / 1e6
+    try:
+        motion = target.axis_motion(table.axis_names, since_s)
+    except InvalidInput as refusal:
+        return None, (_no_motion(number, refusal.detail),)
+    error_rad = np.abs(flown.angle_rad - motion.angle_rad).max(axis=1)
+    report = session_report(table, scenario, flown, error_rad, view=None)
+    return report, tuple(_findings(table, flown, motion))
+
+
+def _findings(table: CommandTable, flown: FlownSession, motion: AxisMotion) -> Iterator[Finding]:
+    is_row, rows = flown.is_row, slice(flown.rows[0], flown.rows[-1] + 1)
+    angle_off_rad = flown.angle_rad - motion.angle_rad
+    rate_off_rad_s = np.zeros_like(angle_off_rad)
+    rate_off_rad_s[is_row] = table.rate_rad_s[rows] - motion.rate_rad_s[is_row]
+    allowed_rad = np.where(is_row, AT_ROWS_MAX_RAD, BETWEEN_ROWS_MAX_RAD)[:, None]
+    excess = np.maximum(
+        np.abs(angle_off_rad) / allowed_rad, np.abs(rate_off_rad_s) / AT_ROWS_MAX_RAD_S
+    )
+    for column, axis in enumerate(table.axis_names):
+        worst = int(np.argmax(excess[:, column]))
+        if not excess[worst, column] <= 1.0:
+            angle, rate = (off[worst, column] for off in (angle_off_rad, rate_off_rad_s))
+            yield Finding(
+                severity="error",
+                limit="motion",
+                axis=axis,
+                t_s=float(flown.t_s[worst]),
+                at_utc=flown.utc(worst),
+                detail=(
+                    f"sessions.{flown.number}: {axis} is {math.degrees(angle) * 3600.0:+.3f} "
+                    f"arcsec and {math.degrees(rate) * 3600.0:+.3f} arcsec/s off the motion asked "
+                    f"for{'' if is_row[worst] else ', between rows'}"
+                ),
+            )
+
+
+def _no_motion(number: int, why: str) -> Finding:
+    return Finding(
+        severity="error",
+        limit="motion",
+        axis=None,
+        t_s=None,
+        at_utc=None,
+        detail=f"sessions.{number}: {why}",
+    )

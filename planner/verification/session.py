@@ -1,0 +1,100 @@
+"""At which instants is a session judged, and how large is its error over them?"""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.frames.time_scales import shifted_utc
+from planner.scenario import Scenario
+from planner.verification.limits import axis_hermite, slow_stretches
+from planner.verification.report import EarthFixedView, PointingError, SessionReport, SkyView
+
+POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most in the middle
+
+
+@dataclass(frozen=True, eq=False)
+class FlownSession:
+    """What the table flies over one session, at n instants, every `POINTS_PER_CELL`th one a row.
+
+    t_s: since the table's epoch, shape (n,).  angle_rad: shape (n, m), one column per axis.
+    """
+
+    number: int
+    epoch_utc: datetime
+    rows: range
+    t_s: NDArray[np.float64]
+    angle_rad: NDArray[np.float64]
+
+    @property
+    def is_row(self) -> NDArray[np.bool_]:
+        return np.asarray(np.arange(len(self.t_s)) % POINTS_PER_CELL == 0)
+
+    def utc(self, index: int) -> datetime:
+        """The instant of that index."""
+        return shifted_utc(self.epoch_utc, float(self.t_s[index]))
+
+
+def flown_session(table: CommandTable, number: int, rows: range) -> FlownSession:
+    """The table's Hermite over rows that it has."""
+    cells = len(rows) - 1
+    points = np.arange(POINTS_PER_CELL * cells + 1)
+    cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
+    u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
+    return FlownSession(
+        number=number,
+        epoch_utc=table.epoch_utc,
+        rows=rows,
+        t_s=(POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL),
+        angle_rad=np.stack(
+            [
+                axis_hermite(table, column).angle_at(rows[0] + cell, u_s)
+                for column in range(len(table.axis_names))
+            ],
+            axis=1,
+        ),
+    )
+
+
+def session_report(
+    table: CommandTable,
+    scenario: Scenario,
+    flown: FlownSession,
+    error_rad: NDArray[np.float64],
+    view: EarthFixedView | SkyView | None,
+) -> SessionReport:
+    """error_rad: of each instant of `flown`, shape (n,)."""
+    rows, epoch_utc = flown.rows, flown.epoch_utc
+    return SessionReport(
+        number=flown.number,
+        start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
+        stop_utc=shifted_utc(epoch_utc, rows[-1] / ROWS_PER_S),
+        at_rows=_error_over(flown, error_rad, flown.is_row),
+        between_rows=_error_over(flown, error_rad, ~flown.is_row),
+        overall=_error_over(flown, error_rad, np.ones_like(flown.is_row)),
+        view=view,
+        slow_stretches=tuple(
+            stretch
+            for column, (axis, limits) in enumerate(
+                zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
+            )
+            for stretch in slow_stretches(
+                axis, axis_hermite(table, column), limits.rate_min_rad_s, rows, epoch_utc
+            )
+        ),
+    )
+
+
+def _error_over(
+    flown: FlownSession, error_rad: NDArray[np.float64], chosen: NDArray[np.bool_]
+) -> PointingError:
+    indices = np.flatnonzero(chosen)
+    worst = int(indices[np.argmax(error_rad[indices])])
+    return PointingError(
+        max_rad=float(error_rad[worst]),
+        rms_rad=float(np.sqrt(np.mean(error_rad[indices] ** 2))),
+        max_t_s=float(flown.t_s[worst]),
+        max_utc=flown.utc(worst),
+    )
