@@ -14,7 +14,7 @@ import sys
 import time
 from pathlib import Path
 
-import httpx
+import httpx2 as httpx
 import numpy as np
 
 EXAMPLE = Path(__file__).parent.parent / "examples" / "las_vegas_2015.json"
