@@ -1,0 +1,116 @@
+"""Is every hostile or odd upload refused clearly, before it costs anything?"""
+
+import contextlib
+import struct
+import zlib
+
+import estimator.images  # noqa: F401 (sets OpenCV's cap first)
+
+import cv2  # isort: skip
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from estimator.camera import HorizonCamera
+from estimator.errors import InvalidImage
+from estimator.images import decode_image, prepare
+
+PICTURE = np.random.default_rng(0).integers(0, 255, (48, 64, 3), dtype=np.uint8)
+
+
+def coded(extension, picture=PICTURE):
+    _, content = cv2.imencode(extension, picture)
+    return content.tobytes()
+
+
+def png_chunk(kind, data):
+    crc = struct.pack(">I", zlib.crc32(kind + data))
+    return struct.pack(">I", len(data)) + kind + data + crc
+
+
+def exif_rotated(content):
+    """The JPEG with an EXIF block that asks for a quarter turn (orientation 6)."""
+    tiff = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"
+    data = b"Exif\0\0" + tiff
+    return content[:2] + b"\xff\xe1" + struct.pack(">H", len(data) + 2) + data + content[2:]
+
+
+@pytest.mark.parametrize("extension", [".png", ".jpg", ".tiff"])
+@pytest.mark.parametrize(
+    "picture",
+    [PICTURE, PICTURE[..., 0], PICTURE.astype(np.uint16) * 257],
+    ids=["colour", "grey", "16 bit"],
+)
+def test_what_opencv_wrote_is_read(extension, picture):
+    if extension == ".jpg" and picture.dtype == np.uint16:
+        picture = picture.astype(np.uint8)
+    read = decode_image(coded(extension, picture))
+    assert read.shape == picture.shape
+    if extension != ".jpg":
+        np.testing.assert_array_equal(read, picture)
+
+
+def test_exif_rotation_is_ignored():
+    assert decode_image(exif_rotated(coded(".jpg"))).shape == PICTURE.shape
+
+
+def test_alpha_masks():
+    picture = np.dstack([PICTURE, np.full((48, 64), 255, np.uint8)])
+    picture[:10, :, 3] = 0
+    camera = HorizonCamera(
+        name="c",
+        width_px=64,
+        height_px=48,
+        fx_px=50.0,
+        fy_px=50.0,
+        cx_px=31.5,
+        cy_px=23.5,
+        q_camera_from_body_xyzw=(0.0, 0.0, 0.0, 1.0),
+        mask=(((0.0, 40.0), (63.0, 40.0), (63.0, 47.0), (0.0, 47.0)),),
+    )
+    usable = prepare(decode_image(coded(".png", picture)), camera, "images.0", blue=False).usable
+    assert not usable[:10].any()
+    assert not usable[40:].any()
+    assert usable[10:40].all()
+
+
+def test_a_small_file_that_claims_900_megapixels_is_refused_unopened():
+    header = struct.pack(">IIBBBBB", 30000, 30000, 8, 0, 0, 0, 0)
+    bomb = b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header)
+    bomb += png_chunk(b"IDAT", zlib.compress(bytes(10**6))) + png_chunk(b"IEND", b"")
+    with pytest.raises(InvalidImage, match="at most"):
+        decode_image(bomb)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\x89PNG\r\n\x1a\n",
+        b"GIF89a" + bytes(100),
+        b"%PDF-1.7",
+        b"\xff\xd8\xff",
+        b"II*\0\xff\xff\xff\xff",
+        b"MM\0*\0\0\0\x08\xff\xff" + bytes(40),
+        coded(".png")[:200],
+        coded(".tiff")[:200],
+        coded(".jpg")[:30],
+        coded(".jpg")[2:],
+        coded(".bmp"),
+    ],
+    ids=range(12),
+)
+def test_damage_is_refused(content):
+    with pytest.raises(InvalidImage):
+        decode_image(content)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data())
+def test_bytes_turned_over_never_do_worse_than_a_refusal(data):
+    content = bytearray(coded(data.draw(st.sampled_from([".png", ".jpg", ".tiff"]))))
+    for _ in range(data.draw(st.integers(1, 12))):
+        content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    with contextlib.suppress(InvalidImage):
+        assert decode_image(bytes(content)).size > 0

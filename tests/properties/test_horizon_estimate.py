@@ -1,0 +1,176 @@
+"""Does the estimator find the vertical of rendered horizons, and refuse what is none?
+
+The renderer integrates the scattering of sunlight through a spherical atmosphere and knows
+nothing of the estimator's model of the limb.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
+
+from horizon_cases import NEGATIVES, case, negative, random_air, ring
+
+from estimator.check import Verdict, across_axes, check_attitude
+from estimator.errors import InvalidCamera, InvalidImage, Reason
+from estimator.paper_method import paper_nadir
+from estimator.pipeline import estimate_vertical
+from estimator.prediction import predict_horizon
+from estimator.request import PredictedAttitude, Surroundings
+from estimator.sensor import Sensor
+from estimator.series import summarise_series
+from estimator.synthetic import Scene
+
+FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
+
+
+def off_deg(measured, true):
+    return float(np.rad2deg(np.linalg.norm(np.cross(measured, true))))
+
+
+def normalised2(nadir, truth):
+    off = nadir.axes_body @ (nadir.nadir_body - truth)
+    return float(off @ np.linalg.solve(nadir.covariance_rad2, off))
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return case(np.random.default_rng(3001), ring(2))
+
+
+@pytest.mark.parametrize(
+    "sensor", [Sensor(), Sensor(bits=16), Sensor(jpeg_quality=60)], ids=["8", "16", "JPEG"]
+)
+def test_ideal_limb_within_a_hundredth_of_a_degree(sensor):
+    scene = Scene(constant_limb_m=17.5e3, cloud_cover=0.6)
+    one = case(np.random.default_rng(3002), ring(2), scene=scene, sensor=sensor)
+    answer = estimate_vertical(one.images, one.request)
+    # The issue's 0.010 deg rms; twice that for a single draw.
+    assert off_deg(answer.geocentric.nadir_body, one.geocentric_body) < 0.02
+
+
+@pytest.mark.parametrize("seed", range(3010, 3014))
+def test_real_limb_lies_within_its_stated_error(seed):
+    one = case(np.random.default_rng(seed), ring(2), predicted_off_deg=5.0)
+    answer = estimate_vertical(one.images, one.request)
+    assert answer.verdict is Verdict.CONSISTENT
+    assert normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
+    assert normalised2(answer.geodetic, one.geodetic_body) < FOUR_SIGMA
+    assert answer.geodetic.sigma_rad < np.deg2rad(0.05)
+
+
+def test_no_prediction_is_needed(pair):
+    answer = estimate_vertical(pair.images, replace(pair.request, predicted=None))
+    assert answer.verdict is Verdict.MEASURED
+    assert normalised2(answer.geodetic, pair.geodetic_body) < FOUR_SIGMA
+    assert normalised2(answer.geocentric, pair.geocentric_body) < FOUR_SIGMA
+
+
+def test_one_camera_is_enough_and_says_so(pair):
+    request = replace(pair.request, cameras=pair.request.cameras[:1])
+    one = estimate_vertical(pair.images[:1], request)
+    two = estimate_vertical(pair.images, pair.request)
+    assert normalised2(one.geocentric, pair.geocentric_body) < FOUR_SIGMA
+    assert one.geocentric.sigma_rad > 1.5 * two.geocentric.sigma_rad
+
+
+def test_a_wrong_prediction_is_found_out(pair):
+    told = Rotation.from_quat(pair.request.predicted.q_body_from_eci_xyzw)
+    wrong = Rotation.from_euler("x", 0.5, degrees=True) * told
+    predicted = PredictedAttitude(
+        q_body_from_eci_xyzw=tuple(wrong.as_quat().tolist()), sigma_deg=0.05
+    )
+    answer = estimate_vertical(pair.images, replace(pair.request, predicted=predicted))
+    assert answer.verdict is Verdict.INCONSISTENT
+    assert np.rad2deg(answer.check.angle_rad) == pytest.approx(0.5, abs=0.1)  # 4 sigma
+    series = summarise_series([0.0, 1.0], [answer, answer], np.deg2rad(0.05))
+    assert series.verdict is Verdict.INCONSISTENT
+    np.testing.assert_allclose(series.scatter_rad, 0.0, atol=1e-12)  # twice the same frame
+
+
+@pytest.mark.parametrize("turn", [np.s_[::-1, ::-1], np.s_[::-1], np.s_[:, ::-1]])
+def test_flipped_frames_never_pass(pair, turn):
+    flipped = [np.ascontiguousarray(image[turn]) for image in pair.images]
+    answer = estimate_vertical(flipped, pair.request)
+    assert answer.verdict in (Verdict.INCONSISTENT, Verdict.NOT_OBSERVABLE)
+
+
+def test_swapped_cameras_never_pass(pair):
+    answer = estimate_vertical(pair.images[::-1], pair.request)
+    assert answer.verdict in (Verdict.INCONSISTENT, Verdict.NOT_OBSERVABLE)
+
+
+def test_a_blind_camera_does_not_spoil_the_other(pair):
+    black = np.zeros_like(pair.images[0])
+    answer = estimate_vertical([pair.images[0], black], pair.request)
+    assert answer.cameras[1].reason is Reason.ALL_BLACK
+    assert answer.cameras[0].used
+    assert normalised2(answer.geocentric, pair.geocentric_body) < FOUR_SIGMA
+
+
+@pytest.mark.parametrize("kind", NEGATIVES)
+def test_images_without_a_horizon_are_refused(kind):
+    image, request = negative(kind, np.random.default_rng(3030))
+    answer = estimate_vertical([image], request)
+    assert answer.verdict is Verdict.NOT_OBSERVABLE
+    assert answer.reason is not None
+
+
+def test_low_sun_is_right_or_refused():
+    one = case(np.random.default_rng(3040), ring(2), sun_deg=(5.0, 15.0))
+    answer = estimate_vertical(one.images, one.request)
+    assert answer.geocentric is None or (
+        normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
+    )
+
+
+def test_images_that_do_not_fit_are_refused(pair):
+    with pytest.raises(InvalidCamera, match="one per camera"):
+        estimate_vertical(pair.images[:1], pair.request)
+    turned = [np.ascontiguousarray(np.rot90(image)) for image in pair.images]
+    with pytest.raises(InvalidImage, match="unrotated"):
+        estimate_vertical(turned, pair.request)
+
+
+def test_prediction_sees_what_the_estimator_then_finds(pair):
+    around = Surroundings(pair.request.epoch, pair.request.position, pair.request.body)
+    q = Rotation.from_quat(pair.request.predicted.q_body_from_eci_xyzw)
+    camera = pair.request.cameras[0]
+    expected = predict_horizon(camera, around, q)
+    found = estimate_vertical(pair.images, pair.request).cameras[0]
+    assert expected.reason is None
+    assert np.rad2deg(expected.arc_rad) == pytest.approx(found.arc_deg, abs=3.0)  # outliers
+    # 12 km of limb height between them at most, 3 km a pixel.
+    middle = found.limb_px[len(found.limb_px) // 2]
+    assert np.min(np.linalg.norm(expected.limb_px - middle, axis=1)) < 15.0
+    up = Rotation.from_euler("x", 180.0, degrees=True) * q
+    assert predict_horizon(camera, around, up).reason is Reason.NOT_IN_FRAME
+
+
+def test_the_papers_chord_is_exact_on_unit_rays_only():
+    scene = replace(random_air(np.random.default_rng(1)), constant_limb_m=17.5e3)
+    printed, unit = [], []
+    for seed in range(3050, 3053):
+        one = case(np.random.default_rng(seed), ring(2), scene=scene)
+        for errors, unit_rays in ((unit, True), (printed, False)):
+            nadir = paper_nadir(one.images, one.request.cameras, unit_rays)
+            errors.append(off_deg(nadir, one.geodetic_body))
+    # Flattening alone makes 0.05 deg; the design notes found 0.13 and 0.50.
+    assert np.sqrt(np.mean(np.square(unit))) < 0.25
+    assert np.mean(printed) > np.mean(unit)
+
+
+def test_check_has_the_closed_form_of_two_equal_errors():
+    nadir = np.array([0.0, 0.0, 1.0])
+    turned = Rotation.from_euler("y", 0.01).apply(nadir)
+    check = check_attitude(nadir, 0.004**2 * np.eye(2), turned, 0.003)
+    # Rayleigh's law: exp(-r^2 / 2 s^2), s = hypot(0.004, 0.003).
+    assert check.probability == pytest.approx(np.exp(-0.5 * (0.01 / 0.005) ** 2), rel=1e-6)
+    assert check.angle_rad == pytest.approx(0.01, rel=1e-12)
+    assert np.hypot(check.along_rad, check.across_rad) == pytest.approx(0.01, rel=1e-12)
+    np.testing.assert_allclose(np.cross(*across_axes(nadir)), nadir, atol=1e-15)
