@@ -1,5 +1,6 @@
 """What is a planned slew: piecewise polynomials, their exact extremes, what they break?"""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -13,6 +14,7 @@ from planner.slew.problem import LIMIT_TOLERANCE, AxisState, SlewProblem
 
 Array = NDArray[np.float64]
 ORDERS = ("angle", "rate", "acceleration", "jerk")
+SAMPLES = 9
 NEGLIGIBLE = 1e-13  # of a polynomial's largest coefficient: rounding, not a leading term
 
 
@@ -110,12 +112,19 @@ class AxisProfile:
 
     def surely_within(self, limits: AxisLimits) -> bool:
         """Whether the hull of each piece keeps all limits: proof when true, nothing when false."""
+        return self._all_within(limits, _bernstein_from_power)
+
+    def surely_outside(self, limits: AxisLimits) -> bool:
+        """Whether a sample breaks a limit: proof when true, nothing when false."""
+        return not self._all_within(limits, _samples_from_power)
+
+    def _all_within(self, limits: AxisLimits, values_from_power: Callable[[int], Array]) -> bool:
         width = np.diff(self.breakpoints_s)[:, None]
         for derivative, (low, high) in zip(self._derivatives, bounds(limits), strict=True):
             count = derivative.shape[1]
-            hull = (derivative * width ** np.arange(count)) @ _bernstein_from_power(count).T
+            values = (derivative * width ** np.arange(count)) @ values_from_power(count).T
             slack = LIMIT_TOLERANCE * (high - low)
-            if hull.min() < low - slack or hull.max() > high + slack:
+            if values.min() < low - slack or values.max() > high + slack:
                 return False
         return True
 
@@ -198,9 +207,11 @@ def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[Lim
 
 def obeys(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
     """Whether the profile joins both states and keeps every limit at every instant."""
-    return joins(profile, start, end, limits) and (
-        profile.surely_within(limits) or not violations("", profile, limits)
-    )
+    if not joins(profile, start, end, limits):
+        return False
+    if profile.surely_within(limits):
+        return True
+    return not profile.surely_outside(limits) and not violations("", profile, limits)
 
 
 def joins(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
@@ -245,6 +256,12 @@ def _bernstein_from_power(count: int) -> Array:
             matrix[row, column] = ratio
             ratio *= (row - column) / (count - 1 - column) if column < count - 1 else 0.0
     return matrix
+
+
+@cache
+def _samples_from_power(count: int) -> Array:
+    """Values at a few places of [0, 1] are this matrix times ascending power coefficients."""
+    return np.linspace(0.0, 1.0, SAMPLES)[:, None] ** np.arange(count)
 
 
 def _turning_points(unit: Array) -> Array:

@@ -1,0 +1,246 @@
+"""How quick is the slew's optimal control problem beside the same problem in its peers?
+
+One run, one process, one slew of both axes with limits that bind, per duration:
+  ours     the "ocp" backend: CasADi + Ipopt, limits at every instant, verified
+  rockit   multiple shooting on the 0.2 s grid, limits at nodes, Ipopt
+  Opti     multiple shooting on the 0.2 s grid by CasADi's Opti stack, limits at nodes, Ipopt
+"re-solve" changes the states and solves again; "first plan" includes setting the solver up.
+Last, `minimum_time` against Ruckig's least time.
+
+    python bench/slew.py [--quick]      # --quick: 30 and 100 s only
+"""
+
+import argparse
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+import rockit
+
+from planner.platforms import ISS_HRC
+from planner.scenario import SlewOptions
+from planner.slew.backends import BACKENDS
+from planner.slew.backends.ipopt import SPANS, graded_ocp, steep_ocp
+from planner.slew.feasibility import next_duration_s
+from planner.slew.problem import AxisState, SlewProblem
+
+LIMITS = ISS_HRC.outer_limits
+BOUNDS = (
+    LIMITS.angle_max_rad,
+    LIMITS.rate_max_rad_s,
+    LIMITS.acceleration_max_rad_s2,
+    LIMITS.jerk_max_rad_s3,
+)
+STEP_S = 0.2
+RATE_BINDS_S = 100.0
+DURATIONS_S = (30.0, 100.0, 300.0, 900.0)
+TARGET_RATIO = {30.0: 4.0, 100.0: 25.0, 300.0: 70.0}
+IPOPT = {"print_level": 0, "sb": "yes", "tol": 1e-8}
+OWN_REPEATS = 20
+SLOW_S = 5.0  # a peer that takes longer than this per solve is timed once
+
+
+@dataclass(frozen=True)
+class Timing:
+    first_s: float
+    again_s: float
+    cost: float
+
+
+def states(
+    duration_s: float, shift_deg: float
+) -> tuple[tuple[AxisState, ...], tuple[AxisState, ...]]:
+    """A slew whose limits bind: the rate's to 100 s, beyond that the stops; shift_deg varies it."""
+
+    def state(angle: float, rate: float, acceleration: float) -> AxisState:
+        return AxisState(
+            angle_rad=math.radians(angle + shift_deg),
+            rate_rad_s=math.radians(rate),
+            acceleration_rad_s2=math.radians(acceleration),
+        )
+
+    if duration_s <= RATE_BINDS_S:
+        reach = 2.2 * duration_s
+        start = (state(-0.6 * reach, 0.8, 0.1), state(0.6 * reach, -0.5, 0.0))
+        return start, (state(0.4 * reach, 0.7, 0.01), state(-0.45 * reach, -0.4, 0.0))
+    start = (state(-160.0, -2.0, 0.1), state(166.0, 1.5, 0.0))
+    return start, (state(-125.0, 0.7, 0.01), state(140.0, -0.4, 0.0))
+
+
+def ours(duration_s: float) -> Timing:
+    def solve(shift_deg: float) -> float:
+        start, end = states(duration_s, shift_deg)
+        problem = SlewProblem(
+            axis_names=ISS_HRC.axis_names,
+            limits=ISS_HRC.axis_limits,
+            start=start,
+            end=end,
+            duration_s=duration_s,
+        )
+        solution = BACKENDS["ocp"].solve(problem, SlewOptions())
+        if solution.violations or "closed form" in solution.status:
+            raise SystemExit(f"{duration_s} s is no fair case: {solution.status}")
+        return solution.jerk_squared_integral
+
+    graded_ocp.cache_clear()
+    steep_ocp.cache_clear()
+    return _timed(solve, OWN_REPEATS)
+
+
+def by_rockit(duration_s: float) -> Timing:
+    problem: dict[str, object] = {}
+
+    def set_up() -> None:
+        ocp = rockit.Ocp(T=duration_s)
+        x, u = ocp.state(6), ocp.control(2)
+        ends = ocp.parameter(6), ocp.parameter(6)
+        ocp.set_der(x, casadi.vertcat(x[2:6], u))
+        ocp.add_objective(ocp.integral(casadi.sumsqr(u / BOUNDS[3])))
+        ocp.subject_to(ocp.at_t0(x) == ends[0])
+        ocp.subject_to(ocp.at_tf(x) == ends[1])
+        for order in range(3):
+            for axis in range(2):
+                part = x[2 * order + axis]
+                ocp.subject_to((-BOUNDS[order] <= part) <= BOUNDS[order])
+        for axis in range(2):
+            ocp.subject_to((-BOUNDS[3] <= u[axis]) <= BOUNDS[3])
+        ocp.solver("ipopt", {"ipopt": IPOPT, "print_time": False, "expand": True})
+        ocp.method(rockit.MultipleShooting(N=round(duration_s / STEP_S), intg="rk"))
+        problem.update(ocp=ocp, u=u, ends=ends)
+
+    def solve(shift_deg: float) -> float:
+        if not problem:
+            set_up()
+        ocp, ends = problem["ocp"], problem["ends"]
+        for end, at in zip(ends, states(duration_s, shift_deg), strict=True):
+            ocp.set_value(end, _stacked(at))
+        jerk = ocp.solve().sample(problem["u"], grid="control")[1][:-1]
+        return float(np.sum(jerk**2) * STEP_S)
+
+    return _timed(solve, 3)
+
+
+def by_opti(duration_s: float) -> Timing:
+    problem: dict[str, object] = {}
+    nodes = round(duration_s / STEP_S)
+
+    def set_up() -> None:
+        opti = casadi.Opti()
+        x, u = opti.variable(6, nodes + 1), opti.variable(2, nodes)
+        ends = opti.parameter(6), opti.parameter(6)
+        h = STEP_S
+        for k in range(nodes):
+            q, v, a, j = x[:2, k], x[2:4, k], x[4:, k], u[:, k]
+            opti.subject_to(x[:2, k + 1] == q + h * v + h**2 / 2 * a + h**3 / 6 * j)
+            opti.subject_to(x[2:4, k + 1] == v + h * a + h**2 / 2 * j)
+            opti.subject_to(x[4:, k + 1] == a + h * j)
+        opti.subject_to(x[:, 0] == ends[0])
+        opti.subject_to(x[:, -1] == ends[1])
+        for order in range(3):
+            for axis in range(2):
+                part = x[2 * order + axis, 1:-1]
+                opti.subject_to(opti.bounded(-BOUNDS[order], part, BOUNDS[order]))
+        for axis in range(2):
+            opti.subject_to(opti.bounded(-BOUNDS[3], u[axis, :], BOUNDS[3]))
+        opti.minimize(casadi.sumsqr(u / BOUNDS[3]) * h)
+        opti.solver("ipopt", {"print_time": False, "expand": True}, IPOPT)
+        problem.update(opti=opti, u=u, ends=ends)
+
+    def solve(shift_deg: float) -> float:
+        if not problem:
+            set_up()
+        opti = problem["opti"]
+        for end, at in zip(problem["ends"], states(duration_s, shift_deg), strict=True):
+            opti.set_value(end, _stacked(at))
+        jerk = opti.solve().value(problem["u"])
+        return float(np.sum(jerk**2) * STEP_S)
+
+    return _timed(solve, 3)
+
+
+def minimum_time_shares(count: int) -> tuple[list[float], list[float]]:
+    """Our minimum_time over Ruckig's least time, and the seconds it took, for random slews."""
+    rng = np.random.default_rng(2)
+
+    def drawn(rate_deg_s: float) -> AxisState:
+        return AxisState(
+            angle_rad=math.radians(rng.uniform(-165.0, 165.0)),
+            rate_rad_s=math.radians(rng.uniform(-rate_deg_s, rate_deg_s)),
+        )
+
+    shares, wall_s = [], []
+    for _ in range(count):
+        problem = SlewProblem(
+            axis_names=ISS_HRC.axis_names,
+            limits=ISS_HRC.axis_limits,
+            start=(drawn(2.0), drawn(2.0)),
+            end=(drawn(1.0), drawn(1.0)),
+            duration_s=1000.0,
+            objective="minimum_time",
+        )
+        least_s = max(
+            next_duration_s(start, end, LIMITS, 0.0) or math.inf
+            for start, end in zip(problem.start, problem.end, strict=True)
+        )
+        began_s = time.process_time()
+        solution = BACKENDS["ocp"].solve(problem, SlewOptions())
+        wall_s.append(time.process_time() - began_s)
+        shares.append(solution.duration_s / least_s)
+    return shares, wall_s
+
+
+def _stacked(at: tuple[AxisState, ...]) -> list[float]:
+    return [
+        *(state.angle_rad for state in at),
+        *(state.rate_rad_s for state in at),
+        *(state.acceleration_rad_s2 for state in at),
+    ]
+
+
+def _timed(solve: Callable[[float], float], repeats: int) -> Timing:
+    began_s = time.process_time()
+    cost = solve(0.0)
+    first_s = time.process_time() - began_s
+    again_s: list[float] = []
+    while len(again_s) < repeats and sum(again_s) < SLOW_S:
+        began_s = time.process_time()
+        solve(0.05 * (1 + len(again_s)))
+        again_s.append(time.process_time() - began_s)
+    return Timing(first_s, float(np.median(again_s)), cost)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="30 and 100 s only")
+    durations_s = DURATIONS_S[:2] if parser.parse_args().quick else DURATIONS_S
+    graded_ocp(SPANS)  # CasADi's plug-ins load once per process, for everybody
+    print("both axes, CPU ms: re-solve / first plan with set-up; ratios to ours; cost to ours")
+    for duration_s in durations_s:
+        own = ours(duration_s)
+        print(f"{duration_s:5.0f} s  ours    {_ms(own)}", flush=True)
+        for name, peer in (("rockit", by_rockit), ("Opti", by_opti)):
+            other = peer(duration_s)
+            again, first = other.again_s / own.again_s, other.first_s / own.first_s
+            target = TARGET_RATIO.get(duration_s) if name == "rockit" else None
+            wanted = f"  (target {target:.0f}x, first 20x)" if target else ""
+            print(
+                f"         {name:7s} {_ms(other)}   {again:7.1f}x {first:7.1f}x"
+                f"   cost {other.cost / own.cost:.5f}{wanted}",
+                flush=True,
+            )
+    shares, wall_s = minimum_time_shares(100)
+    print(
+        f"minimum_time, 100 random slews: at most {max(shares):.5f} of Ruckig's least time "
+        f"(target 1.01), median {1e3 * float(np.median(wall_s)):.1f} ms"
+    )
+
+
+def _ms(timing: Timing) -> str:
+    return f"{1e3 * timing.again_s:9.1f} / {1e3 * timing.first_s:9.1f}"
+
+
+if __name__ == "__main__":
+    main()
