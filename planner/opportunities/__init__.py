@@ -1,0 +1,19 @@
+"""When can a target be seen?"""
+
+from planner.opportunities.request import (
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+)
+from planner.opportunities.search import find_opportunities
+from planner.opportunities.windows import Opportunities, Sightings, Windows
+
+__all__ = [
+    "Opportunities",
+    "OpportunityConditions",
+    "OpportunityRequest",
+    "OpportunityTarget",
+    "Sightings",
+    "Windows",
+    "find_opportunities",
+]

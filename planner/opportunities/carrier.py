@@ -1,0 +1,166 @@
+"""Where are the carrier, its platform, the Sun and the Moon at any instant of some days?
+
+One evaluation of the orbit and of the attitude law on a uniform grid serves all targets.
+Everything is in ITRF axes, in which targets on the ground stand still.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from datetime import datetime
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from planner.attitude import AttitudeLaw
+from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.frames.solar_system import earth_bary_state
+from planner.frames.time_scales import Instants, elapsed_s
+from planner.opportunities.interpolation import NODES, UniformTable
+from planner.orbits import Ephemeris, OrbitStates
+from planner.platforms import TwoAxisPlatform
+from planner.targets import BodyTarget
+from planner.targets.apparent import aberrated
+
+Array = NDArray[np.float64]
+MU_EARTH_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
+STEP_TURN_RAD = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
+STEP_MAX_S = 900.0
+ATTITUDE_STEP_MIN_S = 1.0
+ATTITUDE_ERROR_RAD = 5e-7  # 0.1 arcsec: less than what drives and orbit leave
+
+
+@dataclass(frozen=True, eq=False)
+class Carrier:
+    """Tables over `span_s` seconds from `start_utc`, which all t_s count from.
+
+    r_sat_itrf_m: position; v_sat_itrf_m_s: inertial velocity in ITRF axes.
+    r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
+    q_platform_from_itrf_xyzw: to be normalised.
+    node_s: rows of the orbit.  turn_max_rad_s: greatest rate of the geocentric direction.
+    Neglects, in position, manoeuvres shorter than a row: 0.3 ms of a typical ISS burn.
+    """
+
+    start_utc: datetime
+    span_s: float
+    node_s: Array
+    turn_max_rad_s: float
+    r_sat_itrf_m: UniformTable
+    v_sat_itrf_m_s: UniformTable
+    r_sun_itrf_m: UniformTable
+    r_moon_itrf_m: UniformTable
+    q_platform_from_itrf_xyzw: UniformTable
+
+    def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
+        """Vectors (n, 3) turned into the platform frame at t_s (n,)."""
+        q = self.q_platform_from_itrf_xyzw.at(t_s)
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        axis, scalar = q[:, :3], q[:, 3:]
+        across = 2.0 * np.cross(axis, vector_itrf)
+        return np.asarray(vector_itrf + scalar * across + np.cross(axis, across))
+
+
+def carrier_over(
+    ephemeris: Ephemeris,
+    attitude: AttitudeLaw,
+    platform: TwoAxisPlatform,
+    start_utc: datetime,
+    stop_utc: datetime,
+) -> Carrier:
+    """Tabulate; raises OutsideCoverage where orbit, attitude or Sun and Moon are not known."""
+    span_s = elapsed_s(stop_utc, start_utc)
+    first_state = ephemeris.states(Instants(start_utc, np.zeros(1)))
+    step_s = min(STEP_TURN_RAD / _perigee_rate_rad_s(first_state), STEP_MAX_S)
+    cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
+    rows = _Rows(ephemeris, attitude, platform, start_utc, span_s, cells)
+    r_sat_itrf_m = _turned(rows.c_itrf, rows.states.r_sat_eci_m)
+    v_sat_itrf_m_s = _turned(rows.c_itrf, rows.states.v_sat_eci_m_s)
+    r_sun_itrf_m, r_moon_itrf_m = (
+        _turned(rows.c_itrf, _apparent_geocentric_m(name, rows.instants))
+        for name in ("sun", "moon")
+    )
+    passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
+    turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
+    return Carrier(
+        start_utc=start_utc,
+        span_s=span_s,
+        node_s=rows.instants.t_s,
+        turn_max_rad_s=turn_max_rad_s + OMEGA_EARTH_RAD_S,
+        r_sat_itrf_m=UniformTable(rows.step_s, r_sat_itrf_m),
+        v_sat_itrf_m_s=UniformTable(rows.step_s, v_sat_itrf_m_s),
+        r_sun_itrf_m=UniformTable(rows.step_s, r_sun_itrf_m),
+        r_moon_itrf_m=UniformTable(rows.step_s, r_moon_itrf_m),
+        q_platform_from_itrf_xyzw=_attitude_table(rows),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Orbit, attitude and Earth at `cells` + 1 instants over the span."""
+
+    ephemeris: Ephemeris
+    attitude: AttitudeLaw
+    platform: TwoAxisPlatform
+    start_utc: datetime
+    span_s: float
+    cells: int
+
+    @property
+    def step_s(self) -> float:
+        return self.span_s / self.cells
+
+    @cached_property
+    def instants(self) -> Instants:
+        return Instants(self.start_utc, np.linspace(0.0, self.span_s, self.cells + 1))
+
+    @cached_property
+    def states(self) -> OrbitStates:
+        return self.ephemeris.states(self.instants)
+
+    @cached_property
+    def c_itrf(self) -> Array:
+        return c_itrf_from_eci(self.instants)
+
+    def q_platform_from_itrf_xyzw(self) -> Array:
+        """Neighbours of like sign, shape (n, 4)."""
+        q_platform_from_itrf = (
+            self.platform.q_platform_from_body
+            * self.attitude.q_body_from_eci(self.instants, self.states)
+            * Rotation.from_matrix(self.c_itrf).inv()
+        )
+        q = q_platform_from_itrf.as_quat()
+        turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+        q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
+        return np.asarray(q)
+
+
+def _attitude_table(rows: _Rows) -> UniformTable:
+    """As fine as the law needs: every other row must foretell the rest."""
+    while True:
+        q = rows.q_platform_from_itrf_xyzw()
+        half = UniformTable(2.0 * rows.step_s, q[::2])
+        off_rad = 2.0 * np.linalg.norm(half.at(rows.instants.t_s) - q, axis=1)
+        if np.max(off_rad) <= ATTITUDE_ERROR_RAD or rows.step_s <= ATTITUDE_STEP_MIN_S:
+            return UniformTable(rows.step_s, q)
+        rows = replace(rows, cells=2 * rows.cells)
+
+
+def _perigee_rate_rad_s(states: OrbitStates) -> float:
+    """Rate of the geocentric direction at the perigee of the osculating orbit."""
+    r_m, v_m_s = states.r_sat_eci_m[0], states.v_sat_eci_m_s[0]
+    h_m2_s = np.cross(r_m, v_m_s)
+    eccentricity = np.cross(v_m_s, h_m2_s) / MU_EARTH_M3_S2 - r_m / np.linalg.norm(r_m)
+    perigee_m = (h_m2_s @ h_m2_s) / MU_EARTH_M3_S2 / (1.0 + np.linalg.norm(eccentricity))
+    return float(np.linalg.norm(h_m2_s) / perigee_m**2)
+
+
+def _apparent_geocentric_m(body: str, instants: Instants) -> Array:
+    """Where the Earth's centre sees the Sun's or Moon's, GCRF axes, shape (n, 3)."""
+    r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
+    direction, range_m = BodyTarget(name=body).seen_from(instants, r_earth_bary_m)
+    return aberrated(direction, v_earth_bary_m_s) * range_m[:, None]
+
+
+def _turned(c_itrf: Array, vector_eci: Array) -> Array:
+    return np.asarray(np.einsum("nij,nj->ni", c_itrf, vector_eci))

@@ -1,0 +1,115 @@
+"""When can each target be seen?  The search, from the request to its windows."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.earth_orientation import earth_orientation_warning
+from planner.frames.time_scales import Instants
+from planner.opportunities.candidates import candidate_nodes
+from planner.opportunities.carrier import Carrier, carrier_over
+from planner.opportunities.conditions import Condition, conditions_of
+from planner.opportunities.description import described
+from planner.opportunities.request import OpportunityRequest
+from planner.opportunities.sights import EarthSight, FixedPlaces, MovingPlace, Sight, SkySight
+from planner.opportunities.spans import Indices, Nodes, Spans, nodes_over, stretches
+from planner.opportunities.windows import Opportunities, in_order
+from planner.targets import EarthFixedTarget, GroundTarget, MovingGroundTarget, SkyTarget
+
+Array = NDArray[np.float64]
+BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all
+SHORTEST_S = 1e-3  # the resolution promised of an edge
+
+
+def find_opportunities(request: OpportunityRequest) -> Opportunities:
+    """All windows of all targets.
+
+    The orbit is evaluated once, on rows 0.066 rad of its motion apart (60 s for the ISS);
+    fixed ground targets are compared with the rows all together.  Edges and extremes are then
+    found for many at once, on polynomials through the rows.  Edges are those of the exact
+    orbit and frames to 0.1 ms, where the margin changes by its ordinary rate; windows or gaps
+    shorter than a millisecond may be missed.
+    Raises OutsideCoverage where orbit, attitude or Earth orientation are not known.
+    """
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    carrier = carrier_over(
+        ephemeris, request.attitude, request.platform, request.start, request.stop
+    )
+    found = [
+        described(request, carrier, sight, numbers, _windows(request, carrier, sight, nodes))
+        for numbers, sight, nodes in _batches(request, carrier)
+    ]
+    orientation = earth_orientation_warning(Instants(request.start, np.array([carrier.span_s])))
+    return Opportunities(
+        start_utc=request.start,
+        stop_utc=request.stop,
+        ids=tuple(wanted.id for wanted in request.targets),
+        priorities=tuple(wanted.priority for wanted in request.targets),
+        axis_names=request.platform.axis_names,
+        warnings=(
+            *ephemeris.warnings,
+            *request.attitude.warnings,
+            *((orientation,) if orientation else ()),
+        ),
+        windows=in_order(found),
+    )
+
+
+def _batches(
+    request: OpportunityRequest, carrier: Carrier
+) -> Iterator[tuple[Indices, Sight, Nodes]]:
+    """Rows of the request's targets that are treated alike, and where to look for them."""
+    least_rad = math.radians(request.conditions.min_elevation_deg)
+    fixed = [
+        (n, w.target) for n, w in enumerate(request.targets) if isinstance(w.target, GroundTarget)
+    ]
+    size = max(1, BATCH_CELLS // len(carrier.node_s))
+    for first in range(0, len(fixed), size):
+        numbers, targets = zip(*fixed[first : first + size], strict=True)
+        places, least = FixedPlaces(targets), _least_elevations(targets, least_rad)
+        nodes = candidate_nodes(carrier, places.r_itrf_m, least)
+        yield np.array(numbers), EarthSight(carrier, places, least), nodes
+    everywhere = Nodes(np.zeros(1, int), np.zeros(len(carrier.node_s), int), carrier.node_s)
+    for number, wanted in enumerate(request.targets):
+        if isinstance(wanted.target, MovingGroundTarget):
+            least = _least_elevations([wanted.target], least_rad)
+            place = MovingPlace(carrier, wanted.target)
+            yield np.array([number]), EarthSight(carrier, place, least), everywhere
+        elif isinstance(wanted.target, SkyTarget):
+            yield np.array([number]), SkySight(carrier, wanted.target), everywhere
+
+
+def _least_elevations(targets: Sequence[EarthFixedTarget], least_rad: float) -> Array:
+    """The greater of the request's and each target's own, shape (len(targets),)."""
+    return np.maximum(np.deg2rad([target.min_elevation_deg for target in targets]), least_rad)
+
+
+def _windows(request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes: Nodes) -> Spans:
+    """When all conditions hold, condition after condition."""
+    inside = stretches(sight.clearance_rad, nodes)
+    spans = Spans(
+        target=nodes.target[inside.group],
+        start_s=inside.start_s,
+        stop_s=inside.stop_s,
+        opened_by=np.where(inside.from_first, "interval", "elevation"),
+        closed_by=np.where(inside.to_last, "interval", "elevation"),
+    )
+    for condition in conditions_of(request.conditions, request.platform, carrier, sight):
+        spans = _narrowed(spans, sight, condition)
+    least_s = max(request.conditions.min_duration_s, SHORTEST_S)
+    return spans.kept(spans.stop_s - spans.start_s >= least_s)
+
+
+def _narrowed(spans: Spans, sight: Sight, condition: Condition) -> Spans:
+    nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+    inside = stretches(condition.margin, nodes)
+    before = spans.kept(inside.group)
+    return Spans(
+        target=before.target,
+        start_s=inside.start_s,
+        stop_s=inside.stop_s,
+        opened_by=np.where(inside.from_first, before.opened_by, condition.cause),
+        closed_by=np.where(inside.to_last, before.closed_by, condition.cause),
+    )

@@ -1,0 +1,229 @@
+"""How do many targets stand to the carrier, each at its own instants?"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.frames.geodesy import geodetic_from_itrf, itrf_from_geodetic, up_itrf
+from planner.frames.time_scales import Instants
+from planner.opportunities.carrier import Carrier
+from planner.orbits import OrbitStates
+from planner.targets import EarthFixedTarget, GroundTarget, SkyTarget
+from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrated
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What the carrier sees of n targets.
+
+    direction_itrf: unit vectors from the carrier, light time and aberration included, (n, 3).
+    range_m: (n,).  elevation_rad: of the carrier in the target's sky; for a target in space its
+    height above the limb raised by the grazing altitude, (n,).
+    """
+
+    direction_itrf: Array
+    range_m: Array
+    elevation_rad: Array
+
+
+class Sight(Protocol):
+    """Targets that are looked at alike; `which` (n,) numbers them, t_s (n,) is the carrier's."""
+
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        ...
+
+    def clearance_rad(self, which: Indices, t_s: Array) -> Array:
+        """How far inside the region where it can be seen, (n,); `VisibleTarget`'s."""
+        ...
+
+    def closeness(self, which: Indices, t_s: Array) -> Array:
+        """Greatest at the closest approach, (n,)."""
+        ...
+
+    def seen(self, which: Indices, t_s: Array) -> Seen:
+        """Directions, ranges, elevations."""
+        ...
+
+    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
+        """Of the Sun's centre in the target's sky, without refraction; NaN in space, (n,)."""
+        ...
+
+    def passing(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
+        """When, from t_s, the straight course at t_s is nearest, s, and how fast the line of
+        sight then turns, rad/s, each (n,)."""
+        ...
+
+
+class Places(Protocol):
+    """Where targets on the Earth are."""
+
+    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array: ...
+    def up_itrf(self, which: Indices, r_target_itrf_m: Array) -> Array: ...
+
+
+class FixedPlaces:
+    """Points at rest on the ground, any number."""
+
+    def __init__(self, targets: Sequence[GroundTarget]) -> None:
+        latitude = np.deg2rad([target.latitude_deg for target in targets])
+        longitude = np.deg2rad([target.longitude_deg for target in targets])
+        self.r_itrf_m = itrf_from_geodetic(
+            latitude, longitude, np.array([target.height_m for target in targets])
+        )
+        self._up_itrf = up_itrf(latitude, longitude)
+
+    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array:
+        """Shape (n, 3)."""
+        return self.r_itrf_m[which]
+
+    def up_itrf(self, which: Indices, r_target_itrf_m: Array) -> Array:
+        """Shape (n, 3)."""
+        return self._up_itrf[which]
+
+
+@dataclass(frozen=True, eq=False)
+class MovingPlace:
+    """One point that moves over the ground."""
+
+    carrier: Carrier
+    target: EarthFixedTarget
+
+    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array:
+        """Shape (n, 3)."""
+        return self.target.r_target_itrf_m(Instants(self.carrier.start_utc, t_s))
+
+    def up_itrf(self, which: Indices, r_target_itrf_m: Array) -> Array:
+        """Shape (n, 3)."""
+        latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_target_itrf_m)
+        return up_itrf(latitude_rad, longitude_rad)
+
+
+@dataclass(frozen=True, eq=False)
+class EarthSight:
+    """Targets on the Earth.
+
+    min_elevation_rad: (count,).  Directions leave out refraction also where a target asks for
+    it: on the axes 8 arcsec at 30 deg elevation and 50 at 10.
+    """
+
+    carrier: Carrier
+    places: Places
+    min_elevation_rad: Array
+
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        return len(self.min_elevation_rad)
+
+    def clearance_rad(self, which: Indices, t_s: Array) -> Array:
+        """Elevation above the plane of the ellipsoid, beyond the least one, (n,)."""
+        r_target_m = self.places.r_target_itrf_m(which, t_s)
+        return self._elevation_rad(which, t_s, r_target_m) - self.min_elevation_rad[which]
+
+    def closeness(self, which: Indices, t_s: Array) -> Array:
+        """The range, negative."""
+        return -_norm(self.carrier.r_sat_itrf_m.at(t_s) - self.places.r_target_itrf_m(which, t_s))
+
+    def seen(self, which: Indices, t_s: Array) -> Seen:
+        """Light time with the Earth turning below, then aberration, as `EarthFixedTarget`."""
+        r_sat_m = self.carrier.r_sat_itrf_m.at(t_s)
+        r_target_m = self.places.r_target_itrf_m(which, t_s)
+        range_m = _norm(r_target_m - r_sat_m)
+        light_time_s = range_m / SPEED_OF_LIGHT_M_S
+        r_emitting_m = self.places.r_target_itrf_m(which, t_s - light_time_s)
+        turned_m = light_time_s[:, None] * _carried_m_s(r_emitting_m)
+        los_m = r_emitting_m - turned_m - r_sat_m
+        return Seen(
+            direction_itrf=aberrated(
+                los_m / _norm(los_m)[:, None], self.carrier.v_sat_itrf_m_s.at(t_s)
+            ),
+            range_m=range_m,
+            elevation_rad=self._elevation_rad(which, t_s, r_target_m),
+        )
+
+    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
+        """Parallax and diurnal aberration included."""
+        r_target_m = self.places.r_target_itrf_m(which, t_s)
+        to_sun_m = self.carrier.r_sun_itrf_m.at(t_s) - r_target_m
+        direction = aberrated(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
+        return np.arcsin(_dot(direction, self.places.up_itrf(which, r_target_m)))
+
+    def passing(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
+        """Target and carrier on straight lines in ITRF."""
+        apart_m = self.carrier.r_sat_itrf_m.at(t_s) - self.places.r_target_itrf_m(which, t_s)
+        speed_m_s = self.carrier.r_sat_itrf_m.rate_at(t_s)
+        square = _dot(speed_m_s, speed_m_s)
+        nearest_s = -_dot(apart_m, speed_m_s) / square
+        return nearest_s, np.sqrt(square) / _norm(apart_m + nearest_s[:, None] * speed_m_s)
+
+    def _elevation_rad(self, which: Indices, t_s: Array, r_target_m: Array) -> Array:
+        apart_m = self.carrier.r_sat_itrf_m.at(t_s) - r_target_m
+        return np.arcsin(_dot(apart_m, self.places.up_itrf(which, r_target_m)) / _norm(apart_m))
+
+
+@dataclass(frozen=True, eq=False)
+class SkySight:
+    """One target in space."""
+
+    carrier: Carrier
+    target: SkyTarget
+    count: int = 1
+
+    def clearance_rad(self, which: Indices, t_s: Array) -> Array:
+        """From the limb raised by the grazing altitude, (n,)."""
+        return self.target.apparent(*self._carrier_at(t_s)[:2]).clearance_rad
+
+    def closeness(self, which: Indices, t_s: Array) -> Array:
+        """The carrier doesn't approach it: highest above the limb counts."""
+        return self.clearance_rad(which, t_s)
+
+    def seen(self, which: Indices, t_s: Array) -> Seen:
+        """As `SkyTarget`."""
+        instants, states, c_itrf = self._carrier_at(t_s)
+        apparent = self.target.apparent(instants, states)
+        return Seen(
+            direction_itrf=np.einsum("nij,nj->ni", c_itrf, apparent.direction_eci),
+            range_m=apparent.range_m,
+            elevation_rad=apparent.clearance_rad,
+        )
+
+    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
+        """There is no ground."""
+        return np.full(len(t_s), math.nan)
+
+    def passing(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
+        """It stands still."""
+        return np.zeros(len(t_s)), np.zeros(len(t_s))
+
+    def _carrier_at(self, t_s: Array) -> tuple[Instants, OrbitStates, Array]:
+        instants = Instants(self.carrier.start_utc, t_s)
+        c_itrf = c_itrf_from_eci(instants)
+        states = OrbitStates(
+            np.einsum("nji,nj->ni", c_itrf, self.carrier.r_sat_itrf_m.at(t_s)),
+            np.einsum("nji,nj->ni", c_itrf, self.carrier.v_sat_itrf_m_s.at(t_s)),
+        )
+        return instants, states, c_itrf
+
+
+def _carried_m_s(r_itrf_m: Array) -> Array:
+    """Inertial velocity of points at rest on the Earth, shape (n, 3)."""
+    x, y = r_itrf_m[:, 0], r_itrf_m[:, 1]
+    return OMEGA_EARTH_RAD_S * np.stack([-y, x, np.zeros_like(x)], axis=1)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("nj,nj->n", a, b))
+
+
+def _norm(vector: Array) -> Array:
+    return np.sqrt(_dot(vector, vector))

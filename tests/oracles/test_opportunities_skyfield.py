@@ -1,0 +1,158 @@
+"""Are the windows Skyfield's, and their edges where Skyfield's own elevation says?"""
+
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from opportunity_requests import ISS, START, iss_request, oco3_targets
+from skyfield.api import EarthSatellite, Loader, wgs84
+from skyfield.data import iers
+
+from planner.frames.time_scales import Instants
+from planner.opportunities import OpportunityConditions, find_opportunities
+
+EDGE_S = 1e-3  # promised
+MIN_ELEVATION_DEG = 10.0
+
+
+@pytest.fixture(scope="module")
+def skyfield():
+    load = Loader(str(files("skyfield_data") / "data"))
+    timescale = load.timescale(builtin=False)
+    with load.open("finals2000A.all") as lines:
+        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
+    return timescale, load("de421.bsp"), EarthSatellite(ISS.line1, ISS.line2, ts=timescale)
+
+
+def at(timescale, t_s):
+    return timescale.tt_jd(*Instants(START, np.asarray(t_s)).tt_jd())
+
+
+def site(wanted):
+    return wgs84.latlon(wanted.target.latitude_deg, wanted.target.longitude_deg)
+
+
+def late_s(value_deg, limit_deg, t_s):
+    """How far from the limit, in time, a quantity is at each edge, by its own rate."""
+    rate_deg_s = (value_deg(t_s + 0.05) - value_deg(t_s - 0.05)) / 0.1
+    return (value_deg(t_s) - limit_deg) / rate_deg_s
+
+
+def edges_by(windows, number, cause):
+    mine = windows.target == number
+    return np.concatenate(
+        [
+            windows.rise_s[mine & (windows.opened_by == cause)],
+            windows.set_s[mine & (windows.closed_by == cause)],
+        ]
+    )
+
+
+def test_windows_and_edges_by_elevation(skyfield):
+    timescale, _, satellite = skyfield
+    request = iss_request(
+        7.0,
+        targets=oco3_targets(every=20),
+        conditions=OpportunityConditions(min_elevation_deg=MIN_ELEVATION_DEG),
+    )
+    windows = find_opportunities(request).windows
+    start, stop = timescale.from_datetime(request.start), timescale.from_datetime(request.stop)
+    compared = 0
+    for number, wanted in enumerate(request.targets):
+        times, events = satellite.find_events(
+            site(wanted), start, stop, altitude_degrees=MIN_ELEVATION_DEG
+        )
+        t_s = (times.whole - start.whole + times.tt_fraction - start.tt_fraction) * 86400.0
+        mine = windows.target == number
+        rises, sets = edges_by(windows, number, "elevation"), windows.set_s[mine]
+        assert np.count_nonzero(events == 0) + np.count_nonzero(events == 2) == len(rises)
+        ours_s = np.sort(rises)
+        # find_events stops its bisection once it is within half a second
+        np.testing.assert_allclose(ours_s, np.sort(t_s[events != 1]), rtol=0, atol=0.5)
+        apart = satellite - site(wanted)
+
+        def elevation_deg(t_s, apart=apart):
+            return apart.at(at(timescale, t_s)).altaz()[0].degrees
+
+        off_s = late_s(elevation_deg, MIN_ELEVATION_DEG, ours_s)
+        assert np.abs(off_s).max() < EDGE_S
+        culminations_s = t_s[events == 1]
+        for highest_s, highest_rad, rise_s, set_s in zip(
+            windows.highest_s[mine],
+            windows.highest_rad[mine],
+            windows.rise_s[mine],
+            sets,
+            strict=True,
+        ):
+            inside = culminations_s[(culminations_s > rise_s) & (culminations_s < set_s)]
+            if len(inside):
+                assert np.abs(inside - highest_s).min() < 0.5
+            # a millisecond at the elevation's fastest, 1 deg/s
+            seen_deg = elevation_deg(np.array([highest_s]))[0]
+            assert np.rad2deg(highest_rad) == pytest.approx(seen_deg, abs=1e-3)
+        compared += len(ours_s)
+    assert compared > 1000
+
+
+def test_edges_by_sunlight(skyfield):
+    timescale, kernel, _ = skyfield
+    limit_deg = 20.0
+    request = iss_request(
+        7.0,
+        targets=oco3_targets(every=10),
+        conditions=OpportunityConditions(sun_elevation_min_deg=limit_deg),
+    )
+    windows = find_opportunities(request).windows
+    compared = 0
+    for number, wanted in enumerate(request.targets):
+        edges_s = edges_by(windows, number, "sun_elevation")
+        if not len(edges_s):
+            continue
+
+        place = kernel["earth"] + site(wanted)
+
+        def sun_deg(t_s, place=place):
+            seen = place.at(at(timescale, t_s)).observe(kernel["sun"]).apparent()
+            return seen.altaz()[0].degrees
+
+        # one milliarcsecond (frames) at 15 arcsec/s or less
+        assert np.abs(late_s(sun_deg, limit_deg, edges_s)).max() < EDGE_S
+        compared += len(edges_s)
+    assert compared > 20
+
+
+def test_edges_by_sun_and_moon_keep_outs(skyfield):
+    timescale, kernel, satellite = skyfield
+    keep_outs_deg = {"sun_keep_out": 70.0, "moon_keep_out": 70.0}
+    request = iss_request(
+        3.0,
+        targets=oco3_targets(every=20),
+        conditions=OpportunityConditions(
+            sun_keep_out_deg=keep_outs_deg["sun_keep_out"],
+            moon_keep_out_deg=keep_outs_deg["moon_keep_out"],
+        ),
+    )
+    windows = find_opportunities(request).windows
+    compared = dict.fromkeys(keep_outs_deg, 0)
+    for number, wanted in enumerate(request.targets):
+        for cause, limit_deg in keep_outs_deg.items():
+            edges_s = edges_by(windows, number, cause)
+            body, apart = kernel[cause.removesuffix("_keep_out")], site(wanted) - satellite
+
+            def apart_deg(t_s, apart=apart, body=body):
+                instants = at(timescale, t_s)
+                carrier = (kernel["earth"] + satellite).at(instants)
+                los = apart.at(instants).position.km
+                to_body = carrier.observe(body).apparent().position.km
+                cosine = np.sum(los * to_body, axis=0) / (
+                    np.linalg.norm(los, axis=0) * np.linalg.norm(to_body, axis=0)
+                )
+                return np.rad2deg(np.arccos(cosine))
+
+            at_limit = np.abs(apart_deg(edges_s) - limit_deg) < 0.01 if len(edges_s) else []
+            met_s = edges_s[at_limit]  # the others are where the body rises or sets
+            if len(met_s):
+                # 5.3 arcsec of the carrier's aberration, left out here, at some 0.3 deg/s
+                assert np.abs(late_s(apart_deg, limit_deg, met_s)).max() < 20 * EDGE_S
+                compared[cause] += len(met_s)
+    assert min(compared.values()) > 10

@@ -1,0 +1,302 @@
+"""What holds for windows whatever the request?"""
+
+import math
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from planner.attitude.inertial import InertialAttitude
+from planner.errors import OutsideCoverage
+from planner.frames.earth_orientation import c_itrf_from_eci
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.opportunities import (
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+    find_opportunities,
+)
+from planner.opportunities.carrier import carrier_over
+from planner.opportunities.interpolation import UniformTable
+from planner.opportunities.sights import EarthSight, FixedPlaces
+from planner.opportunities.spans import Nodes, stretches, turning_point
+from planner.orbits import StateVectorOrbit, TleOrbit
+from planner.platforms import PLATFORMS
+from planner.targets import GroundPathTarget, GroundTarget
+from planner.targets.ground_path import PathPoint
+
+HRC = PLATFORMS["iss-hrc"]
+START = datetime(2016, 12, 31, 18, 0, tzinfo=UTC)  # six hours before a leap second
+ISS = TleOrbit(
+    line1="1 25544U 98067A   17001.10660880  .00001073  00000-0  23630-4 0  9997",
+    line2="2 25544  51.6423 151.2131 0007045  39.8224 315.5565 15.53964187 35761",
+)
+
+
+def request(targets, days=1.0, **fields):
+    return OpportunityRequest(
+        **{
+            "orbit": ISS,
+            "platform": HRC,
+            "start": START,
+            "stop": START + timedelta(days=days),
+            "targets": targets,
+            **fields,
+        }
+    )
+
+
+def ground(number, latitude_deg, longitude_deg, **fields):
+    return OpportunityTarget(
+        id=str(number),
+        target=GroundTarget(latitude_deg=latitude_deg, longitude_deg=longitude_deg, **fields),
+    )
+
+
+@given(
+    latitude_deg=st.floats(-90.0, 90.0),
+    longitude_deg=st.floats(-180.0, 360.0),
+    height_m=st.floats(-500.0, 9000.0),
+    min_elevation_deg=st.floats(0.0, 80.0),
+)
+@settings(max_examples=25, deadline=None)
+def test_in_sight_just_when_high_enough(latitude_deg, longitude_deg, height_m, min_elevation_deg):
+    wanted = ground(0, latitude_deg, longitude_deg, height_m=height_m)
+    asked = request(
+        (wanted,), days=0.4, conditions=OpportunityConditions(min_elevation_deg=min_elevation_deg)
+    )
+    windows = find_opportunities(asked).windows
+    t_s = np.arange(0.0, elapsed_s(asked.stop, START), 5.0)
+    instants = Instants(START, t_s)
+    clearance_rad = wanted.target.apparent(
+        instants, ISS.ephemeris(START, asked.stop).states(instants)
+    ).clearance_rad
+    inside = np.zeros(len(t_s), dtype=bool)
+    for rise_s, set_s in zip(windows.rise_s, windows.set_s, strict=True):
+        inside |= (t_s >= rise_s) & (t_s <= set_s)
+    spare_rad = clearance_rad - math.radians(min_elevation_deg)
+    clear = np.abs(spare_rad) > 1e-7  # what 1 cm of the table's error is at 400 km, and more
+    np.testing.assert_array_equal(inside[clear], spare_rad[clear] > 0.0)
+
+
+def test_order_and_number_of_targets_change_nothing():
+    one = tuple(ground(n, -50.0 + 10.0 * n, 36.0 * n) for n in range(10))
+    asked = OpportunityConditions(min_elevation_deg=15.0, sun_elevation_min_deg=0.0)
+    forward = find_opportunities(request(one, conditions=asked)).windows
+    backward = find_opportunities(request(one[::-1], conditions=asked)).windows
+    order = np.lexsort((backward.rise_s, 9 - backward.target))
+    np.testing.assert_array_equal(forward.rise_s, backward.rise_s[order])
+    np.testing.assert_array_equal(forward.set_s, backward.set_s[order])
+    np.testing.assert_array_equal(forward.closest.angle_rad, backward.closest.angle_rad[order])
+
+
+def test_day_and_night_make_the_whole():
+    """Sunlight splits each pass: the parts above and below the limit are all of it."""
+    targets = tuple(ground(n, 60.0 - 12.0 * n, 36.0 * n) for n in range(10))
+
+    def total_s(**limits):
+        windows = find_opportunities(
+            request(targets, conditions=OpportunityConditions(min_elevation_deg=5.0, **limits))
+        ).windows
+        return np.sum(windows.set_s - windows.rise_s)
+
+    day_s = total_s(sun_elevation_min_deg=-6.0)
+    night_s = total_s(sun_elevation_max_deg=-6.0)
+    assert day_s > 0.0
+    assert night_s > 0.0
+    # a microsecond per edge
+    assert day_s + night_s == pytest.approx(total_s(), abs=1e-3)
+
+
+def test_windows_are_cut_by_the_interval():
+    """A window under way at the start or stop is kept, and says so."""
+    wanted = (ground(0, 40.0, 10.0),)
+    whole = find_opportunities(request(wanted)).windows
+    middle_s = 0.5 * (whole.rise_s[1] + whole.set_s[1])
+    start = shifted_utc(START, round(middle_s))  # over the leap second
+    cut = find_opportunities(
+        request(wanted, start=start, stop=start + timedelta(seconds=5400))
+    ).windows
+    assert cut.opened_by[0] == "interval"
+    assert cut.rise_s[0] == 0.0
+    assert cut.closed_by[0] == "elevation"
+    # another grid of rows: centimetres of the orbit in between
+    assert cut.set_s[0] + round(middle_s) == pytest.approx(whole.set_s[1], abs=1e-4)
+
+
+def test_shortest_windows_are_left_out():
+    wanted = tuple(ground(n, 5.0 * n, 20.0 * n) for n in range(8))
+    every = find_opportunities(request(wanted)).windows
+    long = find_opportunities(
+        request(wanted, conditions=OpportunityConditions(min_duration_s=300.0))
+    ).windows
+    lasts_s = every.set_s - every.rise_s
+    np.testing.assert_array_equal(long.rise_s, every.rise_s[lasts_s >= 300.0])
+    assert len(long) < len(every)
+
+
+def test_a_target_never_seen_has_no_window():
+    found = find_opportunities(request((ground(0, 89.0, 0.0), ground(1, 0.0, 0.0))))
+    assert set(found.windows.target.tolist()) == {1}
+    assert len(find_opportunities(request((ground(0, 89.0, 0.0),))).windows) == 0
+
+
+def test_numerical_orbit():
+    """Another orbit source: the state of the TLE's satellite, a few hours on."""
+    states = ISS.ephemeris(START, START + timedelta(hours=1)).states(Instants(START, np.zeros(1)))
+    orbit = StateVectorOrbit(
+        frame="GCRF",
+        epoch=START,
+        position_km=tuple(states.r_sat_eci_m[0] / 1e3),
+        velocity_km_s=tuple(states.v_sat_eci_m_s[0] / 1e3),
+    )
+    wanted = tuple(ground(n, 45.0 - 10.0 * n, 40.0 * n) for n in range(9))
+    by_tle = find_opportunities(request(wanted, days=0.2)).windows
+    by_state = find_opportunities(request(wanted, days=0.2, orbit=orbit)).windows
+    np.testing.assert_array_equal(by_state.target, by_tle.target)
+    # SGP4's own error of 1-2 km within hours
+    np.testing.assert_allclose(by_state.rise_s, by_tle.rise_s, rtol=0, atol=2.0)
+
+
+def test_orbit_too_old_is_refused():
+    late = START + timedelta(days=60)
+    with pytest.raises(OutsideCoverage):
+        find_opportunities(
+            request((ground(0, 0.0, 0.0),), start=late, stop=late + timedelta(days=1))
+        )
+
+
+@pytest.mark.parametrize("rate_deg_s", [0.01, 0.4, 2.0])
+def test_attitude_table_is_as_fine_as_the_attitude_needs(rate_deg_s):
+    attitude = InertialAttitude(
+        epoch=START,
+        q_body_from_eci_xyzw=(0.0, 0.6, 0.0, 0.8),
+        omega_body_deg_s=(rate_deg_s, -0.3 * rate_deg_s, 0.5 * rate_deg_s),
+    )
+    stop = START + timedelta(seconds=2000)
+    ephemeris = ISS.ephemeris(START, stop)
+    carrier = carrier_over(ephemeris, attitude, HRC, START, stop)
+    t_s = np.random.default_rng(1).uniform(0.0, 2000.0, 500)
+    instants = Instants(START, t_s)
+    direction_itrf = np.tile([0.48, -0.6, 0.64], (500, 1))
+    direction_eci = np.einsum("nji,nj->ni", c_itrf_from_eci(instants), direction_itrf)
+    q_platform_from_eci = HRC.q_platform_from_body * attitude.q_body_from_eci(
+        instants, ephemeris.states(instants)
+    )
+    off_rad = carrier.in_platform(direction_itrf, t_s) - q_platform_from_eci.apply(direction_eci)
+    assert np.abs(off_rad).max() < 5e-7  # 0.1 arcsec
+
+
+def test_orbit_table_keeps_the_orbit():
+    stop = START + timedelta(days=1)
+    ephemeris = ISS.ephemeris(START, stop)
+    carrier = carrier_over(ephemeris, request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop)
+    t_s = np.random.default_rng(2).uniform(0.0, 86401.0, 2000)
+    instants = Instants(START, t_s)
+    r_sat_itrf_m = np.einsum(
+        "nij,nj->ni", c_itrf_from_eci(instants), ephemeris.states(instants).r_sat_eci_m
+    )
+    # 3 mm in the table's middle, 17 mm at its ends: 2 us of the carrier's motion
+    np.testing.assert_allclose(carrier.r_sat_itrf_m.at(t_s), r_sat_itrf_m, rtol=0, atol=0.02)
+
+
+@given(st.lists(st.floats(-10.0, 10.0), min_size=6, max_size=6), st.integers(6, 30))
+def test_table_is_exact_for_quintics(coefficients, rows):
+    polynomial = np.polynomial.Polynomial(coefficients, domain=[0.0, 29.0], window=[-1.0, 1.0])
+    t_s = np.linspace(0.0, 0.5 * (rows - 1), 101)
+    table = UniformTable(0.5, polynomial(0.5 * np.arange(rows))[:, None])
+    np.testing.assert_allclose(table.at(t_s)[:, 0], polynomial(t_s), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(table.rate_at(t_s)[:, 0], polynomial.deriv()(t_s), rtol=0, atol=1e-9)
+
+
+@given(
+    st.floats(0.02, 0.5),
+    st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=5),
+    st.integers(20, 60),
+)
+def test_stretches_of_a_wave(width, phases, cells):
+    """cos(t + phase) > cos(width) for `width` around each crest, though between two nodes."""
+    t_s = np.linspace(0.0, 20.0, cells + 1)
+    count = len(phases)
+    nodes = Nodes(
+        target=np.arange(count),
+        group=np.repeat(np.arange(count), cells + 1),
+        t_s=np.tile(t_s, count),
+    )
+    phase = np.array(phases)
+    found = stretches(lambda which, t: np.cos(t + phase[which]) - math.cos(width), nodes)
+    for number in range(count):
+        crests = 2.0 * math.pi * np.arange(-1, 5) - phases[number]
+        low, high = crests - width, crests + width
+        seen = (high > 1e-3) & (low < 20.0 - 1e-3)
+        mine = found.group == number
+        lasts_s = found.stop_s[mine] - found.start_s[mine]
+        kept = lasts_s > 2e-3
+        np.testing.assert_allclose(
+            found.start_s[mine][kept], np.maximum(low[seen], 0.0), rtol=0, atol=1e-5
+        )
+        np.testing.assert_allclose(
+            found.stop_s[mine][kept], np.minimum(high[seen], 20.0), rtol=0, atol=1e-5
+        )
+
+
+def test_turning_point_at_an_end():
+    """A function that only rises is greatest at the end."""
+    at = turning_point(lambda _, t: t, np.zeros(1, int), np.array([1.0]), np.array([2.0]))
+    assert at[0] == 2.0
+
+
+def test_closest_approach_of_a_straight_course():
+    """`passing` is exact for what it assumes; on a real pass it is near the least range."""
+    stop = START + timedelta(days=1)
+    carrier = carrier_over(
+        ISS.ephemeris(START, stop), request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop
+    )
+    sight = EarthSight(
+        carrier, FixedPlaces([GroundTarget(latitude_deg=40.0, longitude_deg=10.0)]), np.zeros(1)
+    )
+    windows = find_opportunities(request((ground(0, 40.0, 10.0),))).windows
+    which = np.zeros(len(windows), int)
+    after_s, _ = sight.passing(which, windows.closest.t_s)
+    np.testing.assert_allclose(after_s, 0.0, atol=2e-3)  # the range is stationary to 1 ms there
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"targets": ()}, "at least one"),
+        ({"targets": (ground(1, 0.0, 0.0), ground(1, 1.0, 1.0))}, "targets.1.id"),
+        ({"stop": START}, "after start"),
+        ({"start": datetime(2016, 12, 31)}, "no UTC offset"),  # noqa: DTZ001 (what is refused)
+        ({"samples": 1}, "samples"),
+        ({"pixel_arcsec": 0.0}, "pixel_arcsec"),
+    ],
+)
+def test_refused_requests(fields, said):
+    with pytest.raises(ValueError, match=said):
+        request(**{"targets": (ground(0, 0.0, 0.0),), **fields})
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"min_elevation_deg": 91.0}, "min_elevation_deg"),
+        ({"sun_elevation_min_deg": 10.0, "sun_elevation_max_deg": 5.0}, "never stands between"),
+        ({"min_duration_s": -1.0}, "min_duration_s"),
+        ({"sun_keep_out_deg": math.nan}, "sun_keep_out_deg"),
+    ],
+)
+def test_refused_conditions(fields, said):
+    with pytest.raises(ValueError, match=said):
+        OpportunityConditions(**fields)
+
+
+def test_a_path_is_refused():
+    points = (
+        PathPoint(latitude_deg=0.0, longitude_deg=0.0),
+        PathPoint(latitude_deg=1.0, longitude_deg=0.0),
+    )
+    with pytest.raises(ValueError, match="ground_path"):
+        OpportunityTarget(id="path", target=GroundPathTarget(points=points, speed_m_s=100.0))
