@@ -39,7 +39,7 @@ class Carrier:
     r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
     q_platform_from_itrf_xyzw: to be normalised.
     node_s: rows of the orbit.  turn_max_rad_s: greatest rate of the geocentric direction.
-    Neglects, in position, manoeuvres shorter than a row: 0.3 ms of a typical ISS burn.
+    The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
     """
 
     start_utc: datetime

@@ -37,11 +37,6 @@ class Seen:
 class Sight(Protocol):
     """Targets that are looked at alike; `which` (n,) numbers them, t_s (n,) is the carrier's."""
 
-    @property
-    def count(self) -> int:
-        """Number of targets."""
-        ...
-
     def clearance_rad(self, which: Indices, t_s: Array) -> Array:
         """How far inside the region where it can be seen, (n,); `VisibleTarget`'s."""
         ...
@@ -112,18 +107,13 @@ class MovingPlace:
 class EarthSight:
     """Targets on the Earth.
 
-    min_elevation_rad: (count,).  Directions leave out refraction also where a target asks for
+    min_elevation_rad: one per target.  Directions leave out refraction also where a target asks for
     it: on the axes 8 arcsec at 30 deg elevation and 50 at 10.
     """
 
     carrier: Carrier
     places: Places
     min_elevation_rad: Array
-
-    @property
-    def count(self) -> int:
-        """Number of targets."""
-        return len(self.min_elevation_rad)
 
     def clearance_rad(self, which: Indices, t_s: Array) -> Array:
         """Elevation above the plane of the ellipsoid, beyond the least one, (n,)."""
@@ -177,7 +167,6 @@ class SkySight:
 
     carrier: Carrier
     target: SkyTarget
-    count: int = 1
 
     def clearance_rad(self, which: Indices, t_s: Array) -> Array:
         """From the limb raised by the grazing altitude, (n,)."""

@@ -6,11 +6,11 @@ direction, the attitude law, both branches of the axes; none of the search's tab
 
 import dataclasses
 import math
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from opportunity_requests import ISS, START, iss_request, oco3_targets
+from opportunity_requests import ISS, ROOT, START, iss_request, oco3_targets
 
 from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
@@ -23,7 +23,7 @@ from planner.opportunities import (
     OpportunityTarget,
     find_opportunities,
 )
-from planner.orbits import TleOrbit
+from planner.orbits import OemOrbit, TleOrbit
 from planner.platforms import PLATFORMS, PlatformDefinition
 from planner.platforms.definition import AxisDefinition
 from planner.targets import BodyTarget, GroundTarget, MovingGroundTarget, StarTarget
@@ -74,7 +74,7 @@ def margins(request, wanted, t_s):
     """All of a target's margins by the exact chain, (k, n), at n uniform instants."""
     instants = Instants(request.start, t_s)
     ephemeris = request.orbit.ephemeris(
-        request.start - timedelta(seconds=60), request.stop + timedelta(seconds=60)
+        request.start - timedelta(seconds=1), request.stop + timedelta(seconds=1)
     )
     target, asked = wanted.target, request.conditions
     los = line_of_sight(
@@ -261,3 +261,31 @@ def test_closest_approach_is_the_least_range():
         # the grid of 0.3 s or less meets the least range within 2 m at 7.4 km/s and 400 km
         assert windows.closest.range_m[row] <= ranges_m.min() + 0.05
         assert windows.closest.range_m[row] == pytest.approx(ranges_m.min(), abs=2.0)
+
+
+def test_edges_after_a_reboost():
+    """An ephemeris message with a burn of 2 s rows between rows of 240 s, and of the table."""
+    orbit = OemOrbit(content=(ROOT / "tests" / "data" / "iss_oem_2022-038_excerpt.xml").read_text())
+    burning = datetime(2022, 2, 8, 7, 56, tzinfo=UTC)
+    request = iss_request(
+        0.0,
+        orbit=orbit,
+        targets=oco3_targets(every=4),
+        start=burning - timedelta(minutes=30),
+        stop=burning + timedelta(minutes=45),
+    )
+    windows = find_opportunities(request).windows
+    assert len(windows) > 30
+    checked = 0
+    for row in range(len(windows)):
+        wanted = request.targets[windows.target[row]]
+        for edge_s, cause in (
+            (windows.rise_s[row], windows.opened_by[row]),
+            (windows.set_s[row], windows.closed_by[row]),
+        ):
+            if cause == "elevation":
+                around_s = edge_s + 1e-3 * np.arange(-3.0, 4.0)
+                holds = margins(request, wanted, around_s).min(axis=0) > 0.0
+                assert holds[2] != holds[4], (wanted.id, edge_s)
+                checked += 1
+    assert checked > 60

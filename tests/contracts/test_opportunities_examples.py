@@ -1,0 +1,41 @@
+"""Do the examples of requests for opportunities say what they mean?"""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from planner.frames.time_scales import Instants
+from planner.opportunities import OpportunityRequest, find_opportunities
+from planner.platforms import PLATFORMS
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("opportunities_*.json"))
+
+
+def read(path):
+    body = json.loads(path.read_text())
+    body["platform"] = dataclasses.asdict(PLATFORMS[body["platform"]])
+    return TypeAdapter(OpportunityRequest).validate_json(json.dumps(body))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_target_has_a_window(path):
+    request = read(path)
+    windows = find_opportunities(request).windows
+    assert set(windows.target.tolist()) == set(range(len(request.targets)))
+    assert np.all(windows.branches.any(axis=1))
+
+
+def test_las_vegas_is_in_sight_when_it_was_photographed():
+    """Sumarokov 2016, Fig. 3: 27 Feb 2015; the pass of 17:35-17:39 UTC, 84 deg at most."""
+    request = read(next(path for path in EXAMPLES if path.stem == "opportunities_gallery"))
+    windows = find_opportunities(request).windows
+    [first] = np.flatnonzero((windows.target == 0) & (windows.rise_s < 86400.0))[:1]
+    edges = Instants(request.start, np.array([windows.rise_s[first], windows.set_s[first]]))
+    rise, fall = edges.utc_text(0)
+    assert "2015-02-27T17:35:00Z" < rise < fall < "2015-02-27T17:39:00Z"
+    # half the last digit of the figure's 84 deg, and as much again for another TLE
+    assert np.rad2deg(windows.highest_rad[first]) == pytest.approx(84.0, abs=1.0)
