@@ -2,10 +2,10 @@
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils.
 Repeats are first allowed and then forbidden where they occur (decremental state-space
-relaxation): every round's value bounds the optimum from above, and the first path without
-repeats is optimal.  The two looks of a stereo pair are candidates of their own; only the
+relaxation with local memory): every round's value bounds the optimum from above, and the first
+path without repeats is optimal.  The two looks of a stereo pair are candidates of their own; only the
 second earns, and only after the first.
-Source: Righini, Salani 2008, Networks 51(3) (DSSR); Peng et al. 2020 (agile satellites).
+Source: Righini, Salani 2008, Networks 51(3); Baldacci, Mingozzi, Roberti 2011 (ng-routes); Peng et al. 2020 (agile satellites).
 """
 
 import time
@@ -26,6 +26,7 @@ Ints = NDArray[np.int64]
 WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
 LABELS_MAX = 4_000_000
 BITS = 62
+SECONDS_MAX = 8.0  # then the best choice so far and its bound are returned
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,21 +77,22 @@ def choose(
     earn = np.array([0.0 if p == 1 else priorities[r] for r, p in zip(nodes.request, nodes.part,
         strict=True)])  # fmt: skip
     pairs = _pairs(nodes, turn_time, extra_ticks)
-    critical = sorted({int(r) for r, p in zip(nodes.request, nodes.part, strict=True) if p})
+    stereo = sorted({int(r) for r, p in zip(nodes.request, nodes.part, strict=True) if p})
+    memory = _Memory(
+        {r: k for k, r in enumerate(stereo)}, np.zeros(len(priorities), dtype=np.int64)
+    )
+    memory.kept[:] = (1 << len(stereo)) - 1
     bound, rounds = np.inf, 0
     best: tuple[float, list[int]] = (-1.0, [])
     while True:
         rounds += 1
-        value, path, complete = _relaxed(nodes, earn, pairs, critical)
+        value, path, complete = _relaxed(nodes, earn, pairs, memory)
         if complete:
             bound = min(bound, value)
-        repeats = _repeated(nodes, path)
-        feasible = _without_repeats(nodes, path, earn)
-        best = max(best, feasible, key=lambda item: item[0])
-        fresh = [r for r in repeats if r not in critical]
-        if not fresh or not complete or len(critical) + len(fresh) > BITS:
+        best = max(best, _without_repeats(nodes, path, earn), key=lambda item: item[0])
+        late = time.perf_counter() - begun > SECONDS_MAX
+        if not complete or late or not _remember_repeats(nodes, path, memory):
             break
-        critical = sorted(set(critical) | set(fresh))
     greedy = _greedy(nodes, priorities, turn_time, extra_ticks)
     best = max(best, greedy, key=lambda item: item[0])
     return Choice(
@@ -159,16 +161,42 @@ def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int]
     return _Pairs(first, np.concatenate(before) if n else np.zeros(0, dtype=np.int64), reach)
 
 
+@dataclass(frozen=True, eq=False)
+class _Memory:
+    """bit: request -> its place in a label's memory.  kept: per request, the bits a label still
+    remembers after imaging it (all stereo pairs, and requests seen to repeat around it)."""
+
+    bit: dict[int, int]
+    kept: Ints
+
+
+def _remember_repeats(nodes: _Nodes, path: list[int], memory: _Memory) -> bool:
+    """Forbid the shortest way each request repeats in the path; False when none can be."""
+    last: dict[int, int] = {}
+    learnt = False
+    requests = [int(nodes.request[k]) for k in path]
+    for place, (k, request) in enumerate(zip(path, requests, strict=True)):
+        if nodes.part[k] != 0:
+            continue
+        if request in last:
+            if request not in memory.bit:
+                if len(memory.bit) >= BITS:
+                    continue
+                memory.bit[request] = len(memory.bit)
+            mask = 1 << memory.bit[request]
+            memory.kept[requests[last[request] : place + 1]] |= mask
+            learnt = True
+        last[request] = place
+    return learnt
+
+
 def _relaxed(
-    nodes: _Nodes,
-    earn: Array,
-    pairs: _Pairs,
-    critical: list[int],
+    nodes: _Nodes, earn: Array, pairs: _Pairs, memory: _Memory
 ) -> tuple[float, list[int], bool]:
-    """Best path that repeats no critical request; (value, node indices, search completed)."""
+    """Best path as far as repeats are remembered; (value, node indices, search completed)."""
     n = len(nodes.start)
     bit = np.full(int(nodes.request.max()) + 1, -1, dtype=np.int64)
-    for place, request in enumerate(critical):
+    for request, place in memory.bit.items():
         bit[request] = place
     alive = np.zeros(int(nodes.request.max()) + 1, dtype=np.int64)
     np.maximum.at(alive, nodes.request, nodes.start)
@@ -182,6 +210,7 @@ def _relaxed(
         pairs.before,
         pairs.reach,
         bit,
+        memory.kept,
         alive,
         LABELS_MAX,
     )
@@ -245,6 +274,7 @@ def _label(
     before: Ints,
     reach: Ints,
     bit: Ints,
+    kept: Ints,
     alive: Ints,
     labels_max: int,
 ) -> tuple[Array, Ints, Ints, int, int]:
@@ -304,6 +334,7 @@ def _label(
                     seen |= own
                 else:
                     seen |= own
+                seen &= kept[request[j]]
                 if allowed:
                     count = _insert(
                         head, following, value, visited, opened, node, parent, j, count,
@@ -321,11 +352,6 @@ def _label(
             )  # fmt: skip
             k = following[k]
     return value[:count], parent[:count], node[:count], best, count
-
-
-def _repeated(nodes: _Nodes, path: list[int]) -> list[int]:
-    done = [(int(nodes.request[k]), int(nodes.part[k])) for k in path]
-    return sorted({request for request, part in done if done.count((request, part)) > 1})
 
 
 def _without_repeats(nodes: _Nodes, path: list[int], earn: Array) -> tuple[float, list[int]]:

@@ -121,7 +121,7 @@ class SlewLimits:
     torque_n_m: float = 15.0
     torque_rate_n_m_s: float = 40.0
     momentum_sphere_n_m_s: float = 60.0
-    settle_s: float = 2.4
+    settle_s: float = 2.6
 
     def __post_init__(self) -> None:
         for name in (

@@ -1,6 +1,6 @@
 """How is an imaging session planned?  Candidates, choice, timeline, gimbals, judges."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 
@@ -27,6 +27,7 @@ from planner.spacecraft.timeline import (
     build_timeline,
     looks_of,
 )
+from planner.spacecraft.turn_problem import Turn
 from planner.spacecraft.turn_time import turn_time
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
@@ -173,6 +174,7 @@ def _chosen(
     momentum = np.array(request.settings.momentum_n_m_s)
     names = [one.name for one in request.requests]
     initial = _initial(request)
+    known: dict[Hashable, Turn | InfeasibleSlew] = {}
     failure: TurnDoesNotFit | None = None
     for _ in range(ROUNDS):
         open_ones = [k for k in range(len(options)) if k not in barred]
@@ -192,7 +194,13 @@ def _chosen(
         chosen = [open_ones[k] for k in choice.chosen]
         try:
             timeline = build_timeline(
-                session, looks_of(options, chosen), names, momentum, request.objective, initial
+                session,
+                looks_of(options, chosen),
+                names,
+                momentum,
+                request.objective,
+                initial,
+                known,
             )
         except TurnDoesNotFit as why:
             failure = why

@@ -194,7 +194,7 @@ class SpacecraftSettings:
     rate_axis_max_deg_s: float = 1.58
     torque_max_n_m: float = 15.0
     torque_rate_max_n_m_s: float = 40.0
-    settle_s: float = 2.4
+    settle_s: float = 2.6
     reversible_scan: bool = False
     swath_m: float = 12e3
     across_max_deg: float = 45.0

@@ -5,7 +5,7 @@ turn onto the next scan's profile, which is then ridden until the camera starts.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
@@ -21,7 +21,7 @@ from planner.spacecraft.candidates import Candidate, Session, on_ticks
 from planner.spacecraft.ground_arc import GroundArc, fitted_profile
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.table import TICK_S, ImagingWindow
-from planner.spacecraft.turn_problem import EndState, Objective, TurnProblem
+from planner.spacecraft.turn_problem import EndState, Objective, Turn, TurnProblem
 from planner.spacecraft.turns import TurnComparison, compare, turn_onto
 
 Array = NDArray[np.float64]
@@ -100,7 +100,14 @@ def looks_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Lo
 class _Builder:
     """Collects stretches in order; `now` is the last row decided."""
 
-    def __init__(self, session: Session, momentum_eci_n_m_s: Array, objective: Objective) -> None:
+    def __init__(
+        self,
+        session: Session,
+        momentum_eci_n_m_s: Array,
+        objective: Objective,
+        known: dict[Hashable, Turn | InfeasibleSlew],
+    ) -> None:
+        self.known = known
         self.session = session
         self.momentum_eci_n_m_s = momentum_eci_n_m_s
         self.objective = objective
@@ -133,9 +140,12 @@ class _Builder:
         self.stretches.append((until_row, self.profile))
         self.now = until_row
 
-    def turn(self, goal: Attitudes, latest_row: int, look: int | None, *, late: bool) -> None:
+    def turn(
+        self, goal: Attitudes, latest_row: int, look: int | None, key: Hashable, *, late: bool
+    ) -> None:
         """Turn onto the goal, leaving now and arriving when done, or (late) arriving at
-        latest_row and leaving as late as that allows."""
+        latest_row and leaving as late as that allows.  key: what the turn lies between; solved
+        turns are kept under it for the next attempt at the timeline."""
         available_s = (latest_row - self.now) * TICK_S
 
         def problem_at(duration_s: float) -> TurnProblem:
@@ -143,7 +153,12 @@ class _Builder:
             start_row = latest_row - rows if late else self.now
             return self.problem(goal, start_row, start_row + rows)
 
-        turn = turn_onto(problem_at, available_s, self.objective)
+        turn = self.known.get((key, self.now, latest_row))
+        if turn is None:
+            turn = _outcome(problem_at, available_s, self.objective)
+            self.known[key, self.now, latest_row] = turn
+        if isinstance(turn, InfeasibleSlew):
+            raise turn
         rows = round(turn.duration_s / TICK_S)
         if late:
             self.hold(latest_row - rows)
@@ -195,6 +210,15 @@ class _Shifted:
         return self.of(t_s - self.start_s)
 
 
+def _outcome(
+    problem_at: Callable[[float], TurnProblem], available_s: float, objective: Objective
+) -> Turn | InfeasibleSlew:
+    try:
+        return turn_onto(problem_at, available_s, objective)
+    except InfeasibleSlew as why:
+        return why
+
+
 def _state(profile: Attitudes, row: int) -> EndState:
     attitude, motion = profile.at(np.array([row * TICK_S]))
     return EndState(
@@ -211,22 +235,24 @@ def build_timeline(
     gyro_momentum_n_m_s: Array,
     objective: Objective,
     initial: InertialHold | None = None,
+    known: dict[Hashable, Turn | InfeasibleSlew] | None = None,
 ) -> Timeline:
     """Fly the looks in order.  Raises TurnDoesNotFit for the pair that needs more time.
 
     initial: leave this attitude for orbital orientation at once (None: begin in that).
+    known: turns solved in earlier attempts at the same session, kept by the caller.
     """
     rest = fitted_profile(None, session.ephemeris, session.epoch_utc, (-1.0, 30.0))
     attitude, motion = (initial or rest).at(np.zeros(1))
     inertia = np.array(session.spacecraft.inertia_kg_m2)
     total = attitude[0].apply(inertia * motion.omega_body_rad_s[0] + gyro_momentum_n_m_s)
-    builder = _Builder(session, total, objective)
+    builder = _Builder(session, total, objective, {} if known is None else known)
     if initial is not None:
         orbital = builder.profile
         builder.profile = initial
         until = looks[0].first_row // 2 if looks else builder.last_row
         _fitted(builder, None, looks[0] if looks else None, lambda: builder.turn(
-            orbital, until, None, late=False))  # fmt: skip
+            orbital, until, None, "initial", late=False))  # fmt: skip
     before: Look | None = None
     for number, look in enumerate(looks):
         _fitted(builder, before, look, partial(_onto, builder, before, look, number))
@@ -235,7 +261,10 @@ def build_timeline(
     if before is not None:
         back = builder.orbital(builder.now, builder.last_row)
         _fitted(
-            builder, before, None, lambda: builder.turn(back, builder.last_row, None, late=False)
+            builder,
+            before,
+            None,
+            lambda: builder.turn(back, builder.last_row, None, (before, None), late=False),
         )
     builder.hold(builder.last_row)
     return _assembled(builder, looks, names)
@@ -248,11 +277,14 @@ def _onto(builder: _Builder, before: Look | None, look: Look, number: int) -> No
     pause_s = 0.0 if before is None else (look.first_row - before.last_row) * TICK_S
     if pause_s > REST_AFTER_S:
         rest = builder.orbital(builder.now, look.first_row)
-        builder.turn(rest, builder.now + (arrive_row - builder.now) // 2, None, late=False)
+        builder.turn(
+            rest, builder.now + (arrive_row - builder.now) // 2, None, (before, None), late=False
+        )
     # A scan's profile is continued backwards only so far: beyond, it leaves the ground.
     begin = max(builder.now, look.first_row - round(REST_AFTER_S / TICK_S))
     goal = builder.scan(look.arc, begin, look.last_row + 1)
-    builder.turn(goal, arrive_row, number, late=before is None or pause_s > REST_AFTER_S)
+    resting = before is None or pause_s > REST_AFTER_S
+    builder.turn(goal, arrive_row, number, (before, look), late=resting)
 
 
 def _fitted(

@@ -19,10 +19,10 @@ EASY_LEAST_S = 8.0
 class TurnComparison:
     """One turn beside its baselines at the same limits.
 
-    angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
-    with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
-   *_torque_rate_peak: of this turn and of the eigenaxis one of the same duration (what shakes
-    the modes).
+     angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
+     with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
+    *_torque_rate_peak: of this turn and of the eigenaxis one of the same duration (what shakes
+     the modes).
     """
 
     angle_rad: float
