@@ -1,0 +1,142 @@
+"""Where was the carrier and how was the payload turned, row by row of a plan?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+from scipy.spatial.transform import Rotation
+
+from planner.commands import ROWS_PER_S, CommandTable
+from planner.errors import OutsideCoverage
+from planner.export.payload import omega_payload_rad_s, q_payload_from_platform
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.orbits import OrbitStates
+from planner.scenario import Scenario
+
+Array = NDArray[np.float64]
+KINDS = ("wait", "slew", "track")
+_DEGREE = 5
+
+
+class FlownSegment(Protocol):
+    """A stretch of the table, on its grid."""
+
+    @property
+    def kind(self) -> Literal["wait", "slew", "track"]: ...
+    @property
+    def session(self) -> int: ...
+    @property
+    def start_utc(self) -> datetime: ...
+    @property
+    def stop_utc(self) -> datetime: ...
+
+
+class FlownPlan(Protocol):
+    """What every format is written from: a `Plan`, or anything with these parts of one.
+
+    scenario: as flown, sessions shortened where a conflict asked for it.
+    """
+
+    @property
+    def scenario(self) -> Scenario: ...
+    @property
+    def segments(self) -> Sequence[FlownSegment]: ...
+    @property
+    def table(self) -> CommandTable: ...
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Flown:
+    """n rows of the table, from `first_row` to its end, with orbit and attitude.
+
+    first_row: 0, or the first tracking row where orbit or attitude is not known before.
+    q_body_from_eci_xyzw, q_payload_from_eci_xyzw, q_payload_from_body_xyzw: shape (n, 4),
+    unit, scalar last, neighbours of like sign; they turn coordinates.
+    omega_payload_rad_s: shape (n, 3), of the payload against ECI, payload axes.
+    """
+
+    first_row: int
+    instants: Instants
+    states: OrbitStates
+    q_body_from_eci_xyzw: Array
+    q_payload_from_body_xyzw: Array
+    q_payload_from_eci_xyzw: Array
+    omega_payload_rad_s: Array
+
+    def at_utc(self, row: int) -> datetime:
+        """When the row-th of the n rows is flown."""
+        return shifted_utc(self.instants.epoch_utc, float(self.instants.t_s[row]))
+
+
+def flown(plan: FlownPlan) -> Flown:
+    """Raises OutsideCoverage when orbit or attitude is unknown while a target is tracked."""
+    try:
+        return _flown(plan, 0)
+    except OutsideCoverage:
+        first_row = _first_tracking_row(plan)
+        if first_row == 0:
+            raise
+        return _flown(plan, first_row)
+
+
+def _flown(plan: FlownPlan, first_row: int) -> Flown:
+    scenario, table = plan.scenario, plan.table
+    t_s = table.t_s[first_row:]
+    instants = Instants(table.epoch_utc, t_s)
+    start_utc, stop_utc = (shifted_utc(table.epoch_utc, float(t)) for t in t_s[[0, -1]])
+    states = scenario.orbit.ephemeris(start_utc, stop_utc).states(instants)
+    q_body_from_eci = scenario.attitude.q_body_from_eci(instants, states)
+    platform = scenario.platform
+    angle_rad, rate_rad_s = table.angle_rad[first_row:], table.rate_rad_s[first_row:]
+    q_payload_from_body = (
+        q_payload_from_platform(platform, angle_rad) * platform.q_platform_from_body
+    )
+    q_body_from_eci_xyzw = continuous(q_body_from_eci)
+    carried_rad_s = q_payload_from_body.apply(_omega_body_rad_s(t_s, q_body_from_eci_xyzw))
+    return Flown(
+        first_row=first_row,
+        instants=instants,
+        states=states,
+        q_body_from_eci_xyzw=q_body_from_eci_xyzw,
+        q_payload_from_body_xyzw=continuous(q_payload_from_body),
+        q_payload_from_eci_xyzw=continuous(q_payload_from_body * q_body_from_eci),
+        omega_payload_rad_s=carried_rad_s + omega_payload_rad_s(platform, angle_rad, rate_rad_s),
+    )
+
+
+def continuous(q: Rotation) -> Array:
+    """Components of n rotations, shape (n, 4), scalar last, neighbours of like sign."""
+    q_xyzw = q.as_quat()
+    likeness = np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1)
+    sign = np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])
+    return np.asarray(q_xyzw * sign[:, None])
+
+
+def axes_turn(q_b_from_a_xyzw: Array) -> Array:
+    """What CCSDS and STK call the quaternion from A to B: it turns A's axes into B's.
+
+    The conjugate, scalar last too: [0, 0, sin(theta/2), cos(theta/2)] for a body B turned by
+    +theta about Z.
+    """
+    return np.asarray(q_b_from_a_xyzw * np.array([-1.0, -1.0, -1.0, 1.0]))
+
+
+def _omega_body_rad_s(t_s: Array, q_body_from_eci_xyzw: Array) -> Array:
+    """Angular velocity of the body against ECI, body axes: 2 conj(p) o p' of p = conj(q)."""
+    q_dot_s = make_interp_spline(
+        t_s, q_body_from_eci_xyzw, k=min(_DEGREE, len(t_s) - 1)
+    ).derivative()(t_s)
+    vector, scalar = q_body_from_eci_xyzw[:, :3], q_body_from_eci_xyzw[:, 3:]
+    vector_dot, scalar_dot = q_dot_s[:, :3], q_dot_s[:, 3:]
+    return np.asarray(
+        2.0 * (scalar_dot * vector - scalar * vector_dot - np.cross(vector, vector_dot))
+    )
+
+
+def _first_tracking_row(plan: FlownPlan) -> int:
+    start_utc = min(segment.start_utc for segment in plan.segments if segment.kind == "track")
+    return round(elapsed_s(start_utc, plan.table.epoch_utc) * ROWS_PER_S)
