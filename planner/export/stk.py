@@ -1,0 +1,70 @@
+"""How are attitudes written for STK, the carrier's (.a) and the payload's on it (.sp)?
+
+Both hold quaternions q1 q2 q3 q4, scalar last, that turn the reference axes into the
+described ones (`axes_turn`).  Source: STK help, "Attitude File Format (*.a)" and "Sensor
+Pointing File Format (*.sp)", whose example AttitudeFile4 turns by +6 deg/s about Z.
+"""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.export.ccsds import data_lines, epochs
+from planner.export.description import notes
+from planner.export.flown import Flown, FlownPlan, axes_turn, flown
+
+_ORDER = 5  # of the polynomial STK lays through the rows; its default bends 18 arcsec off
+
+
+def write_stk_attitude(plan: FlownPlan, created_utc: datetime) -> bytes:
+    """`.a`: the carrier's body against ICRF, to be given to the vehicle."""
+    rows = flown(plan)
+    return _file(
+        notes(plan, created_utc),
+        rows,
+        rows.q_body_from_eci_xyzw,
+        "attitude of the carrier's body axes against ICRF (GCRF); q1 q2 q3 q4, scalar last",
+        ["CentralBody Earth", "CoordinateAxes ICRF"],
+    )
+
+
+def write_stk_sensor(plan: FlownPlan, created_utc: datetime) -> bytes:
+    """`.sp`: the payload (+Z boresight) against the body axes of the vehicle it sits on.
+
+    No CoordinateAxes: STK then takes the parent's body.  With the `.a` of the same plan
+    loaded into the parent the sensor flies the command table.
+    """
+    rows = flown(plan)
+    return _file(
+        notes(plan, created_utc),
+        rows,
+        rows.q_payload_from_body_xyzw,
+        "pointing of the payload axes against the parent's body axes; q1 q2 q3 q4, scalar last",
+        [],
+    )
+
+
+def _file(
+    remarks: Sequence[str],
+    rows: Flown,
+    q_described_from_reference_xyzw: NDArray[np.float64],
+    title: str,
+    axes: Sequence[str],
+) -> bytes:
+    """Times are UTC in full, so that no scenario epoch has to agree."""
+    lines = [
+        "stk.v.11.0",
+        f"# {title}",
+        *(f"# {remark}" for remark in remarks),
+        "BEGIN Attitude",
+        f"NumberOfAttitudePoints {len(rows.instants)}",
+        f"InterpolationOrder {min(_ORDER, len(rows.instants) - 1)}",
+        *axes,
+        "TimeFormat ISO-YMD",
+        "AttitudeTimeQuaternions",
+        *data_lines(epochs(rows.instants), [(axes_turn(q_described_from_reference_xyzw), 13)]),
+        "END Attitude",
+    ]
+    return ("\n".join(lines) + "\n").encode("ascii")
