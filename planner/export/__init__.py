@@ -1,0 +1,83 @@
+"""In which formats can a plan be taken away?"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+
+from planner.export.aem import write_aem
+from planner.export.csv import write_csv
+from planner.export.czml import write_czml
+from planner.export.flown import FlownPlan, FlownSegment
+from planner.export.json import write_json
+from planner.export.netcdf import write_netcdf
+from planner.export.oem import write_oem
+from planner.export.stk import write_stk_attitude, write_stk_sensor
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exporter:
+    """One format.
+
+    title: what the file holds.  write(plan, created_utc): the file's bytes; created_utc is
+    the date the file states.  Raises OutsideCoverage when orbit or attitude is unknown while
+    a target is tracked.
+    """
+
+    title: str
+    media_type: str
+    suffix: str
+    write: Callable[[FlownPlan, datetime], bytes]
+
+
+EXPORTERS = {
+    "csv": Exporter(
+        title="command table",
+        media_type="text/csv",
+        suffix=".csv",
+        write=write_csv,
+    ),
+    "json": Exporter(
+        title="command table",
+        media_type="application/json",
+        suffix=".json",
+        write=write_json,
+    ),
+    "netcdf": Exporter(
+        title="command table, attitude, orbit and ground track (CF-1.12)",
+        media_type="application/x-netcdf",
+        suffix=".nc",
+        write=write_netcdf,
+    ),
+    "aem": Exporter(
+        title="attitude of the payload (CCSDS AEM 2.0, KVN)",
+        media_type="text/x-ccsds-aem",
+        suffix=".aem",
+        write=write_aem,
+    ),
+    "oem": Exporter(
+        title="orbit of the carrier (CCSDS OEM 2.0, KVN)",
+        media_type="text/x-ccsds-oem",
+        suffix=".oem",
+        write=write_oem,
+    ),
+    "stk": Exporter(
+        title="pointing of the payload on the carrier (STK sensor pointing)",
+        media_type="text/x-stk-sensor-pointing",
+        suffix=".sp",
+        write=write_stk_sensor,
+    ),
+    "stk-attitude": Exporter(
+        title="attitude of the carrier (STK attitude)",
+        media_type="text/x-stk-attitude",
+        suffix=".a",
+        write=write_stk_attitude,
+    ),
+    "czml": Exporter(
+        title="orbit, boresight, footprint and targets for Cesium",
+        media_type="application/x-czml+json",
+        suffix=".czml",
+        write=write_czml,
+    ),
+}
+
+__all__ = ["EXPORTERS", "Exporter", "FlownPlan", "FlownSegment"]

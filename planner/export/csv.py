@@ -1,9 +1,19 @@
 """How is a command table written as CSV?"""
 
+from datetime import datetime
+
 import numpy as np
 
 from planner.commands import CommandTable
+from planner.export.description import DECIMALS, columns, notes, one_line
+from planner.export.flown import FlownPlan
 from planner.frames.time_scales import Instants
+
+
+def write_csv(plan: FlownPlan, created_utc: datetime) -> bytes:
+    """`table_csv` under lines that begin with `#` and say what the columns don't."""
+    head = [f"# {note}\n" for note in notes(plan, created_utc)]
+    return ("".join(head) + table_csv(plan.table)).encode()
 
 
 def table_csv(table: CommandTable) -> str:
@@ -11,17 +21,16 @@ def table_csv(table: CommandTable) -> str:
 
     Degrees to 1e-9 (4 microarcsec), as in the JSON answer.
     """
-    columns, values = ["utc", "t_s"], []
-    for column, axis in enumerate(table.axis_names):
-        columns.append(f"{axis}_deg")
-        values.append(np.degrees(table.angle_rad[:, column]))
-    for column, axis in enumerate(table.axis_names):
-        columns.append(f"{axis}_rate_deg_s")
-        values.append(np.degrees(table.rate_rad_s[:, column]))
+    written = columns(table)
     utc = Instants(table.epoch_utc, table.t_s).utc_text(1)
     t_s = table.t_s.tolist()
-    rounded = np.round(np.column_stack(values), 9) + 0.0  # no -0.000000000
-    lines = [",".join(columns)]
-    for moment, t, row in zip(utc, t_s, rounded.tolist(), strict=True):
-        lines.append(f"{moment},{t:.1f}," + ",".join(f"{value:.9f}" for value in row))
+    rows = np.column_stack([column.values for column in written]).tolist()
+    lines = [",".join(["utc", "t_s", *(_quoted(column.name) for column in written)])]
+    for moment, t, row in zip(utc, t_s, rows, strict=True):
+        lines.append(f"{moment},{t:.1f}," + ",".join(f"{value:.{DECIMALS}f}" for value in row))
     return "\n".join(lines) + "\n"
+
+
+def _quoted(name: str) -> str:
+    """As RFC 4180 has it where a name holds what would part columns or lines."""
+    return name if name.isidentifier() else '"' + one_line(name).replace('"', '""') + '"'

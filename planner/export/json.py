@@ -1,0 +1,41 @@
+"""How is a command table written as JSON?"""
+
+import json
+from datetime import datetime
+
+from planner.commands import COMMAND_STEP_S
+from planner.export.description import (
+    INTERPOLATION,
+    PAYLOAD_AXES,
+    TIME_SCALE,
+    columns,
+    mount,
+    one_line,
+    rotation_order,
+)
+from planner.export.flown import FlownPlan
+from planner.frames.time_scales import utc_text
+
+
+def write_json(plan: FlownPlan, created_utc: datetime) -> bytes:
+    """The answer's `table` with a `description` of frames, units, time scale and rotation."""
+    table, platform = plan.table, plan.scenario.platform
+    written = columns(table)
+    document = {
+        "name": plan.scenario.name,
+        "epoch": utc_text(table.epoch_utc, 1),
+        "step_s": COMMAND_STEP_S,
+        "t_s": table.t_s.tolist(),
+        **{column.name: column.values.tolist() for column in written},
+        "description": {
+            "created": utc_text(created_utc),
+            "platform": one_line(platform.name),
+            "axes": list(table.axis_names),
+            "time_scale": TIME_SCALE,
+            "units": {"t_s": "s", **{column.name: column.unit for column in written}},
+            "rotation_order": rotation_order(platform),
+            "frames": f"{PAYLOAD_AXES}; {mount(platform)}",
+            "interpolation": INTERPOLATION,
+        },
+    }
+    return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()

@@ -1,0 +1,201 @@
+"""Does every export format keep the promises all of them make?"""
+
+import csv
+import dataclasses
+import json
+import re
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from planner.attitude.lvlh import LvlhAttitude
+from planner.commands import CommandTable
+from planner.errors import OutsideCoverage
+from planner.export import EXPORTERS
+from planner.frames.time_scales import Instants, shifted_utc
+from planner.orbits import OemOrbit, StateVectorOrbit, TleOrbit
+from planner.platforms import ISS_HRC
+from planner.scenario import InitialState, Scenario, Session
+from planner.targets import BenchMotionTarget, BodyTarget, GroundTarget
+from planner.targets.bench_motions import ConstantRate
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"
+TLE = TleOrbit(**json.loads(EXAMPLE.read_text())["orbit"])
+EPOCH_UTC = datetime(2015, 2, 27, 17, 36, tzinfo=UTC)
+CREATED_UTC = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
+LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
+EVERY = pytest.mark.parametrize("name", EXPORTERS)
+
+
+def plan_of(
+    epoch_utc=EPOCH_UTC,
+    *,
+    orbit=TLE,
+    target=LAS_VEGAS,
+    name="any",
+    outer="alpha",
+    outer_rad=0.0,
+):
+    """Ten seconds with the axes at rest, the last six of them a session."""
+    t_s = np.arange(51) / 5.0
+    start, stop = shifted_utc(epoch_utc, 4.0), shifted_utc(epoch_utc, 10.0)
+    return SimpleNamespace(
+        scenario=Scenario(
+            name=name,
+            orbit=orbit,
+            attitude=LvlhAttitude(),
+            platform=dataclasses.replace(ISS_HRC, outer_name=outer),
+            initial_state=InitialState(epoch=epoch_utc, angles_deg={outer: 0.0, "beta": 0.0}),
+            sessions=(Session(target=target, start=start, stop=stop),),
+        ),
+        segments=(
+            SimpleNamespace(kind="slew", session=0, start_utc=epoch_utc, stop_utc=start),
+            SimpleNamespace(kind="track", session=0, start_utc=start, stop_utc=stop),
+        ),
+        table=CommandTable(
+            epoch_utc=epoch_utc,
+            axis_names=(outer, "beta"),
+            angle_rad=np.tile([outer_rad, 0.0], (len(t_s), 1)),
+            rate_rad_s=np.zeros((len(t_s), 2)),
+        ),
+    )
+
+
+def state_vector(epoch_utc):
+    return StateVectorOrbit(
+        frame="GCRF",
+        epoch=epoch_utc,
+        position_km=(2916.7, -4925.4, 3616.8),
+        velocity_km_s=(3.4383, 5.2748, 4.3946),
+        force_model="j2j4",
+    )
+
+
+def write(name, plan):
+    return EXPORTERS[name].write(plan, CREATED_UTC)
+
+
+def test_media_types_and_suffixes_tell_formats_apart():
+    for field in ("media_type", "suffix"):
+        values = [getattr(exporter, field) for exporter in EXPORTERS.values()]
+        assert len(set(values)) == len(values)
+    for exporter in EXPORTERS.values():
+        assert re.fullmatch(r"[a-z]+/[a-z0-9.+-]+", exporter.media_type)
+
+
+@EVERY
+def test_every_file_says_time_scale_and_rotation_order(name):
+    text = write(name, plan_of()).decode("utf-8", "replace")
+    for said in ("UTC", "leap seconds counted", "R(alpha) R(beta)", "right-handed"):
+        assert said in text
+    for said in ("+Z boresight", "q_platform_from_body_xyzw", "cubic Hermite"):
+        assert said in text
+
+
+@EVERY
+def test_the_same_plan_gives_the_same_bytes(name):
+    assert write(name, plan_of()) == write(name, plan_of())
+
+
+@EVERY
+def test_a_leap_second_is_counted(name):
+    """Rows before, inside and after 2016-12-31T23:59:60."""
+    epoch_utc = datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC)
+    plan = plan_of(epoch_utc, orbit=state_vector(epoch_utc))
+    text = write(name, plan).decode("utf-8", "replace")
+    if name not in ("json", "czml"):  # those count seconds from the epoch only
+        inside = "2016-12-31T23:59:60" if name == "oem" else "2016-12-31T23:59:60.2"
+        assert inside in text
+    assert "2017-01-01T00:00:04" in text or name == "json"
+    if name == "netcdf":
+        assert "calendar" in text
+        assert b"utc\0" in write(name, plan)  # CF 1.12: leap seconds are in the count
+
+
+def test_stop_of_a_leap_second_plan():
+    epoch_utc = datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC)
+    plan = plan_of(epoch_utc, orbit=state_vector(epoch_utc))
+    (stop,) = Instants(epoch_utc, plan.table.t_s[-1:]).utc_text(3)
+    assert stop == "2017-01-01T00:00:04.000Z"
+    lines = write("aem", plan).decode().splitlines()
+    assert f"STOP_TIME = {stop.removesuffix('Z')}" in lines
+    packets = json.loads(write("czml", plan))
+    assert packets[0]["clock"]["interval"].endswith("/2017-01-01T00:00:04.000000Z")
+    assert packets[1]["position"]["cartesian"][-4] == 10.0
+
+
+@EVERY
+def test_a_test_motion_has_no_target_but_an_attitude(name):
+    still = BenchMotionTarget(axes=dict.fromkeys(("alpha", "beta"), ConstantRate(rate_deg_s=0.0)))
+    plan = plan_of(target=still)
+    written = write(name, plan)
+    assert written
+    if name == "czml":
+        ids = [packet["id"] for packet in json.loads(written)]
+        assert "boresight" in ids
+        assert not [i for i in ids if i.startswith("target")]
+
+
+@EVERY
+def test_looking_away_from_the_earth_leaves_no_footprint(name):
+    plan = plan_of(target=BodyTarget(name="sun"), outer_rad=np.pi)
+    written = write(name, plan)
+    assert b"NaN" not in written
+    if name == "czml":
+        ids = [packet["id"] for packet in json.loads(written)]
+        assert "footprint" not in ids
+        assert "target-0" in ids
+
+
+@EVERY
+def test_rows_before_the_orbit_is_known_are_left_out(name):
+    """An OEM that begins with the session: angles are complete, attitude from there on."""
+    known = oem_of(plan_of(), from_s=4)
+    plan = plan_of(orbit=known)
+    written = write(name, plan).decode("utf-8", "replace")
+    if name in ("aem", "stk", "stk-attitude"):
+        assert "2015-02-27T17:36:03.800 " not in written
+        assert "2015-02-27T17:36:04.000 " in written
+    if name in ("csv", "json"):
+        assert written == write(name, plan_of()).decode()
+
+
+@pytest.mark.parametrize("name", ["netcdf", "aem", "oem", "stk", "stk-attitude", "czml"])
+def test_an_unknown_orbit_is_refused(name):
+    with pytest.raises(OutsideCoverage):
+        write(name, plan_of(orbit=oem_of(plan_of(), from_s=7)))
+
+
+def oem_of(plan, from_s):
+    """The plan's own OEM export, cut: states only from `from_s` on, some minutes long."""
+    long = SimpleNamespace(**vars(plan))
+    rows = 5 * 300
+    long.table = dataclasses.replace(
+        plan.table, angle_rad=np.zeros((rows, 2)), rate_rad_s=np.zeros((rows, 2))
+    )
+    lines = write("oem", long).decode().splitlines()
+    start = (EPOCH_UTC + timedelta(seconds=from_s)).strftime("%Y-%m-%dT%H:%M:%S.000")
+    kept = [line for line in lines if not re.match(r"\d{4}-", line) or line >= start]
+    text = "\n".join(kept)
+    return OemOrbit(content=re.sub(r"START_TIME = .*", f"START_TIME = {start}", text))
+
+
+@EVERY
+def test_no_name_breaks_out_of_its_place(name):
+    hostile = 'x,\nMETA_STOP\r\nEND Attitude "</script><b>\u2028é\0'
+    written = write(name, plan_of(name=hostile, outer=hostile))
+    text = written.decode("utf-8", "replace")
+    lines = [line.strip() for line in text.splitlines()]
+    assert lines.count("META_STOP") <= 1
+    assert not [line for line in lines if line.startswith("END Attitude ")]
+    if name in ("aem", "oem", "stk", "stk-attitude", "csv"):
+        assert written.isascii()
+        assert max(map(len, text.splitlines())) <= 254 or name in ("csv", "stk", "stk-attitude")
+    if name == "csv":
+        header, row = (next(csv.reader([line])) for line in text.splitlines()[-52:-50])
+        assert len(header) == len(row) == 6
+    if name == "czml":
+        assert "<b>" not in json.loads(written)[0]["description"]
