@@ -2,8 +2,16 @@
 
 from planner.platforms.definition import AxisDefinition, PlatformDefinition
 from planner.platforms.iss_hrc import ISS_HRC
+from planner.platforms.structural_mode import StructuralMode
 from planner.platforms.two_axis import AxisLimits, TwoAxisPlatform
 
 PLATFORMS = {platform.name: platform for platform in (ISS_HRC,)}
 
-__all__ = ["PLATFORMS", "AxisDefinition", "AxisLimits", "PlatformDefinition", "TwoAxisPlatform"]
+__all__ = [
+    "PLATFORMS",
+    "AxisDefinition",
+    "AxisLimits",
+    "PlatformDefinition",
+    "StructuralMode",
+    "TwoAxisPlatform",
+]

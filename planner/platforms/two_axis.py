@@ -73,6 +73,12 @@ class TwoAxisPlatform:
             math.radians(1.0)
         ):
             raise ValueError("the two axes are within 1 deg of parallel: one direction is lost")
+        if abs(np.dot(self.zero_direction_platform, self.inner_axis_platform)) > math.cos(
+            math.radians(1.0)
+        ):
+            raise ValueError(
+                "zero_direction_platform is within 1 deg of the inner axis, which can't move it"
+            )
 
     @property
     def axis_names(self) -> tuple[str, str]:

@@ -11,15 +11,16 @@ FILES = sorted(
     path for room in ("app", "planner", "estimator") for path in (ROOT / room).rglob("*.py")
 )
 UNIT = re.compile(
-    r"_(m|km|m2|m3|mm|um|nm|s|us|ms|days?|jyear|mjd|jd|rad|rad2|deg|deg2|arcsec2?|arcmin|mas|hz|px|kg"
-    r"|n_?m|n_?m_s|pa|k|dn|bits|bytes|w_m2|kg_m2|kg_m3|per_m|per_s|percent|share|ratio|fraction"
-    r"|mas_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|n_m_s|m_s_2|rad_per_s|platform_s2?|ticks?)$"
+    r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px|kg"
+    r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|deg2_s5"
+    r"|per_s2?|ticks)$"
 )
-# Numbers without a unit, by the word their name ends in.
+# What has no unit, by the word a name holds.
 PURE = re.compile(
-    r"(^|_)(coefficient|probability|damping|exponent|order|weight|gain|score|share|eccentricity"
-    r"|value|extreme|margin|least|greatest|limit_value|bound|objective|integral|factor|scale|k1|k2"
-    r"|fx|fy|cx|cy|snr|smear|cost|gap|priority|threshold|sigmas?|chi2|xi|rho|number|level|size)$"
+    r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|cost|factor|scale"
+    r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
+    r"|ozone|airglow|moonlight|glare|land|up|default|bstar|eccentricity|error|integral|spread"
+    r"|objective|level|size|inclusive|threshold)(_|$)"
 )
 
 
