@@ -48,10 +48,12 @@ def towards_star(
     receding_yr = target.radial_velocity_km_s * 1e3 * star.parallax_rad / erfa.DAU * _YEAR_S
 
     since_yr = at_tdb_s / _YEAR_S + (_J2000_JYEAR - star.jyear)
-    gone_rad = np.arctan2(mu_yr * since_yr, 1.0 + receding_yr * since_yr)[:, None]
+    across, along = mu_yr * since_yr, 1.0 + receding_yr * since_yr
+    gone_rad = np.arctan2(across, along)[:, None]
+    parallax_rad = star.parallax_rad / np.hypot(across, along)[:, None]
     ahead = motion_yr / mu_yr if mu_yr > 0.0 else east
     from_sun = np.cos(gone_rad) * towards + np.sin(gone_rad) * ahead
-    seen = from_sun - star.parallax_rad / erfa.DAU * r_observer_bary_m
+    seen = from_sun - parallax_rad / erfa.DAU * r_observer_bary_m
     return np.asarray(seen / np.sqrt(np.sum(seen * seen, axis=1, keepdims=True)))
 
 

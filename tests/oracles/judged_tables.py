@@ -96,6 +96,22 @@ class CircularOrbit:
         return np.zeros(len(instants))
 
 
+@dataclass(frozen=True)
+class OrbitFacing(CircularOrbit):
+    """The same circle turned so that a direction stands from_nadir_deg ahead at OVERHEAD_S."""
+
+    towards_eci: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    from_nadir_deg: float = 82.0
+
+    def __post_init__(self):
+        towards = np.asarray(self.towards_eci) / np.linalg.norm(self.towards_eci)
+        across = np.cross(towards, [0.3, -0.5, 1.0])
+        across /= np.linalg.norm(across)
+        cos, sin = np.cos(np.deg2rad(self.from_nadir_deg)), np.sin(np.deg2rad(self.from_nadir_deg))
+        plane = (sin * across - cos * towards, cos * across + sin * towards)
+        object.__setattr__(self, "plane", plane)
+
+
 ATTITUDE = LvlhAttitude(yaw_deg=-4.1, pitch_deg=-2.0, roll_deg=0.7)
 
 
@@ -154,12 +170,17 @@ def hrc_angles_rad(los_platform):
 
 
 def table_of(scenario, **light):
-    """Slew from rest at zero to the track in 60 s, then the track to LAST_ROW."""
+    """On a ground point; `light` as for `apparent_eci`."""
+    target = scenario.sessions[0].target
+    return table_along(scenario, lambda t_s: apparent_eci(scenario.orbit, target, t_s, **light))
+
+
+def table_along(scenario, los_eci):
+    """Slew from rest at zero to the track of los_eci(t_s) in 60 s, then the track to LAST_ROW."""
     margin_rows = 5
     rows = np.arange(FIRST_ROW - margin_rows, LAST_ROW + margin_rows + 1)
     t_s = rows / 5.0
-    los_eci = apparent_eci(scenario.orbit, scenario.sessions[0].target, t_s, **light)
-    angle_rad = hrc_angles_rad(q_platform_from_eci(scenario, t_s).apply(los_eci))
+    angle_rad = hrc_angles_rad(q_platform_from_eci(scenario, t_s).apply(los_eci(t_s)))
     track = make_interp_spline(t_s, angle_rad, k=7)
     join_s = FIRST_ROW / 5.0
     end = np.stack([track.derivative(k)(join_s) if k else track(join_s) for k in range(3)])

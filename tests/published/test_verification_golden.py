@@ -12,12 +12,17 @@ from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.platforms import ISS_HRC
-from planner.targets import GroundTarget
+from planner.targets import BodyTarget, GroundTarget, StarTarget
 from planner.verification.carrier import eci_from_platform
 from planner.verification.earth_fixed import earth_fixed_sight
+from planner.verification.sky import sky_sight
 
 # Orekit 13.1.9 and Skyfield 1.55, each checked against a third tool; conventions in the file
-GOLDEN = json.loads((Path(__file__).parents[1] / "data" / "golden_los.json").read_text())
+DATA = Path(__file__).parents[1] / "data"
+GOLDEN = json.loads((DATA / "golden_los.json").read_text())
+# Skyfield 1.55 with DE440 and Hipparcos-2 from NASA's ISS ephemerides; conventions in the file
+CELESTIAL = json.loads((DATA / "golden_celestial.json").read_text())
+HIP = {star["name"]: star["hip"] for star in CELESTIAL["conventions"]["stars"]}
 ARCSEC_RAD = np.pi / 648000.0
 
 
@@ -59,3 +64,28 @@ def test_apparent_direction_range_and_elevation(case):
         np.rad2deg(sight.elevation_rad), golden_elevation_deg, rtol=0, atol=1.5e-5
     )
     assert not sight.hidden.any()
+
+
+@pytest.mark.parametrize(
+    "case", CELESTIAL["cases"], ids=lambda case: f"{case['body']} {case['utc']}"
+)
+def test_apparent_direction_and_limb_of_celestial_targets(case):
+    c_eme2000_from_gcrf = erfa.bp00(2451545.0, 0.0)[0]
+    # the case's instant, and a second one that is not looked at
+    states = OrbitStates(
+        np.tile(case["iss_pos_eme2000_km"], (2, 1)) @ c_eme2000_from_gcrf * 1e3,
+        np.tile(case["iss_vel_eme2000_km_s"], (2, 1)) @ c_eme2000_from_gcrf * 1e3,
+    )
+    name = case["body"]
+    where = {"hip": HIP[name]} if name in HIP else {"name": name}
+    target = (StarTarget if name in HIP else BodyTarget)(grazing_altitude_km=0.0, **where)
+    instants = Instants(datetime.fromisoformat(case["utc"]), np.array([0.0, 1.0]))
+    sight = sky_sight(target, instants, states)
+    expected = np.array(case["apparent_gcrf"]) / np.linalg.norm(case["apparent_gcrf"])
+    error_rad = np.linalg.norm(np.cross(sight.apparent_eci[0], expected))
+    # DE421 and DE440 differ by 0.003 arcsec for Sun and Moon; Jupiter by 0.02
+    assert error_rad < (0.02 if name == "Jupiter" else 0.003) * ARCSEC_RAD
+    # their limb is a sphere of the equator's radius, up to 21 km too large, 2,300 km away; the
+    # carrier's aberration of 5 arcsec is in their angle and not in ours
+    excess_deg = np.rad2deg(sight.clearance_rad[0]) - case["geocentric_earth_limb_angle_deg"]
+    assert -0.002 < excess_deg < 0.54
