@@ -37,6 +37,7 @@ class Reason(StrEnum):
     NIGHT_SIDE = "the Sun is below the limb in view: a daylight limb can't be there"
     LOW_SUN = "the Sun is too low at the craft: the limb in view is twilight, of unknown height"
     BLURRED = "the edge found is far too soft for the limb: a terminator, glow or cloud edge"
+    GLOWING_LAYER = "it grows dark again behind the edge: airglow or aurora, not the lit Earth"
     LIMB_HEIGHT = "the edge lies at a height the limb doesn't have: airglow, aurora or cloud tops"
     RESIDUALS = "the edge found does not follow the limb's shape; suspect the intrinsics"
     CAMERAS_DISAGREE = "cameras see horizons that contradict each other: check mounts and order"

@@ -25,6 +25,7 @@ _MIN_CONTRAST = 0.35
 _MAX_WIDTH_M = 28e3
 _MAX_WIDTH_PX = 4.0
 _BLACK = 0.02
+_LIT_BEHIND = 0.78
 _SATURATED_SHARE = 0.85
 _SUN_LOW_RAD = np.deg2rad(5.0)
 _SUN_LEAST = np.sin(np.deg2rad(3.0))
@@ -92,6 +93,15 @@ def judge_camera(
         elif float(np.median(points.contrast[inlier])) < _MIN_CONTRAST:
             reason = Reason.NO_SKY
     return CameraFit(reason=reason, arc_rad=arc, residual_px=residual_px, inlier=inlier)
+
+
+def is_glowing_layer(points: LimbPoints) -> bool:
+    """Whether what was found is a shell of light with the night behind it.
+
+    points: from a window that reaches 45 km inwards.  The sunlit Earth stays as bright behind
+    its limb (0.85 and more, over dark ocean too); airglow falls to 0.5-0.75.
+    """
+    return bool(points.found.any()) and float(np.median(points.behind[points.found])) < _LIT_BEHIND
 
 
 def judge_height(fit: Fit, limb_height_m: float | None, sigma_m: float) -> Reason | None:

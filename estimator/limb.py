@@ -38,8 +38,10 @@ class LimbPoints:
     found (n,): columns with an edge; the other arrays have an entry for every column, and
     mean something only where found.  ray_body (n, 3): towards the limb.  sigma_rad (n,): noise
     of the edge alone.  width_m (n,): 1-sigma width of the edge at the limb.  contrast (n,):
-    (within - beyond) / (within + beyond).  step_rad: azimuth per column.  blocked (n,): the
-    craft's own structure hides the column.  clipped (n,): saturated just within the edge.
+    (within - beyond) / (within + beyond).  behind (n,): brightness 45 km further in, or at the
+    window's end, against the brightest on the way.  step_rad: azimuth per column.
+    blocked (n,): the craft's own structure, or the dark, hides the column.  clipped (n,):
+    saturated just within the edge.
     """
 
     ray_body: Floats
@@ -52,6 +54,7 @@ class LimbPoints:
     width_m: Floats
     contrast: Floats
     slope: Floats
+    behind: Floats
     step_rad: float
 
     def __len__(self) -> int:
@@ -154,6 +157,8 @@ def find_limb(
     pixel = middle + position_px[:, None] * outward
     ray = camera.rays_body(pixel)
     within, beyond = _sides(np.asarray(profile), peak, round(3.0 * sigma))
+    inward_px = 45e3 / typical_m_per_px / pitch_px
+    gap = _behind(np.asarray(profile), peak, inward_px)
     deeper, _ = _sides(np.asarray(profile), peak, round(6.0 * sigma))
     sigma_px = np.hypot(noise / smooth_px / curve, 0.03)
     return LimbPoints(
@@ -167,6 +172,7 @@ def find_limb(
         width_m=width_px * m_per_px,
         contrast=(within - beyond) / (within + beyond + 1e-6),
         slope=at,
+        behind=gap,
         step_rad=step_rad,
     )
 
@@ -216,6 +222,16 @@ def _sides(
     return within, beyond
 
 
+def _behind(profile: NDArray[np.float32], peak: NDArray[np.intp], away: float) -> Floats:
+    """Brightness 45 km within the edge against the brightest on the way there, each (n,)."""
+    column = np.arange(profile.shape[1])[None, :]
+    start = np.maximum(peak - round(away), 0)
+    on_the_way = (column >= start[:, None]) & (column <= peak[:, None])
+    brightest = np.where(on_the_way, profile, 0.0).max(axis=1)
+    there = profile[np.arange(len(peak)), start]
+    return np.asarray(there / (brightest + 1e-6), dtype=float)
+
+
 @cache
 def _gumbel_shifts() -> tuple[Floats, Floats]:
     """Mode of the standard Gumbel distribution blurred by a Gaussian of each width."""
@@ -252,5 +268,6 @@ def _nothing(step_rad: float) -> LimbPoints:
         width_m=none,
         contrast=none,
         slope=none,
+        behind=none,
         step_rad=step_rad,
     )

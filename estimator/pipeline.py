@@ -14,6 +14,8 @@ from estimator.nadir import Fit
 from estimator.prior import predicted_c_body_from_itrf, prior_of
 from estimator.request import HorizonRequest, Surroundings
 from estimator.search import Horizon, Search, find_horizon, look
+from planner.frames.earth_orientation import earth_orientation_warning
+from planner.frames.time_scales import Instants
 
 Floats = NDArray[np.float64]
 
@@ -145,8 +147,22 @@ def _answer(
         limb_height_sigma_m=float(np.sqrt(best.covariance[3, 3])),
         check=check,
         cameras=cameras,
-        warnings=(),
+        warnings=_warnings(request, cameras),
     )
+
+
+def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tuple[str, ...]:
+    said = []
+    if request.predicted is None:
+        said.append(
+            "no attitude was predicted, so the heading is unknown: geodetic nadir is measured, "
+            "geocentric only to the 0.2 deg between them; give `predicted` to have both"
+        )
+    left_out = [camera.name for camera in cameras if not camera.used]
+    if left_out:
+        said.append(f"cameras left out: {', '.join(left_out)}")
+    orientation = earth_orientation_warning(Instants(request.epoch, np.zeros(1)))
+    return (*said, orientation) if orientation else tuple(said)
 
 
 def _nadir(fits: tuple[tuple[float, Fit], ...], limb: Limb, nadir_itrf: Floats) -> Nadir:

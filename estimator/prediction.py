@@ -122,5 +122,6 @@ def _ideal_points(
         width_m=one,
         contrast=one,
         slope=one,
+        behind=one,
         step_rad=step_rad,
     )

@@ -22,7 +22,7 @@ _BLUE_LIMB_SIGMA_M = 2.7e3
 _LEAN_M, _BLUE_LEAN_M = 400.0, 250.0
 _UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
-_CLIPPED_RISE_M, _CLIPPED_SIGMA_M, _CLIPPED_LEAN = 5e3, 5e3, 10.0
+_CLIPPED_RISE_M, _CLIPPED_SIGMA_M, _CLIPPED_LEAN = 5e3, 5e3, 15.0
 
 
 def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bool) -> Prior:

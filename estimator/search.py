@@ -12,6 +12,7 @@ from estimator.gates import (
     MIN_ARC_OF_ALL_RAD,
     CameraFit,
     darkness,
+    is_glowing_layer,
     judge_camera,
     judge_height,
     unusable_frame,
@@ -153,6 +154,12 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
             if all(
                 c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)
             ):
+                return _failed(views, points, result, cameras)
+            if search.daylight:
+                glowing = [is_glowing_layer(p) for p in points]
+                active = [on and not glow for on, glow in zip(active, glowing, strict=True)]
+            if not any(active):
+                cameras = [replace(c, reason=Reason.GLOWING_LAYER) for c in cameras]
                 return _failed(views, points, result, cameras)
             continue
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
