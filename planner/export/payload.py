@@ -8,8 +8,6 @@ from planner.platforms import TwoAxisPlatform
 
 Array = NDArray[np.float64]
 
-_PARALLEL = 1e-6  # sine below which the inner axis has no part across the boresight
-
 
 def q_payload_from_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Rotation:
     """n rotations to the payload's axes: +Z the boresight, +X and +Y carried by both axes.
@@ -42,9 +40,7 @@ def _c_platform_from_payload_at_zero(platform: TwoAxisPlatform) -> Array:
     """Columns: the payload's axes in the platform frame when both angles are zero."""
     z = np.array(platform.zero_direction_platform)
     z = z / np.linalg.norm(z)
-    outer, inner = platform.axes_platform
+    _, inner = platform.axes_platform
     across = inner - (inner @ z) * z
-    if np.linalg.norm(across) < _PARALLEL:  # the inner axis rolls the payload about its boresight
-        across = outer - (outer @ z) * z
     x = across / np.linalg.norm(across)
     return np.stack([x, np.cross(z, x), z], axis=1)

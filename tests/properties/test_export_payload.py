@@ -87,20 +87,3 @@ def test_on_the_hrc_the_axes_at_zero_are_the_platforms():
     np.testing.assert_allclose(
         c_platform_from_payload(ISS_HRC, [0.0, 0.0]), np.eye(3), rtol=0, atol=ROUNDING
     )
-
-
-def test_an_inner_axis_along_the_boresight_still_leaves_axes():
-    """Such a platform only rolls its payload; a test motion may ask for just that."""
-    roller = TwoAxisPlatform(
-        name="roller",
-        outer_name="swing",
-        outer_axis_platform=(0.0, 1.0, 0.0),
-        outer_limits=ISS_HRC.outer_limits,
-        inner_name="roll",
-        inner_axis_platform=(0.0, 0.0, 1.0),
-        inner_limits=ISS_HRC.inner_limits,
-        zero_direction_platform=(0.0, 0.0, 1.0),
-    )
-    rolled = c_platform_from_payload(roller, [0.0, np.pi / 2.0])
-    np.testing.assert_allclose(rolled[:, 0], [-1.0, 0.0, 0.0], rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(rolled[:, 2], [0.0, 0.0, 1.0], rtol=0, atol=ROUNDING)
