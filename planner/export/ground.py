@@ -10,12 +10,10 @@ from planner.export.flown import Flown
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.targets.apparent import aberrated
+from planner.uncertainty import DEFAULT_ASSUMPTIONS
 
 Array = NDArray[np.float64]
 
-# Sumarokov 2016, p. 83: 5.36 x 3.56 km from 350 km; that the long side lies along +X, the
-# inner axis, is assumed.
-FRAME_TANGENTS = (2.68 / 350.0, 1.78 / 350.0)
 BORESIGHT_PAYLOAD = np.array([[0.0, 0.0, 1.0]])
 FRAME_CORNERS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 
@@ -51,8 +49,8 @@ def sights(rows: Flown, rays_payload: Array) -> Sights:
 
 
 def frame_corner_rays() -> Array:
-    """Corners of the camera's frame in payload axes, shape (4, 3), counter-clockwise from +X +Y."""
-    x, y = FRAME_TANGENTS
+    """Corners of the HRC's frame in payload axes, shape (4, 3), counter-clockwise from +X +Y."""
+    x, y = DEFAULT_ASSUMPTIONS.frame_half_rad
     return np.array([[i * x, j * y, 1.0] for i, j in FRAME_CORNERS])
 
 
