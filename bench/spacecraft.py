@@ -25,7 +25,6 @@ from planner.spacecraft.candidates import Candidate, candidates
 from planner.spacecraft.choose import choose
 from planner.spacecraft.definition import AGILE_CMG, AgileSpacecraft, ControlGains, SlewLimits
 from planner.spacecraft.eigenaxis import eigenaxis_turn
-from planner.spacecraft.ground_arc import GroundArc, fitted_profile
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.onboard import PAPER, TABLE
 from planner.spacecraft.plan import make_session, make_table, plan_imaging
@@ -40,7 +39,7 @@ from planner.spacecraft.requests import (
     StripRequest,
 )
 from planner.spacecraft.simulation import dispersed, fly_many, fly_table
-from planner.spacecraft.stabilisation import RATE_ERROR_MAX_RAD_S, rate_errors, settled_after_s
+from planner.spacecraft.stabilisation import rate_errors, settled_after_s
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 from planner.spacecraft.timeline import InertialHold, Timeline, build_timeline, looks_of
 from planner.spacecraft.turn_ocp import solve_turn
@@ -71,7 +70,7 @@ def sun_synchronous(altitude_km: float) -> StateVectorOrbit:
     )
 
 
-def local_axes(orbit: object, t_s: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def local_axes(orbit: StateVectorOrbit, t_s: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Sub-satellite point (ITRF, m) with unit vectors along and across (right of) the track."""
     ephemeris = orbit.ephemeris(EPOCH - timedelta(seconds=500), EPOCH + timedelta(seconds=3000))
     instants = Instants(EPOCH, np.array([t_s]))
@@ -90,7 +89,9 @@ def positions(points_itrf: np.ndarray) -> tuple[tuple[float, float], ...]:
     return tuple(zip(np.rad2deg(longitude).tolist(), np.rad2deg(latitude).tolist(), strict=True))
 
 
-def line(orbit: object, t_s: float, half_km: float, across_km: float, azimuth_deg: float = 0.0):
+def line(
+    orbit: StateVectorOrbit, t_s: float, half_km: float, across_km: float, azimuth_deg: float = 0.0
+) -> tuple[tuple[float, float], ...]:
     """A line through a point beside the track at t_s, at an angle to the track."""
     origin, along, across = local_axes(orbit, t_s)
     c, s = math.cos(math.radians(azimuth_deg)), math.sin(math.radians(azimuth_deg))
@@ -98,7 +99,7 @@ def line(orbit: object, t_s: float, half_km: float, across_km: float, azimuth_de
     return positions([middle - 1e3 * half_km * direction, middle + 1e3 * half_km * direction])
 
 
-def area(orbit: object, t_s: float, name: str, across_km: float = 0.0) -> AreaRequest:
+def area(orbit: StateVectorOrbit, t_s: float, name: str, across_km: float = 0.0) -> AreaRequest:
     """48 x 60 km around a point beside the track."""
     origin, along, across = local_axes(orbit, t_s)
     corners = [
@@ -109,7 +110,9 @@ def area(orbit: object, t_s: float, name: str, across_km: float = 0.0) -> AreaRe
     return AreaRequest(name=name, geometry=GeoPolygon(coordinates=((*ring, ring[0]),)))
 
 
-def session_request(orbit: object, seconds: float, requests: tuple, **more) -> ImagingPlanRequest:
+def session_request(
+    orbit: StateVectorOrbit, seconds: float, requests: tuple, **more: object
+) -> ImagingPlanRequest:
     return ImagingPlanRequest(
         orbit=orbit,
         start=EPOCH,
@@ -148,7 +151,8 @@ def verdict(name: str, logs: list, table: AttitudeTable) -> None:
         f"  {name}: {per_window.size} intervals, {100 * np.mean(per_window <= 1e-3):.2f} % within "
         f"0.001 deg/s; worst {per_window.max():.5f} (x {worst[..., 0].max():.5f} "
         f"y {worst[..., 1].max():.5f} z {worst[..., 2].max():.5f}); p99 of intervals' maxima "
-        f"{np.quantile(per_window, 0.99):.5f}, p99 of samples {np.quantile(samples, 0.99):.5f} deg/s"
+        f"{np.quantile(per_window, 0.99):.5f}, p99 of samples "
+        f"{np.quantile(samples, 0.99):.5f} deg/s"
     )
 
 
@@ -219,9 +223,9 @@ def bench_timeline() -> None:
     worst_y = windows_over(logs, table)
     print(f"  median of intervals' maxima {np.median(worst_y.max(axis=2)):.5f} deg/s")
     late = dataclasses.replace(
-        spacecraft, gains=ControlGains(k1_per_s=1.2, k2_per_s2=0.45, delay_ticks=1)
+        spacecraft, gains=ControlGains(k1_per_s=1.4, k2_per_s2=0.4, delay_ticks=1)
     )
-    verdict("a whole cycle of delay, k = 1.2/0.45", fly_many(late, table, states, SEEDS), table)
+    verdict("a whole cycle of delay, k = 1.4/0.4", fly_many(late, table, states, SEEDS), table)
     jitter = [
         fly_table(
             spacecraft,
@@ -297,13 +301,11 @@ def bench_settle() -> None:
         ("the paper's laws", "paper", AGILE_CMG, 20.0, None),
         ("eigenaxis bang-coast-bang", "bang", AGILE_CMG, 20.0, None),
         ("eigenaxis, torque rate limited", "jerk-limited", AGILE_CMG, 20.0, None),
-        ("OCP in 14.6 s", "ocp", AGILE_CMG, 20.0, 14.6),
         ("OCP in 15.0 s", "ocp", AGILE_CMG, 20.0, 15.0),
         ("OCP in 15.4 s", "ocp", AGILE_CMG, 20.0, 15.4),
-        ("OCP in 16.0 s", "ocp", AGILE_CMG, 20.0, 16.0),
+        ("OCP in 15.6 s", "ocp", AGILE_CMG, 20.0, 15.6),
         ("OCP in 13 s, up to 3.3 deg/s (gyro saturated)", "ocp", wide, 20.0, 13.0),
-        ("OCP in 13.4 s, 18 deg", "ocp", AGILE_CMG, 18.0, 13.4),
-        ("OCP in 14.0 s, 18 deg", "ocp", AGILE_CMG, 18.0, 14.0),
+        ("OCP in 14.0 s", "ocp", AGILE_CMG, 18.0, 14.0),
     ]
     for name, kind, spacecraft, angle, seconds in cases:
         try:
@@ -312,6 +314,9 @@ def bench_settle() -> None:
             print(f"  {name}: {why}")
             continue
         law = PAPER if kind == "paper" else TABLE
+        if kind == "paper":  # its laws settle quickest with a stiffer attitude loop
+            gains = ControlGains(k1_per_s=1.8, k2_per_s2=1.0)
+            spacecraft = dataclasses.replace(spacecraft, gains=gains)
         settled = [
             settled_after_s(
                 fly_table(
@@ -324,8 +329,8 @@ def bench_settle() -> None:
         ]
         note = "not within 50 s" if max(settled) > 49.9 else f"worst {max(settled):.1f} s"
         print(
-            f"  {name}, {angle:.0f} deg: turn {duration_s:.1f} s, median {np.median(settled):.1f} s, "
-            f"{note}"
+            f"  {name}, {angle:.0f} deg: turn {duration_s:.1f} s, median "
+            f"{np.median(settled):.1f} s, {note}"
         )
 
 
@@ -334,13 +339,13 @@ def bench_areas() -> None:
     orbit = sun_synchronous(600.0)
     for name, settings, count, first, step in (
         ("one way", SpacecraftSettings(), 9, 75.0, 130.0),
-        ("reversible", SpacecraftSettings(reversible_scan=True), 11, 65.0, 107.0),
+        ("reversible", SpacecraftSettings(reversible_scan=True, settle_s=3.0), 11, 62.0, 107.5),
         (
-            "reversible, turns to 3.3 deg/s (gyro saturated)",
-            SpacecraftSettings(reversible_scan=True, rate_axis_max_deg_s=3.3),
+            "reversible",
+            SpacecraftSettings(reversible_scan=True),
             12,
-            60.0,
-            98.0,
+            58.0,
+            99.0,
         ),
     ):
         requests = tuple(area(orbit, first + step * k, f"area {k + 1}") for k in range(count))
@@ -467,3 +472,109 @@ def bench_choice() -> None:
             f"{100 * (choice.value / choice.greedy_value - 1):.0f} % above greedy, "
             f"{choice.rounds} rounds, {choice.seconds:.2f} s"
         )
+
+
+def bench_refusals() -> None:
+    print("Bad input:")
+    orbit = sun_synchronous(640.0)
+    strip = StripRequest(name="s", geometry=GeoLineString(coordinates=line(orbit, 100, 30, 0)))
+    far = GeoLineString(coordinates=line(orbit, 100, 30, 900))
+    cases = (
+        lambda: (StripRequest(name="far", geometry=far), {}),
+        lambda: (
+            dataclasses.replace(
+                strip,
+                window_start=EPOCH + timedelta(seconds=96),
+                window_stop=EPOCH + timedelta(seconds=104),
+            ),
+            {},
+        ),
+        lambda: (
+            StripRequest(name="soon", geometry=GeoLineString(coordinates=line(orbit, 30, 30, 300))),
+            {},
+        ),
+        lambda: (strip, {"settings": SpacecraftSettings(momentum_n_m_s=(50.0, 40.0, 0.0))}),
+        lambda: (
+            CorridorRequest(
+                name="loop",
+                geometry=GeoLineString(coordinates=((0, 0), (1, 1), (1, 0), (0, 1))),
+            ),
+            {},
+        ),
+    )
+    for case in cases:
+        try:
+            request, more = case()
+            plan_imaging(session_request(orbit, 240.0, (request,), **more))
+            print("  accepted?!")
+        except (Refusal, ValueError) as why:
+            print(f"  {type(why).__name__}: {why}")
+
+
+def bench_ground() -> None:
+    print("Strip, stereo, corridors (the judge's own ground points; Skyfield's: in the tests):")
+    orbit = sun_synchronous(640.0)
+
+    def along(t_s: float, across_km: float, azimuth_deg: float = 0.0) -> GeoLineString:
+        return GeoLineString(coordinates=line(orbit, t_s, 30.0, across_km, azimuth_deg))
+
+    requests = (
+        StripRequest(name="strip", geometry=along(90.0, 100.0)),
+        StereoRequest(name="stereo", geometry=along(230.0, -40.0)),
+        CorridorRequest(name="corridor 45 deg", geometry=along(360.0, 0.0, 45.0)),
+        CorridorRequest(name="corridor 90 deg", geometry=along(470.0, 50.0, 90.0)),
+    )
+    begun = time.perf_counter()
+    plan = plan_imaging(session_request(orbit, 600.0, requests))
+    print(f"  planned, judged and flown 4 times in {time.perf_counter() - begun:.1f} s")
+    rates = np.rad2deg(np.linalg.norm(plan.table.omega_body_rad_s, axis=1))
+    for seen, flown in zip(plan.verification.windows, plan.stabilisation.windows, strict=True):
+        window = seen.window
+        print(
+            f"  {window.request} look {window.look}: miss {seen.miss_m:.2e} m, speed off "
+            f"{100 * seen.speed_spread:.4f} %, drift {math.degrees(seen.drift_rad):.1e} deg, along "
+            f"{seen.along_deg:.1f} deg, body rate {rates[window.first_row]:.2f} deg/s; flown: "
+            f"{np.rad2deg(flown.rate_error_rad_s).max():.5f} deg/s, pointing "
+            f"{math.degrees(flown.pointing_error_rad) * 3600:.1f} arcsec, smear "
+            f"{flown.smear_px:.3f} px, settled {flown.spare_s:.1f} s before, gimbal margin "
+            f"{flown.gimbal_margin:.2f}"
+        )
+
+
+def bench_physics() -> None:
+    print("Physics (the same checks as tests/properties/test_spacecraft_dynamics.py):")
+    sys.path.insert(0, str(DATA.parents[1] / "properties"))
+    sys.path.insert(0, str(DATA.parents[1] / "oracles"))
+    import test_spacecraft_basilisk as basilisk
+    import test_spacecraft_dynamics as dynamics
+
+    fine = dynamics.flown(0.0005, 4.0, dynamics.COMMAND)[1]
+    errors = [
+        np.abs(dynamics.flown(h, 4.0, dynamics.COMMAND)[1] - fine).max()
+        for h in (0.008, 0.004, 0.002)
+    ]
+    print(f"  order of the integrator {np.log2(np.array(errors[:-1]) / errors[1:]).round(2)}")
+    _, state, _, _ = dynamics.flown(0.005, 60.0, dynamics.COMMAND)
+    start = dynamics.flown(0.005, 0.0, dynamics.COMMAND)[1]
+    leak = np.linalg.norm(state[4:7] - start[4:7]) / np.linalg.norm(start[4:7])
+    print(f"  angular momentum over 60 s without torque: {leak:.1e} relative (a state, exact)")
+    rates, _ = basilisk.flown_by_us()
+    worst = np.rad2deg(np.abs(rates - basilisk.ROWS[:, 8:11]).max())
+    print(f"  Basilisk's 20 deg turn at {np.rad2deg(basilisk.ROWS[:, 8:11].max()):.2f} deg/s fed")
+    print(f"  with its gimbal log: body rates within {worst:.1e} deg/s (gimbal inertia modelled)")
+
+
+PARTS = {
+    "physics": bench_physics,
+    "ground": bench_ground,
+    "refusals": bench_refusals,
+    "timeline": bench_timeline,
+    "settle": bench_settle,
+    "areas": bench_areas,
+    "turns": bench_turns,
+    "choice": bench_choice,
+}
+
+if __name__ == "__main__":
+    for part in sys.argv[1:] or PARTS:
+        PARTS[part]()

@@ -2,10 +2,11 @@
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils.
 Repeats are first allowed and then forbidden where they occur (decremental state-space
-relaxation with local memory): every round's value bounds the optimum from above, and the first
-path without repeats is optimal.  The two looks of a stereo pair are candidates of their own; only the
-second earns, and only after the first.
-Source: Righini, Salani 2008, Networks 51(3); Baldacci, Mingozzi, Roberti 2011 (ng-routes); Peng et al. 2020 (agile satellites).
+relaxation with local memory): every round's value bounds the optimum from above, and the
+first path without repeats is optimal.  The two looks of a stereo pair are candidates of their
+own; only the second earns, and only after the first.
+Source: Righini, Salani 2008, Networks 51(3); Baldacci, Mingozzi, Roberti 2011, Operations
+Research 59(5) (ng-routes); Peng et al. 2020 (agile satellites).
 """
 
 import time
@@ -84,13 +85,16 @@ def choose(
     memory.kept[:] = (1 << len(stereo)) - 1
     bound, rounds = np.inf, 0
     best: tuple[float, list[int]] = (-1.0, [])
+    searching = time.perf_counter()
     while True:
         rounds += 1
         value, path, complete = _relaxed(nodes, earn, pairs, memory)
+        if rounds == 1:  # compiling isn't searching
+            searching = time.perf_counter()
         if complete:
             bound = min(bound, value)
         best = max(best, _without_repeats(nodes, path, earn), key=lambda item: item[0])
-        late = time.perf_counter() - begun > SECONDS_MAX
+        late = time.perf_counter() - searching > SECONDS_MAX
         if not complete or late or not _remember_repeats(nodes, path, memory):
             break
     greedy = _greedy(nodes, priorities, turn_time, extra_ticks)
@@ -264,6 +268,26 @@ def _insert(
 
 
 @compiled
+def _dead(bit: Ints, alive: Ints, tick: int) -> int:
+    """Bits of requests that can't come again from this tick on."""
+    mask = 0
+    for r in range(len(alive)):
+        if bit[r] >= 0 and alive[r] < tick:
+            mask |= 1 << bit[r]
+    return mask
+
+
+@compiled
+def _imaged(part: int, own: int, seen: int, half: int) -> tuple[bool, int, int]:
+    """A label's memory after a candidate: (allowed, visited, opened)."""
+    if part == 1:
+        return (seen & own) == 0 and (half & own) == 0, seen, half | own
+    if part == 2:
+        return (seen & own) == 0 and (half & own) != 0, seen | own, half & ~own
+    return (seen & own) == 0, seen | own, half
+
+
+@compiled
 def _label(
     start: Ints,
     stop: Ints,
@@ -280,13 +304,12 @@ def _label(
 ) -> tuple[Array, Ints, Ints, int, int]:
     """Labels forward in time over candidates (places 0..n-1) and idle instants (n..n+m).
 
-    A label carries what critical requests it has imaged (while they can still come again) and
-    which stereo pairs it has begun.
+    A label carries which remembered requests it has imaged (while they can still come again)
+    and which stereo pairs it has begun.
     """
     n = len(start)
     end = int(stop.max() + reach.max()) + 2 * WAIT_TICKS
-    idle = end // WAIT_TICKS + 2
-    head = np.full(n + idle, -1, dtype=np.int64)
+    head = np.full(n + end // WAIT_TICKS + 2, -1, dtype=np.int64)
     value = np.empty(labels_max)
     visited = np.empty(labels_max, dtype=np.int64)
     opened = np.empty(labels_max, dtype=np.int64)
@@ -294,17 +317,13 @@ def _label(
     parent = np.empty(labels_max, dtype=np.int64)
     following = np.empty(labels_max, dtype=np.int64)
     count = _insert(
-        head, following, value, visited, opened, node, parent,
-        n, 0, 0.0, 0, 0, -1, -1,
+        head, following, value, visited, opened, node, parent, n, 0, 0.0, 0, 0, -1, -1
     )  # fmt: skip
     now = 0
     best = -1
     for j in range(n):
         while (now + 1) * WAIT_TICKS <= start[j]:
-            dead = 0
-            for r in range(len(alive)):
-                if bit[r] >= 0 and alive[r] < (now + 1) * WAIT_TICKS:
-                    dead |= 1 << bit[r]
+            dead = _dead(bit, alive, (now + 1) * WAIT_TICKS)
             k = head[n + now]
             while k >= 0:
                 count = _insert(
@@ -313,32 +332,16 @@ def _label(
                 )  # fmt: skip
                 k = following[k]
             now += 1
-        dead, own = 0, 0
-        for r in range(len(alive)):
-            if bit[r] >= 0 and alive[r] < start[j]:
-                dead |= 1 << bit[r]
-        if bit[request[j]] >= 0:
-            own = 1 << bit[request[j]]
-        sources = first[j + 1] - first[j] + 1
-        for source in range(sources):
+        dead = _dead(bit, alive, start[j])
+        own = 1 << bit[request[j]] if bit[request[j]] >= 0 else 0
+        for source in range(first[j + 1] - first[j] + 1):
             k = head[n + now] if source == 0 else head[before[first[j] + source - 1]]
             while k >= 0:
-                seen, half = visited[k] & ~dead, opened[k] & ~dead
-                allowed = (seen & own) == 0
-                if part[j] == 1:
-                    allowed = allowed and (half & own) == 0
-                    half |= own
-                elif part[j] == 2:
-                    allowed = allowed and (half & own) != 0
-                    half &= ~own
-                    seen |= own
-                else:
-                    seen |= own
-                seen &= kept[request[j]]
+                allowed, seen, half = _imaged(part[j], own, visited[k] & ~dead, opened[k] & ~dead)
                 if allowed:
                     count = _insert(
                         head, following, value, visited, opened, node, parent, j, count,
-                        value[k] + earn[j], seen, half, k, j,
+                        value[k] + earn[j], seen & kept[request[j]], half, k, j,
                     )  # fmt: skip
                 k = following[k]
         free = (stop[j] + reach[j] + WAIT_TICKS - 1) // WAIT_TICKS

@@ -169,6 +169,19 @@ def rotor_momentum(gimbal: Array, momentum: float, rotor: Array, torque: Array, 
 
 
 @compiled
+def _gradient(inverse: Array, d: Array, turn: Array, det: float) -> Array:
+    """Gradient (4,) of det(D D^T) by the gimbal angles; turn: columns' derivatives."""
+    weighted = inverse @ d
+    gradient = np.empty(4)
+    for i in range(4):
+        total = 0.0
+        for k in range(3):
+            total += weighted[k, i] * turn[k, i]
+        gradient[i] = 2.0 * det * total
+    return gradient
+
+
+@compiled
 def steer(
     gimbal: Array,
     momentum_rate: Array,
@@ -202,15 +215,9 @@ def steer(
         damping = 0.01 * (1.0 - det / (SINGULARITY_GUARD * 20.0)) + 1e-9
     for k in range(3):
         a[k, k] += damping
-    inverse = np.linalg.inv(a)
+    inverse: Array = np.linalg.inv(a)
     y = inverse @ (momentum_rate / momentum)
-    gradient = np.empty(4)
-    weighted = inverse @ d
-    for i in range(4):
-        total = 0.0
-        for k in range(3):
-            total += weighted[k, i] * turn[k, i]
-        gradient[i] = 2.0 * det * total
+    gradient = _gradient(inverse, d, turn, det)
     projected = inverse @ (d @ gradient)
     largest = 0.0
     for i in range(4):

@@ -34,11 +34,11 @@ def eigenaxis_turn(
         stretch *= duration_s / span_s
         curve, span_s = _curve(problem, stretch, jerk)
     else:
-        for _ in range(40):
+        for _ in range(80):
             over = _overload(problem, curve, span_s, jerk)
             if over <= 1.0 + LIMIT_TOLERANCE:
                 break
-            stretch *= min(max(over ** (1.0 / 3.0), 1.002), 1.3)
+            stretch *= min(max(over**0.5, 1.002), 1.3)
             curve, span_s = _curve(problem, stretch, jerk)
     return Turn(
         middle=problem.middle(),

@@ -1,4 +1,4 @@
-"""Does the body answer its gimbals as Basilisk's does?  Golden run: see make_spacecraft_basilisk."""
+"""Does the body answer its gimbals as Basilisk's does?  (make_spacecraft_basilisk.py)"""
 
 import json
 from pathlib import Path
@@ -22,6 +22,10 @@ STEP_S = GOLDEN["step_s"]
 
 @pytest.fixture(scope="module")
 def ours():
+    return flown_by_us()
+
+
+def flown_by_us():
     """Our body rate and attitude under Basilisk's gimbal log; gimbal inertia modelled."""
     spacecraft = AgileSpacecraft(
         inertia_kg_m2=tuple(GOLDEN["inertia_kg_m2"]),

@@ -1,4 +1,4 @@
-"""Does the simulated body obey mechanics: conservation, order of the integrator, Euler's equations?"""
+"""Does the simulated body obey mechanics: conservation, Euler's equations, order of steps?"""
 
 import dataclasses
 

@@ -1,0 +1,153 @@
+"""Do turns keep their limits and ends, and is the OCP never worse than the eigenaxis?"""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation, RotationSpline
+
+from planner.errors import InfeasibleSlew
+from planner.spacecraft.definition import SlewLimits
+from planner.spacecraft.eigenaxis import eigenaxis_turn
+from planner.spacecraft.mrp import body_motion, mrp_rates
+from planner.spacecraft.turn_problem import EndState, TurnProblem
+from planner.spacecraft.turns import compare, quickest_turn, smooth_turn
+
+J = np.array([800.0, 500.0, 800.0])
+STILL = np.zeros(3)
+
+
+def problem(angle_deg, axis, momentum=STILL, limits=None, omega=STILL, omega_end=STILL):
+    begin = Rotation.from_euler("XYZ", [0.4, -1.0, 2.0])
+    vector = math.radians(angle_deg) * np.array(axis) / np.linalg.norm(axis)
+    return TurnProblem(
+        start=EndState(attitude=begin, omega_body_rad_s=omega, alpha_body_rad_s2=STILL),
+        end=EndState(
+            attitude=begin * Rotation.from_rotvec(vector),
+            omega_body_rad_s=omega_end,
+            alpha_body_rad_s2=STILL,
+        ),
+        momentum_eci_n_m_s=momentum,
+        inertia_kg_m2=J,
+        limits=limits or SlewLimits(),
+    )
+
+
+def random_problem(seed):
+    random = np.random.default_rng(seed)
+    moving = seed % 2
+    rates = np.deg2rad(random.uniform(-0.5, 0.5, (2, 3))) * moving
+    limits = SlewLimits()
+    if seed % 4 < 2:
+        limits = SlewLimits(rate_axis_rad_s=math.radians(3.5), rate_rad_s=math.radians(2.0))
+    return problem(
+        random.uniform(2.0, 60.0),
+        random.standard_normal(3),
+        random.uniform(-5.0, 5.0, 3),
+        limits,
+        rates[0],
+        rates[1],
+    )
+
+
+def test_rates_of_a_rodrigues_curve_are_scipys():
+    t = np.linspace(0.0, 4.0, 9)
+    spline = RotationSpline(t, Rotation.random(9, rng=1) ** 0.2)
+    middle = spline(2.0)
+    fine = np.array([1.2, 1.35, 1.7, 1.85, 2.2, 2.4, 2.7])  # off the knots, where it jumps
+    step = 1e-3
+
+    def sigma(x):
+        return (middle.inv() * spline(x)).as_mrp()
+
+    d1 = (sigma(fine + step) - sigma(fine - step)) / (2 * step)
+    d2 = (sigma(fine + step) - 2 * sigma(fine) + sigma(fine - step)) / step**2
+    motion = body_motion(sigma(fine), d1, d2, np.zeros_like(d1))
+    # SciPy's rates are in body axes too; differences over 1 ms are good to 1e-5
+    np.testing.assert_allclose(motion.omega_body_rad_s, spline(fine, 1), atol=1e-5)
+    np.testing.assert_allclose(motion.alpha_body_rad_s2, spline(fine, 2), atol=1e-4)
+
+
+def test_rodrigues_rates_invert():
+    random = np.random.default_rng(3)
+    sigma, omega, alpha = random.uniform(-0.4, 0.4, (3, 50, 3))
+    motion = body_motion(sigma, *mrp_rates(sigma, omega, alpha), np.zeros_like(sigma))
+    np.testing.assert_allclose(motion.omega_body_rad_s, omega, atol=1e-13)
+    np.testing.assert_allclose(motion.alpha_body_rad_s2, alpha, atol=1e-13)
+
+
+def test_eigenaxis_bang_coast_bang_takes_the_textbook_time():
+    limits = SlewLimits()
+    turn = eigenaxis_turn(problem(20.0, [0, 0, 1]), jerk=False)
+    acceleration, rate = limits.torque_n_m / 800.0, limits.rate_axis_rad_s
+    expected = math.radians(20.0) / rate + rate / acceleration
+    assert turn.duration_s == pytest.approx(expected, rel=1e-9)
+
+
+def test_eigenaxis_turn_is_a_rotation_about_one_axis():
+    asked = problem(40.0, [1, 2, -1])
+    turn = eigenaxis_turn(asked)
+    attitude, _ = turn.at(np.linspace(0.0, turn.duration_s, 20))
+    vectors = (asked.start.attitude.inv() * attitude).as_rotvec()
+    across = np.cross(vectors, np.array([1, 2, -1]) / math.sqrt(6.0))
+    assert np.abs(across).max() < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_quickest_turn_is_never_longer_than_the_eigenaxis(seed):
+    asked = random_problem(seed)
+    baseline = eigenaxis_turn(asked)
+    assert baseline.loads.share_of(asked.limits) <= 1.001
+    turn = quickest_turn(asked)
+    assert turn.duration_s <= baseline.duration_s
+    assert turn.loads.share_of(asked.limits) <= 1.001
+
+
+@pytest.mark.parametrize("seed", range(8, 16))
+def test_smooth_turn_meets_both_ends_and_every_limit(seed):
+    asked = random_problem(seed)
+    seconds = 1.2 * eigenaxis_turn(asked).duration_s
+    turn = smooth_turn(asked, seconds)
+    assert turn.method == "ocp"
+    attitude, motion = turn.at(np.array([0.0, seconds]))
+    for k, end in enumerate((asked.start, asked.end)):
+        assert (attitude[k].inv() * end.attitude).magnitude() < 1e-7
+        np.testing.assert_allclose(motion.omega_body_rad_s[k], end.omega_body_rad_s, atol=1e-7)
+        np.testing.assert_allclose(motion.alpha_body_rad_s2[k], end.alpha_body_rad_s2, atol=1e-6)
+    # Limits by differences of the attitudes alone, none of the solver's formulas.
+    t = np.linspace(0.0, seconds, 4001)
+    fine, _ = turn.at(t)
+    omega = (fine[:-1].inv() * fine[1:]).as_rotvec() / t[1]
+    alpha = np.diff(omega, axis=0) / t[1]
+    total = fine[1:-1].inv().apply(asked.momentum_eci_n_m_s)
+    middle = 0.5 * (omega[:-1] + omega[1:])
+    torque = np.linalg.norm(J * alpha + np.cross(middle, total), axis=1)
+    stored = np.linalg.norm(total - J * middle, axis=1)
+    limits = asked.limits
+    assert np.abs(omega).max() <= limits.rate_axis_rad_s * 1.002
+    assert np.linalg.norm(omega, axis=1).max() <= limits.rate_rad_s * 1.002
+    assert torque.max() <= limits.torque_n_m * 1.005  # differences over 5 ms
+    assert stored.max() <= limits.momentum_sphere_n_m_s * 1.001
+
+
+def test_momentum_sphere_binds():
+    """With 45 N m s along Z stored, turning about Z at 1.5 deg/s would need 66."""
+    inside = problem(30.0, [0, 0, 1])
+    total = inside.start.attitude.apply([0.0, 0.0, -45.0])
+    loaded = dataclasses.replace(inside, momentum_eci_n_m_s=total)
+    turn = quickest_turn(loaded)
+    assert turn.loads.momentum_n_m_s <= 60.06
+    assert turn.duration_s > quickest_turn(inside).duration_s + 2.0
+
+
+def test_too_short_a_turn_is_refused_with_the_time_it_needs():
+    with pytest.raises(InfeasibleSlew, match=r"needs about 2[0-9]\.[0-9] s"):
+        smooth_turn(problem(30.0, [0, 0, 1]), 10.0)
+
+
+def test_comparison_names_both_baselines():
+    asked = problem(20.0, [0, 0, 1])
+    compared = compare(asked, smooth_turn(asked, 18.0))
+    assert compared.bang_coast_bang_s < compared.eigenaxis_s < compared.duration_s
+    assert compared.torque_rate_peak_n_m_s < compared.eigenaxis_torque_rate_peak_n_m_s
