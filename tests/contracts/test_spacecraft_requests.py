@@ -1,0 +1,64 @@
+"""Are the example requests read as the API would read them, and hostile ones refused?"""
+
+import json
+from pathlib import Path
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from planner.errors import InvalidMessage
+from planner.spacecraft.geojson import requests_from_features
+from planner.spacecraft.requests import MODES, ImagingPlanRequest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCHEMA = TypeAdapter(ImagingPlanRequest)
+
+
+def example():
+    return json.loads((EXAMPLES / "spacecraft_four_modes.json").read_text(encoding="utf-8"))
+
+
+def test_the_example_holds_every_mode():
+    request = SCHEMA.validate_json(json.dumps(example()))
+    assert sorted({one.mode for one in request.requests}) == sorted(MODES)
+    for one in request.requests:
+        assert isinstance(one, MODES[one.mode])
+
+
+def test_features_and_request_say_the_same():
+    text = (EXAMPLES / "spacecraft_four_modes.geojson").read_text(encoding="utf-8")
+    assert requests_from_features(text) == example()["requests"]
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        (("requests", 0, "priority"), -1.0, "priority"),
+        (("requests", 0, "geometry", "coordinates"), [[0.0, 0.0]], "2 to 64"),
+        (("requests", 0, "geometry", "coordinates"), [[0.0, 0.0], [99.0, 99.0]], "off the map"),
+        (("requests", 0, "scan_speed_m_s"), 1e9, "scan_speed"),
+        (("requests", 0, "surprise"), 1, "Unexpected"),
+        (("start",), "2024-06-01T10:00:00", "UTC offset"),
+        (("start",), "2024-06-01T10:00:00.1Z", "multiple of 0.2"),
+        (("stop",), "2024-06-01T09:00:00Z", "10 to 3600 s"),
+        (("spacecraft",), "teapot", "unknown"),
+        (("simulation_runs",), 10_000, "simulation_runs"),
+        (("settings",), {"rate_axis_max_deg_s": 99.0}, "rate_axis_max_deg_s"),
+    ],
+)
+def test_bad_values_are_refused_by_name(path, value, message):
+    document = example()
+    place = document
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
+    with pytest.raises(ValidationError, match=message):
+        SCHEMA.validate_json(json.dumps(document))
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"features": []}', '{"features": [1]}', "[" * 100_000, "x" * 1_000_001]
+)
+def test_hostile_geojson_is_refused(text):
+    with pytest.raises(InvalidMessage):
+        requests_from_features(text)
