@@ -18,12 +18,9 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+import cv2
 import numpy as np
 from horizon_cases import COLOUR, NEGATIVES, Case, case, negative, random_air, ring
-
-import estimator.images  # noqa: F401 (sets OpenCV's cap before cv2 is loaded)
-
-import cv2  # isort: skip
 from scipy.spatial.transform import Rotation
 
 from estimator.atmosphere import Atmosphere

@@ -6,21 +6,18 @@ disposable process.  EXIF rotation is ignored on purpose: the camera model descr
 sensor's pixels as they were read out, whichever way up somebody wants to look at them.
 """
 
-import os
 import struct
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-MAX_IMAGE_PIXELS = 50_000_000
+from estimator import MAX_IMAGE_PIXELS
+from estimator.camera import HorizonCamera
+from estimator.errors import InvalidImage
+
 MAX_IMAGE_BYTES = 64_000_000
-os.environ.setdefault("OPENCV_IO_MAX_IMAGE_PIXELS", str(MAX_IMAGE_PIXELS))
-
-import cv2  # noqa: E402 (reads the cap above when it is loaded)
-
-from estimator.camera import HorizonCamera  # noqa: E402
-from estimator.errors import InvalidImage  # noqa: E402
 
 Floats = NDArray[np.float64]
 Grey = NDArray[np.float32]

@@ -1,8 +1,6 @@
 """Does the camera model agree with OpenCV's, and the limb with ERFA's geodesy?"""
 
-import estimator.images  # noqa: F401 (sets OpenCV's cap first)
-
-import cv2  # isort: skip
+import cv2
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

@@ -4,9 +4,7 @@ import contextlib
 import struct
 import zlib
 
-import estimator.images  # noqa: F401 (sets OpenCV's cap first)
-
-import cv2  # isort: skip
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
