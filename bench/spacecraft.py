@@ -339,14 +339,7 @@ def bench_areas() -> None:
     orbit = sun_synchronous(600.0)
     for name, settings, count, first, step in (
         ("one way", SpacecraftSettings(), 9, 75.0, 130.0),
-        ("reversible", SpacecraftSettings(reversible_scan=True, settle_s=3.0), 11, 62.0, 107.5),
-        (
-            "reversible",
-            SpacecraftSettings(reversible_scan=True),
-            12,
-            58.0,
-            99.0,
-        ),
+        ("reversible", SpacecraftSettings(reversible_scan=True), 11, 65.0, 107.0),
     ):
         requests = tuple(area(orbit, first + step * k, f"area {k + 1}") for k in range(count))
         begun = time.perf_counter()

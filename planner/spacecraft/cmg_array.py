@@ -6,7 +6,7 @@ Source: Platonov, Sumarokov 2019, eq. 1 and the definitions below it.
 """
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,18 +158,20 @@ class CmgArray:
 
 
 @compiled
-def rotor_momentum(gimbal: Array, momentum: float, rotor: Array, torque: Array, out: Array) -> None:
+def rotor_momentum(
+    gimbal: Array, momentum_n_m_s: float, rotor: Array, torque: Array, out: Array
+) -> None:
     """H of four gyros in body axes into out (3,)."""
     for k in range(3):
         out[k] = 0.0
     for i in range(4):
-        c, s = momentum * math.cos(gimbal[i]), momentum * math.sin(gimbal[i])
+        c, s = momentum_n_m_s * math.cos(gimbal[i]), momentum_n_m_s * math.sin(gimbal[i])
         for k in range(3):
             out[k] += c * rotor[i, k] + s * torque[i, k]
 
 
 @compiled
-def _gradient(inverse: Array, d: Array, turn: Array, det: float) -> Array:
+def _gradient(inverse: NDArray[np.floating[Any]], d: Array, turn: Array, det: float) -> Array:
     """Gradient (4,) of det(D D^T) by the gimbal angles; turn: columns' derivatives."""
     weighted = inverse @ d
     gradient = np.empty(4)
@@ -185,17 +187,17 @@ def _gradient(inverse: Array, d: Array, turn: Array, det: float) -> Array:
 def steer(
     gimbal: Array,
     momentum_rate: Array,
-    momentum: float,
+    momentum_n_m_s: float,
     rotor: Array,
     torque: Array,
-    rate_max: float,
+    rate_max_rad_s: float,
     null_gain: float,
     out: Array,
 ) -> float:
     """Gimbal rates (4,), into out, that change H by momentum_rate (3,), N m.
 
     d' = D^T (D D^T)^-1 M/h + rho (E - D^T (D D^T)^-1 D) dPsi/dd, all rates scaled down
-    together to rate_max.  Psi = det(D D^T) grows away from singularity for any arrangement;
+    together to rate_max_rad_s.  Psi = det(D D^T) grows away from singularity for any arrangement;
     the paper's (m1 x m2)^2 + (m3 x m4)^2 is its part for parallel pairs.  The sign is the
     one that leaves singularities: taken literally, the printed xi = -dPhi/dd under its
     projector drives into them.  Near one (det below the guard) the inverse is damped.
@@ -215,8 +217,8 @@ def steer(
         damping = 0.01 * (1.0 - det / (SINGULARITY_GUARD * 20.0)) + 1e-9
     for k in range(3):
         a[k, k] += damping
-    inverse: Array = np.linalg.inv(a)
-    y = inverse @ (momentum_rate / momentum)
+    inverse = np.linalg.inv(a)
+    y = inverse @ (momentum_rate / momentum_n_m_s)
     gradient = _gradient(inverse, d, turn, det)
     projected = inverse @ (d @ gradient)
     largest = 0.0
@@ -227,7 +229,7 @@ def steer(
             seen += d[k, i] * projected[k]
         out[i] = pseudo + null_gain * (gradient[i] - seen)
         largest = max(largest, abs(out[i]))
-    if largest > rate_max:
+    if largest > rate_max_rad_s:
         for i in range(4):
-            out[i] *= rate_max / largest
+            out[i] *= rate_max_rad_s / largest
     return float(det)

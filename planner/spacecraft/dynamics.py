@@ -34,14 +34,14 @@ class Plant(NamedTuple):
     rotor: Array  # (4, 3)
     torque: Array  # (4, 3)
     gimbal_axes: Array  # (4, 3)
-    momentum: float
-    gimbal_inertia: float
+    momentum_n_m_s: float
+    gimbal_inertia_kg_m2: float
     servo_half: Array  # (3, 3), transition of gimbal angle, rate, acceleration over half a step
     servo_input: Array  # (3,)
     step_s: float
     rate_scale: Array  # (4,), executed over commanded gimbal rate
     ripple: Array  # (4, 3): N m, rad/s, phase of each rotor drive's disturbance torque
-    gravity: float  # 3 mu / r^3, 1/s^2
+    gravity_per_s2: float  # 3 mu / r^3, 1/s^2
 
 
 @compiled
@@ -97,15 +97,15 @@ def _derivative(
     out[1] = 0.5 * (q3 * rate[1] + q2 * rate[0] - q0 * rate[2])
     out[2] = 0.5 * (q3 * rate[2] + q0 * rate[1] - q1 * rate[0])
     out[3] = -0.5 * (q0 * rate[0] + q1 * rate[1] + q2 * rate[2])
-    if plant.gravity > 0.0:
+    if plant.gravity_per_s2 > 0.0:
         unrotate(state[:4], nadir, work)
         n0, n1, n2 = work[0], work[1], work[2]
         j0 = plant.inertia[0, 0] * n0 + plant.inertia[0, 1] * n1 + plant.inertia[0, 2] * n2
         j1 = plant.inertia[1, 0] * n0 + plant.inertia[1, 1] * n1 + plant.inertia[1, 2] * n2
         j2 = plant.inertia[2, 0] * n0 + plant.inertia[2, 1] * n1 + plant.inertia[2, 2] * n2
-        work[0] = plant.gravity * (n1 * j2 - n2 * j1)
-        work[1] = plant.gravity * (n2 * j0 - n0 * j2)
-        work[2] = plant.gravity * (n0 * j1 - n1 * j0)
+        work[0] = plant.gravity_per_s2 * (n1 * j2 - n2 * j1)
+        work[1] = plant.gravity_per_s2 * (n2 * j0 - n0 * j2)
+        work[2] = plant.gravity_per_s2 * (n0 * j1 - n1 * j0)
         rotate(state[:4], work, out[4:7])
     else:
         out[4] = out[5] = out[6] = 0.0
@@ -127,9 +127,9 @@ def array_momentum(plant: Plant, servo: Array, t_s: float, out: Array) -> None:
 
     Each rotor's speed loop ripples: its torque a cos(w t + phase) stores a/w sin in h.
     """
-    rotor_momentum(servo[:, 0], plant.momentum, plant.rotor, plant.torque, out)
+    rotor_momentum(servo[:, 0], plant.momentum_n_m_s, plant.rotor, plant.torque, out)
     for i in range(4):
-        along_gimbal = plant.gimbal_inertia * servo[i, 1]
+        along_gimbal = plant.gimbal_inertia_kg_m2 * servo[i, 1]
         a, w, phase = plant.ripple[i, 0], plant.ripple[i, 1], plant.ripple[i, 2]
         along_spin = a / w * math.sin(w * t_s + phase) if a > 0.0 else 0.0
         c, s = math.cos(servo[i, 0]), math.sin(servo[i, 0])

@@ -28,17 +28,17 @@ class Computer(NamedTuple):
     inertia: Array  # (3,)
     rotor: Array  # (4, 3)
     torque: Array  # (4, 3)
-    momentum: float
-    rate_max: float  # gimbal
+    momentum_n_m_s: float
+    rate_max_rad_s: float  # gimbal
     rate_step: float
-    k1: float
-    k2: float
+    k1_per_s: float
+    k2_per_s2: float
     butterworth: Array  # (5,): b0 b1 b2 a1 a2
     null_gain: float
-    gyro_range: float
+    gyro_range_rad_s: float
     law: int
-    turn_acceleration: float  # a1 of the paper's laws
-    turn_rate: float
+    turn_acceleration_rad_s2: float  # a1 of the paper's laws
+    turn_rate_rad_s: float
     tick_s: float
     servo_tick: Array  # (3, 3), transition of gimbal angle, rate, acceleration over a tick
     servo_input: Array  # (3,)
@@ -80,17 +80,17 @@ def sensed_rate(
     bad, which = 0, 0
     for k in range(3):
         out[k] = gyro[k]
-        if abs(gyro[k]) >= computer.gyro_range:
+        if abs(gyro[k]) >= computer.gyro_range_rad_s:
             bad += 1
             which = k
     if bad == 0:
         return True
-    if bad == 1 and abs(gyro[3]) < computer.gyro_range:
+    if bad == 1 and abs(gyro[3]) < computer.gyro_range_rad_s:
         out[which] = math.sqrt(3.0) * gyro[3] - gyro[0] - gyro[1] - gyro[2] + gyro[which]
         return True
     total, rotors = np.empty(3), np.empty(3)
     unrotate(attitude, memory.total_momentum, total)
-    rotor_momentum(gimbal, computer.momentum, computer.rotor, computer.torque, rotors)
+    rotor_momentum(gimbal, computer.momentum_n_m_s, computer.rotor, computer.torque, rotors)
     for k in range(3):
         out[k] = (total[k] - rotors[k]) / memory.inertia[0, k]
     return False
@@ -102,7 +102,7 @@ def update_total_momentum(
 ) -> None:
     """Low-pass the total momentum seen through gyro and gimbal angles."""
     rotors, seen = np.empty(3), np.empty(3)
-    rotor_momentum(gimbal, computer.momentum, computer.rotor, computer.torque, rotors)
+    rotor_momentum(gimbal, computer.momentum_n_m_s, computer.rotor, computer.torque, rotors)
     for k in range(3):
         rotors[k] += memory.inertia[0, k] * rate[k]
     rotate(attitude, rotors, seen)
@@ -116,7 +116,7 @@ def learn_inertia(
 ) -> None:
     """Least squares of the moments of inertia: in a turn, momentum the gyros gave over rate."""
     rotors, total = np.empty(3), np.empty(3)
-    rotor_momentum(gimbal, computer.momentum, computer.rotor, computer.torque, rotors)
+    rotor_momentum(gimbal, computer.momentum_n_m_s, computer.rotor, computer.torque, rotors)
     unrotate(attitude, memory.total_momentum, total)
     for k in range(3):
         if abs(rate[k]) > LEARNING_RATE_RAD_S:
@@ -142,14 +142,14 @@ def _paper_acceleration(
     """Body acceleration by the two published laws; error: (4,), ref^-1 o attitude."""
     size = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
     angle = 2.0 * math.atan2(size, error[3])
-    brake = math.sqrt(2.0 * computer.turn_acceleration * angle)
-    near = angle * computer.k2 / computer.k1 <= min(brake, computer.turn_rate)
-    speed = min(brake, computer.turn_rate, computer.turn_acceleration * memory.turn[0])
+    brake = math.sqrt(2.0 * computer.turn_acceleration_rad_s2 * angle)
+    near = angle * computer.k2_per_s2 / computer.k1_per_s <= min(brake, computer.turn_rate_rad_s)
+    speed = min(brake, computer.turn_rate_rad_s, computer.turn_acceleration_rad_s2 * memory.turn[0])
     for k in range(3):
         if near:
-            out[k] = -computer.k2 * 2.0 * error[k] - computer.k1 * rate_error[k]
+            out[k] = -computer.k2_per_s2 * 2.0 * error[k] - computer.k1_per_s * rate_error[k]
         else:
-            out[k] = -computer.k1 * (rate_error[k] + speed * error[k] / size)
+            out[k] = -computer.k1_per_s * (rate_error[k] + speed * error[k] / size)
 
 
 @compiled
@@ -180,7 +180,7 @@ def decide(
         _paper_acceleration(computer, memory, error, smooth, acceleration)
     else:
         for k in range(3):
-            acceleration[k] = -computer.k2 * 2.0 * error[k] - computer.k1 * smooth[k]
+            acceleration[k] = -computer.k2_per_s2 * 2.0 * error[k] - computer.k1_per_s * smooth[k]
     total, now, later = np.empty(3), np.empty(3), np.empty(3)
     unrotate(attitude, memory.total_momentum, total)
     wanted = np.empty(3)
@@ -206,10 +206,10 @@ def decide(
         det = steer(
             middle,
             wanted,
-            computer.momentum,
+            computer.momentum_n_m_s,
             computer.rotor,
             computer.torque,
-            computer.rate_max,
+            computer.rate_max_rad_s,
             null_gain,
             command,
         )
@@ -232,7 +232,7 @@ def send(computer: Computer, memory: Memory, gimbal: Array, delay: int) -> None:
         if delay == 1:
             lag -= (memory.command[1, i] - memory.wanted[1, i]) * computer.tick_s
         rate = memory.wanted[0, i] + computer.gimbal_gain * lag / computer.tick_s
-        rate = min(max(rate, -computer.rate_max), computer.rate_max)
+        rate = min(max(rate, -computer.rate_max_rad_s), computer.rate_max_rad_s)
         if computer.rate_step > 0.0:
             rate = computer.rate_step * round(rate / computer.rate_step)
         memory.command[0, i] = rate

@@ -16,7 +16,7 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turn_problem import EndState, TurnProblem
 
 Array = NDArray[np.float64]
-MOVING_ENDS_S = 1.2  # rate differences of 0.6 deg/s at 1 deg/s^2, both ends
+MOVING_ENDS_S = 0.8  # rate differences of 0.4 deg/s at 1 deg/s^2, both ends
 ANGLES_DEG = np.array([0.05, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 130.0])
 
 
