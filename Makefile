@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-emit-find-links
 
-.PHONY: setup plan serve test lint check format requirements clean
+.PHONY: setup plan serve test lint check format oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -34,6 +34,16 @@ check: lint test
 format: setup
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+# Golden values from heavy references (Orekit wants Java 17); `make test` needs only their results.
+oracles: setup
+	$(BIN)/pip install --quiet --disable-pip-version-check -e .[oracles]
+	$(BIN)/python tests/oracles/exports_by_orekit.py
+	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
+
+bench: setup
+	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
+	for script in slew plan opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
 
 requirements: setup
 	$(LOCK) -o requirements.txt --extra plot pyproject.toml
