@@ -51,7 +51,7 @@ class AemAttitude:
         try:
             _ = self.arcs
         except InvalidMessage as refusal:
-            raise ValueError(refusal.detail) from None
+            raise ValueError(f"content: {refusal.detail}") from None
 
     @cached_property
     def message(self) -> Aem:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude.extrapolation import OFFSET_TAIL_S, Choice, choose
 from planner.attitude.reference_frames import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
-from planner.errors import OutsideCoverage, Refusal
+from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import Aem, AemSegment, read_aem
@@ -53,7 +53,8 @@ class HarmonicAttitude:
         try:
             _ = self.chosen
         except Refusal as refusal:
-            raise ValueError(refusal.detail) from None
+            field = "content" if isinstance(refusal, InvalidMessage) else "history_orbit"
+            raise ValueError(f"{field}: {refusal.detail}") from None
 
     @cached_property
     def message(self) -> Aem:

@@ -40,7 +40,7 @@ class OemOrbit:
         try:
             _ = self.message
         except InvalidMessage as refusal:
-            raise ValueError(refusal.detail) from None
+            raise ValueError(f"content: {refusal.detail}") from None
 
     @cached_property
     def message(self) -> Oem:

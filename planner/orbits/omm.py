@@ -31,10 +31,10 @@ class OmmOrbit:
         try:
             _ = self.message
         except InvalidMessage as refusal:
-            raise ValueError(refusal.detail) from None
+            raise ValueError(f"content: {refusal.detail}") from None
         error = self._elements().error
         if error:
-            raise ValueError(f"these elements are no orbit: {SGP4_ERRORS[error]}")
+            raise ValueError(f"content: these elements are no orbit: {SGP4_ERRORS[error]}")
 
     @cached_property
     def message(self) -> Omm:

@@ -28,7 +28,7 @@ class OpmOrbit:
         try:
             _ = self.state
         except InvalidMessage as refusal:
-            raise ValueError(refusal.detail) from None
+            raise ValueError(f"content: {refusal.detail}") from None
 
     @cached_property
     def message(self) -> Opm:

@@ -108,7 +108,7 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
     ("TLE checksum", lambda: request(("orbit.line1", _CHECKSUM_OFF)), _READ,
      "orbit.line1", "checksum"),
     ("OEM of nothing", lambda: request(("orbit.content", "hello"), example="oem"), _READ,
-     "orbit", "line 1"),
+     "orbit.content", "line 1"),
     ("TLE of another month",
      lambda: json.loads(json.dumps(request(("orbit", {}))).replace("2015-02-27", "2015-04-05"))
      | {"orbit": LAS_VEGAS["orbit"]},
