@@ -1,6 +1,7 @@
 """What does the `slewtrack` command do?
 
-Exit codes: 0 done, 1 our failure, 2 refused; a refusal is one line on stderr.
+Exit codes: 0 done, 1 failed (by us, or a table that fails its verification), 2 refused;
+what goes wrong is one line on stderr.
 Imports wait until a command needs them: `plan` must not pay for the web server.
 """
 
@@ -13,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from planner.errors import Refusal, SolverFailed, VerificationFailed
+from planner.errors import InvalidInput, Refusal, SolverFailed, Unverified, VerificationFailed
 
 FAILED, REFUSED = 1, 2
 
@@ -28,7 +29,17 @@ main = typer.Typer(
 @main.command()
 def plan(
     file: Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")],
-    csv: Annotated[Path | None, typer.Option(help="Write the command table here.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option(help="Write the command table here, columns only.")
+    ] = None,
+    export: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FORMAT=PATH",
+            help="Write the table in a format that says its frames and units: "
+            "csv, json, netcdf, aem, oem, stk, ... (may be repeated).",
+        ),
+    ] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw angles, rates and accelerations here (png, svg, pdf).")
     ] = None,
@@ -38,7 +49,8 @@ def plan(
 ) -> None:
     """Plan the sessions of a request and report."""
     with _one_line_for_what_goes_wrong():
-        body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+        body = _read(file)
+        exports = [_format_and_path(text) for text in export or ()]
 
         import hashlib
         from datetime import UTC, datetime
@@ -53,10 +65,6 @@ def plan(
         now_utc = datetime.now(UTC)
         made = make_plan(scenario)
         print_report(made)
-        if csv:
-            from planner.export.csv import table_csv
-
-            _write(csv, table_csv(made.table).encode())
         if json:
             from app.api.plan_response import plan_json
 
@@ -66,6 +74,53 @@ def plan(
             from app.figure import draw_plan
 
             _write(plot, draw_plan(made, plot.suffix.lstrip(".") or "png"))
+
+        from app.api.table_export import exported, require_verified
+
+        require_verified(made)  # its table is told beside the verdict, above, and nowhere else
+        if csv:
+            from planner.export.csv import table_csv
+
+            _write(csv, table_csv(made.table).encode())
+        for name, path in exports:
+            _write(path, exported(made, name, now_utc))
+
+
+@main.command()
+def windows(
+    file: Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")],
+    csv: Annotated[
+        Path | None, typer.Option(help="Write one line per window here, at its closest approach.")
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
+    ] = None,
+) -> None:
+    """Tell when targets can be seen."""
+    with _one_line_for_what_goes_wrong():
+        body = _read(file)
+
+        import hashlib
+        from datetime import UTC, datetime
+
+        from app.api.opportunity_request import read_opportunity_request
+
+        request = read_opportunity_request(body)
+
+        from app.api.opportunity_response import opportunities_json, windows_out
+        from app.api.provenance import provenance
+        from app.windows_report import print_windows, windows_csv
+        from planner.opportunities import find_opportunities
+
+        now_utc = datetime.now(UTC)
+        found = find_opportunities(request)
+        told = windows_out(found)
+        print_windows(found, told)
+        if csv:
+            _write(csv, windows_csv(found.axis_names, told).encode())
+        if json:
+            made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+            _write(json, opportunities_json(found, made))
 
 
 @main.command()
@@ -98,6 +153,22 @@ def _is_loopback(host: str) -> bool:
         return False
 
 
+def _read(file: str) -> bytes:
+    return sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+
+
+def _format_and_path(text: str) -> tuple[str, Path]:
+    from planner.export import EXPORTERS
+
+    name, _, path = text.partition("=")
+    if name not in EXPORTERS or not path:
+        raise InvalidInput(
+            f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(EXPORTERS)}",
+            field="--export",
+        )
+    return name, Path(path)
+
+
 def _write(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
@@ -108,7 +179,7 @@ def _one_line_for_what_goes_wrong() -> Iterator[None]:
     try:
         yield
     except Refusal as refusal:
-        failed = isinstance(refusal, SolverFailed | VerificationFailed)
+        failed = isinstance(refusal, SolverFailed | VerificationFailed | Unverified)
         _say(_with_field(refusal))
         raise typer.Exit(FAILED if failed else REFUSED) from None
     except OSError as error:

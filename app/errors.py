@@ -8,7 +8,8 @@ import json
 import logging
 import uuid
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from datetime import datetime
 from http import HTTPStatus
 from typing import Any
 
@@ -18,6 +19,7 @@ from starlette.exceptions import HTTPException
 
 from app.api.json_reader import FieldError, InvalidRequest, field_errors
 from planner import errors
+from planner.errors import GiveUp
 from planner.frames.time_scales import utc_text
 
 PROBLEM_JSON = "application/problem+json"
@@ -33,6 +35,7 @@ STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     errors.Unreachable: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.TrackBreaksLimit: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.InfeasibleSlew: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.Unverified: HTTPStatus.UNPROCESSABLE_ENTITY,
     # The request was sound: these two are our failures.
     errors.SolverFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
     errors.VerificationFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
@@ -45,8 +48,9 @@ class Problem:
 
     `type` names the kind of refusal; `instance` this occurrence, which the log names too.
     `field` is the request field at fault, dotted; `axis`, `limit` and `at` say what breaks
-    and when; `earliest_feasible_start` is the nearest session start that works; `errors`
-    lists every field at fault of a request that can't be read.
+    and when; `earliest_feasible_start` is the nearest session start that works, for a session
+    that stops at `feasible_stop`; `give_up` says what sessions would lose under each
+    `on_conflict`; `errors` lists every field at fault of a request that can't be read.
     """
 
     type: str
@@ -59,6 +63,8 @@ class Problem:
     limit: str | None = None
     at: str | None = None
     earliest_feasible_start: str | None = None
+    feasible_stop: str | None = None
+    give_up: tuple[GiveUp, ...] = ()
     errors: tuple[FieldError, ...] = ()
 
 
@@ -72,7 +78,6 @@ def install(app: FastAPI) -> None:
 
 def _refusal(_: Request, refusal: Exception) -> Response:
     assert isinstance(refusal, errors.Refusal)
-    at, earliest = refusal.at_utc, refusal.earliest_feasible_start_utc
     return _answer(
         STATUS_OF_REFUSAL[type(refusal)],
         {
@@ -82,14 +87,20 @@ def _refusal(_: Request, refusal: Exception) -> Response:
             "field": refusal.field,
             "axis": refusal.axis,
             "limit": refusal.limit,
-            "at": utc_text(at) if at else None,
-            "earliest_feasible_start": utc_text(earliest) if earliest else None,
+            "at": _text(refusal.at_utc),
+            "earliest_feasible_start": _text(refusal.earliest_feasible_start_utc),
+            "feasible_stop": _text(refusal.feasible_stop_utc),
+            "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
             "errors": [
                 {"field": error.field, "detail": error.detail, "value": error.value}
                 for error in getattr(refusal, "errors", ())
             ],
         },
     )
+
+
+def _text(utc: datetime | None) -> str | None:
+    return None if utc is None else utc_text(utc)
 
 
 def _bad_parameter(request: Request, error: Exception) -> Response:

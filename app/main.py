@@ -7,7 +7,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from app import errors
-from app.api import plans, platforms, system
+from app.api import opportunities, plans, platforms, system
 from app.openapi import complete
 from app.settings import Settings
 from app.versions import VERSION
@@ -40,7 +40,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings or Settings()
     app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
-    for resource in (plans, platforms, system):
+    for resource in (plans, opportunities, platforms, system):
         app.include_router(resource.router)
     errors.install(app)
     _describe(app)

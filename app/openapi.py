@@ -5,6 +5,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from app.api.opportunity_request import opportunity_request_json_schema
 from app.api.plan_request import plan_request_json_schema
 from app.errors import PROBLEM_JSON, Problem
 
@@ -16,17 +17,41 @@ _REFUSALS_OF_BODIES = {
     HTTPStatus.UNPROCESSABLE_ENTITY: "The request is refused: what is at fault, and the way out",
 }
 _REFUSALS_OF_ALL = {
-    HTTPStatus.NOT_ACCEPTABLE: "The Accept header admits no JSON",
+    HTTPStatus.NOT_ACCEPTABLE: "The Accept header admits nothing we answer with",
     HTTPStatus.INTERNAL_SERVER_ERROR: "The service failed; the request is not at fault",
 }
 
 
+_REQUESTS = {
+    "PlanRequest": plan_request_json_schema,
+    "OpportunityQuery": opportunity_request_json_schema,
+}
+
+
+def request_body(schema: str, examples: dict[str, tuple[str, dict[str, Any]]]) -> dict[str, Any]:
+    """An operation's JSON body with its worked examples, by name: (summary, request)."""
+    return {
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/json": {
+                    "schema": {"$ref": REF.format(model=schema)},
+                    "examples": {
+                        name: {"summary": summary, "value": value}
+                        for name, (summary, value) in examples.items()
+                    },
+                }
+            },
+        }
+    }
+
+
 def complete(document: dict[str, Any]) -> dict[str, Any]:
-    """FastAPI's document with our request, which we read ourselves, and every refusal."""
+    """FastAPI's document with our requests, which we read ourselves, and every refusal."""
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    request = plan_request_json_schema(REF)
-    problem = TypeAdapter(Problem).json_schema(ref_template=REF)
-    for name, schema in (("PlanRequest", request), ("Problem", problem)):
+    described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
+    described["Problem"] = TypeAdapter(Problem).json_schema(ref_template=REF)
+    for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
     for operations in document["paths"].values():

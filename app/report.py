@@ -5,7 +5,8 @@ from rich.table import Table
 from rich.text import Text
 
 from app.api.comparison import comparison_out
-from app.api.plan_response import PointingOut, margins_out, pointing_out
+from app.api.plan_response import margins_out
+from app.api.pointing import PointingOut, pointing_out
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.plan import Plan
 
@@ -23,7 +24,14 @@ def print_report(plan: Plan) -> None:
         )
     )
     pointing = [pointing_out(session) for session in plan.verification.sessions]
-    for part in (_segments(plan), _pointing(pointing), _margins(plan), _comparison(plan)):
+    parts = (
+        _segments(plan),
+        _pointing(pointing),
+        _uncertainty(plan),
+        _margins(plan),
+        _comparison(plan),
+    )
+    for part in parts:
         if part.row_count:
             console.print(part)
     for warning in plan.warnings:
@@ -57,24 +65,43 @@ def _segments(plan: Plan) -> Table:
 
 
 def _pointing(pointing: list[PointingOut]) -> Table:
+    columns = {
+        "session": [str(session.session) for session in pointing],
+        "max arcsec": [f"{session.max_arcsec:.2g}" for session in pointing],
+        "rms arcsec": [f"{session.rms_arcsec:.2g}" for session in pointing],
+        "ground m": [_or_dash(session.ground_max_m, ".2g") for session in pointing],
+        "least elevation deg": [_or_dash(session.elevation_min_deg, ".2f") for session in pointing],
+        "least range km": [_or_dash(session.range_min_km, ".6g") for session in pointing],
+        "above the limb deg": [
+            _or_dash(session.limb_clearance_min_deg, ".2f") for session in pointing
+        ],
+    }
+    told = {heading: said for heading, said in columns.items() if set(said) != {"-"}}
+    table = _table("pointing error", *told)
+    for row in zip(*told.values(), strict=True):
+        table.add_row(*row)
+    return table
+
+
+def _uncertainty(plan: Plan) -> Table:
     table = _table(
-        "pointing error",
+        "pointing budget, 1 sigma",
         "session",
-        "max arcsec",
-        "rms arcsec",
+        "arcsec",
         "ground m",
-        "least elevation deg",
-        "least range km",
+        "stays in the frame",
+        "<most of it by",
     )
-    for session in pointing:
-        ground_m = session.ground_max_m
+    for number, budget in enumerate(plan.budgets):
+        if budget is None:
+            continue
+        worst = max(budget.contributions, key=lambda part: part.sigma_arcsec)
         table.add_row(
-            str(session.session),
-            f"{session.max_arcsec:.2g}",
-            f"{session.rms_arcsec:.2g}",
-            "-" if ground_m is None else f"{ground_m:.2g}",
-            f"{session.elevation_min_deg:.2f}",
-            f"{session.range_min_km:.1f}",
+            str(number),
+            f"{budget.sigma_arcsec:.0f}",
+            _or_dash(budget.ground_m, ".0f"),
+            f"{budget.probability_in_frame:.1%}",
+            worst.cause,
         )
     return table
 
@@ -128,6 +155,10 @@ def _comparison(plan: Plan) -> Table:
                     style="red" if figures.limits_broken else None,
                 )
     return table
+
+
+def _or_dash(value: float | None, form: str) -> str:
+    return "-" if value is None else format(value, form)
 
 
 def _or_jump(value: float | None) -> str:

@@ -65,7 +65,7 @@ class OutsideCoverage(Refusal):
 
 
 class NotVisible(Refusal):
-    """The target is below the horizon, behind the Earth or under the elevation asked for."""
+    """The target is hidden, under the elevation asked for, or in a cone to keep out of."""
 
     slug = "not-visible"
     title = "The target can't be seen during the session"
@@ -118,3 +118,10 @@ class VerificationFailed(Refusal):
 
     slug = "verification-failed"
     title = "The plan failed its verification"
+
+
+class Unverified(Refusal):
+    """A table asked for by itself whose plan the judge rejects: only the baseline's can be."""
+
+    slug = "unverified"
+    title = "The table failed its verification"

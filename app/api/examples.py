@@ -2,13 +2,16 @@
 
 from typing import Any
 
+from app.api.example_messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
+
+_LAS_VEGAS_TARGET = {
+    "mode": "ground",
+    "latitude_deg": 36.1147,
+    "longitude_deg": -115.1728,
+    "height_m": 610.0,
+}
 _SESSION = {
-    "target": {
-        "mode": "ground",
-        "latitude_deg": 36.1147,
-        "longitude_deg": -115.1728,
-        "height_m": 610.0,
-    },
+    "target": _LAS_VEGAS_TARGET,
     "start": "2015-02-27T17:36:20Z",
     "stop": "2015-02-27T17:37:50Z",
 }
@@ -32,38 +35,10 @@ LAS_VEGAS: dict[str, Any] = {
     "slew": {"method": "ocp", "objective": "smooth"},
 }
 
-# The same elements by SGP4, rotated to EME2000.
-_OEM = """\
-CCSDS_OEM_VERS = 2.0
-CREATION_DATE = 2015-02-27T12:00:00
-ORIGINATOR = EXAMPLE
-META_START
-OBJECT_NAME = ISS
-OBJECT_ID = 1998-067-A
-CENTER_NAME = EARTH
-REF_FRAME = EME2000
-TIME_SYSTEM = UTC
-START_TIME = 2015-02-27T17:28:00
-STOP_TIME = 2015-02-27T17:44:00
-META_STOP
-2015-02-27T17:28:00 925.780574 -6623.959487 1086.910448 4.651735117 1.627633291 5.884549990
-2015-02-27T17:29:00 1202.533148 -6511.086799 1437.194233 4.569792423 2.133345345 5.787089464
-2015-02-27T17:30:00 1473.733697 -6368.152922 1780.823463 4.466737619 2.629282605 5.662817258
-2015-02-27T17:31:00 1738.129218 -6195.813966 2116.206003 4.343045130 3.113133056 5.512306750
-2015-02-27T17:32:00 1994.498115 -5994.863102 2441.787873 4.199287037 3.582641895 5.336255826
-2015-02-27T17:33:00 2241.655979 -5766.226805 2756.060613 4.036130130 4.035622610 5.135483262
-2015-02-27T17:34:00 2478.461164 -5510.960422 3057.568413 3.854332464 4.469967629 4.910924488
-2015-02-27T17:35:00 2703.820153 -5230.243138 3344.914973 3.654739448 4.883658459 4.663626734
-2015-02-27T17:36:00 2916.692669 -4925.372335 3616.770049 3.438279501 5.274775263 4.394743638
-2015-02-27T17:37:00 3116.096516 -4597.757401 3871.875664 3.205959326 5.641505833 4.105529336
-2015-02-27T17:38:00 3301.112127 -4248.913015 4109.051953 2.958858824 5.982153916 3.797332119
-2015-02-27T17:39:00 3470.886792 -3880.451958 4327.202605 2.698125712 6.295146864 3.471587674
-2015-02-27T17:40:00 3624.638562 -3494.077482 4525.319903 2.424969868 6.579042596 3.129811985
-2015-02-27T17:41:00 3761.659799 -3091.575285 4702.489313 2.140657451 6.832535853 2.773593942
-2015-02-27T17:42:00 3881.320376 -2674.805129 4857.893634 1.846504832 7.054463743 2.404587690
-2015-02-27T17:43:00 3983.070496 -2245.692148 4990.816675 1.543872366 7.243810582 2.024504777
-2015-02-27T17:44:00 4066.443148 -1806.217893 5100.646459 1.234158045 7.399712032 1.635106139
-"""
+
+def _aimed(name: str, target: dict[str, Any]) -> dict[str, Any]:
+    return {**LAS_VEGAS, "name": name, "sessions": [{**_SESSION, "target": target}]}
+
 
 _AXIS = {
     "angle_min_deg": -175.0,
@@ -78,7 +53,7 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     "tle": ("Las Vegas from the ISS by a TLE, 27 February 2015", LAS_VEGAS),
     "oem": (
         "The orbit from a CCSDS OEM",
-        {**LAS_VEGAS, "name": "OEM", "orbit": {"source": "oem", "content": _OEM}},
+        {**LAS_VEGAS, "name": "OEM", "orbit": {"source": "oem", "content": OEM}},
     ),
     "state": (
         "The orbit from a state vector, propagated numerically",
@@ -143,6 +118,144 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
                 "rates_deg_s": {"alpha": -0.5, "beta": 0.25},
             },
             "slew": {"method": "ocp", "objective": "minimum_time"},
+        },
+    ),
+    "omm": (
+        "The orbit from a CCSDS OMM as catalogues send it",
+        {**LAS_VEGAS, "name": "OMM", "orbit": {"source": "omm", "content": OMM}},
+    ),
+    "opm": (
+        "The orbit from a CCSDS OPM, propagated numerically",
+        {**LAS_VEGAS, "name": "OPM", "orbit": {"source": "opm", "content": OPM}},
+    ),
+    "aem": (
+        "The attitude from a CCSDS AEM",
+        {**LAS_VEGAS, "name": "AEM", "attitude": {"law": "aem", "content": ATTITUDE}},
+    ),
+    "harmonic": (
+        "An attitude history that ends before the session, carried on",
+        {
+            **LAS_VEGAS,
+            "name": "attitude carried on",
+            "attitude": {"law": "harmonic", "content": ATTITUDE_HISTORY},
+        },
+    ),
+    "refraction": (
+        "Aimed where the standard atmosphere makes the target appear",
+        _aimed(
+            "refraction", {**_LAS_VEGAS_TARGET, "min_elevation_deg": 10.0, "refraction": "standard"}
+        ),
+    ),
+    "ground_moving": (
+        "A ship off San Diego under way",
+        _aimed(
+            "ship",
+            {
+                "mode": "ground_moving",
+                "epoch": "2015-02-27T17:00:00Z",
+                "latitude_deg": 32.5,
+                "longitude_deg": -118.0,
+                "course_deg": 315.0,
+                "speed_m_s": 8.0,
+            },
+        ),
+    ),
+    "ground_path": (
+        "A strip with a bend, scanned at 200 m/s over the ground",
+        _aimed(
+            "strip",
+            {
+                "mode": "ground_path",
+                "points": [
+                    {"latitude_deg": 36.05, "longitude_deg": -115.25, "height_m": 600.0},
+                    {"latitude_deg": 36.12, "longitude_deg": -115.17, "height_m": 600.0},
+                    {"latitude_deg": 36.15, "longitude_deg": -115.03, "height_m": 550.0},
+                ],
+                "speed_m_s": 200.0,
+            },
+        ),
+    ),
+    "star": (
+        "Vega by its Hipparcos number",
+        _aimed("Vega", {"mode": "star", "hip": 91262}),
+    ),
+    "star_coordinates": (
+        "Barnard's star by Gaia's coordinates, proper motion and parallax",
+        _aimed(
+            "Barnard's star",
+            {
+                "mode": "star",
+                "ra_deg": 269.4485,
+                "dec_deg": 4.7394,
+                "epoch_jyear": 2016.0,
+                "pm_ra_cosdec_mas_yr": -801.551,
+                "pm_dec_mas_yr": 10362.394,
+                "parallax_mas": 546.976,
+                "radial_velocity_km_s": -110.47,
+            },
+        ),
+    ),
+    "body": (
+        "Saturn, from JPL's ephemeris",
+        _aimed("Saturn", {"mode": "body", "name": "saturn"}),
+    ),
+    "test_motion": (
+        "Signals to identify the platform on the bench: a chirp and a multisine",
+        _aimed(
+            "identification",
+            {
+                "mode": "test_motion",
+                "axes": {
+                    "alpha": {
+                        "kind": "chirp",
+                        "angle_deg": 10.0,
+                        "amplitude_deg": 0.2,
+                        "start_frequency_hz": 0.01,
+                        "stop_frequency_hz": 0.2,
+                        "sweep_s": 80.0,
+                    },
+                    "beta": {
+                        "kind": "multisine",
+                        "amplitudes_deg": [0.1, 0.1, 0.1],
+                        "frequencies_hz": [0.02, 0.05, 0.11],
+                    },
+                },
+            },
+        ),
+    ),
+    "sequence": (
+        "Three cities in one pass, too close together: sessions shortened by the least time",
+        {
+            **LAS_VEGAS,
+            "name": "Las Vegas, Salt Lake City, Laramie",
+            "sessions": [
+                {
+                    "target": _LAS_VEGAS_TARGET,
+                    "start": "2015-02-27T17:36:20Z",
+                    "stop": "2015-02-27T17:37:20Z",
+                },
+                {
+                    "target": {
+                        "mode": "ground",
+                        "latitude_deg": 40.76,
+                        "longitude_deg": -111.89,
+                        "height_m": 1288.0,
+                    },
+                    "start": "2015-02-27T17:37:28Z",
+                    "stop": "2015-02-27T17:38:30Z",
+                },
+                {
+                    "target": {
+                        "mode": "ground",
+                        "latitude_deg": 41.31,
+                        "longitude_deg": -105.59,
+                        "height_m": 2184.0,
+                    },
+                    "start": "2015-02-27T17:38:35Z",
+                    "stop": "2015-02-27T17:39:50Z",
+                },
+            ],
+            "on_conflict": "least_loss",
         },
     ),
 }

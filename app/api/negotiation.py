@@ -5,19 +5,27 @@ from http import HTTPStatus
 from fastapi import HTTPException, Request
 
 JSON = "application/json"
-_ACCEPTABLE = {JSON, "application/*", "*/*"}
 
 
 def accepts_json(request: Request) -> None:
     """Refuse with 406 a client that wants something else than JSON."""
-    accepted = request.headers.get("accept", "*/*")
-    for media_range in accepted.split(","):
-        media_type, *parameters = media_range.replace(" ", "").lower().split(";")
-        if media_type in _ACCEPTABLE and not _weighs_nothing(parameters):
-            return
-    raise HTTPException(
-        HTTPStatus.NOT_ACCEPTABLE, f"the answer is {JSON}; the Accept header doesn't admit it"
-    )
+    preferred(request, (JSON,))
+
+
+def preferred(request: Request, offered: tuple[str, ...]) -> str:
+    """The offered media type the Accept header weighs most, the first of equals.
+
+    Raises 406 when it admits none.  Source: RFC 9110, section 12.5.1.
+    """
+    ranges = [_media_range(text) for text in request.headers.get("accept", "*/*").split(",")]
+    weights = [_weight(media_type, ranges) for media_type in offered]
+    best = max(weights)
+    if best <= 0.0:
+        raise HTTPException(
+            HTTPStatus.NOT_ACCEPTABLE,
+            f"the answer is {' or '.join(offered)}; the Accept header doesn't admit it",
+        )
+    return offered[weights.index(best)]
 
 
 async def json_body(request: Request) -> bytes:
@@ -43,6 +51,22 @@ async def json_body(request: Request) -> bytes:
     return bytes(body)
 
 
-def _weighs_nothing(parameters: list[str]) -> bool:
-    weights = [value[2:] for value in parameters if value.startswith("q=")]
-    return bool(weights) and weights[0].rstrip("0") in ("", "0.", ".")
+def _media_range(text: str) -> tuple[str, float]:
+    """A media range and its weight; what can't be read as a weight counts as 1."""
+    media_range, *parameters = text.replace(" ", "").lower().split(";")
+    for parameter in parameters:
+        if parameter.startswith("q="):
+            try:
+                return media_range, float(parameter[2:])
+            except ValueError:
+                break
+    return media_range, 1.0
+
+
+def _weight(media_type: str, ranges: list[tuple[str, float]]) -> float:
+    """That of the most specific range which admits the type; 0 when none does."""
+    for admitting in (media_type, media_type.split("/")[0] + "/*", "*/*"):
+        for media_range, weight in ranges:
+            if media_range == admitting:
+                return weight
+    return 0.0

@@ -1,16 +1,15 @@
 """What does a request for a plan hold?"""
 
-from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Discriminator, FailFast, Field, Tag
+from pydantic import FailFast, Field
 
 from app.api.json_reader import JsonReader
+from app.api.platform_choice import PlatformChoice, chosen
 from planner.attitude import Attitude
 from planner.frames.time_scales import elapsed_s
 from planner.orbits import Orbit
-from planner.platforms import PLATFORMS, PlatformDefinition, TwoAxisPlatform
-from planner.scenario import InitialState, Scenario, Session, SlewOptions
+from planner.scenario import InitialState, OnConflict, Scenario, Session, SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.spec import spec
 
@@ -18,28 +17,23 @@ SESSIONS_MAX = 200
 SPAN_MAX_S = 86400.0  # 432,000 rows, some 30 MB
 
 
-def _name_or_definition(value: object) -> str:
-    return "definition" if isinstance(value, Mapping | PlatformDefinition) else "name"
-
-
 @spec
 class PlanRequest:
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
     `platform`: a registered name, or a two-axis platform written out in degrees.
+    `on_conflict`: when a slew doesn't fit between two sessions, refuse, or begin the later
+    one late, end the earlier one early, or whatever of both loses the least time.
     """
 
     name: str = ""
-    platform: Annotated[
-        Annotated[str, Tag("name"), Field(json_schema_extra={"enum": list(PLATFORMS)})]
-        | Annotated[PlatformDefinition, Tag("definition")],
-        Discriminator(_name_or_definition),
-    ]
+    platform: PlatformChoice
     orbit: Orbit
     attitude: Attitude
     initial_state: InitialState
     sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX), FailFast()]
     slew: SlewOptions = SlewOptions()
+    on_conflict: OnConflict = "refuse"
 
     def __post_init__(self) -> None:
         if self.slew.method not in BACKENDS:
@@ -60,21 +54,12 @@ class PlanRequest:
             name=self.name,
             orbit=self.orbit,
             attitude=self.attitude,
-            platform=self._platform(),
+            platform=chosen(self.platform),
             initial_state=self.initial_state,
             sessions=self.sessions,
             slew=self.slew,
+            on_conflict=self.on_conflict,
         )
-
-    def _platform(self) -> TwoAxisPlatform:
-        if isinstance(self.platform, PlatformDefinition):
-            return self.platform.platform()
-        if self.platform not in PLATFORMS:
-            raise ValueError(
-                f"platform must be one of {', '.join(PLATFORMS)}, or axes written out in degrees, "
-                f"not {self.platform[:80]!r}"
-            )
-        return PLATFORMS[self.platform]
 
 
 _READER = JsonReader(PlanRequest)

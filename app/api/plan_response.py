@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.api.comparison import SlewComparisonOut, comparison_out
-from app.versions import versions
+from app.api.pointing import PointingOut, pointing_out
+from app.api.provenance import ProvenanceOut, provenance
+from app.api.uncertainty import UncertaintyOut, uncertainty_out
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.frames.time_scales import utc_text
 from planner.plan import Plan, Segment, SegmentKind
-from planner.verification.report import Finding, LimitMargin, SessionReport
+from planner.verification import Finding, LimitMargin
 
-ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 
 _UNITS = {
@@ -72,40 +73,6 @@ class MarginOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SlowStretchOut:
-    """An axis commanded below its least smooth drive rate, where friction may shake it."""
-
-    axis: str
-    start: str
-    stop: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class PointingOut:
-    """How well one session's target is held, by the independent verification.
-
-    ground_max_m: the error on the target's horizontal plane; null below its horizon.
-    across_max_m: the error at the target across the line of sight.
-    """
-
-    session: int
-    start: str
-    stop: str
-    max_arcsec: float
-    max_at: str
-    rms_arcsec: float
-    rows_max_arcsec: float
-    between_rows_max_arcsec: float
-    ground_max_m: float | None
-    across_max_m: float
-    elevation_min_deg: float
-    range_min_km: float
-    closest_at: str
-    range_max_km: float
-    slow_stretches: list[SlowStretchOut]
-
-
-@dataclass(frozen=True, kw_only=True)
 class FindingOut:
     """One thing the verification found wrong or worth knowing."""
 
@@ -151,17 +118,13 @@ class SolverOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ProvenanceOut:
-    """What made this plan from what: SHA-256 of the request's bytes, versions at work."""
-
-    input_sha256: str
-    planned_at: str
-    versions: dict[str, str]
-
-
-@dataclass(frozen=True, kw_only=True)
 class PlanResponse:
-    """A verified plan.  margins: by axis, then by limit."""
+    """A plan and the judge's verdict on it.
+
+    state: `done` when the verification passed.  `failed` when it did not, which only the
+    baseline `spline` can answer: its table is for comparison, never for flight.
+    margins: by axis, then by limit.  uncertainty: of every session that looks at a target.
+    """
 
     id: str
     state: Literal["queued", "running", "done", "refused", "failed", "cancelled"]
@@ -171,6 +134,7 @@ class PlanResponse:
     table: TableOut
     margins: dict[str, dict[str, MarginOut]]
     pointing: list[PointingOut]
+    uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]
     solver: SolverOut
@@ -202,13 +166,18 @@ def plan_response(plan: Plan, input_sha256: str, planned_at_utc: datetime) -> Pl
     report = plan.verification
     return PlanResponse(
         id=str(uuid.uuid4()),
-        state="done",
+        state="done" if report.passed else "failed",
         name=plan.scenario.name,
         platform=plan.scenario.platform.name,
         segments=[_segment(segment) for segment in plan.segments],
         table=table_out(plan.table),
         margins=margins_out(report.limits),
         pointing=[pointing_out(session) for session in report.sessions],
+        uncertainty=[
+            uncertainty_out(session, budget)
+            for session, budget in enumerate(plan.budgets)
+            if budget is not None
+        ],
         verification=VerificationOut(
             passed=report.passed,
             findings=[_finding(finding) for finding in report.findings],
@@ -222,13 +191,6 @@ def plan_response(plan: Plan, input_sha256: str, planned_at_utc: datetime) -> Pl
         solver=_solver(plan),
         warnings=list(plan.warnings),
         provenance=provenance(input_sha256, planned_at_utc),
-    )
-
-
-def provenance(input_sha256: str, planned_at_utc: datetime) -> ProvenanceOut:
-    """Of an answer to the request with this digest."""
-    return ProvenanceOut(
-        input_sha256=input_sha256, planned_at=utc_text(planned_at_utc), versions=versions()
     )
 
 
@@ -261,33 +223,6 @@ def margins_out(limits: tuple[LimitMargin, ...]) -> dict[str, dict[str, MarginOu
             at=utc_text(found.at_utc),
         )
     return margins
-
-
-def pointing_out(session: SessionReport) -> PointingOut:
-    """One session's error and geometry."""
-    view = session.view
-    return PointingOut(
-        session=session.number,
-        start=utc_text(session.start_utc),
-        stop=utc_text(session.stop_utc),
-        max_arcsec=session.overall.max_rad * ARCSEC_PER_RAD,
-        max_at=utc_text(session.overall.max_utc),
-        rms_arcsec=session.overall.rms_rad * ARCSEC_PER_RAD,
-        rows_max_arcsec=session.at_rows.max_rad * ARCSEC_PER_RAD,
-        between_rows_max_arcsec=session.between_rows.max_rad * ARCSEC_PER_RAD,
-        ground_max_m=view.miss_on_ground_max_m,
-        across_max_m=view.miss_across_max_m,
-        elevation_min_deg=math.degrees(view.elevation_min_rad),
-        range_min_km=view.range_min_m / 1e3,
-        closest_at=utc_text(view.range_min_utc),
-        range_max_km=view.range_max_m / 1e3,
-        slow_stretches=[
-            SlowStretchOut(
-                axis=slow.axis, start=utc_text(slow.start_utc), stop=utc_text(slow.stop_utc)
-            )
-            for slow in session.slow_stretches
-        ],
-    )
 
 
 def _segment(segment: Segment) -> SegmentOut:

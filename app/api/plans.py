@@ -7,18 +7,27 @@ from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request, Response
-from pydantic import BaseModel, ConfigDict, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 
 from app.api.examples import PLAN_EXAMPLES
-from app.api.negotiation import JSON, accepts_json, json_body
+from app.api.negotiation import JSON, json_body, preferred
 from app.api.plan_request import read_plan_request
-from app.api.plan_response import DryRunResponse, PlanResponse, plan_json, provenance
+from app.api.plan_response import DryRunResponse, PlanResponse, plan_json
+from app.api.provenance import provenance
+from app.api.table_export import exported, file_name
+from app.openapi import request_body
+from planner.export import EXPORTERS
 from planner.pipeline import make_plan
 from planner.scenario import Scenario
 
-router = APIRouter(tags=["plans"], dependencies=[Depends(accepts_json)])
+router = APIRouter(tags=["plans"])
 
 _DRY_RUN = TypeAdapter(DryRunResponse)
+_FORMAT_BY_MEDIA_TYPE = {
+    exporter.media_type: name
+    for name, exporter in EXPORTERS.items()
+    if exporter.media_type != JSON  # which is the whole answer
+}
 
 
 class PlanQuery(BaseModel):
@@ -26,7 +35,20 @@ class PlanQuery(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    dry_run: bool = False
+    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+    format: str | None = Field(
+        default=None,
+        description="The table by itself in this format, whatever the Accept header says: "
+        + "; ".join(f"`{name}` {exporter.title}" for name, exporter in EXPORTERS.items()),
+        json_schema_extra={"enum": list(EXPORTERS)},
+    )
+
+    @field_validator("format")
+    @classmethod
+    def _registered(cls, name: str) -> str:
+        if name not in EXPORTERS:
+            raise ValueError(f"must be one of {', '.join(EXPORTERS)}")
+        return name
 
 
 @router.post(
@@ -34,21 +56,14 @@ class PlanQuery(BaseModel):
     summary="Plan sessions: a verified command table",
     status_code=HTTPStatus.CREATED,
     response_model=PlanResponse,
-    responses={200: {"model": DryRunResponse, "description": "`dry_run`: the request is sound"}},
-    openapi_extra={
-        "requestBody": {
-            "required": True,
-            "content": {
-                JSON: {
-                    "schema": {"$ref": "#/components/schemas/PlanRequest"},
-                    "examples": {
-                        name: {"summary": summary, "value": value}
-                        for name, (summary, value) in PLAN_EXAMPLES.items()
-                    },
-                }
-            },
-        }
+    responses={
+        200: {"model": DryRunResponse, "description": "`dry_run`: the request is sound"},
+        201: {
+            "description": "The plan; or its table by itself, as `format` or Accept asks",
+            "content": {media_type: {} for media_type in _FORMAT_BY_MEDIA_TYPE},
+        },
     },
+    openapi_extra=request_body("PlanRequest", PLAN_EXAMPLES),
 )
 async def post_plan(
     request: Request,
@@ -62,14 +77,29 @@ async def post_plan(
     """
     now_utc = datetime.now(UTC)
     digest = hashlib.sha256(body).hexdigest()
+    asked = query.format or _FORMAT_BY_MEDIA_TYPE.get(
+        preferred(request, (JSON, *_FORMAT_BY_MEDIA_TYPE))
+    )
     scenario = await anyio.to_thread.run_sync(read_plan_request, body)
     if query.dry_run:
         return Response(_dry_run(scenario, digest, now_utc), HTTPStatus.OK, media_type=JSON)
-    answer = await anyio.to_thread.run_sync(
-        lambda: plan_json(make_plan(scenario), input_sha256=digest, planned_at_utc=now_utc),
-        limiter=request.app.state.solves,
-    )
-    return Response(answer, HTTPStatus.CREATED, media_type=JSON)
+
+    def answer() -> Response:
+        plan = make_plan(scenario)
+        if asked is None:
+            whole = plan_json(plan, input_sha256=digest, planned_at_utc=now_utc)
+            return Response(whole, HTTPStatus.CREATED, _VARY, JSON)
+        return Response(
+            exported(plan, asked, now_utc),
+            HTTPStatus.CREATED,
+            _VARY | {"Content-Disposition": f'attachment; filename="{file_name(plan, asked)}"'},
+            EXPORTERS[asked].media_type,
+        )
+
+    return await anyio.to_thread.run_sync(answer, limiter=request.app.state.solves)
+
+
+_VARY = {"Vary": "Accept"}
 
 
 def _dry_run(scenario: Scenario, digest: str, now_utc: datetime) -> bytes:

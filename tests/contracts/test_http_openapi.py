@@ -8,8 +8,10 @@ import pytest
 from fastapi.testclient import TestClient
 
 from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
 from app.main import create_app
 from planner.attitude import ATTITUDES
+from planner.export import EXPORTERS
 from planner.orbits import ORBITS
 from planner.platforms import PLATFORMS
 from planner.slew.backends import BACKENDS
@@ -19,9 +21,12 @@ REGISTRIES = [
     ("PlanRequest", "orbit", "source", ORBITS),
     ("PlanRequest", "attitude", "law", ATTITUDES),
     ("Session", "target", "mode", TARGETS),
+    ("OpportunityQuery", "orbit", "source", ORBITS),
+    ("OpportunityQuery", "attitude", "law", ATTITUDES),
+    ("OpportunityTarget", "target", "mode", TARGETS),
 ]
 KINDS = [
-    pytest.param(schema, field, member, kind, cls, id=f"{field}-{kind}")
+    pytest.param(schema, field, member, kind, cls, id=f"{schema}-{field}-{kind}")
     for schema, field, member, registry in REGISTRIES
     for kind, cls in registry.items()
 ]
@@ -54,8 +59,9 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
 
 
 def test_every_registered_platform_is_documented(document, client):
-    platform = document["components"]["schemas"]["PlanRequest"]["properties"]["platform"]
-    assert platform["oneOf"][0]["enum"] == list(PLATFORMS)
+    for request in ("PlanRequest", "OpportunityQuery"):
+        platform = document["components"]["schemas"][request]["properties"]["platform"]
+        assert platform["oneOf"][0]["enum"] == list(PLATFORMS)
     listed = client.get("/v1/platforms").json()["platforms"]
     assert [entry["name"] for entry in listed] == list(PLATFORMS)
 
@@ -83,9 +89,26 @@ def test_every_operation_documents_its_refusals(document):
             if "requestBody" in operation:
                 assert {"413", "415", "422"} <= set(answers)
             for status, answer in answers.items():
-                [media_type] = answer["content"]
-                refusal = int(status) >= 400
-                assert media_type == ("application/problem+json" if refusal else "application/json")
+                if int(status) >= 400:
+                    assert list(answer["content"]) == ["application/problem+json"]
+                else:
+                    assert "application/json" in answer["content"]
+
+
+def test_every_registered_format_is_documented(document):
+    post = document["paths"]["/v1/plans"]["post"]
+    [parameter] = [found for found in post["parameters"] if found["name"] == "format"]
+    assert parameter["schema"]["enum"] == list(EXPORTERS)
+    media_types = {exporter.media_type for exporter in EXPORTERS.values()}
+    assert set(post["responses"]["201"]["content"]) == media_types
+
+
+def test_every_registered_kind_has_a_worked_example():
+    requests = [request for _, request in PLAN_EXAMPLES.values()]
+    assert {request["orbit"]["source"] for request in requests} == set(ORBITS)
+    assert {request["attitude"]["law"] for request in requests} == set(ATTITUDES)
+    modes = {session["target"]["mode"] for request in requests for session in request["sessions"]}
+    assert modes == set(TARGETS)
 
 
 @pytest.mark.parametrize("name", PLAN_EXAMPLES)
@@ -93,6 +116,14 @@ def test_worked_examples_are_planned(client, name):
     answer = client.post("/v1/plans", json=PLAN_EXAMPLES[name][1])
     assert answer.status_code == 201, answer.text
     assert answer.json()["verification"]["passed"] or name == "spline"
+
+
+@pytest.mark.parametrize("name", OPPORTUNITY_EXAMPLES)
+def test_worked_examples_have_windows(client, name):
+    answer = client.post("/v1/opportunities", json=OPPORTUNITY_EXAMPLES[name][1])
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["windows"]
+    assert answer.json()["unseen"] == []
 
 
 def test_the_example_file_is_the_worked_example(request):

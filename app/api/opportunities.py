@@ -1,0 +1,38 @@
+"""How are opportunities asked for over HTTP?"""
+
+import hashlib
+from datetime import UTC, datetime
+from typing import Annotated
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, Request, Response
+
+from app.api.negotiation import JSON, accepts_json, json_body
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.api.opportunity_request import read_opportunity_request
+from app.api.opportunity_response import OpportunitiesResponse, opportunities_json
+from app.api.provenance import provenance
+from app.openapi import request_body
+from planner.opportunities import find_opportunities
+
+router = APIRouter(tags=["opportunities"], dependencies=[Depends(accepts_json)])
+
+
+@router.post(
+    "/v1/opportunities",
+    summary="When can each target be seen?",
+    response_model=OpportunitiesResponse,
+    openapi_extra=request_body("OpportunityQuery", OPPORTUNITY_EXAMPLES),
+)
+async def post_opportunities(
+    request: Request, body: Annotated[bytes, Depends(json_body)]
+) -> Response:
+    """Windows to the millisecond, with what opens and closes each, and the view through it."""
+    now_utc = datetime.now(UTC)
+    asked = await anyio.to_thread.run_sync(read_opportunity_request, body)
+    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    answer = await anyio.to_thread.run_sync(
+        lambda: opportunities_json(find_opportunities(asked), made),
+        limiter=request.app.state.solves,
+    )
+    return Response(answer, media_type=JSON)

@@ -1,0 +1,96 @@
+"""How does the answer say how well, and in what view, each session's target is held?"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from planner.frames.time_scales import utc_text
+from planner.verification import EarthFixedView, SessionReport, SkyView
+
+ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlowStretchOut:
+    """An axis commanded below its least smooth drive rate, where friction may shake it."""
+
+    axis: str
+    start: str
+    stop: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointingOut:
+    """How well one session's target is held, by the independent verification.
+
+    Of a test motion: the larger of the axes' deviations from it.
+    ground_max_m: the error on the target's horizontal plane; null below its horizon.
+    across_max_m: the error at the target across the line of sight.
+    ground_*, across_*, elevation_*, closest_at, range_max_km: null unless the target is on
+    the Earth.  range_min_km: null for a star.  limb_clearance_min_deg: least angle above the
+    limb raised by the target's grazing altitude; it and refraction_max_arcsec are null
+    unless the target is in the sky.
+    """
+
+    session: int
+    start: str
+    stop: str
+    max_arcsec: float
+    max_at: str
+    rms_arcsec: float
+    rows_max_arcsec: float
+    between_rows_max_arcsec: float
+    ground_max_m: float | None = None
+    across_max_m: float | None = None
+    elevation_min_deg: float | None = None
+    range_min_km: float | None = None
+    closest_at: str | None = None
+    range_max_km: float | None = None
+    limb_clearance_min_deg: float | None = None
+    limb_clearance_min_at: str | None = None
+    refraction_max_arcsec: float | None = None
+    slow_stretches: list[SlowStretchOut]
+
+
+def pointing_out(session: SessionReport) -> PointingOut:
+    """One session's error and geometry."""
+    return PointingOut(
+        session=session.number,
+        start=utc_text(session.start_utc),
+        stop=utc_text(session.stop_utc),
+        max_arcsec=session.overall.max_rad * ARCSEC_PER_RAD,
+        max_at=utc_text(session.overall.max_utc),
+        rms_arcsec=session.overall.rms_rad * ARCSEC_PER_RAD,
+        rows_max_arcsec=session.at_rows.max_rad * ARCSEC_PER_RAD,
+        between_rows_max_arcsec=session.between_rows.max_rad * ARCSEC_PER_RAD,
+        **_view(session.view),
+        slow_stretches=[
+            SlowStretchOut(
+                axis=slow.axis, start=utc_text(slow.start_utc), stop=utc_text(slow.stop_utc)
+            )
+            for slow in session.slow_stretches
+        ],
+    )
+
+
+def _view(view: EarthFixedView | SkyView | None) -> dict[str, Any]:
+    match view:
+        case EarthFixedView():
+            return {
+                "ground_max_m": view.miss_on_ground_max_m,
+                "across_max_m": view.miss_across_max_m,
+                "elevation_min_deg": math.degrees(view.elevation_min_rad),
+                "range_min_km": view.range_min_m / 1e3,
+                "closest_at": utc_text(view.range_min_utc),
+                "range_max_km": view.range_max_m / 1e3,
+            }
+        case SkyView():
+            far_m = view.range_min_m
+            return {
+                "range_min_km": None if far_m is None else far_m / 1e3,
+                "limb_clearance_min_deg": math.degrees(view.limb_clearance_min_rad),
+                "limb_clearance_min_at": utc_text(view.limb_clearance_min_utc),
+                "refraction_max_arcsec": view.refraction_max_rad * ARCSEC_PER_RAD,
+            }
+        case None:
+            return {}

@@ -1,0 +1,36 @@
+"""How is a plan's table handed out by itself, in one of the registered formats?"""
+
+import re
+from datetime import datetime
+
+from planner.errors import Unverified
+from planner.export import EXPORTERS
+from planner.plan import Plan
+
+NAME_MAX = 60
+
+
+def exported(plan: Plan, format_name: str, created_utc: datetime) -> bytes:
+    """The file's bytes; raises Unverified."""
+    require_verified(plan)
+    return EXPORTERS[format_name].write(plan, created_utc)
+
+
+def file_name(plan: Plan, format_name: str) -> str:
+    """From the plan's name, in letters, digits and hyphens."""
+    words = re.findall(r"[A-Za-z0-9]+", plan.scenario.name)
+    return ("-".join(words)[:NAME_MAX] or "plan") + EXPORTERS[format_name].suffix
+
+
+def require_verified(plan: Plan) -> None:
+    """Raise Unverified when the judge found an error: a file by itself carries no verdict."""
+    for finding in plan.verification.findings:
+        if finding.severity == "error":
+            raise Unverified(
+                f"the table failed its verification: {finding.detail}; only the whole answer "
+                "holds it, beside the verdict",
+                field="slew.method",
+                axis=finding.axis,
+                limit=finding.limit,
+                at_utc=finding.at_utc,
+            )
