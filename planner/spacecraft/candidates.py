@@ -317,6 +317,7 @@ def _unreachable(
     """Say by how much, and when it would come closest."""
     camera = session.spacecraft.camera
     arc = chains[0][0]
+    scan_s = sum(one.duration_s for one in chains[0])
     grid = np.arange(0.0, session.duration_s, 1.0)
     along, across = _angles(arc, 0.5, grid, session)
     best = int(np.argmin(np.abs(along) + 1e3 * (np.abs(along) > 3.0)))
@@ -329,8 +330,8 @@ def _unreachable(
     )
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
-        f"{camera.across_max_deg:g} deg across the track, in its window and session, for as long "
-        f"as it takes to scan: {where}; move the window there, shorten it or use another pass",
+        f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
+        f"{scan_s:.1f} s it takes to scan: {where}; move the window there, shorten it or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,

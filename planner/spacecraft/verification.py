@@ -27,7 +27,7 @@ GROUND_TOLERANCE_M = 1.0
 SPEED_TOLERANCE = 1e-3
 COVERAGE_TOLERANCE = 1e-3  # of the swath: strips of full width side by side on a round Earth
 DRIFT_TOLERANCE_RAD = 1e-4  # over 32 TDI lines: 0.003 pixel
-KINEMATIC_TOLERANCE_RAD = 1e-6  # 0.2 arcsec: the expansion's own error at 40 N m/s
+KINEMATIC_TOLERANCE_RAD = 5e-6  # 1 arcsec: torque rate steps of 40 N m/s inside a row
 MOMENTUM_TOLERANCE_N_M_S = 0.02
 BETWEEN = 5  # instants looked at per row
 
