@@ -51,6 +51,8 @@ def refracted(
     seen_itrf = direction_itrf
     for _ in range(_REFRACTION_PASSES):
         to_limb_m = -np.sum(seen_itrf * r_sat_itrf_m, axis=1)
+        # Lines that meet the ground are hidden whatever the air does; its law ends there.
+        height_m = np.maximum(height_m, 0.0)
         excess_rad = seen_rad - true_rad - bending_rad(height_m)
         seen_rad = seen_rad - excess_rad / (1.0 - bending_slope_m(height_m) * np.abs(to_limb_m))
         seen_itrf = np.cos(seen_rad)[:, None] * down + np.sin(seen_rad)[:, None] * aside
