@@ -14,18 +14,21 @@ from planner.errors import InvalidInput
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.plan import Plan
 from planner.platforms import AxisLimits
+from planner.verification import EarthFixedView
 
 AXIS_COLOURS = ("#0b5fa5", "#c8501e")
 SESSION_COLOUR = "#f3e9c6"
 LIMIT_COLOUR = "#8a8a8a"
+CLOSEST_COLOUR = "#7b5aa6"
 CELL_EDGE_S = 1e-6  # just inside a cell, where the acceleration of its own cubic holds
 DASHED: dict[str, Any] = {"linestyle": (0, (6, 4)), "linewidth": 1.0}
 SCALE_SHARE = 0.15  # of a limit: a motion smaller than that would look like a straight line
+TITLE_MAX = 60
 FORMATS = ("png", "svg", "pdf")
 
 
 def draw_plan(plan: Plan, image_format: str) -> bytes:
-    """The picture as a file of the given format; sessions are shaded, limits dashed."""
+    """The picture as a file of the given format; sessions are shaded, closest approaches and limits dashed."""
     if image_format not in FORMATS:
         raise InvalidInput(
             f"{image_format!r} is no picture format; use one of {', '.join(FORMATS)}",
@@ -44,17 +47,22 @@ def draw_plan(plan: Plan, image_format: str) -> bytes:
         ):
             t_s, value_deg = motion[order]
             panel.plot(t_s, value_deg[:, axis], color=colour, linewidth=1.6, label=name)
+        _mark_closest_approaches(panel, plan)
         _draw_limits(panel, [_bounds_deg(axis)[order] for axis in limits], np.abs(value_deg).max())
         panel.set_ylabel(label)
         panel.grid(color="#e4e4e4", linewidth=0.6)
         panel.spines[["top", "right"]].set_visible(False)
-    panels[0].legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=4, borderaxespad=0.2
-    )
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", frameon=False, ncols=len(labels))
     panels[-1].set_xlabel(f"seconds after {utc_text(plan.table.epoch_utc, 1)}")
     panels[-1].set_xlim(plan.table.t_s[0], plan.table.t_s[-1])
     title = plan.scenario.name or "Plan"
-    panels[0].set_title(f"{title} ({plan.scenario.platform.name})", loc="left", fontweight="bold")
+    panels[0].set_title(
+        f"{title[:TITLE_MAX]} ({plan.scenario.platform.name[:TITLE_MAX]})",
+        loc="left",
+        fontweight="bold",
+        parse_math=False,
+    )
     picture = io.BytesIO()
     figure.savefig(picture, format=image_format, dpi=120)
     return picture.getvalue()
@@ -93,6 +101,19 @@ def _draw_limits(panel: Axes, bounds_deg: list[tuple[float, float]], peak_deg: f
         for bound in bounds:
             panel.axhline(bound, color=LIMIT_COLOUR if same else colour, **DASHED)
     panel.plot([], [], color=LIMIT_COLOUR, label="limits", **DASHED)
+
+
+def _mark_closest_approaches(panel: Axes, plan: Plan) -> None:
+    """Of sessions that look at the Earth; not where a session begins or ends closest."""
+    label: str | None = "closest approach"
+    for session in plan.verification.sessions:
+        if not isinstance(session.view, EarthFixedView):
+            continue
+        closest_utc = session.view.range_min_utc
+        if session.start_utc < closest_utc < session.stop_utc:
+            at_s = elapsed_s(closest_utc, plan.table.epoch_utc)
+            panel.axvline(at_s, color=CLOSEST_COLOUR, label=label, **DASHED)
+            label = None
 
 
 def _shade_sessions(panel: Axes, plan: Plan) -> None:
