@@ -483,7 +483,11 @@ def bench_refusals() -> None:
             {},
         ),
         lambda: (
-            StripRequest(name="soon", geometry=GeoLineString(coordinates=line(orbit, 30, 30, 300))),
+            StripRequest(
+                name="soon",
+                geometry=GeoLineString(coordinates=line(orbit, 10, 30, 300)),
+                start=EPOCH + timedelta(seconds=8),
+            ),
             {},
         ),
         lambda: (strip, {"settings": SpacecraftSettings(momentum_n_m_s=(50.0, 40.0, 0.0))}),

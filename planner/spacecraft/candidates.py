@@ -331,8 +331,8 @@ def _unreachable(
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
         f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{scan_s:.1f} s it takes to scan: {where}; move or widen the window, shorten the request or "
-        "use another pass",
+        f"{scan_s:.1f} s it takes to scan: {where}; move or widen the window, shorten the "
+        "request or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,

@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.spacecraft.candidates import Candidate
-from planner.spacecraft.compiled import compiled
+from planner.spacecraft.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turn_time import TurnTime
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
 LABELS_MAX = 4_000_000
 BITS = 62
 SECONDS_MAX = 8.0  # then the best choice so far and its bound are returned
@@ -79,10 +78,8 @@ def choose(
         strict=True)])  # fmt: skip
     pairs = _pairs(nodes, turn_time, extra_ticks)
     stereo = sorted({int(r) for r, p in zip(nodes.request, nodes.part, strict=True) if p})
-    memory = _Memory(
-        {r: k for k, r in enumerate(stereo)}, np.zeros(len(priorities), dtype=np.int64)
-    )
-    memory.kept[:] = (1 << len(stereo)) - 1
+    hop_ticks = int(np.max(nodes.stop - nodes.start) + np.max(pairs.reach)) + 2 * WAIT_TICKS
+    memory = _Memory(nodes, len(priorities), stereo, hop_ticks)
     bound, rounds = np.inf, 0
     best: tuple[float, list[int]] = (-1.0, [])
     searching = time.perf_counter()
@@ -165,13 +162,38 @@ def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int]
     return _Pairs(first, np.concatenate(before) if n else np.zeros(0, dtype=np.int64), reach)
 
 
-@dataclass(frozen=True, eq=False)
 class _Memory:
-    """bit: request -> its place in a label's memory.  kept: per request, the bits a label still
-    remembers after imaging it (all stereo pairs, and requests seen to repeat around it)."""
+    """bit: request -> its place in a label's memory; requests whose candidates lie further apart
+    than a label can leap (hop_ticks) share places.  kept: per request, the bits a label still
+    remembers after imaging it (all stereo pairs, and requests seen to repeat around it).
+    born, alive: first and last start of each request's candidates."""
 
-    bit: dict[int, int]
-    kept: Ints
+    def __init__(self, nodes: _Nodes, count: int, stereo: list[int], hop_ticks: int) -> None:
+        self.hop_ticks = hop_ticks
+        self.bit: dict[int, int] = {}
+        self.kept = np.zeros(count, dtype=np.int64)
+        self.born = np.full(count, np.iinfo(np.int64).max)
+        self.alive = np.zeros(count, dtype=np.int64)
+        np.minimum.at(self.born, nodes.request, nodes.start)
+        np.maximum.at(self.alive, nodes.request, nodes.start)
+        for request in stereo:
+            self.place(request)
+        self.kept[:] = sum({1 << place for place in self.bit.values()})
+
+    def place(self, request: int) -> int | None:
+        """The request's place, given when first asked; None when all are taken."""
+        if request not in self.bit:
+            taken = {
+                place
+                for other, place in self.bit.items()
+                if self.born[other] <= self.alive[request] + self.hop_ticks
+                and self.born[request] <= self.alive[other] + self.hop_ticks
+            }
+            free = next((place for place in range(BITS) if place not in taken), None)
+            if free is None:
+                return None
+            self.bit[request] = free
+        return self.bit[request]
 
 
 def _remember_repeats(nodes: _Nodes, path: list[int], memory: _Memory) -> bool:
@@ -183,11 +205,10 @@ def _remember_repeats(nodes: _Nodes, path: list[int], memory: _Memory) -> bool:
         if nodes.part[k] != 0:
             continue
         if request in last:
-            if request not in memory.bit:
-                if len(memory.bit) >= BITS:
-                    continue
-                memory.bit[request] = len(memory.bit)
-            mask = 1 << memory.bit[request]
+            place_in_memory = memory.place(request)
+            if place_in_memory is None:
+                continue
+            mask = 1 << place_in_memory
             memory.kept[requests[last[request] : place + 1]] |= mask
             learnt = True
         last[request] = place
@@ -199,12 +220,10 @@ def _relaxed(
 ) -> tuple[float, list[int], bool]:
     """Best path as far as repeats are remembered; (value, node indices, search completed)."""
     n = len(nodes.start)
-    bit = np.full(int(nodes.request.max()) + 1, -1, dtype=np.int64)
+    bit = np.full(len(memory.kept), -1, dtype=np.int64)
     for request, place in memory.bit.items():
         bit[request] = place
-    alive = np.zeros(int(nodes.request.max()) + 1, dtype=np.int64)
-    np.maximum.at(alive, nodes.request, nodes.start)
-    value, parent, node, best, count = _label(
+    value, parent, node, best, count = label_paths(
         nodes.start,
         nodes.stop,
         nodes.request,
@@ -215,7 +234,8 @@ def _relaxed(
         pairs.reach,
         bit,
         memory.kept,
-        alive,
+        memory.born,
+        memory.alive,
         LABELS_MAX,
     )
     path: list[int] = []
@@ -225,136 +245,6 @@ def _relaxed(
             path.append(int(node[k]))
         k = int(parent[k])
     return float(value[best]) if best >= 0 else 0.0, path[::-1], count < LABELS_MAX
-
-
-@compiled
-def _insert(
-    head: Ints,
-    following: Ints,
-    value: Array,
-    visited: Ints,
-    opened: Ints,
-    node: Ints,
-    parent: Ints,
-    place: int,
-    count: int,
-    v: float,
-    seen: int,
-    half: int,
-    comes_from: int,
-    is_node: int,
-) -> int:
-    """Add a label to a place unless another there is at least as good; returns the new count."""
-    k = head[place]
-    previous = -1
-    while k >= 0:
-        if value[k] >= v and (visited[k] & ~seen) == 0 and (half & ~opened[k]) == 0:
-            return count
-        if v >= value[k] and (seen & ~visited[k]) == 0 and (opened[k] & ~half) == 0:
-            if previous < 0:
-                head[place] = following[k]
-            else:
-                following[previous] = following[k]
-        else:
-            previous = k
-        k = following[k]
-    if count >= len(value):
-        return count
-    value[count], visited[count], opened[count] = v, seen, half
-    node[count], parent[count] = is_node, comes_from
-    following[count] = head[place]
-    head[place] = count
-    return count + 1
-
-
-@compiled
-def _dead(bit: Ints, alive: Ints, tick: int) -> int:
-    """Bits of requests that can't come again from this tick on."""
-    mask = 0
-    for r in range(len(alive)):
-        if bit[r] >= 0 and alive[r] < tick:
-            mask |= 1 << bit[r]
-    return mask
-
-
-@compiled
-def _imaged(part: int, own: int, seen: int, half: int) -> tuple[bool, int, int]:
-    """A label's memory after a candidate: (allowed, visited, opened)."""
-    if part == 1:
-        return (seen & own) == 0 and (half & own) == 0, seen, half | own
-    if part == 2:
-        return (seen & own) == 0 and (half & own) != 0, seen | own, half & ~own
-    return (seen & own) == 0, seen | own, half
-
-
-@compiled
-def _label(
-    start: Ints,
-    stop: Ints,
-    request: Ints,
-    part: Ints,
-    earn: Array,
-    first: Ints,
-    before: Ints,
-    reach: Ints,
-    bit: Ints,
-    kept: Ints,
-    alive: Ints,
-    labels_max: int,
-) -> tuple[Array, Ints, Ints, int, int]:
-    """Labels forward in time over candidates (places 0..n-1) and idle instants (n..n+m).
-
-    A label carries which remembered requests it has imaged (while they can still come again)
-    and which stereo pairs it has begun.
-    """
-    n = len(start)
-    end = int(stop.max() + reach.max()) + 2 * WAIT_TICKS
-    head = np.full(n + end // WAIT_TICKS + 2, -1, dtype=np.int64)
-    value = np.empty(labels_max)
-    visited = np.empty(labels_max, dtype=np.int64)
-    opened = np.empty(labels_max, dtype=np.int64)
-    node = np.empty(labels_max, dtype=np.int64)
-    parent = np.empty(labels_max, dtype=np.int64)
-    following = np.empty(labels_max, dtype=np.int64)
-    count = _insert(
-        head, following, value, visited, opened, node, parent, n, 0, 0.0, 0, 0, -1, -1
-    )  # fmt: skip
-    now = 0
-    best = -1
-    for j in range(n):
-        while (now + 1) * WAIT_TICKS <= start[j]:
-            dead = _dead(bit, alive, (now + 1) * WAIT_TICKS)
-            k = head[n + now]
-            while k >= 0:
-                count = _insert(
-                    head, following, value, visited, opened, node, parent, n + now + 1, count,
-                    value[k], visited[k] & ~dead, opened[k] & ~dead, k, -1,
-                )  # fmt: skip
-                k = following[k]
-            now += 1
-        dead = _dead(bit, alive, start[j])
-        own = 1 << bit[request[j]] if bit[request[j]] >= 0 else 0
-        for source in range(first[j + 1] - first[j] + 1):
-            k = head[n + now] if source == 0 else head[before[first[j] + source - 1]]
-            while k >= 0:
-                allowed, seen, half = _imaged(part[j], own, visited[k] & ~dead, opened[k] & ~dead)
-                if allowed:
-                    count = _insert(
-                        head, following, value, visited, opened, node, parent, j, count,
-                        value[k] + earn[j], seen & kept[request[j]], half, k, j,
-                    )  # fmt: skip
-                k = following[k]
-        free = (stop[j] + reach[j] + WAIT_TICKS - 1) // WAIT_TICKS
-        k = head[j]
-        while k >= 0:
-            if best < 0 or value[k] > value[best]:
-                best = k
-            count = _insert(
-                head, following, value, visited, opened, node, parent, n + free, count,
-                value[k], visited[k], opened[k], k, -1,
-            )  # fmt: skip
-            k = following[k]
-    return value[:count], parent[:count], node[:count], best, count
 
 
 def _without_repeats(nodes: _Nodes, path: list[int], earn: Array) -> tuple[float, list[int]]:
