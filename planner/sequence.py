@@ -13,6 +13,7 @@ from planner.nearest_start import refused_with_nearest_start
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario
 from planner.slew import BACKENDS, AxisState, next_duration_s, track_states, verdict
+from planner.targets import BenchMotionTarget
 
 SPLITS = 8  # how finely a loss is shared between two sessions
 States = tuple[AxisState, ...]
@@ -97,6 +98,8 @@ def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way
         try:
             ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
         except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
+            if isinstance(session.target, BenchMotionTarget):
+                raise  # the same at any other time
             raise refused_with_nearest_start(scenario, number, from_row, state, refusal) from None
         sessions.append(ways)
         from_row = ways[0].rows.stop

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit
-from planner.frames.time_scales import require_offset, shifted_utc, utc_text
+from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
 from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
@@ -97,7 +97,8 @@ class BenchMotionTarget:
     ) -> None:
         """Refuse what breaks a limit or is too quick for the 0.2 s table.
 
-        Looks at 64 instants per period of the fastest component and 8 per row.
+        start_utc: of the session, which may begin amid the motion.  Looks at 64 instants per
+        period of the fastest component and 8 per row.
         """
         shortest_s = min(motion.shortest_period_s() for motion in self.axes.values())
         sample_s = min(COMMAND_STEP_S / _SAMPLES_PER_ROW, shortest_s / _SAMPLES_PER_PERIOD)
@@ -110,12 +111,14 @@ class BenchMotionTarget:
                 "shorten the session or slow its fastest part",
                 field="axes",
             )
+        zero_utc = self.start or start_utc
         t_s = np.arange(count, dtype=np.float64) * (COMMAND_STEP_S / row)
+        t_s += elapsed_s(start_utc, zero_utc)
         motion = self.axis_motion(axis_names, t_s)
         for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
             moved = _Moved(
                 axis=name,
-                start_utc=start_utc,
+                start_utc=zero_utc,
                 t_s=t_s,
                 angle_rad=motion.angle_rad[:, axis],
                 rate_rad_s=motion.rate_rad_s[:, axis],

@@ -1,7 +1,7 @@
 """Bench motions: closed forms, derivatives, limits at every instant, refusals."""
 
 import math
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
@@ -164,6 +164,19 @@ def test_what_the_axis_or_the_table_cannot_follow_is_refused(motion, limit):
     assert refusal.value.limit == limit
     assert refusal.value.field == "axes.alpha"
     assert refusal.value.at_utc >= START
+
+
+def test_a_session_amid_a_motion_is_judged_by_its_own_stretch():
+    """A chirp's rate is 2 pi f times its amplitude: it is within 3 deg/s early, beyond it late."""
+    chirp_deg = Chirp(
+        amplitude_deg=5.0, start_frequency_hz=0.001, stop_frequency_hz=0.2, sweep_s=200.0
+    )
+    target = BenchMotionTarget(axes={"alpha": chirp_deg, "beta": STILL}, start=START)
+    target.require_flyable(HRC.axis_names, HRC.axis_limits, START, 10.0)
+    late = START + timedelta(seconds=180.0)
+    with pytest.raises(TrackBreaksLimit) as refused:
+        target.require_flyable(HRC.axis_names, HRC.axis_limits, late, 10.0)
+    assert late <= refused.value.at_utc <= late + timedelta(seconds=10.0)
 
 
 def test_the_table_step_criterion_is_the_hermites_error():
