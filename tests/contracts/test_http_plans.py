@@ -12,7 +12,7 @@ from refusal_cases import request
 from scipy.interpolate import CubicHermiteSpline
 from skyfield.api import EarthSatellite, load, wgs84
 
-from app.api.examples import LAS_VEGAS
+from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.main import create_app
 
 JSON = {"Content-Type": "application/json"}
@@ -38,8 +38,8 @@ def utc(text: str) -> datetime:
 
 def test_members(plan):
     assert set(plan) >= {
-        "id", "state", "segments", "table", "margins", "pointing", "comparison", "solver",
-        "warnings", "provenance",
+        "id", "state", "segments", "table", "margins", "pointing", "uncertainty", "comparison",
+        "solver", "warnings", "provenance",
     }  # fmt: skip
     assert plan["state"] == "done"
 
@@ -107,6 +107,73 @@ def test_pointing_is_within_the_promise(plan):
     assert 0.0 <= session["rms_arcsec"] <= session["max_arcsec"] <= 0.1
     assert session["ground_max_m"] < 1.0  # 0.1 arcsec from 800 km, at 30 deg elevation
     assert session["elevation_min_deg"] > 0.0
+
+
+def test_the_budget_is_the_sum_of_its_contributions(plan):
+    """Independent errors of equal weight per image axis: their squares add."""
+    [budget] = plan["uncertainty"]
+    assert budget["session"] == 0
+    for member in ("sigma_arcsec", "ground_m"):
+        squares = sum(part[member] ** 2 for part in budget["contributions"])
+        assert math.sqrt(squares) == pytest.approx(budget[member], rel=1e-6)
+    assert {part["cause"] for part in budget["contributions"]} >= {"orbit", "attitude", "clock"}
+    assert 0.0 < budget["probability_in_frame"] < 1.0
+
+
+def example(client, name):
+    answer = client.post("/v1/plans", json=PLAN_EXAMPLES[name][1])
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+ON_THE_EARTH = {
+    "ground_max_m", "across_max_m", "elevation_min_deg", "range_min_km", "closest_at",
+    "range_max_km",
+}  # fmt: skip
+IN_THE_SKY = {"limb_clearance_min_deg", "limb_clearance_min_at", "refraction_max_arcsec"}
+
+
+def told(pointing):
+    return {name for name in ON_THE_EARTH | IN_THE_SKY if pointing[name] is not None}
+
+
+def test_pointing_at_a_star_tells_no_metres(client):
+    star = example(client, "star")
+    assert told(star["pointing"][0]) == IN_THE_SKY
+    assert star["pointing"][0]["limb_clearance_min_deg"] > 0.0
+    [budget] = star["uncertainty"]
+    assert budget["ground_m"] is None
+    assert all(part["ground_m"] is None for part in budget["contributions"])
+
+
+def test_pointing_at_a_planet_tells_its_distance(client):
+    [pointing] = example(client, "body")["pointing"]
+    assert told(pointing) == IN_THE_SKY | {"range_min_km"}
+    assert pointing["range_min_km"] / 149_597_870.7 == pytest.approx(9.9, abs=1.2)  # 8.0 to 11.1 au
+
+
+def test_a_test_motion_looks_at_nothing(client):
+    plan = example(client, "test_motion")
+    [pointing] = plan["pointing"]
+    assert told(pointing) == set()
+    assert pointing["max_arcsec"] <= 0.1
+    assert plan["uncertainty"] == []
+    assert plan["verification"]["taken_as_given"] == ["motion"]
+
+
+def test_sessions_that_conflict_are_shortened_as_asked(client):
+    plan = example(client, "sequence")
+    starts = [session["start"] for session in PLAN_EXAMPLES["sequence"][1]["sessions"]]
+    stops = [session["stop"] for session in PLAN_EXAMPLES["sequence"][1]["sessions"]]
+    flown = plan["pointing"]
+    lost_s = sum(
+        (utc(b["start"]) - utc(a)).total_seconds() for a, b in zip(starts, flown, strict=True)
+    )
+    lost_s += sum(
+        (utc(a) - utc(b["stop"])).total_seconds() for a, b in zip(stops, flown, strict=True)
+    )
+    assert lost_s > 1.0
+    assert sum("least_loss" in warning for warning in plan["warnings"]) == 2
 
 
 def test_provenance(plan):
@@ -201,6 +268,7 @@ def test_the_spline_says_which_limits_it_breaks(client):
         ("initial_state.rates_deg_s.alpha", 1.5),
     )
     plan = client.post("/v1/plans", json=document).json()
+    assert plan["state"] == "failed"
     assert not plan["verification"]["passed"]
     broken = [finding for finding in plan["verification"]["findings"] if finding["axis"] == "alpha"]
     assert {finding["limit"] for finding in broken} >= {"rate", "angle_max"}

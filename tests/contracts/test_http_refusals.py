@@ -1,6 +1,7 @@
 """Is every bad request refused alike by the service and the command, at the field at fault?"""
 
 import json
+from datetime import datetime
 
 import pytest
 from fastapi.testclient import TestClient
@@ -72,7 +73,28 @@ def test_a_slew_refused_for_time_fits_at_the_start_it_names(client):
     problem = post(client, json.dumps(document)).json()
     assert problem["axis"] in ("alpha", "beta")
     document["sessions"][0]["start"] = problem["earliest_feasible_start"]
+    document["sessions"][0]["stop"] = problem["feasible_stop"]
     assert post(client, json.dumps(document)).status_code == 201
+
+
+def test_a_refused_sequence_says_what_each_session_would_give_up(client):
+    document = request(("on_conflict", "refuse"), example="sequence")
+    problem = post(client, json.dumps(document)).json()
+    assert problem["type"] == "urn:slewtrack:problem:infeasible-slew"
+    assert problem["field"] == "sessions.1.start"
+    offers = {offer["on_conflict"]: offer for offer in problem["give_up"]}
+    assert set(offers) == {"shorten_later", "shorten_earlier", "least_loss"}
+    document["sessions"] = document["sessions"][:2]
+    for mode, offer in offers.items():
+        document["on_conflict"] = mode
+        flown = post(client, json.dumps(document)).json()["pointing"][offer["session"]]
+        asked = document["sessions"][offer["session"]]
+        assert _apart_s(asked["start"], flown["start"]) == pytest.approx(offer["start_later_s"])
+        assert _apart_s(flown["stop"], asked["stop"]) == pytest.approx(offer["stop_earlier_s"])
+
+
+def _apart_s(earlier: str, later: str) -> float:
+    return (datetime.fromisoformat(later) - datetime.fromisoformat(earlier)).total_seconds()
 
 
 def _kinds_of_refusal(kind: type[Refusal]) -> set[type[Refusal]]:

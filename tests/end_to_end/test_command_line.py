@@ -1,5 +1,6 @@
 """Does the command behave as a command should: exit codes, streams, files?"""
 
+import csv
 import json
 import subprocess
 import sys
@@ -9,11 +10,14 @@ import pytest
 from typer.testing import CliRunner
 
 from app import cli
-from app.api.examples import LAS_VEGAS
+from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
 from planner.errors import VerificationFailed
+from planner.export import EXPORTERS
 
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
-EXAMPLE = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLE = EXAMPLES / "las_vegas_2015.json"
+GALLERY = EXAMPLES / "opportunities_gallery.json"
 
 
 def slewtrack(*words: str, **options) -> subprocess.CompletedProcess[str]:
@@ -59,6 +63,61 @@ def test_pictures_in_vectors(tmp_path, suffix):
         CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--plot", str(picture)]).exit_code == 0
     )
     assert picture.stat().st_size > 10_000
+
+
+def test_exports_by_format_and_path(tmp_path):
+    words = [f"--export={name}={tmp_path}/plan{to.suffix}" for name, to in EXPORTERS.items()]
+    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), *words])
+    assert result.exit_code == 0, result.output
+    for exporter in EXPORTERS.values():
+        assert (tmp_path / f"plan{exporter.suffix}").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("wrong", ["table.csv", "csv", "csv=", "xlsx=a.xlsx"])
+def test_an_export_that_can_not_be_read(wrong):
+    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--export", wrong])
+    assert result.exit_code == 2
+    assert "netcdf" in one_line(result.stderr)
+
+
+def test_a_table_that_failed_its_verification(tmp_path):
+    """It is told beside its verdict only, and the exit code says that it isn't good."""
+    words = [f"--{name}={tmp_path}/{name}" for name in ("csv", "json")]
+    result = CliRunner().invoke(
+        cli.main, ["plan", "-", *words], input=json.dumps(PLAN_EXAMPLES["spline"][1])
+    )
+    assert result.exit_code == 1
+    assert "failed its verification" in one_line(result.stderr)
+    assert "verification FAILED" in result.stdout
+    assert json.loads((tmp_path / "json").read_text())["state"] == "failed"
+    assert not (tmp_path / "csv").exists()
+
+
+def test_windows_of_the_gallery(tmp_path):
+    words = [f"--{name}={tmp_path}/{name}" for name in ("csv", "json")]
+    result = CliRunner().invoke(cli.main, ["windows", str(GALLERY), *words])
+    assert result.exit_code == 0, result.output
+    assert "92 windows of 6 targets" in result.stdout
+    windows = json.loads((tmp_path / "json").read_text())["windows"]
+    rows = list(csv.DictReader((tmp_path / "csv").read_text().splitlines()))
+    assert [row["rise"] for row in rows] == [window["rise"] for window in windows]
+    assert [float(row["closest_beta_deg"]) for row in rows] == [
+        window["closest"]["angles_deg"]["beta"] for window in windows
+    ]
+
+
+def test_windows_refuses_in_one_line():
+    document = json.loads(GALLERY.read_text()) | {"stop": "2015-02-27T12:00:00"}
+    result = CliRunner().invoke(cli.main, ["windows", "-"], input=json.dumps(document))
+    assert result.exit_code == 2
+    assert one_line(result.stderr).startswith("slewtrack: stop: ")
+
+
+@pytest.mark.parametrize("name", ["a $\\frac$ b", "x" * 10_000])
+def test_a_picture_takes_any_name(tmp_path, name):
+    document = json.dumps(LAS_VEGAS | {"name": name})
+    words = ["plan", "-", "--plot", f"{tmp_path}/plan.png"]
+    assert CliRunner().invoke(cli.main, words, input=document).exit_code == 0
 
 
 @pytest.mark.parametrize(
