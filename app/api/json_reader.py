@@ -10,7 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
@@ -134,7 +134,7 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
 def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
     """The core schema with each union of `@spec` classes made a tagged union.
 
-    The tag is the first field of the classes, which says their kind by its default.
+    The tag is the field of the classes that can have one value only, their kind.
     """
     class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
 
@@ -147,7 +147,7 @@ def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is 
         if node.get("type") == "union":
             choices = node["choices"]
             classes = [c.get("cls") or class_by_ref.get(c.get("schema_ref")) for c in choices]
-            tags = [_kind(cls) for cls in classes if cls is not None]
+            tags = [tag for cls in classes if cls is not None and (tag := _kind(cls))]
             if len(tags) == len(choices) and len({member for member, _ in tags}) == 1:
                 kinds = {kind: choice for (_, kind), choice in zip(tags, choices, strict=True)}
                 return _tagged(tags[0][0], kinds)
@@ -156,10 +156,12 @@ def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is 
     return told_apart(schema)
 
 
-def _kind(cls: type) -> tuple[str, object]:
+def _kind(cls: type) -> tuple[str, object] | None:
     """The field that says a class's kind, and the kind."""
-    first = dataclasses.fields(cls)[0]
-    return first.name, first.default
+    for field in dataclasses.fields(cls):
+        if get_origin(field.type) is Literal and get_args(field.type) == (field.default,):
+            return field.name, field.default
+    return None
 
 
 def _tagged(member: str, choice_by_kind: dict[Any, Any]) -> CoreSchema:
