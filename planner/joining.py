@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from planner.commands import ROWS_PER_S
 from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.gimbal.keep_out import deepest_entry, keep_out_view
 from planner.gimbal.track import AxisTrack, track_candidates
 from planner.line_of_sight import STENCIL, LineOfSight, line_of_sight
 from planner.orbits import Ephemeris
@@ -19,6 +20,7 @@ from planner.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
+    cleared,
     earliest_join,
     flown,
     track_states,
@@ -41,12 +43,14 @@ class Rows:
 class Way:
     """One way to hold a session's target: an axis track over `rows` and what lies before.
 
-    seen_from_s: since when, up to the session, the target can be seen without a break.
+    seen_from_s: since when, up to the session, the target can be seen, and looked at out of
+    all cones, without a break.  ephemeris: the orbit it was found on.
     """
 
     track: AxisTrack
     rows: Rows
     seen_from_s: float
+    ephemeris: Ephemeris
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +88,8 @@ def ways_to_hold(
     rows = session_rows(session, scenario.initial_state.epoch)
     if isinstance(session.target, BenchMotionTarget):
         track = _prescribed(scenario, session.target, number, rows)
-        return (Way(track=track, rows=rows, seen_from_s=rows.start / ROWS_PER_S),)
+        seen_from_s = _out_of_cones_from_s(scenario, ephemeris, number, track, rows)
+        return (Way(track=track, rows=rows, seen_from_s=seen_from_s, ephemeris=ephemeris),)
     los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
     _require_visible(los, rows, session.target, number)
     start_s = rows.start / ROWS_PER_S
@@ -92,7 +97,17 @@ def ways_to_hold(
         scenario.platform, los, start_s, rows.stop / ROWS_PER_S, start_angle_rad
     )
     seen_from_s = _seen_from_s(los, start_s)
-    return tuple(Way(track=track, rows=rows, seen_from_s=seen_from_s) for track in tracks)
+    return tuple(
+        Way(
+            track=track,
+            rows=rows,
+            seen_from_s=max(
+                seen_from_s, _out_of_cones_from_s(scenario, ephemeris, number, track, rows)
+            ),
+            ephemeris=ephemeris,
+        )
+        for track in tracks
+    )
 
 
 def _prescribed(
@@ -137,7 +152,7 @@ def joined(scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, 
 def covering(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
     """The orbit over all sessions and, if it is known, over the time for joining one early."""
     epoch_utc = scenario.initial_state.epoch
-    narrow_row = sessions[0].start
+    narrow_row = 0 if scenario.slew.keep_out else sessions[0].start
     wide_row = _early_row(scenario, narrow_row, 0)
     stop_utc = shifted_utc(epoch_utc, sessions[-1].stop / ROWS_PER_S)
     try:
@@ -215,6 +230,7 @@ def _slew(
     if start_row <= from_row:
         raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
     backend = BACKENDS[scenario.slew.method]
+    keep_out = keep_out_view(scenario, way.ephemeris, from_row / ROWS_PER_S, start_row / ROWS_PER_S)
     if backend.keeps_limits and scenario.slew.objective == "minimum_time":
         early = earliest_join(
             way.track,
@@ -223,6 +239,7 @@ def _slew(
             from_row / ROWS_PER_S,
             scenario.slew,
             after_s=way.seen_from_s,
+            keep_out=keep_out,
         )
         if early is not None and early.t_s <= start_row / ROWS_PER_S:
             return round(early.t_s * ROWS_PER_S), early.solution
@@ -233,9 +250,11 @@ def _slew(
         end=track_states(way.track, start_row / ROWS_PER_S),
         duration_s=(start_row - from_row) / ROWS_PER_S,
         objective="smooth" if backend.keeps_limits else scenario.slew.objective,
+        avoid_modes=scenario.slew.avoid_modes,
+        keep_out=keep_out,
     )
     solution = backend.solve(problem, scenario.slew)
-    return start_row, flown(solution) if backend.keeps_limits else solution
+    return start_row, cleared(flown(solution)) if backend.keeps_limits else solution
 
 
 def _seen_from_s(los: LineOfSight, start_s: float) -> float:
@@ -243,3 +262,38 @@ def _seen_from_s(los: LineOfSight, start_s: float) -> float:
     t_s = los.instants.t_s
     hidden_before = np.flatnonzero((los.clearance_rad < 0.0) & (t_s < start_s))
     return float(t_s[hidden_before[-1] + 1]) if hidden_before.size else float(t_s[0])
+
+
+def _out_of_cones_from_s(
+    scenario: Scenario, ephemeris: Ephemeris, number: int, track: AxisTrack, rows: Rows
+) -> float:
+    """Since when the track stays out of all cones, up to the session; refused if not in it."""
+    first_s, start_s, stop_s = (
+        float(track.t_s[0]),
+        rows.start / ROWS_PER_S,
+        rows.stop / ROWS_PER_S,
+    )
+    view = keep_out_view(scenario, ephemeris, first_s, stop_s)
+    if view is None:
+        return first_s
+
+    def motion(t_s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        angle_rad, rate_rad_s, _ = track.motion(first_s + t_s)
+        return angle_rad, rate_rad_s
+
+    entry = deepest_entry(view, motion, start_s - first_s, stop_s - first_s)
+    if entry.depth_rad > 0.0:
+        at_utc = shifted_utc(scenario.initial_state.epoch, first_s + entry.t_s)
+        raise NotVisible(
+            f"session {number}: at {utc_text(at_utc)} the target stands "
+            f"{math.degrees(entry.depth_rad):.2f} deg inside the cone about {entry.about}, which "
+            "the boresight must keep out of",
+            field=f"sessions.{number}.target",
+            limit="keep_out",
+            at_utc=at_utc,
+        )
+    before = track.t_s[track.t_s < start_s]
+    inside = np.flatnonzero(
+        view.depths_rad(before - first_s, motion(before - first_s)[0]).max(0) > 0
+    )
+    return float(track.t_s[inside[-1] + 1]) if inside.size else first_s

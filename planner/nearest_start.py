@@ -166,8 +166,10 @@ def _span(scenario: Scenario, wanted: Rows, from_row: int) -> tuple[Ephemeris, R
     epoch_utc = scenario.initial_state.epoch
     longest_s = HORIZON_S.get(scenario.orbit.source, DAY_S)
     for horizon_s in (longest_s, longest_s / 16.0, 0.0):
+        # Cones to keep out of must be known along the whole slew.
+        early_row = wanted.start - int(horizon_s) * ROWS_PER_S
         rows = Rows(
-            start=max(from_row, wanted.start - int(horizon_s) * ROWS_PER_S),
+            start=from_row if scenario.slew.keep_out else max(from_row, early_row),
             stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
         )
         start_utc = shifted_utc(epoch_utc, rows.start / ROWS_PER_S)

@@ -13,10 +13,12 @@ from planner.attitude import Attitude
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.platforms import AxisLimits, StructuralMode, TwoAxisPlatform
 from planner.spec import spec
-from planner.targets import GroundPathTarget, Target, TimedTarget
+from planner.targets import GroundPathTarget, KeepOut, Target, TimedTarget
 
+KEEP_OUT_MAX = 8  # each makes the detour's problem larger
+AVOID_MODES_MAX = 16
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 
 
@@ -91,6 +93,10 @@ class SlewOptions:
     jerk_max_deg_s3: replaces the platform's own jerk limit on both axes.
     filter_*: the spline's first-order low-pass (Sumarokov 2016, p. 91), None for none;
     with compensation the join is aimed ahead by the filter's lag.
+    keep_out: cones the boresight must not enter, on the way or on a target.
+    avoid_modes: structural modes that slews leave at rest as well as their time allows: it
+    takes two periods or so, and more than the least time.
+    The spline knows neither; the judge says what it enters, the comparison what it excites.
     """
 
     method: str = "ocp"
@@ -98,12 +104,18 @@ class SlewOptions:
     jerk_max_deg_s3: float | None = None
     filter_cutoff_hz: float | None = 2.0
     filter_lag_compensation: bool = True
+    keep_out: tuple[KeepOut, ...] = ()
+    avoid_modes: tuple[StructuralMode, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("jerk_max_deg_s3", "filter_cutoff_hz"):
             value = getattr(self, name)
             if value is not None and not value > 0.0:
                 raise ValueError(f"{name} must be positive, not {value}")
+        for name, most in (("keep_out", KEEP_OUT_MAX), ("avoid_modes", AVOID_MODES_MAX)):
+            count = len(getattr(self, name))
+            if count > most:
+                raise ValueError(f"{name} must hold at most {most} entries, not {count}")
 
 
 @spec

@@ -1,13 +1,15 @@
 """Which way is every session held, and when is each joined and left?"""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from planner.commands import ROWS_PER_S
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.errors import GiveUp, InfeasibleSlew, NotVisible, TrackBreaksLimit, Unreachable
+from planner.gimbal.keep_out import keep_out_view
 from planner.joining import Join, Way, joined, ways_to_hold
 from planner.nearest_start import refused_with_nearest_start
 from planner.orbits import Ephemeris
@@ -67,6 +69,7 @@ def sequenced(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the
     nearest start that can be flown; the last with what each session would have to give up.
     """
+    _require_start_outside_cones(scenario, ephemeris)
     sessions = _ways_by_session(scenario, ephemeris)
     barred: set[tuple[int, int]] = set()
     while True:
@@ -88,6 +91,23 @@ def sequenced(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
             joins.append(join)
         else:
             return joins
+
+
+def _require_start_outside_cones(scenario: Scenario, ephemeris: Ephemeris) -> None:
+    view = keep_out_view(scenario, ephemeris, 0.0, COMMAND_STEP_S)
+    if view is None:
+        return
+    angle_rad = np.array([[axis.angle_rad for axis in initial_state(scenario)]])
+    depth_rad = view.depths_rad(np.zeros(1), angle_rad)[:, 0]
+    worst = int(np.argmax(depth_rad))
+    if depth_rad[worst] > 0.0:
+        raise InfeasibleSlew(
+            f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside the cone about "
+            f"{view.cones[worst].about}; begin with other angles, or leave the cone out",
+            field="initial_state.angles_deg",
+            limit="keep_out",
+            at_utc=scenario.initial_state.epoch,
+        )
 
 
 def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way, ...]]:

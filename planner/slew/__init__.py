@@ -1,7 +1,8 @@
 """How the axes get from one state to another."""
 
 from planner.slew.backends import BACKENDS
-from planner.slew.compare import SlewComparison, compare_with_spline
+from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spline
+from planner.slew.detour import cleared
 from planner.slew.feasibility import next_duration_s, verdict
 from planner.slew.grid import flown
 from planner.slew.join import earliest_join, track_states
@@ -11,9 +12,11 @@ from planner.slew.solution import SlewSolution
 __all__ = [
     "BACKENDS",
     "AxisState",
+    "ModeResidual",
     "SlewComparison",
     "SlewProblem",
     "SlewSolution",
+    "cleared",
     "compare_with_spline",
     "earliest_join",
     "flown",

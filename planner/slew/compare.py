@@ -3,7 +3,12 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from planner.commands import ROWS_PER_S
+from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
+from planner.simulation.structure import residual_vibration_rad
 from planner.slew.backends import BACKENDS
 from planner.slew.backends.spline import paper_duration_s
 from planner.slew.feasibility import next_duration_s
@@ -29,11 +34,23 @@ class SlewFigures:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ModeResidual:
+    """What is left of one structural mode after the slew, as flown; tuples: one per axis.
+
+    The mode's share in the axis's motion is taken as one.
+    """
+
+    mode: StructuralMode
+    ocp_rad: tuple[float, ...]
+    spline_rad: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class SlewComparison:
     """The optimal slew beside the paper's spline over the same time between the same states.
 
     least_duration_s: what the limits allow, stops aside; paper_duration_s: what the paper's
-    estimate asks for (Sumarokov 2016, eq. 12-13).
+    estimate asks for (Sumarokov 2016, eq. 12-13).  residuals: of the modes to spare.
     """
 
     axis_names: tuple[str, ...]
@@ -41,6 +58,7 @@ class SlewComparison:
     spline: SlewFigures
     least_duration_s: float
     paper_duration_s: float
+    residuals: tuple[ModeResidual, ...]
 
 
 def compare(ocp: SlewSolution, spline: SlewSolution) -> SlewComparison:
@@ -50,18 +68,38 @@ def compare(ocp: SlewSolution, spline: SlewSolution) -> SlewComparison:
         next_duration_s(start, end, limits, 0.0) or math.inf
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
     )
+    residuals = tuple(
+        ModeResidual(mode=mode, ocp_rad=_left_rad(ocp, mode), spline_rad=_left_rad(spline, mode))
+        for mode in problem.avoid_modes
+    )
     return SlewComparison(
         axis_names=problem.axis_names,
         ocp=_figures(ocp),
         spline=_figures(spline),
         least_duration_s=max(least_s),
         paper_duration_s=paper_duration_s(problem),
+        residuals=residuals,
     )
 
 
 def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparison:
     """The optimal slew beside the paper's spline, solved for the purpose."""
     return compare(ocp, BACKENDS["spline"].solve(ocp.problem, options))
+
+
+def _left_rad(slew: SlewSolution, mode: StructuralMode) -> tuple[float, ...]:
+    rows = round(slew.duration_s * ROWS_PER_S)
+    angle_rad, rate_rad_s, _, _ = slew.motion(np.arange(rows + 1) / ROWS_PER_S)
+    return tuple(
+        residual_vibration_rad(
+            angle_rad[:, axis],
+            rate_rad_s[:, axis],
+            mode,
+            acceleration_before_rad_s2=start.acceleration_rad_s2,
+            acceleration_after_rad_s2=end.acceleration_rad_s2,
+        )
+        for axis, (start, end) in enumerate(zip(slew.problem.start, slew.problem.end, strict=True))
+    )
 
 
 def _figures(solution: SlewSolution) -> SlewFigures:

@@ -9,7 +9,7 @@ import numpy as np
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.gimbal.hermite import flown_range
-from planner.platforms import AxisLimits
+from planner.platforms import AxisLimits, StructuralMode
 from planner.slew.backends.ipopt import SPANS, graded_ocp
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.problem import LIMIT_TOLERANCE, AxisState
@@ -56,7 +56,7 @@ def flown(solution: SlewSolution) -> SlewSolution:
             profiles.append(profile)
             status.append(solution.status[axis])
             continue
-        repaired, used = _repaired(profile, start, end, limits, rows)
+        repaired, used = _repaired(profile, start, end, limits, rows, problem.avoid_modes)
         if repaired is None:
             name = problem.axis_names[axis]
             raise InfeasibleSlew(
@@ -98,7 +98,12 @@ def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
 
 
 def _repaired(
-    profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits, rows: int
+    profile: AxisProfile,
+    start: AxisState,
+    end: AxisState,
+    limits: AxisLimits,
+    rows: int,
+    modes: tuple[StructuralMode, ...],
 ) -> tuple[AxisProfile | None, int]:
     """The smoothest of the motions that rows can carry, and the iterations it took."""
     iterations = 0
@@ -110,18 +115,18 @@ def _repaired(
             acceleration_max_rad_s2=limits.acceleration_max_rad_s2
             * (1.0 - 2.0 * EXCESS_MARGIN * excess),
         )
-        result = graded_ocp(SPANS).solve(start, end, spared, profile.duration_s)
+        result = graded_ocp(SPANS).solve(start, end, spared, profile.duration_s, modes)
         iterations += result.iterations
         if _flies(result.profile, start, end, limits, rows):
             return result.profile, iterations
         result = _on_some_rows(start, end, limits, rows).solve(
-            start, end, limits, profile.duration_s
+            start, end, limits, profile.duration_s, modes
         )
         iterations += result.iterations
         if _flies(result.profile, start, end, limits, rows):
             return result.profile, iterations
     if rows <= ROWS_ALL_FREE_MAX:
-        result = _on_all_rows(rows).solve(start, end, limits, profile.duration_s)
+        result = on_all_rows(rows).solve(start, end, limits, profile.duration_s, modes)
         iterations += result.iterations
         if _flies(result.profile, start, end, limits, rows):
             return result.profile, iterations
@@ -164,5 +169,6 @@ def _deviation_rad(profile: AxisProfile, rows: int) -> float:
 
 
 @lru_cache(maxsize=16)
-def _on_all_rows(rows: int) -> SplineOcp:
+def on_all_rows(rows: int) -> SplineOcp:
+    """A solver whose jerk may change on every row and nowhere else; a Hermite reproduces it."""
     return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)

@@ -2,7 +2,8 @@
 
 from typing import Literal
 
-from planner.platforms import AxisLimits
+from planner.gimbal.keep_out import KeepOutView
+from planner.platforms import AxisLimits, StructuralMode
 from planner.spec import spec
 
 Objective = Literal["smooth", "minimum_time"]
@@ -37,6 +38,8 @@ class SlewProblem:
     axis_names, limits, start, end: one entry per axis, in the same order.
     objective: "smooth" takes all of duration_s and spends the least integral of squared
     jerk; "minimum_time" takes the least duration, at most duration_s, that all axes share.
+    avoid_modes: structural modes to leave at rest.  keep_out: cones the boresight must not
+    enter, time counted from the slew's start; the axes are then those of its platform.
     """
 
     axis_names: tuple[str, ...]
@@ -45,6 +48,8 @@ class SlewProblem:
     end: tuple[AxisState, ...]
     duration_s: float
     objective: Objective = "smooth"
+    avoid_modes: tuple[StructuralMode, ...] = ()
+    keep_out: KeepOutView | None = None
 
     def __post_init__(self) -> None:
         for name in ("limits", "start", "end"):

@@ -8,6 +8,7 @@ from planner.targets.earth_fixed import EarthFixedTarget
 from planner.targets.ground import GroundTarget
 from planner.targets.ground_moving import MovingGroundTarget
 from planner.targets.ground_path import GroundPathTarget
+from planner.targets.keep_out import KeepOut
 from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
 from planner.targets.test_motion import AxisMotion, AxisMotionTarget, BenchMotionTarget
@@ -32,6 +33,7 @@ __all__ = [
     "EarthFixedTarget",
     "GroundPathTarget",
     "GroundTarget",
+    "KeepOut",
     "MovingGroundTarget",
     "SkyTarget",
     "StarTarget",

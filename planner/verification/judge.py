@@ -17,6 +17,7 @@ from planner.targets import (
 )
 from planner.verification.bench_motion import bench_session
 from planner.verification.carrier import DERIVED_LAWS
+from planner.verification.keep_out import keep_out_findings, keep_out_margins
 from planner.verification.limits import limit_findings, limit_margins
 from planner.verification.pointing import ground_session, sky_session
 from planner.verification.report import Finding, Given, SessionReport, VerificationReport
@@ -39,9 +40,11 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
             passed=False, findings=(broken,), sessions=(), limits=(), taken_as_given=given
         )
     margins = limit_margins(table, scenario)
+    keep_out = keep_out_margins(table, scenario)
     findings: list[Finding] = [
         *structure_findings(table, scenario),
         *limit_findings(margins, scenario),
+        *keep_out_findings(keep_out),
     ]
     reports: list[SessionReport] = []
     covered = {
@@ -63,6 +66,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         sessions=tuple(reports),
         limits=margins,
         taken_as_given=given,
+        keep_out=keep_out,
     )
 
 

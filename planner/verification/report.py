@@ -17,6 +17,7 @@ Limit = Literal[
     "occlusion",
     "table",
     "initial_state",
+    "keep_out",
     "coverage",
 ]
 Given = Literal["orbit", "attitude", "target", "motion"]
@@ -109,6 +110,22 @@ class SkyView:
 
 
 @dataclass(frozen=True, kw_only=True)
+class KeepOutMargin:
+    """How near the boresight comes to the axis of one cone, by the scenario's number of it.
+
+    away_min_rad, t_s, at_utc: least angle from the axis at an instant when the cone counts;
+    None when it never does.
+    """
+
+    number: int
+    about: str
+    half_angle_rad: float
+    away_min_rad: float | None
+    t_s: float
+    at_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
 class SlowStretch:
     """An axis commanded below its least smooth drive rate: allowed, but it will oscillate."""
 
@@ -157,3 +174,4 @@ class VerificationReport:
     sessions: tuple[SessionReport, ...]
     limits: tuple[LimitMargin, ...]
     taken_as_given: tuple[Given, ...]
+    keep_out: tuple[KeepOutMargin, ...] = ()

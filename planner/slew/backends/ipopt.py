@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.platforms import AxisLimits
+from planner.platforms import AxisLimits, StructuralMode
 from planner.scenario import SlewOptions
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.feasibility import AxisVerdict, infeasible, next_duration_s, verdict
@@ -41,8 +41,10 @@ def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
     "minimum_time" first shortens the duration to the least that all axes share; an axis with
     time to spare still moves smoothly.  Up to 1.01 of an axis's least time its exact
     least-time profile is flown.  Every profile is accepted on its own exact extremes,
-    whatever the solver says.  Raises InfeasibleSlew.
-    Neglects coupling between the axes, which share nothing but the duration.
+    whatever the solver says.  Structural modes to spare cost extra, above 1.01 of the least
+    time.  Raises InfeasibleSlew.
+    Neglects coupling between the axes, which share nothing but the duration: cones to keep
+    out of are left to `planner.slew.detour`.
     """
     del options  # the optimal control problem has no options beyond its limits
     began_s = time.perf_counter()
@@ -68,14 +70,15 @@ def solve_axis(problem: SlewProblem, axis: int, duration_s: float) -> AxisSoluti
         return _with_a_rest(problem, axis, duration_s)
     start, end, limits = problem.start[axis], problem.end[axis], problem.limits[axis]
     smoothest = least_jerk_profile(start, end, duration_s)
-    if obeys(smoothest, start, end, limits):
+    modes = problem.avoid_modes
+    if not modes and obeys(smoothest, start, end, limits):
         return AxisSolution(smoothest, "closed form", 0)
     found = verdict(start, end, limits, duration_s)
     if found.limit is not None:
         raise infeasible(problem, axis, duration_s, found.limit)
     if found.profile is not None and _is_quickest(start, end, limits, duration_s):
         return AxisSolution(found.profile, "least time", 0)
-    solution = _climb(start, end, limits, duration_s, found)
+    solution = _climb(start, end, limits, duration_s, found, modes)
     if solution is None:
         raise infeasible(problem, axis, duration_s, "angle")
     return solution
@@ -172,7 +175,12 @@ FINER: Rung = (steep_ocp, FINER_SPANS, "optimal on finer steep knots")
 
 
 def _climb(
-    start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float, found: AxisVerdict
+    start: AxisState,
+    end: AxisState,
+    limits: AxisLimits,
+    duration_s: float,
+    found: AxisVerdict,
+    avoid_modes: tuple[StructuralMode, ...] = (),
 ) -> AxisSolution | None:
     """The first rung whose profile obeys; where a stop turns the axis back, steep knots first.
 
@@ -185,10 +193,13 @@ def _climb(
     angle = free.evaluate(np.linspace(0.0, duration_s, FREE_SAMPLES))[0]
     stopped = angle.min() < limits.angle_min_rad or angle.max() > limits.angle_max_rad
     for ocp, spans, status in (STEEP, GRADED, FINER) if stopped else (GRADED, STEEP, FINER):
-        result = ocp(spans).solve(start, end, limits, duration_s)
+        result = ocp(spans).solve(start, end, limits, duration_s, avoid_modes)
         iterations += result.iterations
         if obeys(result.profile, start, end, limits):
-            return AxisSolution(result.profile, status, iterations)
+            calm = ", modes spared" if avoid_modes else ""
+            return AxisSolution(result.profile, status + calm, iterations)
+    if avoid_modes:
+        return _climb(start, end, limits, duration_s, found)
     if found.profile is not None:
         return AxisSolution(found.profile, "feasible, not the smoothest", iterations)
     return None

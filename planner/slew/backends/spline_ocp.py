@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.platforms import AxisLimits
+from planner.platforms import AxisLimits, StructuralMode
 from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile, bounds
+from planner.slew.vibration import modal_cost
 
 Array = NDArray[np.float64]
 JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
@@ -44,6 +45,34 @@ class OcpResult(NamedTuple):
     ipopt_status: str
 
 
+@dataclass(frozen=True, eq=False)
+class PosedAxis:
+    """One axis of a slew in the solver's variables y: free coefficients over their units.
+
+    The angle is start + scale_rad * sum of c_i B_i(t/T).  fixed: the coefficients that the
+    ends determine.  low, high bound y; rows_low, rows_high the hull rows.  gradient (k,)
+    and, where structural modes are spared, hessian (k, k): of the cost.
+    """
+
+    start_angle_rad: float
+    scale_rad: float
+    duration_s: float
+    fixed: Array
+    low: Array
+    high: Array
+    rows_low: Array
+    rows_high: Array
+    gradient: Array
+    hessian: Array | None
+
+
+class Values(NamedTuple):
+    """What free (k, m) and fixed (k, 6) coefficients add to the normalised angle."""
+
+    free: Array
+    fixed: Array
+
+
 @dataclass(frozen=True)
 class _Basis:
     """Everything the knots determine; n coefficients, the first and last three fixed.
@@ -66,6 +95,7 @@ class SplineOcp:
     """Least integral of squared jerk over clamped B-splines on fixed knots.
 
     breakpoints: from 0 to 1, the knots in normalised time.
+    hessian: of the cost in y.  jacobian: of the hull rows in y.
     Source: hull property, de Boor, A Practical Guide to Splines (2001), ch. XI.
     """
 
@@ -77,9 +107,9 @@ class SplineOcp:
         cost_free = basis.cost[np.ix_(basis.free, basis.free)]
         # Short spans make costs of 1e11 beside 1: in c the gradient drowns in rounding.
         self._unit = 1.0 / np.sqrt(JERK_COST * np.diag(cost_free))
-        self._hessian = cost_free * np.outer(self._unit, self._unit)
+        self.hessian = cost_free * np.outer(self._unit, self._unit)
         self._gradient = basis.cost[np.ix_(basis.free, basis.fixed)] * self._unit[:, None]
-        self._unconstrained = -np.linalg.solve(self._hessian, self._gradient)
+        self._unconstrained = -np.linalg.solve(self.hessian, self._gradient)
         self._limited = [
             np.flatnonzero(np.any(matrix[:, basis.free] != 0.0, axis=1))
             for matrix in basis.derivatives[1:]
@@ -88,31 +118,111 @@ class SplineOcp:
             [d[rows] for d, rows in zip(basis.derivatives[1:], self._limited, strict=True)]
         )
         self._row_scale = 1.0 / np.abs(rows[:, basis.free] * self._unit).max(axis=1)
-        self._jacobian = rows[:, basis.free] * self._unit * self._row_scale[:, None]
+        self.jacobian = rows[:, basis.free] * self._unit * self._row_scale[:, None]
         self._jacobian_fixed = rows[:, basis.fixed] * self._row_scale[:, None]
 
         y = casadi.MX.sym("y", len(basis.free))
         gradient = casadi.MX.sym("gradient", len(basis.free))
-        hessian = casadi.sparsify(casadi.DM(self._hessian))
-        quadratic = casadi.bilin(hessian, y, y) / 2.0
-        self._solver = casadi.nlpsol(
-            "slew",
-            "ipopt",
-            {
-                "x": y,
-                "p": gradient,
-                "f": quadratic + casadi.dot(gradient, y),
-                "g": casadi.mtimes(casadi.sparsify(casadi.DM(self._jacobian)), y),
-            },
-            {"print_time": False, "ipopt": IPOPT},
+        hessian = casadi.MX.sym("hessian", len(basis.free), len(basis.free))
+        linear = casadi.dot(gradient, y)
+        constraints = casadi.mtimes(casadi.sparsify(casadi.DM(self.jacobian)), y)
+        own = casadi.sparsify(casadi.DM(self.hessian))
+        self._solver, self._calm_solver = (
+            casadi.nlpsol(
+                "slew",
+                "ipopt",
+                {
+                    "x": y,
+                    "p": parameters,
+                    "f": casadi.bilin(quadratic, y, y) / 2.0 + linear,
+                    "g": constraints,
+                },
+                {"print_time": False, "ipopt": IPOPT},
+            )
+            for parameters, quadratic in (
+                (gradient, own),
+                (casadi.vertcat(gradient, casadi.vec(hessian)), hessian),
+            )
         )
 
     def solve(
-        self, start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
+        self,
+        start: AxisState,
+        end: AxisState,
+        limits: AxisLimits,
+        duration_s: float,
+        avoid_modes: tuple[StructuralMode, ...] = (),
     ) -> OcpResult:
-        """The smoothest spline from start to end in duration_s, if the solver is to be believed."""
+        """The smoothest spline from start to end in duration_s, if the solver is to be believed.
+
+        avoid_modes: left as calm as the limits allow; see `planner.slew.vibration`.
+        """
+        posed = self.pose(start, end, limits, duration_s, avoid_modes=avoid_modes)
+        if posed.hessian is None:
+            solver, parameters = self._solver, posed.gradient
+            optimum = self._unconstrained @ posed.fixed
+        else:
+            solver = self._calm_solver
+            parameters = np.concatenate([posed.gradient, posed.hessian.ravel()])
+            optimum = np.asarray(-np.linalg.solve(posed.hessian, posed.gradient))
+            bounded = np.concatenate([optimum, self.jacobian @ optimum])
+            least = np.concatenate([posed.low, posed.rows_low])
+            greatest = np.concatenate([posed.high, posed.rows_high])
+            if ((least <= bounded) & (bounded <= greatest)).all():
+                return OcpResult(self.profile(posed, optimum), 0, "unconstrained")
+        found = solver(
+            x0=np.clip(optimum, posed.low, posed.high),
+            p=parameters,
+            lbx=posed.low,
+            ubx=posed.high,
+            lbg=posed.rows_low,
+            ubg=posed.rows_high,
+        )
+        stats = solver.stats()
+        profile = self.profile(posed, np.asarray(found["x"]).ravel())
+        return OcpResult(profile, int(stats["iter_count"]), str(stats["return_status"]))
+
+    @property
+    def free_count(self) -> int:
+        """How many coefficients the ends leave free."""
+        return len(self._basis.free)
+
+    def values(self, tau: Array) -> Values:
+        """The angle at tau (k,) in [0, 1) is start + scale times (free y + fixed c_fixed)."""
+        basis = self._basis
+        span = np.searchsorted(basis.spans, tau, side="right") - 1
+        powers = (tau - basis.spans[span])[:, None] ** np.arange(basis.pieces.shape[1])
+        all_c = np.einsum("kj,kjn->kn", powers, basis.pieces[span])
+        return Values(all_c[:, basis.free] * self._unit, all_c[:, basis.fixed])
+
+    def guess(self, posed: PosedAxis, profile: AxisProfile, aside_rad: Array) -> Array:
+        """y of a motion near profile, moved aside by aside_rad at the `greville` instants."""
+        at_s = self.greville * posed.duration_s
+        angle = profile.evaluate(at_s)[0] + aside_rad
+        free = (angle - posed.start_angle_rad) / posed.scale_rad / self._unit
+        return np.asarray(np.clip(free, posed.low, posed.high))
+
+    @property
+    def greville(self) -> Array:
+        """Where in normalised time a free coefficient is nearly the spline's value, (k,)."""
+        degree = self._basis.pieces.shape[1] - 1
+        knots = self._basis.knots[1:-1]
+        means = np.convolve(knots, np.ones(degree) / degree, "valid")
+        return np.asarray(means[self._basis.free])
+
+    def pose(
+        self,
+        start: AxisState,
+        end: AxisState,
+        limits: AxisLimits,
+        duration_s: float,
+        *,
+        scale_rad: float | None = None,
+        avoid_modes: tuple[StructuralMode, ...] = (),
+    ) -> PosedAxis:
+        """The numbers that make this family of problems one problem."""
         basis, T = self._basis, duration_s
-        scale = _distance_scale_rad(start, end, T)
+        scale = _distance_scale_rad(start, end, T) if scale_rad is None else scale_rad
         fixed = basis.fixed_from_ends @ _normalised_ends(start, end, T, scale)
         limit = bounds(limits)
         low = (limit[0][0] - start.angle_rad) / scale / self._unit
@@ -128,24 +238,36 @@ class SplineOcp:
             )
         )
         known = self._jacobian_fixed @ fixed
-        free_optimum = self._unconstrained @ fixed
-        found = self._solver(
-            x0=np.clip(free_optimum, low, high),
-            p=self._gradient @ fixed,
-            lbx=low,
-            ubx=high,
-            lbg=-reach - known,
-            ubg=reach - known,
+        gradient, hessian = self._gradient @ fixed, None
+        if avoid_modes:
+            calm = modal_cost(basis.spans, basis.pieces, duration_s, avoid_modes)
+            free = calm[np.ix_(basis.free, basis.free)]
+            hessian = self.hessian + free * np.outer(self._unit, self._unit)
+            gradient = gradient + self._unit * (calm[np.ix_(basis.free, basis.fixed)] @ fixed)
+        return PosedAxis(
+            start_angle_rad=start.angle_rad,
+            scale_rad=scale,
+            duration_s=T,
+            fixed=fixed,
+            low=low,
+            high=high,
+            rows_low=-reach - known,
+            rows_high=reach - known,
+            gradient=gradient,
+            hessian=hessian,
         )
-        stats = self._solver.stats()
+
+    def profile(self, posed: PosedAxis, y: Array) -> AxisProfile:
+        """The motion whose free coefficients are y."""
+        basis = self._basis
         c = np.empty(len(basis.fixed) + len(basis.free))
-        c[basis.fixed] = fixed
-        c[basis.free] = np.asarray(found["x"]).ravel() * self._unit
+        c[basis.fixed] = posed.fixed
+        c[basis.free] = y * self._unit
         powers = np.arange(basis.pieces.shape[1])
-        coefficients = np.einsum("kjn,n->kj", basis.pieces, c) * scale / T**powers
-        coefficients[:, 0] += start.angle_rad
-        profile = AxisProfile(breakpoints_s=basis.spans * T, coefficients=coefficients)
-        return OcpResult(profile, int(stats["iter_count"]), str(stats["return_status"]))
+        coefficients = np.einsum("kjn,n->kj", basis.pieces, c)
+        coefficients = coefficients * posed.scale_rad / posed.duration_s**powers
+        coefficients[:, 0] += posed.start_angle_rad
+        return AxisProfile(breakpoints_s=basis.spans * posed.duration_s, coefficients=coefficients)
 
 
 def _distance_scale_rad(start: AxisState, end: AxisState, T: float) -> float:

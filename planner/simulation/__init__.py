@@ -1,0 +1,1 @@
+"""What a table does to what flies it."""

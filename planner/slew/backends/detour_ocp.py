@@ -1,0 +1,152 @@
+"""Which smoothest motion of both axes keeps the boresight out of moving cones?
+
+The two axes' splines and limits are those of `spline_ocp`; cones couple them.  The cosine
+between boresight and a cone's axis is bilinear in the cosines and sines of the two angles,
+so that one solver serves every platform and every cone.
+"""
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.gimbal.keep_out import MovingCone
+from planner.platforms import TwoAxisPlatform
+from planner.slew.backends.spline_ocp import IPOPT, PosedAxis, SplineOcp
+from planner.slew.solution import AxisProfile
+
+Array = NDArray[np.float64]
+POINTS = 120
+NOT_COUNTING = 1e3  # beyond any scaled cosine
+OPTIONS = {
+    name: value
+    for name, value in IPOPT.items()
+    if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
+} | {"tol": 1e-6, "max_iter": 120}  # the margin beside a cone is a thousand times that
+
+
+class DetourOcp:
+    """Least integral of squared jerk of both axes, cones kept at `POINTS` instants.
+
+    spline: the basis of each axis.  cones: how many.  calm: whether modes are spared.
+    """
+
+    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool) -> None:
+        # CasADi takes 0.1 s to import, which only a process that solves should pay.
+        import casadi
+
+        self._spline, self._calm = spline, calm
+        self.tau = np.linspace(0.0, 1.0, POINTS + 2)[1:-1]
+        self._values = spline.values(self.tau)
+        n = spline.free_count
+        y = [casadi.SX.sym(f"y{axis}", n) for axis in range(2)]
+        p_gradient = [casadi.SX.sym(f"gradient{axis}", n) for axis in range(2)]
+        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 if calm else 0)]
+        p_base = [casadi.SX.sym(f"base{axis}", POINTS) for axis in range(2)]
+        p_scale = casadi.SX.sym("scale")
+        p_cosine = casadi.SX.sym("cosine", POINTS * cones, 9)
+
+        own = casadi.sparsify(casadi.DM(spline.hessian))
+        cost = casadi.SX(0)
+        for axis in range(2):
+            hessian = p_hessian[axis] if calm else own
+            cost += casadi.bilin(hessian, y[axis], y[axis]) / 2.0
+            cost += casadi.dot(p_gradient[axis], y[axis])
+        free = casadi.sparsify(casadi.DM(self._values.free))
+        angle = [p_base[axis] + p_scale * casadi.mtimes(free, y[axis]) for axis in range(2)]
+        one = casadi.SX.ones(POINTS, 1)
+        trig = [[one, casadi.cos(q), casadi.sin(q)] for q in angle]
+        jacobian = casadi.sparsify(casadi.DM(spline.jacobian))
+        rows = [casadi.mtimes(jacobian, part) for part in y]
+        for cone in range(cones):
+            part = p_cosine[cone * POINTS : (cone + 1) * POINTS, :]
+            cosine = casadi.SX(POINTS, 1)
+            for i, by_outer in enumerate(trig[0]):
+                for j, by_inner in enumerate(trig[1]):
+                    cosine += part[:, 3 * i + j] * by_outer * by_inner
+            rows.append(cosine)
+        parameters = [*p_gradient, *map(casadi.vec, p_hessian), *p_base, p_scale]
+        self._solver: Any = casadi.nlpsol(
+            "detour",
+            "ipopt",
+            {
+                "x": casadi.vertcat(*y),
+                "p": casadi.vertcat(*parameters, casadi.vec(p_cosine)),
+                "f": cost,
+                "g": casadi.vertcat(*rows),
+            },
+            {"print_time": False, "ipopt": OPTIONS},
+        )
+
+    def solve(
+        self,
+        platform: TwoAxisPlatform,
+        axes: tuple[PosedAxis, PosedAxis],
+        cones: tuple[MovingCone, ...],
+        margin_rad: Array,
+        guess: Array,
+    ) -> tuple[tuple[AxisProfile, AxisProfile], int]:
+        """Both profiles and the iterations; to be judged by what they are.
+
+        axes: posed with one scale.  margin_rad: (cones, POINTS), kept beside each half angle.
+        guess: (2, k), the free coefficients to begin from.
+        """
+        T = axes[0].duration_s
+        cosine, high = [], []
+        for cone, margin in zip(cones, margin_rad, strict=True):
+            axis, counts = cone.at(self.tau * T)
+            half_rad = cone.half_angle_rad + margin
+            steepness = np.maximum(np.sin(half_rad), 1e-3)
+            cosine.append(cosine_coefficients(platform, axis) / steepness[:, None])
+            high.append(np.where(counts, np.cos(half_rad) / steepness, NOT_COUNTING))
+        base = [
+            axis.start_angle_rad + axis.scale_rad * self._values.fixed @ axis.fixed for axis in axes
+        ]
+        hessians = [one.hessian.ravel() for one in axes if one.hessian is not None]
+        parameters = [
+            *(axis.gradient for axis in axes),
+            *hessians,
+            *base,
+            np.array([axes[0].scale_rad]),
+            np.concatenate(cosine).ravel(order="F"),
+        ]
+        found = self._solver(
+            x0=guess.ravel(),
+            p=np.concatenate(parameters),
+            lbx=np.concatenate([axis.low for axis in axes]),
+            ubx=np.concatenate([axis.high for axis in axes]),
+            lbg=np.concatenate(
+                [*(axis.rows_low for axis in axes), *([-np.inf] * len(h) for h in high)]
+            ),
+            ubg=np.concatenate([*(axis.rows_high for axis in axes), *high]),
+        )
+        y = np.asarray(found["x"]).reshape(2, -1)
+        profiles = tuple(
+            self._spline.profile(axis, part) for axis, part in zip(axes, y, strict=True)
+        )
+        return (profiles[0], profiles[1]), int(self._solver.stats()["iter_count"])
+
+
+def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Array:
+    """(n, 9): the boresight's cosine with (n, 3) unit vectors is the sum over i, j of
+    entry 3 i + j times (1, cos a, sin a)[i] times (1, cos b, sin b)[j].
+
+    Source: Rodrigues' formula, applied for the inner and the outer axis.
+    """
+    outer, inner = platform.axes_platform
+    zero = np.array(platform.zero_direction_platform)
+    zero = zero / np.linalg.norm(zero)
+
+    def parts(axis: Array, vector: Array) -> list[Array]:
+        along = (axis @ vector) * axis
+        return [along, vector - along, np.cross(axis, vector)]
+
+    table = np.array([parts(outer, carried) for carried in parts(inner, zero)])  # [j, i, xyz]
+    return np.asarray(np.einsum("nx,jix->nij", axis_platform, table).reshape(-1, 9))
+
+
+@lru_cache(maxsize=8)
+def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool) -> DetourOcp:
+    """Made once per process and basis."""
+    return DetourOcp(spline, cones, calm=calm)

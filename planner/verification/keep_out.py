@@ -1,0 +1,159 @@
+"""Does the boresight ever enter a cone it must keep out of, on rows or between them?"""
+
+import math
+from collections.abc import Iterator
+
+import erfa
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
+from planner.frames.time_scales import Instants, shifted_utc
+from planner.orbits import Ephemeris, OrbitStates
+from planner.scenario import Scenario
+from planner.targets import BodyTarget, KeepOut
+from planner.targets.keep_out import HIDDEN_RAD
+from planner.verification.carrier import boresight_platform, eci_from_platform
+from planner.verification.limits import axis_hermite
+from planner.verification.report import Finding, KeepOutMargin
+from planner.verification.sky import sky_sight
+
+TOLERANCE_RAD = math.radians(0.1 / 3600.0)  # as for pointing
+FINER = 20  # instants per cell, 10 ms apart, where a cone is near
+CARRIER_RATE_RAD_S = math.radians(1.0)  # none turns faster
+ROWS_AT_ONCE = 20_000
+
+
+def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMargin, ...]:
+    """How near the boresight comes to each cone, from the first row to the last.
+
+    Raises OutsideCoverage.
+    """
+    if not scenario.slew.keep_out:
+        return ()
+    count = len(table.angle_rad)
+    ephemeris = scenario.orbit.ephemeris(
+        table.epoch_utc, shifted_utc(table.epoch_utc, (count - 1) / ROWS_PER_S)
+    )
+    rate_rad_s = np.abs(table.rate_rad_s).sum(axis=1)
+    reach_rad = (rate_rad_s + CARRIER_RATE_RAD_S) * COMMAND_STEP_S + sum(
+        limits.acceleration_max_rad_s2 for limits in scenario.axis_limits
+    ) * COMMAND_STEP_S**2
+    found = []
+    for number, cone in enumerate(scenario.slew.keep_out):
+        half_rad = math.radians(cone.half_angle_deg)
+        rows = np.arange(count)
+        away_rad = _away_rad(table, scenario, ephemeris, cone, rows, np.zeros(count))
+        # Closest among the rows, and every 10 ms next to rows from which the cone is in reach.
+        near = rows[(away_rad - half_rad < reach_rad) & (rows < count - 1)]
+        cell = np.repeat(near, FINER)
+        u_s = np.tile(np.arange(FINER) * (COMMAND_STEP_S / FINER), len(near))
+        finer_rad = _away_rad(table, scenario, ephemeris, cone, cell, u_s)
+        every_rad = np.concatenate([away_rad, finer_rad])
+        t_s = np.concatenate([rows / ROWS_PER_S, cell / ROWS_PER_S + u_s])
+        least = int(np.argmin(every_rad))
+        found.append(
+            KeepOutMargin(
+                number=number,
+                about=cone.about,
+                half_angle_rad=half_rad,
+                away_min_rad=None if math.isinf(every_rad[least]) else float(every_rad[least]),
+                t_s=float(t_s[least]),
+                at_utc=shifted_utc(table.epoch_utc, float(t_s[least])),
+            )
+        )
+    return tuple(found)
+
+
+def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
+    """One error for each cone that is entered."""
+    for margin in margins:
+        away_rad = margin.away_min_rad
+        if away_rad is not None and away_rad < margin.half_angle_rad - TOLERANCE_RAD:
+            yield Finding(
+                severity="error",
+                limit="keep_out",
+                axis=None,
+                t_s=margin.t_s,
+                at_utc=margin.at_utc,
+                detail=(
+                    f"the boresight comes {math.degrees(away_rad):.3f} deg near {margin.about}, "
+                    f"less than {math.degrees(margin.half_angle_rad):.3f} deg, {margin.t_s:.2f} s "
+                    "after the table's epoch"
+                ),
+            )
+
+
+def _away_rad(
+    table: CommandTable,
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    cone: KeepOut,
+    cell: NDArray[np.intp],
+    u_s: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """From boresight to the cone's axis, u_s after the rows; infinite where it doesn't count."""
+    parts = [
+        _part_rad(
+            table,
+            scenario,
+            ephemeris,
+            cone,
+            cell[first:][:ROWS_AT_ONCE],
+            u_s[first:][:ROWS_AT_ONCE],
+        )
+        for first in range(0, len(cell), ROWS_AT_ONCE)
+    ]
+    return np.concatenate([np.empty(0), *parts])
+
+
+def _part_rad(
+    table: CommandTable,
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    cone: KeepOut,
+    cell: NDArray[np.intp],
+    u_s: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    at_last = cell == len(table.angle_rad) - 1
+    begun = np.where(at_last, cell - 1, cell)
+    into_s = np.where(at_last, COMMAND_STEP_S, u_s)
+    angle_rad = np.stack([axis_hermite(table, k).angle_at(begun, into_s) for k in range(2)], axis=1)
+    instants = Instants(table.epoch_utc, cell / ROWS_PER_S + u_s)
+    states = ephemeris.states(instants)
+
+    def in_eci(vector_platform: NDArray[np.float64]) -> NDArray[np.float64]:
+        return eci_from_platform(
+            vector_platform, scenario.platform, scenario.attitude, instants, states
+        )
+
+    if cone.direction_platform is not None:
+        axis_eci = in_eci(np.tile(cone.direction_platform, (len(cell), 1)))
+        counts = np.ones(len(cell), dtype=bool)
+    else:
+        axis_eci, counts = _axis_eci(cone, instants, states)
+    boresight_eci = in_eci(boresight_platform(scenario.platform, angle_rad))
+    across = np.linalg.norm(np.cross(axis_eci, boresight_eci), axis=1)
+    away_rad = np.arctan2(across, np.sum(axis_eci * boresight_eci, axis=1))
+    return np.where(counts, away_rad, np.inf)
+
+
+def _axis_eci(
+    cone: KeepOut, instants: Instants, states: OrbitStates
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Of a cone not fixed to the platform: vectors (n, 3), and whether it counts (n,)."""
+    always = np.ones(len(instants.t_s), dtype=bool)
+    if cone.body is not None:
+        sight = sky_sight(BodyTarget(name=cone.body, grazing_altitude_km=0.0), instants, states)
+        return sight.apparent_eci, sight.clearance_rad > -HIDDEN_RAD
+    if cone.direction_lvlh is not None:
+        r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
+        momentum = np.cross(r, v)
+        z = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
+        y = -momentum / np.sqrt(np.sum(momentum * momentum, axis=1, keepdims=True))
+        basis = np.stack([np.cross(y, z), y, z], axis=1)
+        return np.asarray(np.einsum("k,nkj->nj", np.array(cone.direction_lvlh), basis)), always
+    if cone.ra_deg is None or cone.dec_deg is None:
+        raise TypeError("a cone without a direction has no axis")
+    axis = erfa.s2c(math.radians(cone.ra_deg), math.radians(cone.dec_deg))
+    return np.tile(axis, (len(always), 1)), always

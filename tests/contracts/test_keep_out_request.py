@@ -1,0 +1,45 @@
+"""Which cones and modes make no sense, and does the refusal say so?"""
+
+import pytest
+
+from planner.platforms import StructuralMode
+from planner.scenario import SlewOptions
+from planner.targets import KeepOut
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"half_angle_deg": 0.0, "body": "sun"}, "half_angle_deg"),
+        ({"half_angle_deg": 180.0, "body": "sun"}, "half_angle_deg"),
+        ({"half_angle_deg": 30.0}, "needs one direction"),
+        ({"half_angle_deg": 30.0, "body": "sun", "ra_deg": 1.0, "dec_deg": 2.0}, "one direction"),
+        ({"half_angle_deg": 30.0, "ra_deg": 1.0}, "belong together"),
+        ({"half_angle_deg": 30.0, "ra_deg": 361.0, "dec_deg": 2.0}, "ra_deg"),
+        ({"half_angle_deg": 30.0, "body": "sirius"}, "body must be one of"),
+        ({"half_angle_deg": 30.0, "direction_lvlh": (0.0, 0.0, 0.0)}, "zero vector"),
+    ],
+)
+def test_cones_that_make_no_sense_are_refused(fields, says):
+    with pytest.raises(ValueError, match=says):
+        KeepOut(**fields)
+
+
+def test_cones_are_counted():
+    cones = (KeepOut(half_angle_deg=10.0, body="sun"),) * 9
+    with pytest.raises(ValueError, match="keep_out must hold at most 8"):
+        SlewOptions(keep_out=cones)
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"frequency_hz": 0.0}, "frequency_hz"),
+        ({"frequency_hz": 3.0}, "frequency_hz"),
+        ({"frequency_hz": 1.0, "damping": 1.0}, "damping"),
+        ({"frequency_hz": 1.0, "damping": -0.1}, "damping"),
+    ],
+)
+def test_modes_that_make_no_sense_are_refused(fields, says):
+    with pytest.raises(ValueError, match=says):
+        StructuralMode(**fields)
