@@ -1,5 +1,6 @@
-"""Does what the README and the tutorial show really work?"""
+"""Does what the README and the pages of docs/ show really work?"""
 
+import dataclasses
 import itertools
 import json
 import re
@@ -10,11 +11,25 @@ import urllib.error
 import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, get_args
 
 import pytest
+from fastapi.testclient import TestClient
 
+from app.api.opportunity_request import read_opportunity_request
+from app.api.plan_request import read_plan_request
 from app.errors import STATUS_OF_REFUSAL
+from app.main import create_app
+from planner.attitude import ATTITUDES
 from planner.errors import Refusal
+from planner.export import EXPORTERS
+from planner.opportunities import OpportunityConditions, find_opportunities
+from planner.orbits import ORBITS
+from planner.pipeline import make_plan
+from planner.sequence import CONFLICTS
+from planner.slew import BACKENDS
+from planner.targets import TARGETS
+from planner.targets.test_motion import Motion
 
 ROOT = Path(__file__).parents[2]
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
@@ -39,7 +54,7 @@ def service():
         process.wait(timeout=20)
 
 
-def curl(command: str, address: str) -> tuple[int, dict]:
+def curl(command: str, address: str) -> tuple[int, Any]:
     """Does what the curl command says, so that no curl need be installed."""
     words = shlex.split(command.replace("\\\n", " "))
     options = dict(itertools.pairwise(words))
@@ -59,16 +74,82 @@ def curl_commands(text: str) -> list[str]:
 
 def test_curl_examples():
     [in_readme] = curl_commands(README)
-    [in_tutorial] = curl_commands((ROOT / "docs" / "http.md").read_text())
+    dry_run, czml, opportunities = curl_commands((ROOT / "docs" / "http.md").read_text())
     with service() as address:
         status, plan = curl(in_readme, address)
         assert status == 201
         assert plan["state"] == "done"
         assert plan["verification"]["passed"]
         assert len(plan["table"]["alpha_deg"]) == 1151
-        status, answer = curl(in_tutorial, address)
+        status, answer = curl(dry_run, address)
         assert status == 200
         assert answer["valid"] is True
+        status, answer = curl(czml, address)
+        assert status == 201
+        assert answer[0]["id"] == "document"
+        status, answer = curl(opportunities, address)
+        assert status == 200
+        assert answer["windows"]
+
+
+FRAGMENTS = [
+    json.loads(text)
+    for text in re.findall(
+        r"```json\n(.*?)```", (ROOT / "docs" / "requests.md").read_text(), re.DOTALL
+    )
+]
+PLANNED = [fragment for fragment in FRAGMENTS if "opportunities" not in fragment]
+
+
+def example(name: str) -> dict[str, Any]:
+    return json.loads((ROOT / "examples" / name).read_text())
+
+
+@pytest.mark.parametrize("fragment", PLANNED, ids=lambda fragment: json.dumps(fragment)[:60])
+def test_every_fragment_of_a_request_is_planned(fragment):
+    document = example("las_vegas_2015.json")
+    if "target" in fragment:
+        document["sessions"][0] |= fragment
+    else:
+        document |= fragment
+    assert make_plan(read_plan_request(json.dumps(document).encode())).verification.passed
+
+
+def test_the_conditions_of_opportunities_leave_windows():
+    [fragment] = [fragment for fragment in FRAGMENTS if fragment not in PLANNED]
+    document = example("opportunities_gallery.json") | fragment["opportunities"]
+    asked = read_opportunity_request(json.dumps(document).encode())
+    assert len(find_opportunities(asked).windows) > 10
+
+
+def test_the_refusal_shown_is_the_one_given():
+    [shown] = re.findall(r"```json\n(.*?)```", (ROOT / "docs" / "http.md").read_text(), re.DOTALL)
+    told = json.loads(shown)
+    [conflict] = [fragment for fragment in PLANNED if "on_conflict" in fragment]
+    document = example("las_vegas_2015.json") | conflict | {"on_conflict": "refuse"}
+    with TestClient(create_app()) as client:
+        problem = client.post("/v1/plans", json=document).json()
+    assert problem["detail"].startswith(told.pop("detail").removesuffix("..."))
+    assert {name: problem[name] for name in told if name != "instance"} | {
+        "instance": told["instance"]
+    } == told
+
+
+def test_every_mode_law_and_condition_is_described():
+    page = (ROOT / "docs" / "requests.md").read_text()
+    conditions = {field.name for field in dataclasses.fields(OpportunityConditions)}
+    motions = {motion.kind for motion in get_args(Motion)}
+    for name in {*ORBITS, *ATTITUDES, *CONFLICTS, *BACKENDS, *conditions, *motions}:
+        assert f"`{name}`" in page, name
+    shown = {fragment["target"]["mode"] for fragment in PLANNED if "target" in fragment}
+    assert shown == set(TARGETS)
+
+
+def test_every_format_is_described():
+    page = (ROOT / "docs" / "http.md").read_text()
+    for name, exporter in EXPORTERS.items():
+        told = "by `format` only" if name == "json" else f"`{exporter.media_type}`"
+        assert f"| `{name}` | {told} |" in page
 
 
 def test_command_line_example(tmp_path):
@@ -109,7 +190,10 @@ def test_python_example():
     assert result.stdout == "(1151, 2) True\n"
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/http.md", "docs/conventions.md"])
+PAGES = ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_links_lead_somewhere(page):
     file = ROOT / page
     for target in re.findall(r"\]\(([^)#]+)\)", file.read_text()):
