@@ -28,7 +28,10 @@ FORMATS = ("png", "svg", "pdf")
 
 
 def draw_plan(plan: Plan, image_format: str) -> bytes:
-    """The picture as a file of the given format; sessions are shaded, closest approaches and limits dashed."""
+    """The picture as a file of the given format.
+
+    Sessions are shaded, closest approaches and limits dashed.
+    """
     if image_format not in FORMATS:
         raise InvalidInput(
             f"{image_format!r} is no picture format; use one of {', '.join(FORMATS)}",

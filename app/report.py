@@ -5,8 +5,8 @@ from rich.table import Table
 from rich.text import Text
 
 from app.api.comparison import comparison_out
-from app.api.plan_response import margins_out
-from app.api.pointing import PointingOut, pointing_out
+from app.api.plan_response import keep_out_margin_out, margins_out
+from app.api.pointing import ARCSEC_PER_RAD, PointingOut, pointing_out
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.plan import Plan
 
@@ -29,7 +29,9 @@ def print_report(plan: Plan) -> None:
         _pointing(pointing),
         _uncertainty(plan),
         _margins(plan),
+        _keep_out(plan),
         _comparison(plan),
+        _vibration(plan),
     )
     for part in parts:
         if part.row_count:
@@ -125,6 +127,19 @@ def _margins(plan: Plan) -> Table:
     return table
 
 
+def _keep_out(plan: Plan) -> Table:
+    table = _table("cones to keep out of", "<about", "half angle deg", "closest deg", "<at UTC")
+    for cone in map(keep_out_margin_out, plan.verification.keep_out):
+        table.add_row(
+            Text(cone.about),
+            f"{cone.half_angle_deg:g}",
+            _or_dash(cone.away_min_deg, ".3f"),
+            "-" if cone.at is None else cone.at[11:-3],
+            style="red" if cone.margin_deg is not None and cone.margin_deg < 0.0 else None,
+        )
+    return table
+
+
 def _comparison(plan: Plan) -> Table:
     table = _table(
         "optimal slew against the spline",
@@ -153,6 +168,26 @@ def _comparison(plan: Plan) -> Table:
                     _or_jump(figures.jerk_squared_integral_deg2_s5),
                     ", ".join(figures.limits_broken) or "-",
                     style="red" if figures.limits_broken else None,
+                )
+    return table
+
+
+def _vibration(plan: Plan) -> Table:
+    table = _table(
+        "vibration left after the slew", "slew", "<axis", "mode Hz", "ocp arcsec", "spline arcsec"
+    )
+    for run in plan.slews:
+        for residual in run.comparison.residuals if run.comparison else ():
+            per_axis = zip(
+                plan.table.axis_names, residual.ocp_rad, residual.spline_rad, strict=True
+            )
+            for axis, ocp_rad, spline_rad in per_axis:
+                table.add_row(
+                    f"{run.session}",
+                    axis,
+                    f"{residual.mode.frequency_hz:g}",
+                    f"{ocp_rad * ARCSEC_PER_RAD:.2g}",
+                    f"{spline_rad * ARCSEC_PER_RAD:.2g}",
                 )
     return table
 

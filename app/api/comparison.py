@@ -26,11 +26,24 @@ class AxisFigures:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ModeResidualOut:
+    """How far one of `slew.avoid_modes` still swings after the slew, by axis.
+
+    The mode's share in the axis's motion is taken as one: deflections scale with it.
+    """
+
+    frequency_hz: float
+    damping: float
+    ocp_arcsec: dict[str, float]
+    spline_arcsec: dict[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
 class SlewComparisonOut:
     """Both ways over the same time between the same states, by axis.
 
     least_s: the least time the limits allow; paper_s: the time the paper's estimate asks for
-    (Sumarokov 2016, eq. 12-13).
+    (Sumarokov 2016, eq. 12-13).  residual_vibration: one entry for each mode to spare.
     """
 
     session: int
@@ -39,6 +52,7 @@ class SlewComparisonOut:
     paper_s: float
     ocp: dict[str, AxisFigures]
     spline: dict[str, AxisFigures]
+    residual_vibration: list[ModeResidualOut]
 
 
 def comparison_out(session: int, comparison: SlewComparison) -> SlewComparisonOut:
@@ -51,6 +65,15 @@ def comparison_out(session: int, comparison: SlewComparison) -> SlewComparisonOu
         paper_s=comparison.paper_duration_s,
         ocp=_by_axis(names, comparison.ocp),
         spline=_by_axis(names, comparison.spline),
+        residual_vibration=[
+            ModeResidualOut(
+                frequency_hz=residual.mode.frequency_hz,
+                damping=residual.mode.damping,
+                ocp_arcsec=_arcsec_by_axis(names, residual.ocp_rad),
+                spline_arcsec=_arcsec_by_axis(names, residual.spline_rad),
+            )
+            for residual in comparison.residuals
+        ],
     )
 
 
@@ -66,6 +89,13 @@ def _by_axis(names: tuple[str, ...], figures: SlewFigures) -> dict[str, AxisFigu
             end_error_arcsec=round(figures.end_error_rad[axis] * deg * 3600.0, DECIMALS),
         )
         for axis, name in enumerate(names)
+    }
+
+
+def _arcsec_by_axis(names: tuple[str, ...], amplitude_rad: tuple[float, ...]) -> dict[str, float]:
+    return {
+        name: math.degrees(amplitude) * 3600.0
+        for name, amplitude in zip(names, amplitude_rad, strict=True)
     }
 
 

@@ -258,4 +258,27 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             "on_conflict": "least_loss",
         },
     ),
+    "keep_out": (
+        "Led around the Sun, which the straight slew would pass at 2 deg",
+        {
+            **LAS_VEGAS,
+            "name": "around the Sun",
+            "initial_state": {
+                "epoch": "2015-02-27T17:34:00Z",
+                "angles_deg": {"alpha": 40.0, "beta": -170.0},
+            },
+            "slew": {"method": "ocp", "keep_out": [{"body": "sun", "half_angle_deg": 25.0}]},
+        },
+    ),
+    "avoid_modes": (
+        "A slew that leaves two modes of the structure at rest",
+        {
+            **LAS_VEGAS,
+            "name": "modes spared",
+            "slew": {
+                "method": "ocp",
+                "avoid_modes": [{"frequency_hz": 0.1}, {"frequency_hz": 0.35, "damping": 0.01}],
+            },
+        },
+    ),
 }

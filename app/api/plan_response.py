@@ -18,6 +18,7 @@ from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.frames.time_scales import utc_text
 from planner.plan import Plan, Segment, SegmentKind
 from planner.verification import Finding, LimitMargin
+from planner.verification.report import KeepOutMargin
 
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 
@@ -70,6 +71,21 @@ class MarginOut:
     unit: str
     t_s: float
     at: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeepOutMarginOut:
+    """How near the boresight comes to the axis of one cone of `slew.keep_out`, by its number.
+
+    away_min_deg, margin_deg, at: null when the cone never counts (the Earth hides its body).
+    """
+
+    number: int
+    about: str
+    half_angle_deg: float
+    away_min_deg: float | None
+    margin_deg: float | None
+    at: str | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +149,7 @@ class PlanResponse:
     segments: list[SegmentOut]
     table: TableOut
     margins: dict[str, dict[str, MarginOut]]
+    keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
@@ -172,6 +189,7 @@ def plan_response(plan: Plan, input_sha256: str, planned_at_utc: datetime) -> Pl
         segments=[_segment(segment) for segment in plan.segments],
         table=table_out(plan.table),
         margins=margins_out(report.limits),
+        keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
         pointing=[pointing_out(session) for session in report.sessions],
         uncertainty=[
             uncertainty_out(session, budget)
@@ -223,6 +241,19 @@ def margins_out(limits: tuple[LimitMargin, ...]) -> dict[str, dict[str, MarginOu
             at=utc_text(found.at_utc),
         )
     return margins
+
+
+def keep_out_margin_out(margin: KeepOutMargin) -> KeepOutMarginOut:
+    """In degrees."""
+    away_rad = margin.away_min_rad
+    return KeepOutMarginOut(
+        number=margin.number,
+        about=margin.about,
+        half_angle_deg=_degrees_of(margin.half_angle_rad),
+        away_min_deg=None if away_rad is None else _degrees_of(away_rad),
+        margin_deg=None if away_rad is None else _degrees_of(away_rad - margin.half_angle_rad),
+        at=None if away_rad is None else utc_text(margin.at_utc),
+    )
 
 
 def _segment(segment: Segment) -> SegmentOut:

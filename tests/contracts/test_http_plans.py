@@ -161,6 +161,35 @@ def test_a_test_motion_looks_at_nothing(client):
     assert plan["verification"]["taken_as_given"] == ["motion"]
 
 
+def test_a_cone_is_kept_out_of(client):
+    [margin] = example(client, "keep_out")["keep_out"]
+    assert margin["about"] == "the Sun"
+    # 0.1 arcsec, as for pointing
+    assert margin["margin_deg"] >= -0.1 / 3600.0
+    assert margin["away_min_deg"] == pytest.approx(25.0 + margin["margin_deg"])
+
+
+def test_a_cone_whose_body_the_earth_hides_never_counts(client):
+    cones = [{"body": body, "half_angle_deg": 25.0} for body in ("jupiter", "mercury")]
+    document = request(("slew.keep_out", cones))
+    by_number = client.post("/v1/plans", json=document).json()["keep_out"]
+    assert [margin["number"] for margin in by_number] == [0, 1]
+    hidden = by_number[0]  # Jupiter rises at 17:45 for the ISS
+    assert hidden["away_min_deg"] is None
+    assert hidden["margin_deg"] is None
+    assert hidden["at"] is None
+
+
+def test_spared_modes_swing_a_hundredth_of_the_splines(client):
+    """The issue's promise at more than 1.3 of the least time; here there is ten times that."""
+    [comparison] = example(client, "avoid_modes")["comparison"]
+    left = comparison["residual_vibration"]
+    assert [mode["frequency_hz"] for mode in left] == [0.1, 0.35]
+    for mode in left:
+        for axis in ("alpha", "beta"):
+            assert mode["ocp_arcsec"][axis] <= mode["spline_arcsec"][axis] / 100.0
+
+
 def test_sessions_that_conflict_are_shortened_as_asked(client):
     plan = example(client, "sequence")
     starts = [session["start"] for session in PLAN_EXAMPLES["sequence"][1]["sessions"]]

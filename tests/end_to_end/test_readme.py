@@ -201,7 +201,7 @@ def test_links_lead_somewhere(page):
 
 
 def test_every_refusal_is_explained():
-    tutorial = (ROOT / "docs" / "http.md").read_text()
+    pages = "".join((ROOT / page).read_text() for page in PAGES)
     for refusal in STATUS_OF_REFUSAL:
         if refusal is not Refusal:
-            assert f"`{refusal.slug}`" in tutorial
+            assert f"`{refusal.slug}`" in pages
