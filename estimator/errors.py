@@ -35,7 +35,7 @@ class Reason(StrEnum):
     SHORT_ARC = "the visible arc of the limb is too short"
     BROKEN_ARC = "too little of the limb that should be visible was found"
     NIGHT_SIDE = "the Sun is below the limb in view: a daylight limb can't be there"
-    LOW_SUN = "the Sun is too low at the craft: the limb in view is twilight, of unknown height"
+    LOW_SUN = "the Sun is too low at the craft: too little of the limb in view is in full daylight"
     BLURRED = "the edge found is far too soft for the limb: a terminator, glow or cloud edge"
     GLOWING_LAYER = "it grows dark again behind the edge: airglow or aurora, not the lit Earth"
     LIMB_HEIGHT = "the edge lies at a height the limb doesn't have: airglow, aurora or cloud tops"

@@ -31,6 +31,9 @@ _SUN_LOW_RAD = np.deg2rad(5.0)
 _SUN_LEAST = np.sin(np.deg2rad(3.0))
 _SUN_NEAR_RAD = np.deg2rad(30.0)
 _HEIGHT_M = (2e3, 45e3)
+# Under a low Sun little of the limb is lit and its height leans: what is left may be too vague.
+_SUN_VAGUE = np.sin(np.deg2rad(20.0))
+_VAGUE_RAD = np.deg2rad(0.15)
 
 
 @dataclass(frozen=True)
@@ -112,6 +115,13 @@ def judge_height(fit: Fit, limb_height_m: float | None, sigma_m: float) -> Reaso
         reach = 5.0 * sigma_m + 2e3
         low, high = limb_height_m - reach, limb_height_m + reach
     return None if low <= fit.height_m <= high else Reason.LIMB_HEIGHT
+
+
+def judge_low_sun(result: Fit, limb: Limb, sun_itrf: Floats) -> Reason | None:
+    """Whether a limb under a low Sun left the vertical too uncertain to be called measured."""
+    sigma_rad = float(np.sqrt(result.covariance[0, 0] + result.covariance[1, 1]))
+    low = float(-limb.nadir_itrf @ sun_itrf) < _SUN_VAGUE
+    return Reason.LOW_SUN if low and sigma_rad > _VAGUE_RAD else None
 
 
 def well_lit(

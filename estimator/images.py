@@ -26,6 +26,7 @@ Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 _KINDS = "PNG, JPEG or TIFF of 8 or 16 bit"
 # Independent noise in two channels differs by 1.4 times that of one; in a JPEG by 0.3-0.9.
 _SHARP_COLOUR = 1.1
+_FULL = 0.975  # of the largest value: noise and JPEG move it
 # Start-of-frame markers; C4, C8, CC are tables.
 _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 
@@ -34,18 +35,31 @@ _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 class Frame:
     """grey: brightness 0..1, (h, w).  usable: False where masked or transparent.
 
-    step: the smallest difference of brightness the file can hold.
+    step: the smallest difference of brightness the file can hold.  pixels: the image itself.
     """
 
     grey: Grey
     usable: NDArray[np.bool_]
     step: float
+    pixels: Pixels
+
+    def saturated(self, pixel: Floats) -> NDArray[np.bool_]:
+        """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
+        height, width = self.grey.shape
+        inside = np.nan_to_num(np.rint(pixel))
+        x = np.clip(inside[..., 0], 0, width - 1).astype(int)
+        y = np.clip(inside[..., 1], 0, height - 1).astype(int)
+        level = self.pixels[y, x].reshape(*x.shape, -1)[..., :3].max(axis=-1)
+        return np.asarray(level >= _FULL / self.step)
 
 
-def decode_image(content: bytes, field: str = "images") -> Pixels:
+def decode_image(
+    content: bytes, field: str = "images", camera: HorizonCamera | None = None
+) -> Pixels:
     """Pixels (h, w), (h, w, 3) or (h, w, 4), BGR order, 8 or 16 bit, not rotated.
 
-    Raises InvalidImage(field) for anything but a whole PNG, JPEG or TIFF within the caps.
+    Raises InvalidImage(field) for anything but a whole PNG, JPEG or TIFF within the caps and,
+    where the camera is told, of its size.
     """
     if len(content) > MAX_IMAGE_BYTES:
         raise InvalidImage(
@@ -57,6 +71,8 @@ def decode_image(content: bytes, field: str = "images") -> Pixels:
             f"the image is {width} x {height} pixels; at most {MAX_IMAGE_PIXELS} are read",
             field=field,
         )
+    if camera is not None:
+        _require_size(width, height, camera, field)
     try:
         pixels = cv2.imdecode(np.frombuffer(content, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:
@@ -73,13 +89,9 @@ def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Fr
 
     blue: take the blue channel of a colour image, else the mean of all.
     """
-    if pixels.shape[:2] != (camera.height_px, camera.width_px):
-        height, width = pixels.shape[:2]
-        raise InvalidImage(
-            f"the image is {width} x {height} pixels but camera {camera.name!r} has "
-            f"{camera.width_px} x {camera.height_px}; send the sensor's own pixels, unrotated",
-            field=field,
-        )
+    height, width = pixels.shape[:2]
+    _require_size(width, height, camera, field)
+    whole = pixels
     full = 65535.0 if pixels.dtype == np.uint16 else 255.0
     usable = np.ones(pixels.shape[:2], dtype=np.uint8)
     if pixels.ndim == 3 and pixels.shape[2] == 4:
@@ -92,7 +104,21 @@ def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Fr
         grey = pixels.reshape(pixels.shape[:2]).astype(np.float32)
     for polygon in camera.mask:
         cv2.fillPoly(usable, [np.rint(np.array(polygon)).astype(np.int32)], 0)
-    return Frame(grey=grey / np.float32(full), usable=usable.astype(bool), step=1.0 / full)
+    return Frame(
+        grey=grey / np.float32(full),
+        usable=usable.astype(bool),
+        step=1.0 / full,
+        pixels=whole,
+    )
+
+
+def _require_size(width: int, height: int, camera: HorizonCamera, field: str) -> None:
+    if (width, height) != (camera.width_px, camera.height_px):
+        raise InvalidImage(
+            f"the image is {width} x {height} pixels but camera {camera.name!r} has "
+            f"{camera.width_px} x {camera.height_px}; send the sensor's own pixels, unrotated",
+            field=field,
+        )
 
 
 def blue_is_sharp(pixels: Pixels) -> bool:

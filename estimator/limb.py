@@ -28,6 +28,7 @@ _MARGIN_PX = 4.0
 _APART = 6
 _SIGNIFICANT = 6.0
 _SHARE_OF_PEAK = 0.25
+_SHOULDER_M = np.arange(2.5e3, 21e3, 2.5e3)  # within the edge, where the limb grows bright
 _STEP_OF_NOISE = 0.3  # a file's smallest step, as noise: 1/sqrt(12)
 
 
@@ -41,7 +42,7 @@ class LimbPoints:
     (within - beyond) / (within + beyond).  behind (n,): brightness 45 km further in, or at the
     window's end, against the brightest on the way.  step_rad: azimuth per column.
     blocked (n,): the craft's own structure, or the dark, hides the column.  clipped (n,):
-    saturated just within the edge.
+    saturated up to 20 km within the edge.
     """
 
     ray_body: Floats
@@ -159,7 +160,7 @@ def find_limb(
     within, beyond = _sides(np.asarray(profile), peak, round(3.0 * sigma))
     inward_px = 45e3 / typical_m_per_px / pitch_px
     gap = _behind(np.asarray(profile), peak, inward_px)
-    deeper, _ = _sides(np.asarray(profile), peak, round(6.0 * sigma))
+    shoulder = pixel[:, None] - (_SHOULDER_M / typical_m_per_px)[:, None] * outward[:, None]
     sigma_px = np.hypot(noise / smooth_px / curve, 0.03)
     return LimbPoints(
         ray_body=ray,
@@ -167,7 +168,7 @@ def find_limb(
         azimuth_rad=azimuth,
         found=found & np.isfinite(ray[:, 0]),
         blocked=~inside[:, half],
-        clipped=np.maximum(within, deeper) > 0.97,
+        clipped=np.any(frame.saturated(shoulder), axis=1),
         sigma_rad=sigma_px * m_per_px / reach_m,
         width_m=width_px * m_per_px,
         contrast=(within - beyond) / (within + beyond + 1e-6),

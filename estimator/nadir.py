@@ -2,9 +2,10 @@
 
 Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb, with
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb
-hardly shows it), the limb's height, how strongly it rises under a low Sun and how it leans
-along the Sun's azimuth.  The limb's roughness is common to neighbouring columns: n columns
-within 5 deg of azimuth carry the information of one.
+hardly shows it), the limb's height, how strongly it rises under a low Sun, how it leans along
+the Sun's azimuth and bends across it, and the same of each overexposed camera by itself.
+The limb's roughness is common to neighbouring columns: n columns within 5 deg of azimuth
+carry the information of one.
 Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
 """
 
@@ -30,12 +31,19 @@ _CONVERGED_RAD = 2e-6  # 0.4 arcsec
 _RISE_SIGMA = 0.7
 _RISE_SCATTER = 0.2
 
+# Overexposed, the limb is where its light saturates the camera: twice the light moves it up by
+# ln 2 scale heights, 5 km, in every camera by its own exposure; and along the limb's arc as the
+# Rayleigh scattering 1 + cos^2 and the dust do.
+_CLIPPED_SHARE = 0.3
+_CLIPPED_M, _CLIPPED_LEAN_M, _CLIPPED_BEND_M = 5e3, 3e3, 2e3
+
 
 @dataclass(frozen=True)
 class Prior:
     """What is known beforehand: the limb's height, and the heading to 1-sigma.
 
-    lean_sigma_m: of the height's slope along the Sun's azimuth.
+    lean_sigma_m: of the height's slope along the Sun's azimuth.  bend_sigma_m: of its part that
+    repeats twice around the limb, along the Sun against across it.
     sun_itrf: None where the limb doesn't follow the Sun.
     """
 
@@ -43,15 +51,17 @@ class Prior:
     height_sigma_m: float
     heading_sigma_rad: float
     lean_sigma_m: float
+    bend_sigma_m: float
     roughness_m: float
     sun_itrf: Floats | None
 
 
 @dataclass(frozen=True)
 class Fit:
-    """c_body_from_itrf (3, 3), limb height, and the covariance (6, 6) of tilt about the limb's
-    east and north axes, turn about nadir (rad), height (m), the rise under a low Sun over its
-    model and the limb's lean along the Sun's azimuth (m).
+    """c_body_from_itrf (3, 3), limb height, and the covariance (7 + 3 k, 7 + 3 k) of tilt about
+    the limb's east and north axes, turn about nadir (rad), height (m), the rise under a low Sun
+    over its model, the limb's lean and bend by the Sun's azimuth (m), and by how much k
+    overexposed cameras' limbs are higher, lean and bend (m).
 
     residual_rad: per camera, over its columns, NaN where nothing was found.
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood.
@@ -99,75 +109,89 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     ray_body = np.concatenate([p.ray_body[p.found] for p in used])
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
     crowd = np.concatenate([columns_per_patch(p)[p.found] for p in used])
+    clipped = _clipped_columns(used)
     axes = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
-    c, turn = c_body_from_itrf.copy(), 0.0
-    height, rising, lean = prior.height_m, 1.0, 0.0
-    information = np.diag(
-        [
-            1.0,
-            1.0,
-            prior.heading_sigma_rad**-2,
-            max(prior.height_sigma_m, 1.0) ** -2,
-            _RISE_SIGMA**-2,
-            prior.lean_sigma_m**-2,
-        ]
-    )
+    c = c_body_from_itrf.copy()
+    # Besides the tilts: turn, height, and what lifts the limb from place to place.
+    expected, sigma = _expected(prior, clipped.shape[1])
+    free = expected.copy()
+    known = sigma**-2
+    # Out of this range it will be refused; within it, there is a limb to compare with.
+    reach_sigma_m = 10.0 * max(prior.height_sigma_m, 1.0)
     scale = np.inf
     for _ in range(_STEPS):
         d = ray_body @ c
-        rough_m = np.full(len(d), prior.roughness_m)
-        rise, sunward = np.zeros(len(d)), np.zeros(len(d))
-        if prior.sun_itrf is not None:
-            elevation = limb.sun_elevation_rad(d, height, prior.sun_itrf)
-            rise = sun_rise_m(elevation)
-            rough_m = np.hypot(rough_m, _RISE_SCATTER * rise)
-            sunward = d @ _horizontal(prior.sun_itrf, limb.nadir_itrf)
-        above = rising * rise + lean * sunward
-        residual, by_turn, by_height = _residuals(limb, d, height, above)
-        jacobian = np.column_stack(
-            [by_turn @ axes.T, by_height, by_height * rise, by_height * sunward]
-        )
+        lifts, rough_m = _lifts(d, clipped, limb, prior, float(free[1]))
+        residual, by_turn, by_height = _residuals(limb, d, float(free[1]), lifts @ free[2:])
+        jacobian = np.column_stack([by_turn @ axes.T, by_height, by_height[:, None] * lifts])
         one = np.hypot(edge_rad, rough_m / reach_m)
         weight = _tukey(residual, one, scale)
         scale = max(1.0, 1.4826 * float(np.median(np.abs(residual) / one)))
         spread2 = edge_rad**2 + crowd * (rough_m / reach_m) ** 2
         weighted = jacobian * (weight / spread2)[:, None]
-        normal = weighted.T @ jacobian + information
+        normal = weighted.T @ jacobian + np.diag([1.0, 1.0, *known])
         gradient = weighted.T @ residual
-        gradient[2] += information[2, 2] * turn
-        gradient[3] += information[3, 3] * (height - prior.height_m)
-        gradient[4] += information[4, 4] * (rising - 1.0)
-        gradient[5] += information[5, 5] * lean
+        gradient[2:] += known * (free - expected)
         step = -np.linalg.solve(normal + 1e-9 * np.diag(np.diag(normal)), gradient)
         step[:3] = np.clip(step[:3], -0.05, 0.05)
         c = c @ _rotation(axes.T @ step[:3]).T
-        turn += step[2]
-        # Out of this range it will be refused; within it, there is a limb to compare with.
-        reach_sigma_m = 10.0 * max(prior.height_sigma_m, 1.0)
-        low_m, high_m = prior.height_m - reach_sigma_m, prior.height_m + reach_sigma_m
-        height = float(np.clip(height + step[3], low_m, high_m))
-        rising += step[4]
-        lean += step[5]
+        free = free + step[2:]
+        free[1] = np.clip(free[1], expected[1] - reach_sigma_m, expected[1] + reach_sigma_m)
         if np.max(np.abs(step[:3])) < _CONVERGED_RAD:
             break
     tolerance = one * scale
     share2 = np.minimum((residual / (_TUKEY * tolerance)) ** 2, 1.0)
     loss = (_TUKEY**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) * one**2 / spread2
-    cost = float(np.sum(loss)) + (turn / prior.heading_sigma_rad) ** 2
-    cost += (height - prior.height_m) ** 2 * information[3, 3]
-    cost += (rising - 1.0) ** 2 * information[4, 4] + lean**2 * information[5, 5]
     # A fit worse than its model says is less certain than its model says.
     covariance = np.linalg.inv(normal) * _misfit2(residual, weight, one, spread2)
-    result = _unfitted(points, c, prior)
     return replace(
-        result,
-        height_m=height,
+        _unfitted(points, c, prior),
+        height_m=float(free[1]),
         covariance=covariance,
         residual_rad=_per_camera(points, residual),
         tolerance_rad=_per_camera(points, one),
-        cost=cost,
+        cost=float(np.sum(loss) + np.sum(known * (free - expected) ** 2)),
     )
+
+
+def _expected(prior: Prior, overexposed: int) -> tuple[Floats, Floats]:
+    """Turn, height, rise, lean, bend and those of overexposed cameras beforehand, and 1-sigma."""
+    expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
+    sigma = [
+        prior.heading_sigma_rad,
+        max(prior.height_sigma_m, 1.0),
+        _RISE_SIGMA,
+        prior.lean_sigma_m,
+        prior.bend_sigma_m,
+        *[_CLIPPED_M, _CLIPPED_LEAN_M, _CLIPPED_BEND_M] * overexposed,
+    ]
+    return np.array(expected), np.array(sigma)
+
+
+def _lifts(
+    d: Floats, clipped: Floats, limb: Limb, prior: Prior, height_m: float
+) -> tuple[Floats, Floats]:
+    """What lifts the limb along rays (n, 3) per unit of each unknown, (n, 3 + 3 k); roughness."""
+    shape = np.zeros((len(d), 3))
+    shape[:, 0] = 1.0
+    rise_m = np.zeros(len(d))
+    if prior.sun_itrf is not None:
+        rise_m = sun_rise_m(limb.sun_elevation_rad(d, height_m, prior.sun_itrf))
+        sunward = _horizontal(prior.sun_itrf, limb.nadir_itrf)
+        shape[:, 1] = d @ sunward
+        shape[:, 2] = shape[:, 1] ** 2 - (d @ np.cross(limb.nadir_itrf, sunward)) ** 2
+    own = (clipped[:, :, None] * shape[:, None, :]).reshape(len(d), -1)
+    rough_m = np.hypot(prior.roughness_m, _RISE_SCATTER * rise_m)
+    rough_m *= 1.0 + clipped.sum(axis=1)
+    return np.column_stack([rise_m, shape[:, 1:], own]), rough_m
+
+
+def _clipped_columns(used: list[LimbPoints]) -> Floats:
+    """1 where a found column (n,) is of an overexposed camera (k,)."""
+    counts = [int(np.sum(p.found)) for p in used]
+    over = [float(np.mean(p.clipped[p.found])) > _CLIPPED_SHARE for p in used]
+    return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 
 def _residuals(limb: Limb, d: Floats, height: float, rise: Floats) -> tuple[Floats, Floats, Floats]:
@@ -220,9 +244,7 @@ def _unfitted(points: list[LimbPoints], c: Floats, prior: Prior) -> Fit:
     return Fit(
         c_body_from_itrf=c,
         height_m=prior.height_m,
-        covariance=np.diag(
-            [np.pi**2] * 3 + [prior.height_sigma_m**2, _RISE_SIGMA**2, prior.lean_sigma_m**2]
-        ),
+        covariance=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2]),
         residual_rad=nothing,
         tolerance_rad=nothing,
         cost=np.inf,

@@ -1,7 +1,5 @@
 """What is known of the limb and the attitude before an image is looked at?"""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -18,11 +16,14 @@ DAYLIGHT_LIMB_SIGMA_M = 4.0e3
 _BLUE_RISE_M = 3.5e3
 _BLUE_LIMB_SIGMA_M = 2.7e3
 # Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
-# height leans along the Sun's azimuth by some hundred metres, which no image can tell from a tilt.
-_LEAN_M, _BLUE_LEAN_M = 400.0, 250.0
+# height leans along the Sun's azimuth, which no image can tell from a tilt.  In grey, where dust
+# counts, it leans with the level part of the Sun's direction against the upright one; in blue,
+# where air hides the dust, by some hundred metres.
+_LEAN_M, _LEAST_LEAN_M, _STEEPEST = 900.0, 300.0, 6.5
+_BLUE_LEAN_M = 250.0
+_BEND_OF_LEAN = 0.25
 _UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
-_CLIPPED_RISE_M, _CLIPPED_SIGMA_M, _CLIPPED_LEAN = 5e3, 5e3, 15.0
 
 
 def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bool) -> Prior:
@@ -38,10 +39,12 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
         heading = max(np.deg2rad(predicted.sigma_deg), _LEAST_HEADING_RAD)
     body = around.body
     if body.limb_height_km is None or body.limb_height_sigma_km is None:
+        lean_m = _lean_sigma_m(around, blue)
         return Prior(
             height_m=DAYLIGHT_LIMB_M + (_BLUE_RISE_M if blue else 0.0),
             height_sigma_m=_BLUE_LIMB_SIGMA_M if blue else DAYLIGHT_LIMB_SIGMA_M,
-            lean_sigma_m=(_BLUE_LEAN_M if blue else _LEAN_M) * _low_sun_factor(around),
+            lean_sigma_m=lean_m,
+            bend_sigma_m=_BEND_OF_LEAN * lean_m,
             heading_sigma_rad=heading,
             roughness_m=ROUGHNESS_M,
             sun_itrf=around.sun_itrf,
@@ -52,28 +55,20 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
         height_sigma_m=sigma_m,
         heading_sigma_rad=heading,
         lean_sigma_m=1.0,
+        bend_sigma_m=1.0,
         # A limb said to be known to the metre is no rougher than that.
         roughness_m=min(ROUGHNESS_M, sigma_m + 1.0),
         sun_itrf=None,
     )
 
 
-def _low_sun_factor(around: Surroundings) -> float:
-    """How much more the limb leans when the Sun is low; twice at 14 deg."""
+def _lean_sigma_m(around: Surroundings, blue: bool) -> float:
     sine = max(float(-around.limb.nadir_itrf @ around.sun_itrf), 0.0)
-    return 1.0 + 3.0 * float(np.exp(-sine / 0.23))
-
-
-def overexposed(prior: Prior) -> Prior:
-    """The prior of a limb that is saturated up to its edge: what is seen is its faint top."""
-    return replace(
-        prior,
-        height_m=prior.height_m + _CLIPPED_RISE_M,
-        height_sigma_m=float(np.hypot(prior.height_sigma_m, _CLIPPED_SIGMA_M)),
-        # Where the frame clips is set by the Sun on the limb, so it leans with it.
-        lean_sigma_m=_CLIPPED_LEAN * prior.lean_sigma_m,
-        roughness_m=2.0 * prior.roughness_m,
-    )
+    if blue:
+        # Twice as much at 14 deg.
+        return _BLUE_LEAN_M * (1.0 + 3.0 * float(np.exp(-sine / 0.23)))
+    level = np.sqrt(1.0 - sine**2)
+    return float(np.hypot(_LEAN_M * min(level / max(sine, 1e-3), _STEEPEST), _LEAST_LEAN_M))
 
 
 def air_scale_m(around: Surroundings) -> float:

@@ -15,6 +15,7 @@ from estimator.gates import (
     is_glowing_layer,
     judge_camera,
     judge_height,
+    judge_low_sun,
     unusable_frame,
     well_lit,
 )
@@ -22,7 +23,7 @@ from estimator.heading import brightness_cost
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
 from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to
-from estimator.prior import air_scale_m, overexposed
+from estimator.prior import air_scale_m
 from estimator.request import Surroundings
 from estimator.voting import vote
 
@@ -33,7 +34,6 @@ _FIRST_WINDOW_RAD = np.deg2rad(1.4)
 _WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
 _TRIED = 5
 _PROMISING = 0.25
-_CLIPPED_SHARE = 0.3
 _FIRST_HEADINGS, _HEADINGS = 5, 10
 _THINNED = 8
 _UNFITTED_COST = 1e12
@@ -134,7 +134,6 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
     limb, prior = search.around.limb, search.prior
     scale_m = air_scale_m(search.around)
-    known = prior
     active = [view.unusable is None for view in views]
     result = None
     c, height = c_body_from_itrf, prior.height_m
@@ -143,11 +142,9 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
             _points(view, search, c, height, window, scale_m, on)
             for view, on in zip(views, active, strict=True)
         ]
-        if search.daylight and _mostly_clipped(points):
-            known = overexposed(prior)
         if window == _FIRST_WINDOW_RAD and not search.heading_known:
-            c = _best(_all_headings(points, c, known, search, _FIRST_HEADINGS)).c_body_from_itrf
-        result = fit(points, limb, c, known)
+            c = _best(_all_headings(points, c, prior, search, _FIRST_HEADINGS)).c_body_from_itrf
+        result = fit(points, limb, c, prior)
         c, height = result.c_body_from_itrf, result.height_m
         cameras = _judged(views, points, result, search)
         if window == _FIRST_WINDOW_RAD:
@@ -168,8 +165,8 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     assert result is not None
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
-    fits = _all_headings(points, c, known, search, _HEADINGS)
-    judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, known), search)
+    fits = _all_headings(points, c, prior, search, _HEADINGS)
+    judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, prior), search)
     cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
     horizon = Horizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
     return replace(horizon, reason=_verdict(horizon, search))
@@ -240,6 +237,10 @@ def _verdict(horizon: Horizon, search: Search) -> Reason | None:
         return next(c.reason for c in horizon.cameras)
     if sum(c.arc_rad for c in good) < MIN_ARC_OF_ALL_RAD:
         return Reason.SHORT_ARC
+    if search.daylight:
+        vague = judge_low_sun(horizon.best, search.around.limb, search.around.sun_itrf)
+        if vague is not None:
+            return vague
     limb_height_km = search.around.body.limb_height_km
     return judge_height(
         horizon.best,
@@ -268,11 +269,6 @@ def _with_no_dissent(
             cameras[k] = replace(camera_fit, reason=Reason.CAMERAS_DISAGREE)
             return replace(found, reason=Reason.CAMERAS_DISAGREE, cameras=tuple(cameras))
     return found
-
-
-def _mostly_clipped(points: list[LimbPoints]) -> bool:
-    clipped = [p.clipped[p.found] for p in points if p.found.any()]
-    return bool(clipped) and float(np.mean(np.concatenate(clipped))) > _CLIPPED_SHARE
 
 
 def _emptied(points: LimbPoints) -> LimbPoints:
