@@ -1,0 +1,162 @@
+"""Is what a slew leaves of a structure's modes what an oscillator does, and little enough?"""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from planner.platforms import ISS_HRC, StructuralMode
+from planner.scenario import SlewOptions
+from planner.simulation.structure import residual_vibration_rad
+from planner.slew import BACKENDS, AxisState, SlewProblem, flown, next_duration_s
+from planner.slew.compare import compare_with_spline
+from planner.slew.solution import violations
+
+LIMITS = ISS_HRC.outer_limits
+STEP_S = 0.2
+
+
+def rows_of_constant_acceleration(acceleration_rad_s2, duration_s):
+    t_s = np.arange(round(duration_s / STEP_S) + 1) * STEP_S
+    return acceleration_rad_s2 * t_s**2 / 2.0, acceleration_rad_s2 * t_s
+
+
+@pytest.mark.parametrize(("periods", "expected"), [(1.0, 0.0), (2.0, 0.0), (0.5, 2.0), (1.5, 2.0)])
+def test_a_push_of_whole_periods_leaves_nothing_and_of_half_ones_twice_the_deflection(
+    periods, expected
+):
+    """Undamped, a pulse a of length T leaves |1 - exp(i w T)| a/w^2: textbook."""
+    mode = StructuralMode(frequency_hz=0.25, damping=0.0)
+    angle, rate = rows_of_constant_acceleration(0.01, periods / 0.25)
+    still_rad = 0.01 / (2.0 * math.pi * 0.25) ** 2
+    left = residual_vibration_rad(angle, rate, mode)
+    assert left == pytest.approx(expected * still_rad, abs=1e-12)  # rounding
+
+
+def test_steady_acceleration_before_and_after_excites_nothing():
+    angle, rate = rows_of_constant_acceleration(0.01, 7.4)
+    left = residual_vibration_rad(
+        angle,
+        rate,
+        StructuralMode(frequency_hz=0.4, damping=0.02),
+        acceleration_before_rad_s2=0.01,
+        acceleration_after_rad_s2=0.01,
+    )
+    assert left == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("frequency_hz", "damping"), [(0.1, 0.0), (0.7, 0.005), (2.0, 0.05)])
+def test_residual_is_that_of_an_integrated_oscillator(frequency_hz, damping):
+    """By SciPy's integrator on any table whatever; the swing is read off 0.25 periods apart."""
+    rng = np.random.default_rng(5)
+    angle, rate = 0.01 * rng.normal(size=21), 0.01 * rng.normal(size=21)
+    omega = 2.0 * math.pi * frequency_hz
+
+    def cell(k):
+        d, v0, v1 = (angle[k + 1] - angle[k]) / STEP_S, rate[k], rate[k + 1]
+        begin = (6.0 * d - 4.0 * v0 - 2.0 * v1) / STEP_S
+        end = (2.0 * v0 + 4.0 * v1 - 6.0 * d) / STEP_S
+        return begin, (end - begin) / STEP_S
+
+    state = np.zeros(2)
+    for k in range(20):
+        begin, slope = cell(k)
+        found = solve_ivp(
+            lambda t, x, b=begin, s=slope: [
+                x[1],
+                -(omega**2) * x[0] - 2.0 * damping * omega * x[1] - b - s * t,
+            ],
+            (0.0, STEP_S),
+            state,
+            rtol=1e-11,
+            atol=1e-14,
+        )
+        state = found.y[:, -1]
+    ringing = omega * math.sqrt(1.0 - damping**2)
+    swing = math.hypot(state[0], (state[1] + damping * omega * state[0]) / ringing)
+    mode = StructuralMode(frequency_hz=frequency_hz, damping=damping)
+    assert residual_vibration_rad(angle, rate, mode) == pytest.approx(swing, rel=1e-7)
+
+
+def draw_slews(count):
+    rng = np.random.default_rng(11)
+    while count:
+        start = AxisState(
+            angle_rad=rng.uniform(-2.5, 2.5), rate_rad_s=math.radians(rng.uniform(-1.0, 1.0))
+        )
+        end = AxisState(
+            angle_rad=rng.uniform(-2.5, 2.5),
+            rate_rad_s=math.radians(rng.uniform(-1.0, 1.0)),
+            acceleration_rad_s2=math.radians(rng.uniform(-0.01, 0.01)),
+        )
+        least_s = next_duration_s(start, end, LIMITS, 0.0)
+        if least_s is not None:
+            count -= 1
+            yield start, end, math.ceil(1.3 * least_s * 5.0) / 5.0
+
+
+def problem(start, end, duration_s, modes):
+    return SlewProblem(
+        axis_names=("alpha",),
+        limits=(LIMITS,),
+        start=(start,),
+        end=(end,),
+        duration_s=duration_s,
+        avoid_modes=modes,
+    )
+
+
+def left_rad(slew, mode):
+    angle, rate, _, _ = slew.motion(np.arange(round(slew.duration_s * 5) + 1) / 5.0)
+    return residual_vibration_rad(
+        angle[:, 0],
+        rate[:, 0],
+        mode,
+        acceleration_before_rad_s2=slew.problem.start[0].acceleration_rad_s2,
+        acceleration_after_rad_s2=slew.problem.end[0].acceleration_rad_s2,
+    )
+
+
+PERIODS = 3.0  # a slew of fewer can't always stop what it has set going within its limits
+
+
+@pytest.mark.parametrize("frequency_hz", [0.1, 0.3, 0.8, 2.0])
+def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz):
+    mode = StructuralMode(frequency_hz=frequency_hz)
+    cubic_options = SlewOptions(method="spline", filter_cutoff_hz=None)
+    tried = 0
+    for start, end, duration_s in draw_slews(16):
+        if duration_s * frequency_hz < PERIODS:
+            continue
+        tried += 1
+        posed = problem(start, end, duration_s, (mode,))
+        calm = flown(BACKENDS["ocp"].solve(posed, SlewOptions()))
+        cubic = BACKENDS["spline"].solve(posed, cubic_options)
+        assert calm.status[0].startswith("optimal, modes spared")
+        assert violations("alpha", calm.profiles[0], LIMITS) == ()
+        assert left_rad(calm, mode) <= 0.01 * left_rad(cubic, mode)
+        for share in (0.96, 1.04):
+            detuned = StructuralMode(frequency_hz=frequency_hz * share)
+            assert left_rad(calm, detuned) <= 0.1 * left_rad(cubic, detuned)
+    assert tried >= 8
+
+
+def test_several_modes_are_spared_at_once_and_the_comparison_tells():
+    modes = tuple(StructuralMode(frequency_hz=f) for f in (0.2, 0.55, 1.7))
+    start, end = AxisState(angle_rad=-0.8), AxisState(angle_rad=0.9, rate_rad_s=0.01)
+    posed = problem(start, end, 60.0, modes)
+    comparison = compare_with_spline(
+        flown(BACKENDS["ocp"].solve(posed, SlewOptions())), SlewOptions(filter_cutoff_hz=None)
+    )
+    assert [residual.mode for residual in comparison.residuals] == list(modes)
+    for residual in comparison.residuals:
+        assert residual.ocp_rad[0] <= 0.01 * residual.spline_rad[0]
+
+
+def test_a_mode_no_slew_can_spare_does_not_keep_it_from_being_flown():
+    start, end = AxisState(angle_rad=0.0), AxisState(angle_rad=0.05)
+    duration_s = math.ceil(next_duration_s(start, end, LIMITS, 0.0) * 5.5) / 5.0
+    posed = problem(start, end, duration_s, (StructuralMode(frequency_hz=0.02),))
+    calm = flown(BACKENDS["ocp"].solve(posed, SlewOptions()))
+    assert violations("alpha", calm.profiles[0], LIMITS) == ()
