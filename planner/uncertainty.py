@@ -9,7 +9,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from planner.attitude import AttitudeLaw
 from planner.attitude.accuracy import attitude_sigma
@@ -155,6 +154,9 @@ def probability_inside(offsets_rad: Offsets, half_rad: NDArray[np.float64]) -> f
 @cache
 def _normal_points(causes: int) -> NDArray[np.float64]:
     """A Richtmyer lattice mapped to the standard normal, shape (DRAWS, causes)."""
+    # SciPy's special functions take 0.1 s to import, which only a plan should pay.
+    from scipy.special import ndtri
+
     primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[:causes]
     if len(primes) < causes:
         raise ValueError(f"at most 12 causes can be drawn, not {causes}")

@@ -7,13 +7,16 @@ foretells rows it has not seen, and what it leaves out is stated.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, PPoly, make_interp_spline, make_lsq_spline
 from scipy.spatial.transform import Rotation, Slerp
 
 from planner.frames.iers import RAD_PER_ARCSEC
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline, PPoly
 
 STEP_TURN_MAX_RAD = np.deg2rad(45.0)
 EXACT_RAD = 0.1 * RAD_PER_ARCSEC  # the pointing error promised of a table
@@ -23,7 +26,7 @@ _HELD_OUT_EVERY = 5
 _SAMPLE_ROWS, _SAMPLES = 1000, 5
 _DEGREE = 5
 
-Curve = BSpline | PPoly
+Curve: TypeAlias = "BSpline | PPoly"
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +124,9 @@ def _fitted(
     q_dot_s: NDArray[np.float64] | None,
     spacing_s: float,
 ) -> Curve:
+    # SciPy's interpolators take 0.2 s to import, which only a message should pay.
+    from scipy.interpolate import make_interp_spline, make_lsq_spline
+
     if spacing_s:
         return make_lsq_spline(t_s, q_xyzw, _knots(t_s, spacing_s), k=_DEGREE, method="norm-eq")
     if q_dot_s is not None and len(t_s) >= 4:
@@ -147,8 +153,10 @@ def _knots(t_s: NDArray[np.float64], spacing_s: float) -> NDArray[np.float64]:
 
 def _through_rates(
     t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64], q_dot_s: NDArray[np.float64]
-) -> PPoly:
+) -> "PPoly":
     """Quintic Hermite through values and rates, second derivatives from a spline of the rates."""
+    from scipy.interpolate import PPoly, make_interp_spline
+
     degree = min(3, len(t_s) - 1)
     second = make_interp_spline(t_s, q_dot_s, k=degree).derivative()(t_s)
     h = np.diff(t_s)[:, None]

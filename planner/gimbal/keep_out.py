@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import Instants
@@ -39,6 +38,9 @@ class MovingCone:
 
     def at(self, t_s: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Axes, unit vectors (n, 3), and whether the cone counts, (n,)."""
+        # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+        from scipy.interpolate import CubicSpline
+
         both = np.column_stack([self.axis_platform, self.counts_rad])
         found = CubicSpline(self.t_s, both)(t_s)
         axis = found[:, :3] / np.linalg.norm(found[:, :3], axis=1, keepdims=True)

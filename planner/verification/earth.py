@@ -14,7 +14,6 @@ import erfa
 import numpy as np
 from astropy_iers_data import IERS_A_FILE
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from planner.errors import OutsideCoverage
 from planner.verification.clock import DAY_S, DAY_US, TT_MINUS_TAI_S, tai_minus_utc_s, tai_us
@@ -96,6 +95,9 @@ def earth_orientation(epoch_utc: datetime, t_s: NDArray[np.float64]) -> EarthOri
         [c_cirs_from_eci.reshape(-1, 9), c_itrf_from_tirs.reshape(-1, 9), ut1_minus_tai_s[:, None]],
         axis=1,
     )
+    # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+    from scipy.interpolate import CubicSpline
+
     smooth = CubicSpline(node_s, nodes)(t_s)
     ut1_days = (of_day_s + t_s + smooth[:, 18]) / DAY_S
     return EarthOrientation(

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import erfa
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
@@ -128,6 +127,9 @@ def _lifted(
     node = np.unique(np.linspace(0, count - 1, nodes).astype(np.intp))
     zenith_rad = np.clip(np.pi / 2.0 - elevation_rad[node], *_ZENITH_RANGE_RAD)
     lift_rad = lift_to_ground_rad(zenith_rad, range_m[node], height_m[node])
+    # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+    from scipy.interpolate import CubicSpline
+
     per_sine = CubicSpline(t_s[node], lift_rad / np.sin(zenith_rad))(t_s)
     across = up_eci - np.sum(up_eci * incoming, axis=1, keepdims=True) * incoming
     turned = incoming + per_sine[:, None] * across

@@ -12,7 +12,6 @@ import erfa
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from planner.errors import OutsideCoverage
 from planner.verification.clock import DAY_S
@@ -94,6 +93,9 @@ def v_earth_bary_m_s(at_tdb_s: NDArray[np.float64]) -> NDArray[np.float64]:
     count = max(_NODES_MIN, int(np.ceil(span_s / _NODE_SPACING_MAX_S)) + 1)
     node_s = np.linspace(at_tdb_s[0], at_tdb_s[-1], count)
     _, barycentric = erfa.epv00(_J2000_JD, node_s / DAY_S)
+    # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+    from scipy.interpolate import CubicSpline
+
     return np.asarray(CubicSpline(node_s, barycentric["v"] * _AU_PER_DAY_M_S)(at_tdb_s))
 
 
