@@ -18,6 +18,8 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
 from app.api.json_reader import FieldError, InvalidRequest, field_errors
+from app.jobs.disposable import TooDemanding
+from estimator.errors import InvalidCamera, InvalidImage
 from planner import errors
 from planner.errors import GiveUp
 from planner.frames.time_scales import utc_text
@@ -36,6 +38,9 @@ STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     errors.TrackBreaksLimit: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.InfeasibleSlew: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.Unverified: HTTPStatus.UNPROCESSABLE_ENTITY,
+    InvalidCamera: HTTPStatus.UNPROCESSABLE_ENTITY,
+    InvalidImage: HTTPStatus.UNPROCESSABLE_ENTITY,
+    TooDemanding: HTTPStatus.UNPROCESSABLE_ENTITY,
     # The request was sound: these two are our failures.
     errors.SolverFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
     errors.VerificationFailed: HTTPStatus.INTERNAL_SERVER_ERROR,

@@ -1,5 +1,8 @@
 """What does the HTTP service consist of?"""
 
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
@@ -7,7 +10,8 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from app import errors
-from app.api import opportunities, plans, platforms, system
+from app.api import horizon, opportunities, plans, platforms, system
+from app.jobs.disposable import start_server
 from app.openapi import complete
 from app.settings import Settings
 from app.versions import VERSION
@@ -31,6 +35,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         version=VERSION,
         description=_DESCRIPTION,
         redirect_slashes=False,
+        lifespan=_ready_for_children,
         separate_input_output_schemas=False,
         swagger_ui_parameters={
             "tryItOutEnabled": True,
@@ -40,11 +45,18 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings or Settings()
     app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
-    for resource in (plans, opportunities, platforms, system):
+    app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
+    for resource in (plans, opportunities, horizon, platforms, system):
         app.include_router(resource.router)
     errors.install(app)
     _describe(app)
     return app
+
+
+@asynccontextmanager
+async def _ready_for_children(_: FastAPI) -> AsyncIterator[None]:
+    start_server()
+    yield
 
 
 def _describe(app: FastAPI) -> None:

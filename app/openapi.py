@@ -5,6 +5,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from app.api.horizon_request import horizon_request_json_schemas
 from app.api.opportunity_request import opportunity_request_json_schema
 from app.api.plan_request import plan_request_json_schema
 from app.errors import PROBLEM_JSON, Problem
@@ -13,7 +14,7 @@ REF = "#/components/schemas/{model}"
 
 _REFUSALS_OF_BODIES = {
     HTTPStatus.REQUEST_ENTITY_TOO_LARGE: "The request is too long",
-    HTTPStatus.UNSUPPORTED_MEDIA_TYPE: "The request is no JSON",
+    HTTPStatus.UNSUPPORTED_MEDIA_TYPE: "The request is of another media type than we read",
     HTTPStatus.UNPROCESSABLE_ENTITY: "The request is refused: what is at fault, and the way out",
 }
 _REFUSALS_OF_ALL = {
@@ -50,6 +51,7 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     """FastAPI's document with our requests, which we read ourselves, and every refusal."""
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
+    described |= horizon_request_json_schemas(REF)
     described["Problem"] = TypeAdapter(Problem).json_schema(ref_template=REF)
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})

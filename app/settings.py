@@ -11,3 +11,5 @@ class Settings(BaseSettings):
 
     # Seven times NASA's 15-day OEM of the ISS in XML.
     max_body_bytes: int = Field(default=8 * 2**20, gt=0)
+    # Sixteen uncompressed grey images of 4 megapixels; a child gets them a second time.
+    max_upload_bytes: int = Field(default=64 * 2**20, gt=0)

@@ -142,7 +142,7 @@ def _header_size(content: bytes, field: str) -> tuple[int, int]:
         if len(content) >= 24 and content[12:16] == b"IHDR":
             size = struct.unpack(">II", content[16:24])
     elif content[:3] == b"\xff\xd8\xff":
-        size = _jpeg_size(content)
+        size = _jpeg_size(content, field)
     elif content[:4] in (b"II*\0", b"MM\0*"):
         size = _tiff_size(content)
     else:
@@ -152,7 +152,7 @@ def _header_size(content: bytes, field: str) -> tuple[int, int]:
     return size
 
 
-def _jpeg_size(content: bytes) -> tuple[int, int] | None:
+def _jpeg_size(content: bytes, field: str) -> tuple[int, int] | None:
     at = 2
     while at + 9 < len(content):
         if content[at] != 0xFF:
@@ -163,7 +163,13 @@ def _jpeg_size(content: bytes) -> tuple[int, int] | None:
             continue
         length = int.from_bytes(content[at + 2 : at + 4], "big")
         if marker in _JPEG_FRAMES:
-            height, width = struct.unpack(">HH", content[at + 5 : at + 9])
+            height, width, components = struct.unpack(">HHB", content[at + 5 : at + 10])
+            if components not in (1, 3):
+                raise InvalidImage(
+                    f"the JPEG has {components} components, as CMYK for printing has; send grey "
+                    "or RGB",
+                    field=field,
+                )
             return width, height
         if length < 2:
             return None

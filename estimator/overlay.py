@@ -49,7 +49,7 @@ def draw_overlay(
     return picture
 
 
-def encode_png(picture: NDArray[np.uint8]) -> bytes:
+def encode_png(picture: Pixels) -> bytes:
     """The picture as a PNG file."""
     _, coded = cv2.imencode(".png", picture)
     return bytes(coded)

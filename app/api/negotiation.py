@@ -36,7 +36,11 @@ async def json_body(request: Request) -> bytes:
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
             f"send the request with Content-Type: {JSON}, not {media_type[:80] or 'without one'}",
         )
-    limit: int = request.app.state.settings.max_body_bytes
+    return await whole_body(request, request.app.state.settings.max_body_bytes)
+
+
+async def whole_body(request: Request, limit: int) -> bytes:
+    """The body; refused with 413 before more than `limit` bytes of it are kept."""
     declared = request.headers.get("content-length", "")
     too_long = HTTPException(
         HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request may have {limit} bytes at most"

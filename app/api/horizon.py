@@ -1,0 +1,154 @@
+"""How are the horizon's estimates, predictions and pictures asked for over HTTP?"""
+
+import hashlib
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Annotated, Any, TypeVar
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, Request, Response
+from pydantic import TypeAdapter
+
+from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.api.horizon_request import (
+    read_estimate_request,
+    read_picture_request,
+    read_prediction_request,
+)
+from app.api.horizon_response import EstimateResponse, PredictionResponse
+from app.api.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
+from app.api.horizon_views import views
+from app.api.horizon_work import PictureOut, estimate_json, picture, picture_with_truth
+from app.api.negotiation import JSON, accepts_json, json_body, preferred
+from app.api.provenance import provenance
+from app.jobs.disposable import Bounds, ChildDied, run_disposable
+from app.openapi import REF, request_body
+from estimator.errors import InvalidImage
+from planner.frames.time_scales import utc_text
+
+router = APIRouter(tags=["horizon"])
+
+PNG = "image/png"
+ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500)
+# A picture of 4 megapixels takes 1.6 GB and 20 s on a slow core.
+PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
+
+_PREDICTION = TypeAdapter(PredictionResponse)
+T = TypeVar("T")
+
+_MULTIPART_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            MULTIPART: {
+                "schema": {
+                    "type": "object",
+                    "required": ["request", "images"],
+                    "properties": {
+                        "request": {"$ref": REF.format(model="HorizonRequest")},
+                        "images": {
+                            "type": "array",
+                            "description": "One PNG, JPEG or TIFF of 8 or 16 bit per camera, in "
+                            "the cameras' order, as read out: rotation by EXIF is ignored.",
+                            "items": {"type": "string", "contentMediaType": "image/*"},
+                        },
+                    },
+                },
+                "encoding": {"request": {"contentType": JSON}},
+                "example": {"request": ESTIMATE_EXAMPLE},
+            }
+        },
+    }
+}
+
+
+@router.post(
+    "/v1/horizon/estimates",
+    summary="Where is the local vertical in these images, and does the attitude agree?",
+    response_model=EstimateResponse,
+    dependencies=[Depends(accepts_json)],
+    openapi_extra=_MULTIPART_BODY,
+)
+async def post_estimate(
+    request: Request, upload: Annotated[HorizonUpload, Depends(horizon_upload)]
+) -> Response:
+    """Nadir in body axes from images of the horizon, with its covariance.
+
+    Frames that show no usable horizon are the answer `not_observable` with a reason, not a
+    refusal; files that are no images are refused.
+    """
+    now_utc = datetime.now(UTC)
+    asked = read_estimate_request(upload.request)
+    made = provenance(upload.sha256, now_utc)
+    answer = await in_child(request, ESTIMATE_BOUNDS, estimate_json, asked, upload.images, made)
+    return Response(answer, media_type=JSON)
+
+
+@router.post(
+    "/v1/horizon/predictions",
+    summary="What will each horizon camera see, and will it be of use?",
+    response_model=PredictionResponse,
+    dependencies=[Depends(accepts_json)],
+    openapi_extra=request_body("PredictionRequest", PREDICTION_EXAMPLES),
+)
+async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
+    """Per instant and camera the limb's line in pixels, its arc and light, and the expected
+    1-sigma of the nadir, or why the frame will be of no use.
+
+    A plan's sessions are looked ahead to by `horizon_cameras` in its request.
+    """
+    now_utc = datetime.now(UTC)
+    asked = await anyio.to_thread.run_sync(read_prediction_request, body)
+
+    def answer() -> bytes:
+        found, warnings = views(
+            asked.orbit,
+            asked.attitude,
+            asked.cameras,
+            asked.instants,
+            body=asked.body,
+            attitude_sigma_deg=asked.attitude_sigma_deg,
+        )
+        return _PREDICTION.dump_json(
+            PredictionResponse(
+                views=found,
+                warnings=list(warnings),
+                provenance=provenance(hashlib.sha256(body).hexdigest(), now_utc),
+            )
+        )
+
+    done = await anyio.to_thread.run_sync(answer, limiter=request.app.state.solves)
+    return Response(done, media_type=JSON)
+
+
+@router.post(
+    "/v1/horizon/images",
+    summary="A rendered picture of the horizon, as a camera would take it",
+    response_model=PictureOut,
+    responses={200: {"content": {PNG: {}}, "description": "The picture; as JSON with its truth"}},
+    openapi_extra=request_body("PictureRequest", PICTURE_EXAMPLES),
+)
+async def post_picture(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:
+    """Earth, air, clouds, Sun and sensor, with the truth an estimate should find on request.
+
+    Send `Accept: application/json` for the truth beside the picture.
+    """
+    kind = preferred(request, (PNG, JSON))
+    asked = await anyio.to_thread.run_sync(read_picture_request, body)
+    if kind == PNG:
+        return Response(await in_child(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
+    told = await in_child(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
+    return Response(TypeAdapter(PictureOut).dump_json(told), media_type=JSON)
+
+
+async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
+    """`run_disposable` when its turn has come; a child that dies died of its images."""
+    try:
+        return await anyio.to_thread.run_sync(
+            lambda: run_disposable(bounds, work, *given), limiter=request.app.state.children
+        )
+    except ChildDied:
+        raise InvalidImage(
+            "reading these images brought the reader down; save them anew with another program",
+            field="images",
+        ) from None
