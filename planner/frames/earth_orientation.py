@@ -7,6 +7,7 @@ computed at every instant.
 """
 
 from datetime import UTC, datetime, timedelta
+from functools import lru_cache
 
 import erfa
 import numpy as np
@@ -19,6 +20,8 @@ from planner.frames.time_scales import DAY_S, MJD_JD, TT_MINUS_TAI_S, Instants
 # d(ERA)/d(UT1): IERS Conventions 2010, eq. 5.15
 OMEGA_EARTH_RAD_S = 2.0 * np.pi * 1.00273781191135448 / DAY_S
 NODE_STEP_S = 120.0
+BLOCK_NODES = 32
+BLOCKS_KEPT = 1024  # 45 days, 2 MB
 _MJD_EPOCH = datetime(1858, 11, 17, tzinfo=UTC)
 
 # Mean equator and equinox of J2000.0 to GCRF: IERS Conventions 2010, 5.5.4 (frame bias, 23 mas)
@@ -135,6 +138,16 @@ def _interpolated(instants: Instants) -> NDArray[np.float64]:
 
 def _at_nodes(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Columns X, Y, s, UT1 - TAI, xp, yp, s' at multiples of 120 s of TAI, shape (m, 7)."""
+    block, within = np.divmod(nodes.astype(np.int64), BLOCK_NODES)
+    blocks, which = np.unique(block, return_inverse=True)
+    kept = np.array([_block(int(number)) for number in blocks]).reshape(-1, BLOCK_NODES, 7)
+    return np.asarray(kept[which, within])
+
+
+@lru_cache(maxsize=BLOCKS_KEPT)
+def _block(number: int) -> NDArray[np.float64]:
+    """BLOCK_NODES neighbouring nodes; kept, since one plan asks for the same ones many times."""
+    nodes = (number * BLOCK_NODES + np.arange(BLOCK_NODES)).astype(np.float64)
     epoch_utc = datetime(2000, 1, 1, tzinfo=UTC)
     tai_offset_s = nodes * NODE_STEP_S - (51544.0 * DAY_S + 32.0)  # TAI - UTC of that epoch
     utc_mjd = Instants(epoch_utc, tai_offset_s).utc_mjd()
