@@ -55,9 +55,10 @@ def plan(
         import hashlib
         from datetime import UTC, datetime
 
-        from app.api.plan_request import read_plan_request
+        from app.api.plan_request import read_whole_plan_request
 
-        scenario = read_plan_request(body)
+        request = read_whole_plan_request(body)
+        scenario = request.scenario()
 
         from app.report import print_report
         from planner.pipeline import make_plan
@@ -69,7 +70,13 @@ def plan(
             from app.api.plan_response import plan_json
 
             digest = hashlib.sha256(body).hexdigest()
-            _write(json, plan_json(made, input_sha256=digest, planned_at_utc=now_utc))
+            answer = plan_json(
+                made,
+                input_sha256=digest,
+                planned_at_utc=now_utc,
+                horizon_cameras=request.horizon_cameras,
+            )
+            _write(json, answer)
         if plot:
             from app.figure import draw_plan
 

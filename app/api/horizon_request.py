@@ -5,9 +5,11 @@ from typing import Annotated, Any
 
 from pydantic import FailFast, Field
 
+from app.api.horizon_cameras import require_cameras
+from app.api.horizon_views import ATTITUDE_SIGMA_DEG
 from app.api.json_reader import JsonReader
 from estimator.camera import HorizonCamera
-from estimator.request import MAX_CAMERAS, Body, HorizonRequest
+from estimator.request import Body, HorizonRequest
 from estimator.sensor import Sensor
 from estimator.synthetic import Scene
 from planner.attitude import Attitude
@@ -30,7 +32,7 @@ class PredictionRequest:
 
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    attitude_sigma_deg: float = 0.5
+    attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG
     cameras: tuple[HorizonCamera, ...]
     body: Body = Body()
     instants: Annotated[tuple[datetime, ...], Field(max_length=VIEWS_MAX), FailFast()]
@@ -78,15 +80,6 @@ class PictureRequest:
             raise ValueError(
                 f"camera: pictures up to {PICTURE_PIXELS_MAX} pixels are rendered, not {pixels}"
             )
-
-
-def require_cameras(field: str, cameras: tuple[HorizonCamera, ...]) -> None:
-    """Raise ValueError unless there are one to sixteen, each with a name of its own."""
-    if not 1 <= len(cameras) <= MAX_CAMERAS:
-        raise ValueError(f"{field} must hold 1 to {MAX_CAMERAS} of them, not {len(cameras)}")
-    names = [camera.name for camera in cameras]
-    if len(set(names)) < len(names):
-        raise ValueError(f"{field} need names of their own, not {names}")
 
 
 _ESTIMATE = JsonReader(HorizonRequest)

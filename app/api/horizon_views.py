@@ -17,6 +17,7 @@ from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import Orbit
 
 Floats = NDArray[np.float64]
+ATTITUDE_SIGMA_DEG = 0.5
 
 
 def flown_attitudes(
@@ -56,7 +57,7 @@ def views(
     moments: Sequence[datetime],
     *,
     body: Body,
-    attitude_sigma_deg: float,
+    attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG,
 ) -> tuple[list[ViewOut], tuple[str, ...]]:
     """Moment by moment every camera's view, and what to know of orbit and attitude."""
     r_sat_eci_m, q_body_from_eci, warnings = flown_attitudes(orbit, attitude, moments)

@@ -4,8 +4,10 @@ from typing import Annotated, Any
 
 from pydantic import FailFast, Field
 
+from app.api.horizon_cameras import require_cameras
 from app.api.json_reader import JsonReader
 from app.api.platform_choice import PlatformChoice, chosen
+from estimator.camera import HorizonCamera
 from planner.attitude import Attitude
 from planner.frames.time_scales import elapsed_s
 from planner.orbits import Orbit
@@ -14,6 +16,7 @@ from planner.slew.backends import BACKENDS
 from planner.spec import spec
 
 SESSIONS_MAX = 200
+HORIZON_CHECKS_MAX = 400
 SPAN_MAX_S = 86400.0  # 432,000 rows, some 30 MB
 
 
@@ -24,6 +27,7 @@ class PlanRequest:
     `platform`: a registered name, or a two-axis platform written out in degrees.
     `on_conflict`: when a slew doesn't fit between two sessions, refuse, or begin the later
     one late, end the earlier one early, or whatever of both loses the least time.
+    `horizon_cameras`: the carrier's, to be told in `horizon_checks` what they will see.
     """
 
     name: str = ""
@@ -34,6 +38,7 @@ class PlanRequest:
     sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX), FailFast()]
     slew: SlewOptions = SlewOptions()
     on_conflict: OnConflict = "refuse"
+    horizon_cameras: tuple[HorizonCamera, ...] = ()
 
     def __post_init__(self) -> None:
         if self.slew.method not in BACKENDS:
@@ -47,6 +52,13 @@ class PlanRequest:
                 f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "
                 f"not after {span_s:.0f} s; plan them one by one"
             )
+        if self.horizon_cameras:
+            require_cameras("horizon_cameras", self.horizon_cameras)
+            if len(self.horizon_cameras) * len(self.sessions) > HORIZON_CHECKS_MAX:
+                raise ValueError(
+                    f"horizon_cameras times sessions must not exceed {HORIZON_CHECKS_MAX}, which "
+                    f"{len(self.horizon_cameras)} x {len(self.sessions)} do; name fewer cameras"
+                )
 
     def scenario(self) -> Scenario:
         """The same, with the platform looked up."""
@@ -65,9 +77,14 @@ class PlanRequest:
 _READER = JsonReader(PlanRequest)
 
 
+def read_whole_plan_request(body: bytes) -> PlanRequest:
+    """What a JSON text asks for; raises InvalidRequest with the fields at fault."""
+    return _READER.read(body)
+
+
 def read_plan_request(body: bytes) -> Scenario:
     """The scenario a JSON text describes; raises InvalidRequest with the fields at fault."""
-    return _READER.read(body).scenario()
+    return read_whole_plan_request(body).scenario()
 
 
 def plan_request_json_schema(ref_template: str) -> dict[str, Any]:

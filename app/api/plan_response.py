@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.api.comparison import SlewComparisonOut, comparison_out
+from app.api.horizon_checks import HorizonCheckOut, horizon_checks
 from app.api.pointing import PointingOut, pointing_out
 from app.api.provenance import ProvenanceOut, provenance
 from app.api.uncertainty import UncertaintyOut, uncertainty_out
+from estimator.camera import HorizonCamera
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.frames.time_scales import utc_text
 from planner.plan import Plan, Segment, SegmentKind
@@ -154,6 +156,7 @@ class PlanResponse:
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]
+    horizon_checks: list[HorizonCheckOut]
     solver: SolverOut
     warnings: list[str]
     provenance: ProvenanceOut
@@ -173,12 +176,21 @@ class DryRunResponse:
 _ADAPTER = TypeAdapter(PlanResponse)
 
 
-def plan_json(plan: Plan, *, input_sha256: str, planned_at_utc: datetime) -> bytes:
+def plan_json(
+    plan: Plan,
+    *,
+    input_sha256: str,
+    planned_at_utc: datetime,
+    horizon_cameras: tuple[HorizonCamera, ...] = (),
+) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    return _ADAPTER.dump_json(plan_response(plan, input_sha256, planned_at_utc))
+    checks = horizon_checks(plan.scenario, horizon_cameras)
+    return _ADAPTER.dump_json(plan_response(plan, checks, input_sha256, planned_at_utc))
 
 
-def plan_response(plan: Plan, input_sha256: str, planned_at_utc: datetime) -> PlanResponse:
+def plan_response(
+    plan: Plan, checks: list[HorizonCheckOut], input_sha256: str, planned_at_utc: datetime
+) -> PlanResponse:
     """The plan under a new id."""
     report = plan.verification
     return PlanResponse(
@@ -206,6 +218,7 @@ def plan_response(plan: Plan, input_sha256: str, planned_at_utc: datetime) -> Pl
             for run in plan.slews
             if run.comparison is not None
         ],
+        horizon_checks=checks,
         solver=_solver(plan),
         warnings=list(plan.warnings),
         provenance=provenance(input_sha256, planned_at_utc),

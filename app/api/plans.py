@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 
 from app.api.examples import PLAN_EXAMPLES
 from app.api.negotiation import JSON, json_body, preferred
-from app.api.plan_request import read_plan_request
+from app.api.plan_request import read_whole_plan_request
 from app.api.plan_response import DryRunResponse, PlanResponse, plan_json
 from app.api.provenance import provenance
 from app.api.table_export import exported, file_name
@@ -80,15 +80,21 @@ async def post_plan(
     asked = query.format or _FORMAT_BY_MEDIA_TYPE.get(
         preferred(request, (JSON, *_FORMAT_BY_MEDIA_TYPE))
     )
-    scenario = await anyio.to_thread.run_sync(read_plan_request, body)
+    whole = await anyio.to_thread.run_sync(read_whole_plan_request, body)
+    scenario = whole.scenario()
     if query.dry_run:
         return Response(_dry_run(scenario, digest, now_utc), HTTPStatus.OK, media_type=JSON)
 
     def answer() -> Response:
         plan = make_plan(scenario)
         if asked is None:
-            whole = plan_json(plan, input_sha256=digest, planned_at_utc=now_utc)
-            return Response(whole, HTTPStatus.CREATED, _VARY, JSON)
+            answer = plan_json(
+                plan,
+                input_sha256=digest,
+                planned_at_utc=now_utc,
+                horizon_cameras=whole.horizon_cameras,
+            )
+            return Response(answer, HTTPStatus.CREATED, _VARY, JSON)
         return Response(
             exported(plan, asked, now_utc),
             HTTPStatus.CREATED,
