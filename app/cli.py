@@ -70,11 +70,13 @@ def plan(
             from app.api.plan_response import plan_json
 
             digest = hashlib.sha256(body).hexdigest()
+            checks = []
+            if request.horizon_cameras:
+                from app.api.horizon_checks import horizon_checks
+
+                checks = horizon_checks(made.scenario, request.horizon_cameras)
             answer = plan_json(
-                made,
-                input_sha256=digest,
-                planned_at_utc=now_utc,
-                horizon_cameras=request.horizon_cameras,
+                made, input_sha256=digest, planned_at_utc=now_utc, horizon_checks=checks
             )
             _write(json, answer)
         if plot:

@@ -1,8 +1,6 @@
 """Which sessions of a plan can be checked by the carrier's horizon cameras?"""
 
-from dataclasses import dataclass
-
-from app.api.horizon_response import ViewOut
+from app.api.horizon_view import HorizonCheckOut, ViewOut
 from app.api.horizon_views import views
 from estimator.camera import HorizonCamera
 from estimator.request import Body
@@ -10,21 +8,6 @@ from planner.frames.time_scales import elapsed_s, shifted_utc
 from planner.scenario import Scenario
 
 VIEWS_PER_SESSION = 3
-
-
-@dataclass(frozen=True, kw_only=True)
-class HorizonCheckOut:
-    """One camera's use in one session, seen at its start, middle and stop.
-
-    usable: in all three; else `reason` is that of the first that is not.
-    """
-
-    session: int
-    camera: str
-    usable: bool
-    reason: str | None
-    explanation: str | None
-    views: list[ViewOut]
 
 
 def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from app.api.horizon_response import ViewOut, view_out
+from app.api.horizon_response import view_out
+from app.api.horizon_view import ViewOut
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
 from estimator.request import Body, HorizonRequest, Position, Surroundings

@@ -2,6 +2,7 @@
 
 import math
 import uuid
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Literal
@@ -11,11 +12,10 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.api.comparison import SlewComparisonOut, comparison_out
-from app.api.horizon_checks import HorizonCheckOut, horizon_checks
+from app.api.horizon_view import HorizonCheckOut
 from app.api.pointing import PointingOut, pointing_out
 from app.api.provenance import ProvenanceOut, provenance
 from app.api.uncertainty import UncertaintyOut, uncertainty_out
-from estimator.camera import HorizonCamera
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.frames.time_scales import utc_text
 from planner.plan import Plan, Segment, SegmentKind
@@ -181,15 +181,14 @@ def plan_json(
     *,
     input_sha256: str,
     planned_at_utc: datetime,
-    horizon_cameras: tuple[HorizonCamera, ...] = (),
+    horizon_checks: Sequence[HorizonCheckOut] = (),
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    checks = horizon_checks(plan.scenario, horizon_cameras)
-    return _ADAPTER.dump_json(plan_response(plan, checks, input_sha256, planned_at_utc))
+    return _ADAPTER.dump_json(plan_response(plan, horizon_checks, input_sha256, planned_at_utc))
 
 
 def plan_response(
-    plan: Plan, checks: list[HorizonCheckOut], input_sha256: str, planned_at_utc: datetime
+    plan: Plan, checks: Sequence[HorizonCheckOut], input_sha256: str, planned_at_utc: datetime
 ) -> PlanResponse:
     """The plan under a new id."""
     report = plan.verification
@@ -218,7 +217,7 @@ def plan_response(
             for run in plan.slews
             if run.comparison is not None
         ],
-        horizon_checks=checks,
+        horizon_checks=list(checks),
         solver=_solver(plan),
         warnings=list(plan.warnings),
         provenance=provenance(input_sha256, planned_at_utc),

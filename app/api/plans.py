@@ -10,6 +10,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, field_validator
 
 from app.api.examples import PLAN_EXAMPLES
+from app.api.horizon_checks import horizon_checks
 from app.api.negotiation import JSON, json_body, preferred
 from app.api.plan_request import read_whole_plan_request
 from app.api.plan_response import DryRunResponse, PlanResponse, plan_json
@@ -92,7 +93,7 @@ async def post_plan(
                 plan,
                 input_sha256=digest,
                 planned_at_utc=now_utc,
-                horizon_cameras=whole.horizon_cameras,
+                horizon_checks=horizon_checks(plan.scenario, whole.horizon_cameras),
             )
             return Response(answer, HTTPStatus.CREATED, _VARY, JSON)
         return Response(
