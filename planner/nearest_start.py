@@ -22,7 +22,7 @@ from planner.joining import Rows, joined, session_rows, ways_to_hold
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
 from planner.slew import AxisState
-from planner.targets import BenchMotionTarget
+from planner.targets import BenchMotionTarget, Target, TimedTarget
 
 DAY_S = 86400.0
 HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
@@ -78,6 +78,7 @@ def _nearest(
         return None
     ephemeris, known = span
     seen = _seen(scenario, ephemeris, session, known)
+    target = _unbound(session)
 
     def attempt_with(stop_row: Callable[[int], int], stop: Callable[[int], datetime]) -> Attempt:
         def attempt(start_row: int) -> Session | None:
@@ -86,12 +87,9 @@ def _nearest(
             start_utc = shifted_utc(epoch_utc, start_row / ROWS_PER_S)
             if elapsed_s(stop(start_row), start_utc) < COMMAND_STEP_S:
                 return None
-            moved = replace(session, start=start_utc, stop=stop(start_row))
-            return (
-                moved
-                if _can_be_flown(scenario, ephemeris, number, moved, from_row, state)
-                else None
-            )
+            moved = replace(session, target=target, start=start_utc, stop=stop(start_row))
+            can_be_flown = _can_be_flown(scenario, ephemeris, number, moved, from_row, state)
+            return moved if can_be_flown else None
 
         return attempt
 
@@ -108,6 +106,14 @@ def _nearest(
     if found is None:
         found = _search(shift, _by_distance(seen, length_rows, wanted.start), wanted.start)
     return found
+
+
+def _unbound(session: Session) -> Target:
+    """The target as it was asked for: what began with the session will begin with the moved one."""
+    target = session.target
+    if isinstance(target, TimedTarget) and target.start == session.start:
+        return replace(target, start=None)
+    return target
 
 
 def _can_be_flown(

@@ -1,5 +1,7 @@
 """How is a value declared so that it is checked once, where it is born?"""
 
+from __future__ import annotations
+
 import dataclasses
 import math
 from typing import TYPE_CHECKING, TypeVar, dataclass_transform
@@ -22,7 +24,7 @@ def spec(cls: type[T]) -> type[T]:
     """
     own_check = cls.__dict__.get("__post_init__")
 
-    def __post_init__(self: "DataclassInstance") -> None:  # noqa: N807 (dataclasses calls it by this name)
+    def __post_init__(self: DataclassInstance) -> None:  # noqa: N807 (dataclasses calls it by this name)
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, float) and not math.isfinite(value):
