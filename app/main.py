@@ -10,7 +10,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from app import errors
-from app.api import horizon, opportunities, plans, platforms, system
+from app.api import horizon, opportunities, plans, platforms, spacecraft, system
 from app.jobs.disposable import start_server
 from app.openapi import complete
 from app.settings import Settings
@@ -46,7 +46,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.settings = settings or Settings()
     app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for resource in (plans, opportunities, horizon, platforms, system):
+    for resource in (plans, opportunities, horizon, spacecraft, platforms, system):
         app.include_router(resource.router)
     errors.install(app)
     _describe(app)

@@ -8,6 +8,7 @@ from pydantic import TypeAdapter
 from app.api.horizon_request import horizon_request_json_schemas
 from app.api.opportunity_request import opportunity_request_json_schema
 from app.api.plan_request import plan_request_json_schema
+from app.api.spacecraft_request import spacecraft_request_json_schema
 from app.errors import PROBLEM_JSON, Problem
 
 REF = "#/components/schemas/{model}"
@@ -26,6 +27,7 @@ _REFUSALS_OF_ALL = {
 _REQUESTS = {
     "PlanRequest": plan_request_json_schema,
     "OpportunityQuery": opportunity_request_json_schema,
+    "ImagingPlanRequest": spacecraft_request_json_schema,
 }
 
 

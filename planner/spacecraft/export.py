@@ -1,0 +1,202 @@
+"""In which formats can an imaging session's table be taken away?"""
+
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.io import netcdf_file, netcdf_variable
+from scipy.spatial.transform import Rotation
+
+from planner.export.ccsds import data_lines, epochs, header
+from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, carrier, one_line
+from planner.export.flown import axes_turn, continuous
+from planner.frames.time_scales import Instants, utc_text
+from planner.spacecraft.plan import ImagingPlan
+from planner.spacecraft.table import TICK_S, AttitudeTable
+
+Array = NDArray[np.float64]
+_QUATERNION_DECIMALS = 13
+_BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
+_BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImagingExporter:
+    """One format.  write(plan, created_utc): the file's bytes."""
+
+    title: str
+    media_type: str
+    suffix: str
+    write: Callable[[ImagingPlan, datetime], bytes]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Column:
+    """values: shape (n,) or (n, k); unit as UDUNITS writes it."""
+
+    name: str
+    parts: tuple[str, ...]
+    unit: str
+    values: Array
+    decimals: int = DECIMALS
+
+
+def _columns(table: AttitudeTable) -> tuple[_Column, ...]:
+    xyz, gimbals = ("x", "y", "z"), ("1", "2", "3", "4")
+    on = np.append(table.imaging(), False)
+    for window in table.windows:
+        on[window.last_row] = True
+    return (
+        _Column(
+            name="q_body_from_eci",
+            parts=(*xyz, "w"),
+            unit="1",
+            values=continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv()),
+            decimals=_QUATERNION_DECIMALS,
+        ),
+        _degrees("omega_body_deg_s", xyz, "degree s-1", table.omega_body_rad_s),
+        _degrees("alpha_body_deg_s2", xyz, "degree s-2", table.alpha_body_rad_s2),
+        _degrees("gimbal_deg", gimbals, "degree", table.gimbal_rad),
+        _degrees("gimbal_rate_deg_s", gimbals, "degree s-1", table.gimbal_rate_rad_s),
+        _Column(
+            name="imaging", parts=("",), unit="1", values=on[:, None].astype(float), decimals=0
+        ),
+    )
+
+
+def _degrees(name: str, parts: tuple[str, ...], unit: str, values_rad: Array) -> _Column:
+    return _Column(name=name, parts=parts, unit=unit, values=np.degrees(values_rad) + 0.0)
+
+
+def _notes(plan: ImagingPlan, created_utc: datetime) -> tuple[str, ...]:
+    return (
+        f"slewtrack imaging session {one_line(plan.request.name) or 'without a name'}, "
+        f"spacecraft {one_line(plan.spacecraft.name)}, written {utc_text(created_utc)}",
+        f"epoch {utc_text(plan.table.epoch_utc, 1)}, a row every {TICK_S} s; "
+        f"time scale {TIME_SCALE}",
+        _BODY_AXES,
+        QUATERNION,
+        _BETWEEN,
+        *(
+            f"imaging {one_line(window.request)} look {window.look}: rows "
+            f"{window.first_row} to {window.last_row}"
+            for window in plan.table.windows
+        ),
+    )
+
+
+def write_csv(plan: ImagingPlan, created_utc: datetime) -> bytes:
+    """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
+    table = plan.table
+    columns = _columns(table)
+    names = [f"{c.name}_{part}".rstrip("_") for c in columns for part in c.parts]
+    lines = [f"# {note}" for note in _notes(plan, created_utc)]
+    lines.append(",".join(["utc", "t_s", *names]))
+    layout = ",".join(f"%.{c.decimals}f" for c in columns for _ in c.parts)
+    rows = np.hstack([column.values for column in columns]).tolist()
+    moments = Instants(table.epoch_utc, table.t_s).utc_text(1)
+    for moment, t_s, row in zip(moments, table.t_s.tolist(), rows, strict=True):
+        lines.append(f"{moment},{t_s:.1f},{layout % tuple(row)}")
+    return ("\n".join(lines) + "\n").encode()
+
+
+def write_netcdf(plan: ImagingPlan, created_utc: datetime) -> bytes:
+    """Classic format, CF: `time` counts SI seconds since row 0, whose UTC is its reference."""
+    table = plan.table
+    buffer = io.BytesIO()
+    with netcdf_file(buffer, "w", version=2) as file:
+        _describe(
+            file,
+            Conventions="CF-1.12",
+            title=one_line(plan.request.name) or "slewtrack imaging session",
+            history=f"{utc_text(created_utc)} written by slewtrack",
+            comment="\n".join(_notes(plan, created_utc)),
+        )
+        file.createDimension("time", len(table.t_s))
+        for size in ("xyz", "xyzw", "gimbal"):
+            file.createDimension(size, 3 if size == "xyz" else 4)
+        time = file.createVariable("time", "d", ("time",))
+        time[:] = table.t_s
+        since = utc_text(table.epoch_utc, 1).replace("T", " ").removesuffix("Z")
+        _describe(
+            time,
+            standard_name="time",
+            units=f"seconds since {since}",
+            calendar="standard",
+            axis="T",
+        )
+        for column in _columns(table):
+            side = {("",): (), ("x", "y", "z"): ("xyz",), ("x", "y", "z", "w"): ("xyzw",)}
+            sides = side.get(column.parts, ("gimbal",))
+            name = column.name + "_xyzw" * (sides == ("xyzw",))
+            variable = file.createVariable(name, "d", ("time", *sides))
+            variable[:] = column.values if sides else column.values[:, 0]
+            _describe(variable, units=column.unit)
+        file.flush()
+        return buffer.getvalue()
+
+
+def _describe(thing: netcdf_file | netcdf_variable, **attributes: str) -> None:
+    for name, value in attributes.items():
+        setattr(thing, name, value)
+
+
+def write_aem(plan: ImagingPlan, created_utc: datetime) -> bytes:
+    """CCSDS AEM 2.0, KVN: attitude of the body against GCRF and its angular velocity.
+
+    Source: CCSDS 504.0-B-2, sections 4 and A3.
+    """
+    table = plan.table
+    moments = epochs(Instants(table.epoch_utc, table.t_s))
+    named = carrier(plan.request.orbit)
+    q_body_from_eci = continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv())
+    lines = [
+        *header("AEM", "2.0", created_utc, _notes(plan, created_utc)),
+        "META_START",
+        "COMMENT data: Q1 Q2 Q3 QC, scalar last, then ANGVEL_X ANGVEL_Y ANGVEL_Z in deg/s",
+        f"OBJECT_NAME = {named.name}",
+        f"OBJECT_ID = {named.designator}",
+        "CENTER_NAME = EARTH",
+        "REF_FRAME_A = GCRF",
+        "REF_FRAME_B = SC_BODY_1",
+        "TIME_SYSTEM = UTC",
+        f"START_TIME = {moments[0]}",
+        f"STOP_TIME = {moments[-1]}",
+        "ATTITUDE_TYPE = QUATERNION/ANGVEL",
+        "ANGVEL_FRAME = SC_BODY_1",
+        "INTERPOLATION_METHOD = HERMITE",
+        "INTERPOLATION_DEGREE = 3",
+        "META_STOP",
+        "DATA_START",
+        *data_lines(
+            moments,
+            [
+                (axes_turn(q_body_from_eci), _QUATERNION_DECIMALS),
+                (np.degrees(table.omega_body_rad_s), DECIMALS),
+            ],
+        ),
+        "DATA_STOP",
+    ]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+IMAGING_EXPORTERS = {
+    "csv": ImagingExporter(
+        title="attitude, rates and gimbals", media_type="text/csv", suffix=".csv", write=write_csv
+    ),
+    "netcdf": ImagingExporter(
+        title="attitude, rates and gimbals (CF-1.12)",
+        media_type="application/x-netcdf",
+        suffix=".nc",
+        write=write_netcdf,
+    ),
+    "aem": ImagingExporter(
+        title="attitude of the body (CCSDS AEM 2.0, KVN)",
+        media_type="text/x-ccsds-aem",
+        suffix=".aem",
+        write=write_aem,
+    ),
+}
