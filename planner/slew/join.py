@@ -74,7 +74,7 @@ def earliest_join(
             keep_out=keep_out,
         )
         try:
-            return cleared(flown(BACKENDS["ocp"].solve(problem, options)))
+            return cleared(flown(BACKENDS["ocp"].solve(problem, options)), thorough=False)
         except InfeasibleSlew:
             return None
 

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 STEPS_S = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
 LAYERS_MIN, LAYERS_MAX = 60, 600  # 400 MB at most
+CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
 SMOOTHED = 0.12  # of the duration: over so much a path of cells is averaged
 
 
@@ -40,6 +41,8 @@ def passage(problem: SlewProblem, view: KeepOutView, duration_s: float) -> Passa
     The proof is one-sided: acceleration limits enter only through what is within reach of
     each end by itself, so that a tight slew may be impossible without being proven so.
     """
+    if _caught(problem, view, duration_s):
+        return Passage(impossible=True, t_s=np.empty(0), angle_rad=None)
     for step_s in STEPS_S:
         found = _flooded(problem, view, duration_s, step_s)
         if found.impossible or found.angle_rad is not None:
@@ -72,6 +75,37 @@ def _flooded(
     cells = _back(flooded, problem, middles)
     path = np.stack([middles[axis][cells[:, axis]] for axis in range(2)], axis=1)
     return Passage(impossible=False, t_s=t_s, angle_rad=_smoothed(path, problem))
+
+
+def _caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> bool:
+    """Whether the motion at an end, which jerk limits from changing at once, leads into a cone."""
+    since_s = np.arange(CAUGHT_STEP_S, min(CAUGHT_S, duration_s / 2.0), CAUGHT_STEP_S)
+    off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
+    for side, sign in ((problem.start, 1.0), (problem.end, -1.0)):
+        angle = np.stack(
+            [
+                axis.angle_rad
+                + sign * axis.rate_rad_s * since_s
+                + axis.acceleration_rad_s2 * since_s**2 / 2.0
+                for axis in side
+            ],
+            axis=1,
+        )
+        t_s = since_s if sign > 0.0 else duration_s - since_s
+        middle = view.boresight(angle)
+        corners = [
+            np.linalg.norm(
+                view.boresight(angle + np.stack([off_rad[0], mirror * off_rad[1]], axis=1))
+                - middle,
+                axis=1,
+            )
+            for mirror in (1.0, -1.0)
+        ]
+        # To second order the boresight stays in the box whose corners these are.
+        reach_rad = np.maximum(*corners) + 2.0 * (off_rad[0] + off_rad[1]) ** 2
+        if (view.depths_rad(t_s, angle) > reach_rad).any():
+            return True
+    return False
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,8 @@ serves every slew.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from planner.platforms import AxisLimits, StructuralMode
 from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile, bounds
 from planner.slew.vibration import modal_cost
+
+if TYPE_CHECKING:
+    import casadi
 
 Array = NDArray[np.float64]
 JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
@@ -100,9 +104,6 @@ class SplineOcp:
     """
 
     def __init__(self, breakpoints: Array, degree: int) -> None:
-        # CasADi takes 0.1 s to import, which only a process that solves should pay.
-        import casadi
-
         self._basis = basis = _basis(breakpoints, degree)
         cost_free = basis.cost[np.ix_(basis.free, basis.free)]
         # Short spans make costs of 1e11 beside 1: in c the gradient drowns in rounding.
@@ -121,29 +122,36 @@ class SplineOcp:
         self.jacobian = rows[:, basis.free] * self._unit * self._row_scale[:, None]
         self._jacobian_fixed = rows[:, basis.fixed] * self._row_scale[:, None]
 
-        y = casadi.MX.sym("y", len(basis.free))
-        gradient = casadi.MX.sym("gradient", len(basis.free))
-        hessian = casadi.MX.sym("hessian", len(basis.free), len(basis.free))
-        linear = casadi.dot(gradient, y)
-        constraints = casadi.mtimes(casadi.sparsify(casadi.DM(self.jacobian)), y)
-        own = casadi.sparsify(casadi.DM(self.hessian))
-        self._solver, self._calm_solver = (
-            casadi.nlpsol(
-                "slew",
-                "ipopt",
-                {
-                    "x": y,
-                    "p": parameters,
-                    "f": casadi.bilin(quadratic, y, y) / 2.0 + linear,
-                    "g": constraints,
-                },
-                {"print_time": False, "ipopt": IPOPT},
-            )
-            for parameters, quadratic in (
-                (gradient, own),
-                (casadi.vertcat(gradient, casadi.vec(hessian)), hessian),
-            )
-        )
+    @cached_property
+    def _solver(self) -> "casadi.Function":
+        """Its parameter is the gradient."""
+        import casadi
+
+        return self._programme(casadi.sparsify(casadi.DM(self.hessian)), ())
+
+    @cached_property
+    def _calm_solver(self) -> "casadi.Function":
+        """Its parameters are the gradient and the full hessian, which modes change."""
+        import casadi
+
+        hessian = casadi.MX.sym("hessian", self.free_count, self.free_count)
+        return self._programme(hessian, (casadi.vec(hessian),))
+
+    def _programme(
+        self, hessian: "casadi.DM | casadi.MX", parameters: "tuple[casadi.MX, ...]"
+    ) -> "casadi.Function":
+        # CasADi takes 0.1 s to import, which only a process that solves should pay.
+        import casadi
+
+        y = casadi.MX.sym("y", self.free_count)
+        gradient = casadi.MX.sym("gradient", self.free_count)
+        problem = {
+            "x": y,
+            "p": casadi.vertcat(gradient, *parameters),
+            "f": casadi.bilin(hessian, y, y) / 2.0 + casadi.dot(gradient, y),
+            "g": casadi.mtimes(casadi.sparsify(casadi.DM(self.jacobian)), y),
+        }
+        return casadi.nlpsol("slew", "ipopt", problem, {"print_time": False, "ipopt": IPOPT})
 
     def solve(
         self,
