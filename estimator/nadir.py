@@ -25,6 +25,8 @@ CORRELATED_RAD = np.deg2rad(5.0)
 _TUKEY = 4.685
 _STEPS = 8
 _CONVERGED_RAD = 2e-6  # 0.4 arcsec
+_SETTLED = 1e-3  # of what was known beforehand
+_STILL_RAD = 1e-3  # a step that moves no lift by more than a few metres
 
 # How far the limb's rise under a low Sun may differ from its model: as a whole, which the
 # images themselves can tell, and from place to place.
@@ -112,6 +114,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     clipped = _clipped_columns(used)
     axes = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
+    by_m = (limb.cone(prior.height_m + 50.0) - limb.cone(prior.height_m - 50.0)) / 100.0
     c = c_body_from_itrf.copy()
     # Besides the tilts: turn, height, and what lifts the limb from place to place.
     expected, sigma = _expected(prior, clipped.shape[1])
@@ -119,11 +122,12 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     known = sigma**-2
     # Out of this range it will be refused; within it, there is a limb to compare with.
     reach_sigma_m = 10.0 * max(prior.height_sigma_m, 1.0)
-    scale = np.inf
+    scale, moved = np.inf, np.inf
     for _ in range(_STEPS):
         d = ray_body @ c
-        lifts, rough_m = _lifts(d, clipped, limb, prior, float(free[1]))
-        residual, by_turn, by_height = _residuals(limb, d, float(free[1]), lifts @ free[2:])
+        if moved > _STILL_RAD:
+            lifts, rough_m = _lifts(d, clipped, limb, prior, float(free[1]))
+        residual, by_turn, by_height = _residuals(limb, by_m, d, float(free[1]), lifts @ free[2:])
         jacobian = np.column_stack([by_turn @ axes.T, by_height, by_height[:, None] * lifts])
         one = np.hypot(edge_rad, rough_m / reach_m)
         weight = _tukey(residual, one, scale)
@@ -138,7 +142,9 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
         c = c @ _rotation(axes.T @ step[:3]).T
         free = free + step[2:]
         free[1] = np.clip(free[1], expected[1] - reach_sigma_m, expected[1] + reach_sigma_m)
-        if np.max(np.abs(step[:3])) < _CONVERGED_RAD:
+        moved = float(np.max(np.abs(step[:3])))
+        settled = np.max(np.abs(step[2:]) / sigma) < _SETTLED
+        if settled and np.max(np.abs(step[:2])) < _CONVERGED_RAD:
             break
     tolerance = one * scale
     share2 = np.minimum((residual / (_TUKEY * tolerance)) ** 2, 1.0)
@@ -194,15 +200,20 @@ def _clipped_columns(used: list[LimbPoints]) -> Floats:
     return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 
-def _residuals(limb: Limb, d: Floats, height: float, rise: Floats) -> tuple[Floats, Floats, Floats]:
-    """Angle of rays (n, 3) inside the limb, its derivatives by a turn (n, 3) and height (n,)."""
-    cone = limb.cone(height)
-    by_m = (limb.cone(height + 50.0) - limb.cone(height - 50.0)) / 100.0
-    md = d @ cone
+def _residuals(
+    limb: Limb, by_m: Floats, d: Floats, height: float, rise: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Angle of rays (n, 3) inside the limb, its derivatives by a turn (n, 3) and height (n,).
+
+    by_m: the cone's derivative by height, which changes by a thousandth over the limb's heights.
+    """
+    md = d @ limb.cone(height)
     value = np.sum(md * d, axis=1)
     slope = 2.0 * np.linalg.norm(md - value[:, None] * d, axis=1)
     by_height = np.sum((d @ by_m) * d, axis=1) / slope
-    by_turn = 2.0 * np.cross(d, md) / slope[:, None]
+    (x, y, z), (u, v, w) = d.T, md.T
+    by_turn = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    by_turn *= 2.0 / slope[:, None]
     return value / slope + by_height * rise, by_turn, by_height
 
 

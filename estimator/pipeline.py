@@ -54,8 +54,9 @@ class VerticalEstimate:
     """The answer to a HorizonRequest.
 
     geocentric and geodetic: None when the verdict is `not_observable`, for `reason`.
-    Without a predicted attitude the heading is unknown and geocentric nadir is known only to
-    the 0.18 deg by which it differs from geodetic; its covariance says so.
+    Without a predicted attitude the limb measures geodetic nadir; the heading comes from the
+    sunlight along the limb, which fits two opposite headings nearly alike, so geocentric nadir
+    is known only to the 0.18 deg by which it differs from geodetic.  Its covariance says so.
     """
 
     verdict: Verdict
@@ -155,8 +156,9 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
     said = []
     if request.predicted is None:
         said.append(
-            "no attitude was predicted, so the heading is unknown: geodetic nadir is measured, "
-            "geocentric only to the 0.2 deg between them; give `predicted` to have both"
+            "no attitude was predicted, so the heading is known only from the sunlight along the "
+            "limb: geodetic nadir is measured, geocentric only to the 0.2 deg between them; "
+            "give `predicted` to have both"
         )
     left_out = [camera.name for camera in cameras if not camera.used]
     if left_out:

@@ -19,7 +19,7 @@ from estimator.gates import (
     unusable_frame,
     well_lit,
 )
-from estimator.heading import brightness_cost
+from estimator.heading import limb_brightness
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
 from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to
@@ -34,7 +34,8 @@ _FIRST_WINDOW_RAD = np.deg2rad(1.4)
 _WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
 _TRIED = 5
 _PROMISING = 0.25
-_FIRST_HEADINGS, _HEADINGS = 5, 10
+# Headings tried, and by how much the brightness may speak against one, in chi-square.
+_FIRST_HEADINGS, _HEADINGS = (8, 4.0), (16, 14.0)
 _THINNED = 8
 _UNFITTED_COST = 1e12
 _DISAGREE_SIGMA = 5.0
@@ -143,7 +144,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
             for view, on in zip(views, active, strict=True)
         ]
         if window == _FIRST_WINDOW_RAD and not search.heading_known:
-            c = _best(_all_headings(points, c, prior, search, _FIRST_HEADINGS)).c_body_from_itrf
+            c = _best(_all_headings(views, points, c, search, *_FIRST_HEADINGS)).c_body_from_itrf
         result = fit(points, limb, c, prior)
         c, height = result.c_body_from_itrf, result.height_m
         cameras = _judged(views, points, result, search)
@@ -165,7 +166,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     assert result is not None
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
-    fits = _all_headings(points, c, prior, search, _HEADINGS)
+    fits = _all_headings(views, points, c, search, *_HEADINGS)
     judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, prior), search)
     cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
     horizon = Horizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
@@ -185,7 +186,9 @@ def _points(
     points = find_limb(view.frame, view.camera, limb, c, height, window_rad, scale_m)
     if not active:
         return _emptied(points)
-    if search.daylight and search.heading_known and len(points):
+    # Without a prediction the first window's brightness has told the Sun's side by now.
+    facing_known = search.heading_known or window_rad < _FIRST_WINDOW_RAD
+    if search.daylight and facing_known and len(points):
         direction = limb.directions_itrf(points.azimuth_rad, height)
         lit = well_lit(limb, direction, height, search.around.sun_itrf)
         points = replace(points, found=points.found & lit, blocked=points.blocked | ~lit)
@@ -193,23 +196,33 @@ def _points(
 
 
 def _all_headings(
-    points: list[LimbPoints], c_body_from_itrf: Floats, prior: Prior, search: Search, tried: int
+    views: list[View],
+    points: list[LimbPoints],
+    c_body_from_itrf: Floats,
+    search: Search,
+    tried: int,
+    dull: float,
 ) -> tuple[tuple[float, Fit], ...]:
     """The fit, or without a known heading those from headings all round, with weights."""
-    limb, sun = search.around.limb, search.around.sun_itrf
+    limb, sun, prior = search.around.limb, search.around.sun_itrf, search.prior
     if search.heading_known:
         return ((1.0, fit(points, limb, c_body_from_itrf, prior)),)
+    prior = replace(prior, heading_sigma_rad=np.pi / tried)
     nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
     points = [p.thinned(_THINNED) for p in points]
-    fits = [
-        fit(points, limb, attitude_facing(nadir_body, limb, heading), prior)
-        for heading in np.arange(tried) * (2.0 * np.pi / tried)
-    ]
-    cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
+    headings = np.arange(tried) * (2.0 * np.pi / tried)
+    facing = [attitude_facing(nadir_body, limb, heading) for heading in headings]
+    bright = None
     if search.daylight:
-        cost = cost + [brightness_cost(points, limb, f, sun) for f in fits]
-    # Half the evidence: limb height and dust vary in ways that look like a heading.
-    weight = np.exp(-0.25 * (cost - cost.min()))
+        bright = limb_brightness(points, [view.camera for view in views])
+    if bright is not None:
+        costs = np.array([bright.cost(limb, c, prior.height_m, sun) for c in facing])
+        facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
+    fits = [fit(points, limb, c, prior) for c in facing]
+    cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
+    if bright is not None:
+        cost = cost + [bright.cost(limb, f.c_body_from_itrf, f.height_m, sun) for f in fits]
+    weight = np.exp(-0.5 * (cost - cost.min()))
     return tuple((float(w), f) for w, f in zip(weight / weight.sum(), fits, strict=True))
 
 
