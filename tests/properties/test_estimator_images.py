@@ -1,7 +1,10 @@
 """Is every hostile or odd upload refused clearly, before it costs anything?"""
 
 import contextlib
+import io
 import struct
+import subprocess
+import sys
 import zlib
 
 import cv2
@@ -9,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from estimator.camera import HorizonCamera
 from estimator.errors import InvalidImage
@@ -25,6 +29,13 @@ def coded(extension, picture=PICTURE):
 def png_chunk(kind, data):
     crc = struct.pack(">I", zlib.crc32(kind + data))
     return struct.pack(">I", len(data)) + kind + data + crc
+
+
+def png_claiming(width, height):
+    """A PNG that claims so many grey pixels and holds a million."""
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    content = b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header)
+    return content + png_chunk(b"IDAT", zlib.compress(bytes(10**6))) + png_chunk(b"IEND", b"")
 
 
 def exif_rotated(content):
@@ -74,11 +85,8 @@ def test_alpha_masks():
 
 
 def test_a_small_file_that_claims_900_megapixels_is_refused_unopened():
-    header = struct.pack(">IIBBBBB", 30000, 30000, 8, 0, 0, 0, 0)
-    bomb = b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header)
-    bomb += png_chunk(b"IDAT", zlib.compress(bytes(10**6))) + png_chunk(b"IEND", b"")
     with pytest.raises(InvalidImage, match="at most"):
-        decode_image(bomb)
+        decode_image(png_claiming(30000, 30000))
 
 
 @pytest.mark.parametrize(
@@ -102,6 +110,46 @@ def test_a_small_file_that_claims_900_megapixels_is_refused_unopened():
 def test_damage_is_refused(content):
     with pytest.raises(InvalidImage):
         decode_image(content)
+
+
+def test_a_cmyk_jpeg_is_refused():
+    ink = Image.fromarray(np.full((48, 64, 4), (0, 0, 0, 128), np.uint8), mode="CMYK")
+    held = io.BytesIO()
+    ink.save(held, "JPEG")
+    with pytest.raises(InvalidImage, match="RGB"):
+        decode_image(held.getvalue())
+
+
+HOSTILE = {
+    "900 Mpx PNG": lambda: png_claiming(30000, 30000),
+    "cut PNG of 49 Mpx": lambda: png_claiming(7000, 7000),
+    "no bytes": lambda: b"",
+    "text": lambda: b"not an image" * 1000,
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_a_refusal_costs_less_than_a_second_and_500_megabytes(kind):
+    """In a process of its own, as the service runs it, capped by the kernel: CPU and memory."""
+    code = (
+        "import resource, sys\n"
+        "from estimator.images import decode_image\n"
+        "from estimator.errors import InvalidImage\n"
+        "content = sys.stdin.buffer.read()\n"
+        "used = resource.getrusage(resource.RUSAGE_SELF)\n"
+        "spent = used.ru_utime + used.ru_stime\n"
+        "resource.setrlimit(resource.RLIMIT_CPU, (int(spent) + 2, int(spent) + 2))\n"
+        "try:\n    decode_image(content)\nexcept InvalidImage:\n"
+        "    used = resource.getrusage(resource.RUSAGE_SELF)\n"
+        "    print(used.ru_utime + used.ru_stime - spent, used.ru_maxrss / 1024.0)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], input=HOSTILE[kind](), capture_output=True, check=True
+    )
+    cpu_s, peak_mb = map(float, done.stdout.split())
+    # Issue 4's bounds; CPU time, which a busy machine doesn't stretch.
+    assert cpu_s < 1.0
+    assert peak_mb < 500.0
 
 
 @settings(max_examples=150, deadline=None)

@@ -129,6 +129,35 @@ def test_low_sun_is_right_or_refused():
     )
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"sensor": Sensor(), "sun_deg": (8.0, 20.0)},
+        {"sensor": Sensor(), "predicted_off_deg": None},
+        {"sensor": Sensor(colour=True, exposure=2.5)},
+        {"sensor": Sensor(exposure=2.5)},
+    ],
+    ids=["monochrome, low Sun", "monochrome, blind", "overexposed", "monochrome, overexposed"],
+)
+def test_what_is_hard_to_measure_says_so(options):
+    one = case(np.random.default_rng(3060), ring(2), **options)
+    answer = estimate_vertical(one.images, one.request)
+    assert answer.geodetic is None or (normalised2(answer.geodetic, one.geodetic_body) < FOUR_SIGMA)
+
+
+def test_an_overexposed_camera_weighs_less():
+    seed = 3070
+    good = case(np.random.default_rng(seed), ring(2), sensor=Sensor(colour=True))
+    bright = case(np.random.default_rng(seed), ring(2), sensor=Sensor(colour=True, exposure=2.5))
+
+    def sigma(first, second):
+        answer = estimate_vertical([first.images[0], second.images[1]], good.request)
+        assert normalised2(answer.geocentric, good.geocentric_body) < FOUR_SIGMA
+        return answer.geocentric.sigma_rad
+
+    assert sigma(good, good) < sigma(good, bright) < sigma(bright, bright)
+
+
 def test_images_that_do_not_fit_are_refused(pair):
     with pytest.raises(InvalidCamera, match="one per camera"):
         estimate_vertical(pair.images[:1], pair.request)
