@@ -7,7 +7,7 @@ Imports wait until a command needs them: `plan` must not pay for the web server.
 
 import ipaddress
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
@@ -50,7 +50,10 @@ def plan(
     """Plan the sessions of a request and report."""
     with _one_line_for_what_goes_wrong():
         body = _read(file)
-        exports = [_format_and_path(text) for text in export or ()]
+
+        from planner.export import EXPORTERS
+
+        exports = [_format_and_path(text, EXPORTERS) for text in export or ()]
 
         import hashlib
         from datetime import UTC, datetime
@@ -133,6 +136,85 @@ def windows(
 
 
 @main.command()
+def horizon(
+    request: Annotated[
+        Path, typer.Argument(help="The request for an estimate, a list of them, or a session.")
+    ],
+    images: Annotated[
+        list[Path],
+        typer.Argument(
+            help="One image per camera in their order, frame after frame; or one video each."
+        ),
+    ],
+    overlay: Annotated[
+        Path | None,
+        typer.Option(help="Write the annotated frame here (PNG); of several cameras -NAME each."),
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
+    ] = None,
+) -> None:
+    """Measure the local vertical in images of the horizon."""
+    with _one_line_for_what_goes_wrong():
+        from app.api.horizon_series import read_series
+        from app.horizon_command import measure_frames, measure_one
+
+        body = request.read_bytes()
+        series = read_series(body)
+        if series is None:
+            answer = measure_one(body, images, overlay)
+        else:
+            answer = measure_frames(series, body, images)
+        if json:
+            _write(json, answer)
+
+
+@main.command()
+def spacecraft(
+    file: Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")],
+    export: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FORMAT=PATH",
+            help="Write the table as csv, netcdf or aem (may be repeated).",
+        ),
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
+    ] = None,
+) -> None:
+    """Plan an imaging session of the CMG spacecraft and report."""
+    with _one_line_for_what_goes_wrong():
+        body = _read(file)
+
+        from planner.spacecraft.export import IMAGING_EXPORTERS
+
+        exports = [_format_and_path(text, IMAGING_EXPORTERS) for text in export or ()]
+
+        import hashlib
+        from datetime import UTC, datetime
+
+        from app.api.spacecraft_request import read_spacecraft_request
+
+        request = read_spacecraft_request(body)
+
+        from app.spacecraft_report import print_session
+        from planner.spacecraft.plan import plan_imaging
+
+        now_utc = datetime.now(UTC)
+        made = plan_imaging(request)
+        print_session(made)
+        for name, path in exports:
+            _write(path, IMAGING_EXPORTERS[name].write(made, now_utc))
+        if json:
+            from app.api.provenance import provenance
+            from app.api.spacecraft_response import spacecraft_plan_json
+
+            digest = hashlib.sha256(body).hexdigest()
+            _write(json, spacecraft_plan_json(made, provenance(digest, now_utc)))
+
+
+@main.command()
 def serve(
     host: Annotated[str, typer.Option(help="A loopback address.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535)] = 8000,
@@ -166,13 +248,11 @@ def _read(file: str) -> bytes:
     return sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
 
 
-def _format_and_path(text: str) -> tuple[str, Path]:
-    from planner.export import EXPORTERS
-
+def _format_and_path(text: str, formats: Collection[str]) -> tuple[str, Path]:
     name, _, path = text.partition("=")
-    if name not in EXPORTERS or not path:
+    if name not in formats or not path:
         raise InvalidInput(
-            f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(EXPORTERS)}",
+            f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(formats)}",
             field="--export",
         )
     return name, Path(path)

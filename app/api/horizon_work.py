@@ -36,7 +36,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """An estimate and, when the request asks for them, the annotated frames as PNG files."""
+    """An estimate and, where wanted, the annotated frames as PNG files."""
 
     estimate: VerticalEstimate
     overlays: tuple[bytes, ...]
@@ -77,8 +77,8 @@ def _out_of_memory_said(work: Callable[P, T]) -> Callable[P, T]:
 
 
 @_out_of_memory_said
-def measure(request: HorizonRequest, images: Sequence[bytes]) -> Measured:
-    """Decode and estimate; raises InvalidImage, InvalidCamera."""
+def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> Measured:
+    """Decode, estimate and, if wanted, draw; raises InvalidImage, InvalidCamera."""
     if len(images) != len(request.cameras):
         raise InvalidCamera(
             f"{len(images)} images for {len(request.cameras)} cameras; send one per camera, in "
@@ -97,7 +97,7 @@ def measure(request: HorizonRequest, images: Sequence[bytes]) -> Measured:
         for k, (content, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
     estimate = estimate_vertical(pixels, request)
-    overlays = _overlays(request, pixels, estimate) if request.overlay else ()
+    overlays = _overlays(request, pixels, estimate) if draw else ()
     return Measured(estimate=estimate, overlays=overlays)
 
 
@@ -105,7 +105,7 @@ def estimate_json(
     request: HorizonRequest, images: Sequence[bytes], provenance: ProvenanceOut
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    measured = measure(request, images)
+    measured = measure(request, images, draw=request.overlay)
     return _ESTIMATE.dump_json(estimate_out(measured.estimate, measured.overlays, provenance))
 
 
