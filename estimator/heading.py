@@ -20,7 +20,7 @@ from estimator.nadir import columns_per_patch
 
 Floats = NDArray[np.float64]
 
-_SCATTER = 0.08  # of brightness from one 5 deg of limb to the next: dust, thin cloud
+_SCATTER = 0.05  # of brightness from one 5 deg of limb to the next: dust, thin cloud
 _EVENED, _EVENED_SIGMA = 0.75, 0.25  # contrast left of single scattering
 _DARKENED, _DARKENED_SIGMA = 0.25, 0.3  # of cos^4: lenses are flat-fielded, or nearly, or not
 _FREE_EXPOSURE = 3.0
