@@ -66,9 +66,8 @@ def measure_frames(
                 "videos go with a session (orbit, cameras, start, step_s), one per camera",
                 field="images",
             )
-        films = video_frames([str(path) for path in paths], asked.step_s)
-        requests = frame_requests(asked, len(films) * len(paths))
-        series = measure_series(requests, iter(films))
+        count, films = video_frames([str(path) for path in paths], asked.step_s)
+        series = measure_series(asked.requests(count), films)
     else:
         requests = frame_requests(asked, len(paths))
         series = measure_series(requests, _pictures(requests, iter(paths)))

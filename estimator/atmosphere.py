@@ -46,9 +46,20 @@ class Atmosphere:
     airglow_height_m: float = 90.0e3
 
     def __post_init__(self) -> None:
-        for field in ("air_scale_m", "dust_scale_m", "air_density"):
-            if getattr(self, field) <= 0.0:
-                raise ValueError(f"{field} must be positive, not {getattr(self, field)}")
+        for field, least, most in (
+            ("air_scale_m", 1e3, 20e3),
+            ("air_density", 1e-3, 10.0),
+            ("dust_optical_depth", 0.0, 10.0),
+            ("dust_scale_m", 100.0, 20e3),
+            ("haze_optical_depth", 0.0, 1.0),
+            ("ozone", 0.0, 10.0),
+            ("airglow", 0.0, 100.0),
+            ("airglow_height_m", 20e3, 110e3),
+        ):
+            if not least <= getattr(self, field) <= most:
+                raise ValueError(
+                    f"{field} must lie in {least:g}..{most:g}, not {getattr(self, field)}"
+                )
 
 
 @dataclass(frozen=True)

@@ -52,6 +52,23 @@ class Scene:
     stars: int = 0
     constant_limb_m: float | None = None
 
+    def __post_init__(self) -> None:
+        for field, least, most in (
+            ("cloud_cover", 0.0, 1.2),
+            ("land", 0.0, 1.0),
+            ("roughness_m", 0.0, 20e3),
+            ("roughness_deg", 0.1, 90.0),
+            ("moonlight", 0.0, 1.0),
+            ("glare", 0.0, 100.0),
+            ("stars", 0, 100_000),
+        ):
+            if not least <= getattr(self, field) <= most:
+                raise ValueError(
+                    f"{field} must lie in {least:g}..{most:g}, not {getattr(self, field)}"
+                )
+        if self.constant_limb_m is not None and not 0.0 <= self.constant_limb_m <= 100e3:
+            raise ValueError(f"constant_limb_m must lie in 0..100000, not {self.constant_limb_m}")
+
 
 class Horizon:
     """A craft above the Earth: r_itrf_m (3,), c_body_from_itrf (3, 3), sun_itrf a unit vector."""

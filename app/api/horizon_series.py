@@ -184,34 +184,29 @@ def measure_series(
     return Series(tuple(requests), estimates, report)
 
 
-def video_frames(paths: Sequence[str], step_s: float) -> list[list[Pixels]]:
-    """Every step_s a picture from each camera's video, until the first ends."""
-    frames: list[list[Pixels]] = []
+def video_frames(paths: Sequence[str], step_s: float) -> tuple[int, Iterator[list[Pixels]]]:
+    """How many pictures there are every step_s in videos, one per camera, and the pictures."""
     films = [cv2.VideoCapture(path) for path in paths]
+    counts = []
     for path, film in zip(paths, films, strict=True):
-        if not film.isOpened():
+        rate_hz = film.get(cv2.CAP_PROP_FPS)
+        last = film.get(cv2.CAP_PROP_FRAME_COUNT) - 1.0
+        if not film.isOpened() or not rate_hz > 0.0 or last < 0.0:
             raise InvalidImage(f"{path} is no video we read", field="images")
-    while len(frames) < FRAMES_MAX:
-        taken = [_picture_at(film, len(frames) * step_s) for film in films]
-        if any(picture is None for picture in taken):
-            break
-        frames.append([picture for picture in taken if picture is not None])
-    if not frames:
-        raise InvalidImage("the video holds no picture", field="images")
-    return frames
+        counts.append(math.floor((last + 0.1) / rate_hz / step_s) + 1)
+    count = min([*counts, FRAMES_MAX])
+    return count, ([_picture_at(film, k * step_s) for film in films] for k in range(count))
 
 
-def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels | None:
+def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels:
     """The first picture at or after t_s, to a tenth of a frame; pictures before it are passed."""
-    rate_hz = film.get(cv2.CAP_PROP_FPS)
-    if not rate_hz > 0.0:
-        return None
-    wanted = math.ceil(t_s * rate_hz - 0.1)
-    while film.get(cv2.CAP_PROP_POS_FRAMES) < wanted:
-        if not film.grab():
-            return None
+    wanted = math.ceil(t_s * film.get(cv2.CAP_PROP_FPS) - 0.1)
+    while film.get(cv2.CAP_PROP_POS_FRAMES) < wanted and film.grab():
+        pass
     done, picture = film.read()
-    return np.asarray(picture, dtype=np.uint8) if done else None
+    if not done:
+        raise InvalidImage(f"the video breaks off {t_s:.3f} s after its start", field="images")
+    return np.asarray(picture, dtype=np.uint8)
 
 
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:

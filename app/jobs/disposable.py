@@ -104,22 +104,19 @@ def _answer(
     _limit(resource.RLIMIT_CPU, int(bounds.deadline_s) * (os.cpu_count() or 1) + 1)
     _limit(resource.RLIMIT_CORE, 0)
     _limit(resource.RLIMIT_DATA, _data_bytes() + bounds.memory_mib * _MEBIBYTE)
-    outcome: tuple[bool, object]
     try:
-        outcome = True, work(*given)
+        message = pickle.dumps((True, work(*given)))
     except Refusal as refusal:
-        outcome = False, refusal
+        message = pickle.dumps((False, refusal))
     except MemoryError:
-        outcome = (
-            False,
-            TooDemanding(
-                f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less "
-                "at a time"
-            ),
+        too_much = TooDemanding(
+            f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
+            "a time"
         )
+        message = pickle.dumps((False, too_much))
     except Exception:  # noqa: BLE001 (told to the parent, which raises it)
-        outcome = False, traceback.format_exc()
-    answers.send_bytes(pickle.dumps(outcome))
+        message = pickle.dumps((False, traceback.format_exc()))
+    answers.send_bytes(message)
 
 
 def _limit(which: int, most: int) -> None:
