@@ -28,7 +28,8 @@ def main() -> None:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    service = subprocess.Popen([Path(sys.executable).with_name("slewtrack"), "serve", "--port", str(port)])
+    command = Path(sys.executable).with_name("slewtrack")
+    service = subprocess.Popen([command, "serve", "--port", str(port)])
     try:
         with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
             _wait_for(client)
