@@ -64,3 +64,12 @@ ESTIMATE_EXAMPLE: dict[str, Any] = {
     },
     "overlay": False,
 }
+
+# A session's frames by one camera, as `slewtrack horizon` takes it with images or a video.
+SESSION_EXAMPLE: dict[str, Any] = {
+    **_CARRIER,
+    "attitude_sigma_deg": 0.05,
+    "cameras": [AHEAD],
+    "start": _EPOCH,
+    "step_s": 5.0,
+}

@@ -1,0 +1,236 @@
+"""Is an imaging session over HTTP planned, flown steadily, handed out and refused as promised?"""
+
+import io
+import json
+
+import ccsds_ndm
+import netCDF4
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+from scipy.spatial.transform import Rotation
+
+from app.api.spacecraft_examples import FOUR_MODES, SPACECRAFT_EXAMPLES
+from app.main import create_app
+from planner.spacecraft.export import IMAGING_EXPORTERS
+
+PLANS = "/v1/spacecraft/plans"
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
+
+
+@pytest.fixture(scope="module")
+def client():
+    with TestClient(create_app(), raise_server_exceptions=False) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def plan(client):
+    answer = client.post(PLANS, json=FOUR_MODES)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def test_all_that_is_asked_is_imaged(plan):
+    looks = [window["request"] for window in plan["windows"]]
+    assert looks == ["strip", "stereo", "stereo", "corridor", "area", "area", "area", "area"]
+    assert plan["left_out"] == []
+    assert plan["choice"]["proven_optimal"]
+    assert plan["choice"]["value"] == 9.0  # 2 + 4 + 2 + 1
+    assert plan["verification"]["passed"]
+
+
+def test_it_is_steady_while_imaging(plan):
+    report = plan["stabilisation"]
+    assert report["runs"] == 4
+    assert report["share_steady"] == 1.0
+    for window in report["windows"]:
+        assert max(window["rate_error_deg_s"]) <= 0.001  # Platonov, Sumarokov 2019
+        assert window["spare_s"] > 0.0
+
+
+def test_turns_stand_beside_their_baselines(plan):
+    assert [turn["onto"] for turn in plan["turns"]] == [0, 1, 2, 3, 4, 5, 6, 7, None]
+    for turn in plan["turns"]:
+        assert turn["bang_coast_bang_s"] <= turn["eigenaxis_s"]
+
+
+def test_rows_begin_in_orbital_orientation(plan):
+    """Row 0 is the orbit's epoch: the optical axis -Y looks at the Earth's centre."""
+    q = Rotation.from_quat(plan["table"]["q_body_from_eci_xyzw"][0])
+    r = np.array(FOUR_MODES["orbit"]["position_km"])
+    np.testing.assert_allclose(q.apply(-r / np.linalg.norm(r)), [0.0, -1.0, 0.0], atol=1e-6)
+
+
+def test_rates_are_those_of_the_attitude(plan):
+    """SciPy's finite turns over 0.4 s: a jerk makes 0.2^2/6 of it; torque rate over inertia."""
+    table = plan["table"]
+    body_from_eci = Rotation.from_quat(table["q_body_from_eci_xyzw"])
+    eci_from_body = body_from_eci.inv()
+    turned = (eci_from_body[:-2].inv() * eci_from_body[2:]).as_rotvec(degrees=True) / 0.4
+    omega = np.array(table["omega_body_deg_s"])[1:-1]
+    fastest_n_m_s = max(turn["torque_rate_peak_n_m_s"] for turn in plan["turns"])
+    jerk_deg_s3 = np.degrees(fastest_n_m_s / 500.0)  # the least moment of inertia
+    np.testing.assert_allclose(turned, omega, atol=jerk_deg_s3 * 0.2**2 / 6.0)
+    # Rates are held between rows: the next row's angle, at the table's nine digits.
+    gimbal, rate = np.array(table["gimbal_deg"]), np.array(table["gimbal_rate_deg_s"])
+    np.testing.assert_allclose(np.diff(gimbal, axis=0), 0.2 * rate[:-1], atol=2e-9)
+
+
+@pytest.fixture(scope="module")
+def files(client):
+    """The strip in every format and as JSON, without closed-loop runs."""
+    request = {**STRIP, "objective": "smooth", "simulation_runs": 0}
+    found = {}
+    for name, exporter in IMAGING_EXPORTERS.items():
+        by_header = name == "csv"
+        answer = client.post(
+            PLANS if by_header else f"{PLANS}?format={name}",
+            json=request,
+            headers={"Accept": exporter.media_type} if by_header else {},
+        )
+        assert answer.status_code == 201, answer.text
+        assert answer.headers["content-type"].split(";")[0] == exporter.media_type
+        assert f'"session{exporter.suffix}"' in answer.headers["content-disposition"]
+        found[name] = answer.content
+    found["table"] = client.post(PLANS, json=request).json()
+    return found
+
+
+def test_the_worked_geojson_is_planned(files):
+    plan = files["table"]
+    assert [window["request"] for window in plan["windows"]] == ["strip"]
+    assert plan["stabilisation"]["share_steady"] is None
+    assert plan["table"]["t_s"][-1] == 300.0
+
+
+def test_csv_is_the_table(files):
+    text = files["csv"].decode()
+    table = files["table"]["table"]
+    read = np.genfromtxt(
+        io.StringIO(text), delimiter=",", names=True, comments="#", encoding="utf-8",
+        dtype=None, skip_header=sum(line.startswith("#") for line in text.splitlines()),
+    )  # fmt: skip
+    np.testing.assert_array_equal(read["t_s"], table["t_s"])
+    for k, part in enumerate("xyzw"):
+        column = np.array(table["q_body_from_eci_xyzw"])[:, k]
+        np.testing.assert_allclose(read[f"q_body_from_eci_{part}"], column, atol=1e-12)
+    for k in range(4):
+        column = np.array(table["gimbal_deg"])[:, k]
+        np.testing.assert_allclose(read[f"gimbal_deg_{k + 1}"], column, atol=2e-9)
+    [window] = files["table"]["windows"]
+    on = np.flatnonzero(read["imaging"])
+    assert (on[0], on[-1]) == (window["first_row"], window["last_row"])
+
+
+def test_netcdf_by_the_reference_library(files):
+    table = files["table"]["table"]
+    with netCDF4.Dataset("session", memory=files["netcdf"]) as read:
+        assert read.Conventions == "CF-1.12"
+        start = netCDF4.num2date(read["time"][0], read["time"].units, read["time"].calendar)
+        assert start.isoformat() == "2024-06-01T10:00:00"
+        for name in ("q_body_from_eci_xyzw", "omega_body_deg_s", "gimbal_rate_deg_s"):
+            np.testing.assert_allclose(read[name][:], table[name], atol=2e-9)
+        assert read["omega_body_deg_s"].units == "degree s-1"
+
+
+def test_aem_by_ccsds_ndm(files):
+    """CCSDS 504.0-B: the quaternion turns frame A's axes into B's, the conjugate of ours."""
+    (segment,) = ccsds_ndm.Aem.from_str(files["aem"].decode()).segments
+    assert (segment.metadata.ref_frame_a, segment.metadata.ref_frame_b) == ("GCRF", "SC_BODY_1")
+    lines = files["aem"].decode().split("DATA_START\n")[1].split("DATA_STOP")[0].splitlines()
+    rows = np.array([line.split()[1:] for line in lines], dtype=float)
+    table = files["table"]["table"]
+    ours = np.array(table["q_body_from_eci_xyzw"]) * [-1.0, -1.0, -1.0, 1.0]
+    np.testing.assert_allclose(rows[:, :4], ours, atol=1e-12)
+    np.testing.assert_allclose(rows[:, 4:], table["omega_body_deg_s"], atol=2e-9)
+
+
+def changed(**members):
+    return {**FOUR_MODES, **members}
+
+
+def strip(*positions, **members):
+    line = {"type": "LineString", "coordinates": [list(position) for position in positions]}
+    return {"mode": "strip", "name": "s", "geometry": line, **members}
+
+
+CROSSING = [[-12.0, 20.0], [-12.0, 21.0], [-12.5, 20.5], [-11.5, 20.5]]
+CASES = {
+    "a mode nobody knows": (
+        changed(requests=[{**strip(*CROSSING[:2]), "mode": "spiral"}]),
+        "invalid-request", "requests.0.mode", "corridor",
+    ),
+    "a mode left out": (
+        changed(requests=[{"name": "s", "geometry": None}]),
+        "invalid-request", "requests.0.mode", "strip, stereo",
+    ),
+    "a corridor that crosses itself": (
+        changed(requests=[{**strip(*CROSSING), "mode": "corridor"}]),
+        "invalid-request", "requests.0.geometry", "split it",
+    ),
+    "a strip of three positions": (
+        changed(requests=[strip(*CROSSING[:3])]),
+        "invalid-request", "requests.0", "corridor",
+    ),
+    "no GeoJSON": (changed(requests={"features": []}), "invalid-message", None, "FeatureColl"),
+    "a feature without properties": (
+        changed(requests={"features": [{"type": "Feature"}]}),
+        "invalid-message", "features.0", "properties",
+    ),
+    "a feature with a wrong field": (
+        changed(requests={"features": [{
+            "properties": {"mode": "strip", "name": "s", "colour": "red"},
+            "geometry": strip(*CROSSING[:2])["geometry"],
+        }]}),
+        "invalid-request", "requests.0.colour", "not a field",
+    ),
+    "off the start's grid": (
+        changed(start="2024-06-01T10:00:00.1Z"), "invalid-request", "start", "0.2 s",
+    ),
+    "momentum beyond the sphere": (
+        changed(settings={"momentum_n_m_s": [70.0, 0.0, 0.0]}),
+        "invalid-input", "settings.momentum_n_m_s", "unload at least 10.0",
+    ),
+    "a strip on the other side of the Earth": (
+        changed(requests=[strip((160.0, -20.0), (160.0, -20.5))]),
+        "unreachable", "requests.0", "",
+    ),
+    "a window that is too short": (
+        changed(requests=[{
+            **FOUR_MODES["requests"][0],
+            "window_start": "2024-06-01T10:01:40Z",
+            "window_stop": "2024-06-01T10:01:45Z",
+        }]),
+        "unreachable", "requests.0", "widen the window",
+    ),
+    "a session too short to turn in": (
+        changed(
+            start="2024-06-01T10:01:25Z", stop="2024-06-01T10:01:50Z",
+            requests=FOUR_MODES["requests"][:1],
+        ),
+        "infeasible-slew", "requests.0", "start earlier or stop later",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_refused_with_reason_and_way_out(client, name):
+    request, slug, field, says = CASES[name]
+    answer = client.post(PLANS, json=request)
+    assert answer.status_code == 422, answer.text
+    problem = answer.json()
+    assert problem["type"] == f"urn:slewtrack:problem:{slug}", problem
+    assert problem.get("field") == field, problem
+    assert says in problem["detail"], problem
+
+
+def test_an_unknown_format_is_refused(client):
+    problem = client.post(f"{PLANS}?format=pdf", json=STRIP).json()
+    assert problem["field"] == "query.format"
+    assert client.post(PLANS, json=STRIP, headers={"Accept": "image/png"}).status_code == 406
+
+
+def test_the_example_file_is_the_worked_example(pytestconfig):
+    file = pytestconfig.rootpath / "examples" / "spacecraft_four_modes.json"
+    assert json.loads(file.read_text()) == FOUR_MODES
