@@ -195,9 +195,9 @@ def _kilometres(metres: float | None) -> float | None:
     return None if metres is None else round(metres / 1e3, 3)
 
 
-def degrees(radians: float) -> float:
+def degrees(angle_rad: float) -> float:
     """Rounded to 1e-9 deg."""
-    return round(math.degrees(radians), DECIMALS)
+    return round(math.degrees(angle_rad), DECIMALS)
 
 
 def rounded(values: Floats, decimals: int = DECIMALS) -> list[float]:

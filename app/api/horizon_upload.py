@@ -15,6 +15,7 @@ from estimator.request import MAX_CAMERAS
 
 MULTIPART = "multipart/form-data"
 MAX_REQUEST_BYTES = 2**20
+_CHUNK_BYTES = 2**18
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +48,8 @@ async def horizon_upload(request: Request) -> HorizonUpload:
     body = await whole_body(request, request.app.state.settings.max_upload_bytes)
 
     async def stream() -> AsyncGenerator[bytes, None]:
-        yield body
+        for first in range(0, len(body), _CHUNK_BYTES):  # others get their turn in between
+            yield body[first : first + _CHUNK_BYTES]
 
     parser = MultiPartParser(
         request.headers,
