@@ -108,10 +108,13 @@ class SlewOptions:
     avoid_modes: tuple[StructuralMode, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("jerk_max_deg_s3", "filter_cutoff_hz"):
+        for name, low, high in (
+            ("jerk_max_deg_s3", 1e-4, 1e3),
+            ("filter_cutoff_hz", 1e-3, 1e3),
+        ):
             value = getattr(self, name)
-            if value is not None and not value > 0.0:
-                raise ValueError(f"{name} must be positive, not {value}")
+            if value is not None and not low <= value <= high:
+                raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value:g}")
         for name, most in (("keep_out", KEEP_OUT_MAX), ("avoid_modes", AVOID_MODES_MAX)):
             count = len(getattr(self, name))
             if count > most:

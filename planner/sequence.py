@@ -8,7 +8,14 @@ from itertools import pairwise
 import numpy as np
 
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.errors import GiveUp, InfeasibleSlew, NotVisible, TrackBreaksLimit, Unreachable
+from planner.errors import (
+    GiveUp,
+    InfeasibleSlew,
+    NotVisible,
+    SolverFailed,
+    TrackBreaksLimit,
+    Unreachable,
+)
 from planner.gimbal.keep_out import keep_out_view
 from planner.joining import Join, Way, joined, ways_to_hold
 from planner.nearest_start import refused_with_nearest_start
@@ -269,6 +276,11 @@ def _conflict(
         joined(scenario, sessions[number][0], stand.last_row, state)
     except InfeasibleSlew as refusal:
         found = refused_with_nearest_start(scenario, number, stand.last_row, state, refusal)
+    else:
+        raise SolverFailed(
+            f"the slew to session {number} was found impossible and then possible",
+            field=f"sessions.{number}.start",
+        )
     found.give_up = tuple(
         offer
         for mode, resolve in CONFLICTS.items()

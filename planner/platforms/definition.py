@@ -22,6 +22,10 @@ class AxisDefinition:
     def __post_init__(self) -> None:
         if not self.name:
             raise ValueError("name must not be empty: angles and rates are given per axis name")
+        for name in ("rate_max_deg_s", "acceleration_max_deg_s2", "jerk_max_deg_s3"):
+            value = getattr(self, name)
+            if not 1e-4 <= value <= 1e3:
+                raise ValueError(f"{name} must lie in 0.0001..1000, not {value:g}")
         self.limits()
 
     def limits(self) -> AxisLimits:
