@@ -30,7 +30,7 @@ router = APIRouter(tags=["horizon"])
 
 PNG = "image/png"
 ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500)
-# A picture of 4 megapixels takes 1.6 GB and 20 s on a slow core.
+# A picture of 4 megapixels took 1.6 GB and 14 s on a busy core.
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
 _PREDICTION = TypeAdapter(PredictionResponse)
