@@ -46,7 +46,7 @@ bench: setup
 	for script in slew plan opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
 
 requirements: setup
-	$(LOCK) -o requirements.txt --extra plot --extra postgres --extra dask pyproject.toml
+	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml
 	$(LOCK) -o requirements-dev.txt --extra dev pyproject.toml
 
 clean:

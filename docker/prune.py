@@ -1,0 +1,77 @@
+"""What of the installed packages does the image not need?
+
+    python prune.py SITE_PACKAGES
+
+Removes CasADi's other solvers and the copies of its libraries under their other names (a
+wheel knows no links), the packages' own tests, headers and static libraries.  Prints what
+each step saved.  The Dockerfile plans every kind of session afterwards.
+"""
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+# Prints the libraries of CasADi that a process maps once Ipopt has solved something.
+_SOLVE = """
+import casadi
+x = casadi.MX.sym("x")
+problem = {"x": x, "f": (x - 1) ** 2, "g": x}
+quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
+casadi.nlpsol("solver", "ipopt", problem, quiet)(x0=3, lbg=0, ubg=2)
+for line in open("/proc/self/maps"):
+    if "/casadi/" in line:
+        print(line.split()[-1])
+"""
+_TESTS_OF = ("numpy", "scipy", "numba", "dask", "distributed", "llvmlite")
+_DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.pxd", "*.lib")
+
+
+def main(site: Path) -> None:
+    """Prune in place."""
+    steps = {
+        "CasADi's other solvers": _unmapped(site / "casadi"),
+        "tests": _tests(site),
+        "headers, stubs and static libraries": _development(site),
+    }
+    for name, victims in steps.items():
+        print(f"{name}: {_removed(victims) / 1e6:.0f} MB")
+
+
+def _unmapped(casadi: Path) -> Iterator[Path]:
+    done = subprocess.run(  # noqa: S603 (our own words, by our own interpreter)
+        [sys.executable, "-c", _SOLVE], check=True, capture_output=True, text=True
+    )
+    mapped = {Path(line).name for line in done.stdout.splitlines() if ".so" in line}
+    if not any("ipopt" in name for name in mapped):
+        raise SystemExit("Ipopt was not loaded: nothing can be told from what was")
+    for path in casadi.iterdir():
+        if path.suffix != ".py" and path.name not in mapped and path.name != "__pycache__":
+            yield path
+
+
+def _tests(site: Path) -> Iterator[Path]:
+    for package in _TESTS_OF:
+        yield from (site / package).rglob("tests")
+
+
+def _development(site: Path) -> Iterator[Path]:
+    for pattern in _DEVELOPMENT:
+        yield from site.rglob(pattern)
+
+
+def _removed(victims: Iterator[Path]) -> int:
+    saved = 0
+    for path in list(victims):
+        if path.is_dir():
+            saved += sum(file.stat().st_size for file in path.rglob("*") if file.is_file())
+            shutil.rmtree(path)
+        elif path.exists():
+            saved += path.stat().st_size
+            path.unlink()
+    return saved
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
