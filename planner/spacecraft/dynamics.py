@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from planner.spacecraft.cmg_array import rotor_momentum
 from planner.spacecraft.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -68,55 +67,78 @@ def unrotate(q: Array, v: Array, out: Array) -> None:
     out[2] = z + q[3] * tz - q[0] * ty + q[1] * tx
 
 
+Row = tuple[float, float, float]
+
+
 @compiled
-def body_rate(plant: Plant, state: Array, momentum: Array, work: Array, out: Array) -> None:
-    """omega_body (3,) from the state and the gyros' momentum in body axes."""
-    unrotate(state[:4], state[4:7], work)
+def _matrix(q: Array) -> tuple[Row, Row, Row]:
+    """Rows of the matrix that turns like the scalar-last unit quaternion q (4,)."""
+    x, y, z, w = q[0], q[1], q[2], q[3]
+    return (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
+        (2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)),
+        (2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)),
+    )
+
+
+@compiled
+def _columns_times(c: tuple[Row, Row, Row], x: float, y: float, z: float) -> Row:
+    """The matrix's transpose times a vector."""
+    return (
+        c[0][0] * x + c[1][0] * y + c[2][0] * z,
+        c[0][1] * x + c[1][1] * y + c[2][1] * z,
+        c[0][2] * x + c[1][2] * y + c[2][2] * z,
+    )
+
+
+@compiled
+def _rows_times(matrix: Array, x: float, y: float, z: float) -> Row:
+    """A (3, 3) array times a vector."""
+    return (
+        matrix[0, 0] * x + matrix[0, 1] * y + matrix[0, 2] * z,
+        matrix[1, 0] * x + matrix[1, 1] * y + matrix[1, 2] * z,
+        matrix[2, 0] * x + matrix[2, 1] * y + matrix[2, 2] * z,
+    )
+
+
+@compiled
+def _rate(plant: Plant, c: tuple[Row, Row, Row], state: Array, momentum: Array) -> Row:
+    x, y, z = _columns_times(c, state[4], state[5], state[6])
+    x, y, z = x - momentum[0], y - momentum[1], z - momentum[2]
     m = len(plant.stiffness)
-    for k in range(3):
-        work[k] -= momentum[k]
     for i in range(m):
         p = state[7 + m + i]
-        for k in range(3):
-            work[k] -= plant.couplings[i, k] * p
-    for k in range(3):
-        out[k] = (
-            plant.rigid_inverse[k, 0] * work[0]
-            + plant.rigid_inverse[k, 1] * work[1]
-            + plant.rigid_inverse[k, 2] * work[2]
-        )
+        x -= plant.couplings[i, 0] * p
+        y -= plant.couplings[i, 1] * p
+        z -= plant.couplings[i, 2] * p
+    return _rows_times(plant.rigid_inverse, x, y, z)
 
 
 @compiled
-def _derivative(
-    plant: Plant, state: Array, momentum: Array, nadir: Array, work: Array, rate: Array, out: Array
-) -> None:
-    body_rate(plant, state, momentum, work, rate)
+def body_rate(plant: Plant, state: Array, momentum: Array, out: Array) -> None:
+    """omega_body (3,) from the state and the gyros' momentum in body axes."""
+    out[0], out[1], out[2] = _rate(plant, _matrix(state), state, momentum)
+
+
+@compiled
+def _derivative(plant: Plant, state: Array, momentum: Array, nadir: Array, out: Array) -> None:
+    c = _matrix(state)
+    x, y, z = _rate(plant, c, state, momentum)
     q0, q1, q2, q3 = state[0], state[1], state[2], state[3]
-    out[0] = 0.5 * (q3 * rate[0] + q1 * rate[2] - q2 * rate[1])
-    out[1] = 0.5 * (q3 * rate[1] + q2 * rate[0] - q0 * rate[2])
-    out[2] = 0.5 * (q3 * rate[2] + q0 * rate[1] - q1 * rate[0])
-    out[3] = -0.5 * (q0 * rate[0] + q1 * rate[1] + q2 * rate[2])
-    if plant.gravity_per_s2 > 0.0:
-        unrotate(state[:4], nadir, work)
-        n0, n1, n2 = work[0], work[1], work[2]
-        j0 = plant.inertia[0, 0] * n0 + plant.inertia[0, 1] * n1 + plant.inertia[0, 2] * n2
-        j1 = plant.inertia[1, 0] * n0 + plant.inertia[1, 1] * n1 + plant.inertia[1, 2] * n2
-        j2 = plant.inertia[2, 0] * n0 + plant.inertia[2, 1] * n1 + plant.inertia[2, 2] * n2
-        work[0] = plant.gravity_per_s2 * (n1 * j2 - n2 * j1)
-        work[1] = plant.gravity_per_s2 * (n2 * j0 - n0 * j2)
-        work[2] = plant.gravity_per_s2 * (n0 * j1 - n1 * j0)
-        rotate(state[:4], work, out[4:7])
-    else:
-        out[4] = out[5] = out[6] = 0.0
+    out[0] = 0.5 * (q3 * x + q1 * z - q2 * y)
+    out[1] = 0.5 * (q3 * y + q2 * x - q0 * z)
+    out[2] = 0.5 * (q3 * z + q0 * y - q1 * x)
+    out[3] = -0.5 * (q0 * x + q1 * y + q2 * z)
+    k = plant.gravity_per_s2
+    n0, n1, n2 = _columns_times(c, nadir[0], nadir[1], nadir[2])
+    j0, j1, j2 = _rows_times(plant.inertia, n0, n1, n2)
+    t0, t1, t2 = k * (n1 * j2 - n2 * j1), k * (n2 * j0 - n0 * j2), k * (n0 * j1 - n1 * j0)
+    for i in range(3):
+        out[4 + i] = c[i][0] * t0 + c[i][1] * t1 + c[i][2] * t2
     m = len(plant.stiffness)
     for i in range(m):
-        swing = (
-            state[7 + m + i]
-            - plant.couplings[i, 0] * rate[0]
-            - plant.couplings[i, 1] * rate[1]
-            - plant.couplings[i, 2] * rate[2]
-        )
+        d0, d1, d2 = plant.couplings[i, 0], plant.couplings[i, 1], plant.couplings[i, 2]
+        swing = state[7 + m + i] - d0 * x - d1 * y - d2 * z
         out[7 + i] = swing
         out[7 + m + i] = -plant.stiffness[i] * state[7 + i] - plant.damping[i] * swing
 
@@ -127,15 +149,17 @@ def array_momentum(plant: Plant, servo: Array, t_s: float, out: Array) -> None:
 
     Each rotor's speed loop ripples: its torque a cos(w t + phase) stores a/w sin in h.
     """
-    rotor_momentum(servo[:, 0], plant.momentum_n_m_s, plant.rotor, plant.torque, out)
+    out[0] = out[1] = out[2] = 0.0
     for i in range(4):
-        along_gimbal = plant.gimbal_inertia_kg_m2 * servo[i, 1]
         a, w, phase = plant.ripple[i, 0], plant.ripple[i, 1], plant.ripple[i, 2]
-        along_spin = a / w * math.sin(w * t_s + phase) if a > 0.0 else 0.0
-        c, s = math.cos(servo[i, 0]), math.sin(servo[i, 0])
+        along_spin = plant.momentum_n_m_s + a / w * math.sin(w * t_s + phase)
+        along_gimbal = plant.gimbal_inertia_kg_m2 * servo[i, 1]
+        c, s = along_spin * math.cos(servo[i, 0]), along_spin * math.sin(servo[i, 0])
         for k in range(3):
-            out[k] += along_gimbal * plant.gimbal_axes[i, k] + along_spin * (
-                c * plant.rotor[i, k] + s * plant.torque[i, k]
+            out[k] += (
+                c * plant.rotor[i, k]
+                + s * plant.torque[i, k]
+                + along_gimbal * plant.gimbal_axes[i, k]
             )
 
 
@@ -156,15 +180,13 @@ class Scratch(NamedTuple):
 
     slopes: Array  # (4, s)
     trial: Array  # (s,)
-    work: Array  # (3,)
-    rate: Array  # (3,)
     momenta: Array  # (3, 3): at the start, middle and end of the step
 
 
 @compiled
 def scratch(size: int) -> Scratch:
     """Scratch for states of this size."""
-    return Scratch(np.empty((4, size)), np.empty(size), np.empty(3), np.empty(3), np.empty((3, 3)))
+    return Scratch(np.empty((4, size)), np.empty(size), np.empty((3, 3)))
 
 
 @compiled
@@ -189,16 +211,16 @@ def advance(
     servo_half_step(plant, command, servo)
     array_momentum(plant, servo, t_s + h, memory.momenta[2])
     size = len(state)
-    _derivative(plant, state, memory.momenta[0], nadir, memory.work, memory.rate, k[0])
+    _derivative(plant, state, memory.momenta[0], nadir, k[0])
     for j in range(size):
         trial[j] = state[j] + 0.5 * h * k[0, j]
-    _derivative(plant, trial, memory.momenta[1], nadir, memory.work, memory.rate, k[1])
+    _derivative(plant, trial, memory.momenta[1], nadir, k[1])
     for j in range(size):
         trial[j] = state[j] + 0.5 * h * k[1, j]
-    _derivative(plant, trial, memory.momenta[1], nadir, memory.work, memory.rate, k[2])
+    _derivative(plant, trial, memory.momenta[1], nadir, k[2])
     for j in range(size):
         trial[j] = state[j] + h * k[2, j]
-    _derivative(plant, trial, memory.momenta[2], nadir, memory.work, memory.rate, k[3])
+    _derivative(plant, trial, memory.momenta[2], nadir, k[3])
     for j in range(size):
         state[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
     norm = math.sqrt(state[0] ** 2 + state[1] ** 2 + state[2] ** 2 + state[3] ** 2)

@@ -106,14 +106,11 @@ def _reference_rate(reference: Reference, k: int, u: float, tick: float, out: Ar
 
 
 @compiled
-def _at_start(
-    plant: Plant, reference: Reference, modes: Array, gyros: Array, state: Array, work: Array
-) -> None:
+def _at_start(plant: Plant, reference: Reference, modes: Array, gyros: Array, state: Array) -> None:
     """Fill the state: on the profile, modes as given, total momentum to match."""
-    m = len(plant.stiffness)
+    m, work = len(plant.stiffness), gyros.copy()
     state[:4] = reference.q[0]
     for k in range(3):
-        work[k] = gyros[k]
         for j in range(3):
             work[k] += plant.inertia[k, j] * reference.rate[0, j]
     for i in range(m):
@@ -161,7 +158,7 @@ def _fly_tick(
     for j in range(steps):
         t_s = (tick * steps + j) * plant.step_s
         advance(plant, state, servo, command, reference.nadir[tick], t_s, tools)
-        body_rate(plant, state, tools.momenta[2], tools.work, rate)
+        body_rate(plant, state, tools.momenta[2], rate)
         _reference_rate(reference, tick, (j + 1) / steps, tick_s, wanted)
         for k in range(3):
             errors[j, k] = rate[k] - wanted[k]
@@ -204,7 +201,7 @@ def fly(
     servo[:, 0] = gimbal
     tools = scratch(len(state))
     array_momentum(plant, servo, 0.0, tools.momenta[2])
-    _at_start(plant, reference, modes_start, tools.momenta[2], state, tools.work)
+    _at_start(plant, reference, modes_start, tools.momenta[2], state)
     memory = Memory(
         np.zeros((2, 3)),
         state[4:7].copy(),
@@ -220,7 +217,7 @@ def fly(
     log = _empty_log(n, steps, len(state))
     knowledge, turned, rate, believed_rate = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     believed, channels, error, seen = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
-    body_rate(plant, state, tools.momenta[2], tools.work, rate)
+    body_rate(plant, state, tools.momenta[2], rate)
     for tick in range(n):
         if reference.commanded[tick]:
             memory.turn[0] = 0.0

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.spacecraft.cmg_array import CmgArray
 from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.dynamics import Scratch, _derivative, array_momentum, body_rate, scratch
+from planner.spacecraft.dynamics import _derivative, array_momentum, body_rate
 from planner.spacecraft.simulation import nominal, plant
 
 GOLDEN = json.loads(
@@ -35,7 +35,6 @@ def flown_by_us():
     body = plant(spacecraft, nominal(spacecraft), float("inf"), 0.01)
     t_s = np.arange(len(ROWS)) * STEP_S
     gimbals = CubicHermiteSpline(t_s, ROWS[:, :4], ROWS[:, 4:8])
-    memory: Scratch = scratch(7)
 
     def held(t):
         servo = np.zeros((4, 3))
@@ -46,7 +45,7 @@ def flown_by_us():
 
     def slope(state, t):
         out = np.zeros(7)
-        _derivative(body, state, held(t), np.zeros(3), memory.work, memory.rate, out)
+        _derivative(body, state, held(t), np.zeros(3), out)
         return out
 
     state = np.zeros(7)
@@ -55,7 +54,7 @@ def flown_by_us():
     rates, attitudes = [], []
     for k in range(len(ROWS)):
         rate = np.zeros(3)
-        body_rate(body, state, held(t_s[k]), memory.work, rate)
+        body_rate(body, state, held(t_s[k]), rate)
         rates.append(rate)
         attitudes.append(state[:4].copy())
         h = STEP_S

@@ -47,13 +47,13 @@ COMMAND = np.array([0.02, -0.03, 0.01, 0.025])
 
 def test_momentum_is_conserved_and_seen_so_from_the_outside():
     """Re-added from rate, swinging modes and gyros, as an observer would: 1e-9 promised."""
-    body, state, servo, tools = flown(0.005, 60.0, COMMAND)
+    body, state, servo, _ = flown(0.005, 60.0, COMMAND)
     _, first, first_servo, _ = flown(0.005, 0.0, COMMAND)
     totals = []
     for s, g in ((first, first_servo), (state, servo)):
         gyros, rate = np.zeros(3), np.zeros(3)
         array_momentum(body, g, 0.0, gyros)
-        body_rate(body, s, gyros, tools.work, rate)
+        body_rate(body, s, gyros, rate)
         swing = s[7 + M :] - body.couplings @ rate
         seen = body.inertia @ rate + body.couplings.T @ swing + gyros
         totals.append(Rotation.from_quat(s[:4]).apply(seen))
@@ -88,7 +88,7 @@ def test_body_follows_eulers_equations():
     y0 = np.concatenate([[0.004, -0.002, 0.01], np.zeros(2 * M), gimbal0, np.zeros(8)])
     theirs = solve_ivp(slope, (0.0, 3.0), y0, method="DOP853", rtol=1e-11, atol=1e-14).y[:, -1]
     rate = np.zeros(3)
-    body_rate(body, state, tools.momenta[2], tools.work, rate)
+    body_rate(body, state, tools.momenta[2], rate)
     # RK4 at 2 ms of 10 Hz modes swinging with 1e-4 rad/s: 1e-9 rad/s
     np.testing.assert_allclose(rate, theirs[:3], atol=2e-9)
     np.testing.assert_allclose(servo[:, 0], theirs[3 + 2 * M : 7 + 2 * M], atol=1e-9)
