@@ -5,7 +5,6 @@ what goes wrong is one line on stderr.
 Imports wait until a command needs them: `plan` must not pay for the web server.
 """
 
-import ipaddress
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -221,27 +220,17 @@ def serve(
 ) -> None:
     """Serve the HTTP API and its pages (/docs) on this machine."""
     with _one_line_for_what_goes_wrong():
-        if not _is_loopback(host):
+        from app.security.access import is_loopback
+        from app.serving import serve_on
+        from app.settings import Settings
+
+        if not is_loopback(host):
             raise Refusal(
                 f"{host} can be reached from other machines and the service has no keys yet; "
                 "use 127.0.0.1 or ::1",
                 field="--host",
             )
-
-        import uvicorn
-
-        from app.main import create_app
-
-        uvicorn.run(create_app(), host=host, port=port, server_header=False)
-
-
-def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
+        serve_on(host, port, Settings())
 
 
 def _read(file: str) -> bytes:

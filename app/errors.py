@@ -5,8 +5,6 @@ internal error than that there was one.
 """
 
 import json
-import logging
-import uuid
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import datetime
@@ -19,6 +17,7 @@ from starlette.exceptions import HTTPException
 
 from app.api.json_reader import FieldError, InvalidRequest, field_errors
 from app.jobs.disposable import TooDemanding
+from app.observability import request_id
 from estimator.errors import InvalidCamera, InvalidImage
 from planner import errors
 from planner.errors import GiveUp
@@ -51,7 +50,8 @@ STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
 class Problem:
     """RFC 9457 problem details.
 
-    `type` names the kind of refusal; `instance` this occurrence, which the log names too.
+    `type` names the kind of refusal; `instance` this request, by the id that the log and the
+    header X-Request-ID name too.
     `field` is the request field at fault, dotted; `axis`, `limit` and `at` say what breaks
     and when; `earliest_feasible_start` is the nearest session start that works, for a session
     that stops at `feasible_stop`; `give_up` says what sessions would lose under each
@@ -76,14 +76,20 @@ class Problem:
 def install(app: FastAPI) -> None:
     """Answer every refusal, HTTP error and bug of `app` with a problem."""
     app.add_exception_handler(errors.Refusal, _refusal)
-    app.add_exception_handler(HTTPException, _http_error)
+    app.add_exception_handler(HTTPException, http_error)
     app.add_exception_handler(RequestValidationError, _bad_parameter)
-    app.add_exception_handler(Exception, _bug)
 
 
-def _refusal(_: Request, refusal: Exception) -> Response:
+def problem_type(scope: Mapping[str, Any]) -> str | None:
+    """The type of the problem a request was answered with, None for a good answer."""
+    kind: str | None = scope["state"].get(_PROBLEM_TYPE)
+    return kind
+
+
+def _refusal(request: Request, refusal: Exception) -> Response:
     assert isinstance(refusal, errors.Refusal)
     return _answer(
+        request,
         STATUS_OF_REFUSAL[type(refusal)],
         {
             "type": TYPE_PREFIX + refusal.slug,
@@ -114,13 +120,15 @@ def _bad_parameter(request: Request, error: Exception) -> Response:
     return _refusal(request, InvalidRequest(*field_errors(error.errors(), document)))
 
 
-def _http_error(request: Request, error: Exception) -> Response:
+def http_error(request: Request, error: Exception) -> Response:
+    """The answer to an error of HTTP itself; its headers are kept."""
     assert isinstance(error, HTTPException)
     status = HTTPStatus(error.status_code)
     detail = error.detail
     if detail == status.phrase:  # Starlette's own: say what would have worked
         detail = _WAY_OUT.get(status, status.description)
     return _answer(
+        request,
         status,
         {"type": "about:blank", "title": status.phrase, "detail": detail},
         headers=error.headers,
@@ -133,9 +141,11 @@ _WAY_OUT = {
 }
 
 
-def _bug(_: Request, error: Exception) -> Response:
+def bug_response(request: Request) -> Response:
+    """The answer when the service is at fault; why is in its log only."""
     status = HTTPStatus.INTERNAL_SERVER_ERROR
-    response, instance = _response(
+    return _answer(
+        request,
         status,
         {
             "type": TYPE_PREFIX + "internal-error",
@@ -143,25 +153,21 @@ def _bug(_: Request, error: Exception) -> Response:
             "detail": "the service failed; its log says why under this instance",
         },
     )
-    logging.getLogger("slewtrack").error("%s", instance, exc_info=error)
-    return response
 
 
 def _answer(
-    status: HTTPStatus, members: dict[str, Any], headers: Mapping[str, str] | None = None
+    request: Request,
+    status: HTTPStatus,
+    members: dict[str, Any],
+    headers: Mapping[str, str] | None = None,
 ) -> Response:
-    return _response(status, members, headers)[0]
-
-
-def _response(
-    status: HTTPStatus, members: dict[str, Any], headers: Mapping[str, str] | None = None
-) -> tuple[Response, str]:
-    instance = uuid.uuid4().urn
-    members |= {"status": status.value, "instance": instance}
+    members |= {"status": status.value, "instance": request_id.instance(request.scope)}
+    request.scope["state"][_PROBLEM_TYPE] = members["type"]
     kept = {name: members[name] for name in _ORDER if members.get(name) not in (None, [])}
     # ASCII, so that no text of the request can break the encoding of the answer.
     body = json.dumps(kept, allow_nan=False).encode("ascii")
-    return Response(body, status, headers, media_type=PROBLEM_JSON), instance
+    return Response(body, status, headers, media_type=PROBLEM_JSON)
 
 
 _ORDER = tuple(Problem.__dataclass_fields__)
+_PROBLEM_TYPE = "problem_type"

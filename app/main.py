@@ -7,12 +7,20 @@ from typing import Any
 
 import anyio
 from fastapi import FastAPI
-from fastapi_offline import FastAPIOffline
 
 from app import errors
-from app.api import horizon, opportunities, plans, platforms, spacecraft, system
+from app.api import horizon, opportunities, pages, plans, platforms, spacecraft, system
 from app.jobs.disposable import start_server
+from app.observability.metrics import Metrics
+from app.observability.readiness import (
+    Readiness,
+    earth_orientation_covers_now,
+    solver_answers,
+)
+from app.observability.watch import Watch
 from app.openapi import complete
+from app.security.access import Access
+from app.security.gate import Gate
 from app.settings import Settings
 from app.versions import VERSION
 
@@ -29,28 +37,41 @@ refused is refused as `application/problem+json` with the field, the reason and 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The service; settings default to the environment's."""
-    # FastAPIOffline serves the pages of /docs and /redoc without a CDN.
-    app: FastAPI = FastAPIOffline(
+    settings = settings or Settings()
+    app = FastAPI(
         title="slewtrack",
         version=VERSION,
         description=_DESCRIPTION,
         redirect_slashes=False,
         lifespan=_ready_for_children,
         separate_input_output_schemas=False,
-        swagger_ui_parameters={
-            "tryItOutEnabled": True,
-            "defaultModelsExpandDepth": 0,
-            "validatorUrl": None,  # else the page asks an outside service to judge the document
-        },
+        docs_url=None,  # our own work without a CDN
+        redoc_url=None,
     )
-    app.state.settings = settings or Settings()
+    app.state.settings = settings
     app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for resource in (plans, opportunities, horizon, spacecraft, platforms, system):
+    for resource in (plans, opportunities, horizon, spacecraft, platforms, system, pages):
         app.include_router(resource.router)
+    pages.serve_files(app)
     errors.install(app)
+    _guard_and_watch(app, settings)
     _describe(app)
     return app
+
+
+def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
+    app.state.metrics = Metrics()
+    app.state.readiness = Readiness(
+        {"solver": solver_answers, "earth_orientation": earth_orientation_covers_now}
+    )
+    access = Access(
+        lambda _: None,
+        require_keys=settings.require_keys,
+        hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
+    )
+    app.add_middleware(Gate, access=access, settings=settings)
+    app.add_middleware(Watch, metrics=app.state.metrics)  # the last added is the outermost
 
 
 @asynccontextmanager

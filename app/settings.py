@@ -3,6 +3,8 @@
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from app.observability.logs import LogFormat, LogLevel
+
 
 class Settings(BaseSettings):
     """Read once, when the service starts."""
@@ -10,6 +12,50 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="SLEWTRACK_", frozen=True)
 
     # Seven times NASA's 15-day OEM of the ISS in XML.
-    max_body_bytes: int = Field(default=8 * 2**20, gt=0)
+    max_body_bytes: int = Field(
+        default=8 * 2**20, gt=0, description="Most bytes of a JSON request; 413 beyond"
+    )
     # Sixteen uncompressed grey images of 4 megapixels; a child gets them a second time.
-    max_upload_bytes: int = Field(default=64 * 2**20, gt=0)
+    max_upload_bytes: int = Field(
+        default=64 * 2**20, gt=0, description="Most bytes of a request with images; 413 beyond"
+    )
+    max_held_bytes: int = Field(
+        default=512 * 2**20,
+        gt=0,
+        description="Most bytes of all bodies at work together; 503 beyond",
+    )
+    body_timeout_s: float = Field(
+        default=60.0, gt=0.0, description="Time a request's whole body may take to come; then 408"
+    )
+    head_timeout_s: float = Field(
+        default=10.0, gt=0.0, description="Time a request's head may take to come; then 408"
+    )
+    max_connections: int = Field(
+        default=512, gt=0, description="Most connections at a time; 503 beyond"
+    )
+
+    require_keys: bool = Field(
+        default=False,
+        description="Ask for an API key on loopback, too; set it behind a reverse proxy",
+    )
+    allowed_hosts: str = Field(
+        default="localhost,127.0.0.1,[::1]",
+        description="Names in the Host header that are answered without a key; 421 for others",
+    )
+    trusted_proxies: str = Field(
+        default="",
+        description="Addresses or networks of proxies whose X-Forwarded-For is believed, "
+        "separated by commas",
+    )
+    rate_per_minute: int = Field(
+        default=6000, gt=0, description="Most requests a minute per key, or per address; then 429"
+    )
+    failures_per_minute: int = Field(
+        default=60, gt=0, description="Most requests a minute and address with a bad key; then 429"
+    )
+    concurrency_per_key: int = Field(
+        default=64, gt=0, description="Most requests at a time per key, or per address; then 429"
+    )
+
+    log_level: LogLevel = Field(default="info", description="debug, info, warning or error")
+    log_format: LogFormat = Field(default="console", description="json or console")

@@ -1,0 +1,56 @@
+"""Which pages document the API, without a network and under a strict content policy?"""
+
+from pathlib import Path
+
+from fastapi import APIRouter, FastAPI, Response
+from starlette.staticfiles import StaticFiles
+
+from app.security.access import PAGE_FILES
+from app.security.headers import PAGE_CONTENT_POLICY
+
+router = APIRouter(include_in_schema=False)
+
+_OURS = Path(__file__).parents[1] / "static"
+# Addresses are relative, so that the pages also work under a proxy's path.
+_PAGE = """\
+<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>slewtrack: the API</title>
+<link rel="icon" href="page-files/favicon.png">
+{styles}<link rel="stylesheet" href="page-files/pages.css">
+</head>
+<body>
+<div id="page"></div>
+{scripts}</body>
+</html>
+"""
+
+
+def serve_files(app: FastAPI) -> None:
+    """What the pages load: Swagger UI and ReDoc as fastapi-offline packs them, and our own."""
+    files = StaticFiles(directory=_OURS, packages=[("fastapi_offline", "static")])
+    app.mount(PAGE_FILES.rstrip("/"), files, name="page-files")
+
+
+@router.get("/docs")
+async def get_docs() -> Response:
+    """To read and try out."""
+    return _page(("swagger-ui-bundle.js", "docs.js"), ("swagger-ui.css",))
+
+
+@router.get("/redoc")
+async def get_redoc() -> Response:
+    """To read and print."""
+    return _page(("redoc.standalone.js", "redoc.js"))
+
+
+def _page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> Response:
+    html = _PAGE.format(
+        styles="".join(f'<link rel="stylesheet" href="page-files/{name}">\n' for name in styles),
+        scripts="".join(f'<script src="page-files/{name}"></script>\n' for name in scripts),
+    )
+    headers = {"Content-Security-Policy": PAGE_CONTENT_POLICY, "Cache-Control": "no-cache"}
+    return Response(html, headers=headers, media_type="text/html")

@@ -1,0 +1,92 @@
+"""Can the service do its work now: does what it depends on answer?"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, Literal
+
+import anyio
+from anyio import to_thread
+
+from app.jobs.disposable import Bounds, run_disposable
+from app.observability.logs import log
+from planner.frames.earth_orientation import iers_data_end_utc
+from planner.frames.time_scales import DAY_S, elapsed_s
+
+State = Literal["ok", "degraded", "failed"]
+# Asked for by everyone without a key: answered anew no more often than this.
+_KEPT_S = 5.0
+_CHILD_BOUNDS = Bounds(deadline_s=10.0, memory_mib=300)
+IERS_WARNING_DAYS = 30.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckOut:
+    """One thing the service depends on; `degraded` still works, and says how well."""
+
+    name: str
+    state: State
+    detail: str
+
+
+Check = Callable[[], tuple[State, str]]
+
+
+class Readiness:
+    """Asks all checks, one asker at a time."""
+
+    def __init__(self, checks: Mapping[str, Check]) -> None:
+        self._checks = dict(checks)
+        self._turn = anyio.Lock()
+        self._found: tuple[CheckOut, ...] = ()
+        self._found_s = -_KEPT_S
+
+    async def now(self) -> tuple[CheckOut, ...]:
+        """At most some seconds old."""
+        async with self._turn:
+            if time.monotonic() - self._found_s >= _KEPT_S:
+                self._found = await to_thread.run_sync(self._ask_all)
+                self._found_s = time.monotonic()
+            return self._found
+
+    def _ask_all(self) -> tuple[CheckOut, ...]:
+        return tuple(_asked(name, check) for name, check in self._checks.items())
+
+
+def _asked(name: str, check: Check) -> CheckOut:
+    try:
+        state, detail = check()
+    except Exception as error:  # noqa: BLE001 (whatever is wrong with it, it isn't ready)
+        log.error("not ready", check=name, exc_info=error)
+        state, detail = "failed", "it doesn't answer; the log says why"
+    return CheckOut(name=name, state=state, detail=detail)
+
+
+def solver_answers() -> tuple[State, str]:
+    """A child is forked, solves a small problem by Ipopt and hands back its answer."""
+    found = run_disposable(_CHILD_BOUNDS, _least_of_a_parabola)
+    if abs(found - 1.0) > 1e-6:  # Ipopt's tolerance is 1e-8
+        raise ArithmeticError(f"the least of (x - 1)^2 came out at {found}")
+    return "ok", "a child process solved a small problem"
+
+
+def _least_of_a_parabola() -> float:
+    import casadi
+
+    x = casadi.SX.sym("x")
+    quiet: dict[str, Any] = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
+    solver = casadi.nlpsol("least", "ipopt", {"x": x, "f": (x - 1.0) ** 2}, quiet)
+    return float(solver(x0=0.0)["x"])
+
+
+def earth_orientation_covers_now() -> tuple[State, str]:
+    """Whether UT1 and pole are known for today, and for how long yet."""
+    end_utc = iers_data_end_utc()
+    left_days = elapsed_s(end_utc, datetime.now(UTC)) / DAY_S
+    if left_days < IERS_WARNING_DAYS:
+        return "degraded", (
+            f"Earth orientation data end on {end_utc:%Y-%m-%d}; plans for later times say how far "
+            "off they may be; install a newer astropy-iers-data"
+        )
+    return "ok", f"Earth orientation is known or predicted until {end_utc:%Y-%m-%d}"

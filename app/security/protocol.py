@@ -1,0 +1,149 @@
+"""How does the service keep connections from being held, flooded or read two ways?
+
+Uvicorn's HTTP/1.1 by h11, with what uvicorn leaves out: a time limit on heads and on what a
+client still sends after its answer, a cap on connections, and refusals as problems.
+"""
+
+import asyncio
+import json
+import sys
+import uuid
+from http import HTTPStatus
+from typing import Any, ClassVar
+
+import h11
+from starlette.datastructures import MutableHeaders
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from app.errors import PROBLEM_JSON
+from app.observability import request_id
+from app.security.headers import harden
+
+HEAD_BYTES_MAX = 32 * 1024
+_LINGER_S = 5.0  # for a client to read its refusal while it still sends
+
+_DETAILS = {
+    HTTPStatus.BAD_REQUEST: "this is not HTTP/1.1 as RFC 9112 has it",
+    HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE: (
+        f"the head of a request may have {HEAD_BYTES_MAX} bytes"
+    ),
+    HTTPStatus.NOT_IMPLEMENTED: "of transfer codings only chunked is read",
+}
+
+
+class GuardedProtocol(H11Protocol):
+    """One connection.  The class attributes are set once, before the server starts."""
+
+    connections_max: ClassVar[int]
+    head_timeout_s: ClassVar[float]
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 (uvicorn's own)
+        super().__init__(*args, **kwargs)
+        self._deadline: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        if len(self.connections) > self.connections_max:
+            self._refuse(
+                HTTPStatus.SERVICE_UNAVAILABLE,
+                f"{self.connections_max} connections are served at a time; ask again later",
+            )
+        else:
+            self._watch_clock()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._stop_clock()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        if self.transport.is_closing():
+            return
+        super().data_received(data)
+        self._watch_clock()
+
+    def on_response_complete(self) -> None:
+        super().on_response_complete()
+        self._watch_clock()
+
+    def send_400_response(self, msg: str) -> None:
+        """Where uvicorn ends up with everything h11 can't read."""
+        error = sys.exception()
+        hint = getattr(error, "error_status_hint", HTTPStatus.BAD_REQUEST)
+        status = HTTPStatus(hint)
+        self._refuse(status, _DETAILS.get(status, status.description))
+
+    def _watch_clock(self) -> None:
+        """The clock runs from the first wait for a head or a late body until it has come."""
+        if not self._waits_for_client():
+            self._stop_clock()
+        elif self._deadline is None:
+            limit_s = _LINGER_S if self._answered() else self.head_timeout_s
+            self._deadline = self.loop.call_later(limit_s, self._too_late)
+
+    def _waits_for_client(self) -> bool:
+        if self.transport.is_closing():
+            return False
+        if self._answered():
+            return True
+        if self.conn.their_state is not h11.IDLE:
+            return False
+        # Between two requests uvicorn's keep-alive limit holds, until the first byte comes.
+        return self.cycle is None or bool(self.conn.trailing_data[0])
+
+    def _answered(self) -> bool:
+        """The answer is out and the request still isn't whole."""
+        done = self.cycle is not None and self.cycle.response_complete
+        return done and self.conn.their_state is h11.SEND_BODY
+
+    def _stop_clock(self) -> None:
+        if self._deadline is not None:
+            self._deadline.cancel()
+            self._deadline = None
+
+    def _too_late(self) -> None:
+        self._deadline = None
+        if self._answered():
+            self.transport.close()
+        else:
+            self._refuse(
+                HTTPStatus.REQUEST_TIMEOUT,
+                f"the head of a request must come within {self.head_timeout_s:g} s",
+            )
+
+    def _refuse(self, status: HTTPStatus, detail: str) -> None:
+        """Answer for the application, which never saw the request, and hang up."""
+        answering = self.cycle is not None and self.cycle.response_started
+        if self.conn.our_state in (h11.IDLE, h11.SEND_RESPONSE) and not (
+            answering and not self.cycle.response_complete
+        ):
+            for part in _refusal(status, detail):
+                self.transport.write(self.conn.send(part) or b"")
+        self.transport.close()
+
+
+def _refusal(status: HTTPStatus, detail: str) -> tuple[h11.Event, ...]:
+    instance = uuid.uuid4()
+    problem = {
+        "type": "about:blank",
+        "title": status.phrase,
+        "status": status.value,
+        "detail": detail,
+        "instance": instance.urn,
+    }
+    body = json.dumps(problem).encode("ascii")
+    headers = MutableHeaders(
+        {
+            "Content-Type": PROBLEM_JSON,
+            "Content-Length": str(len(body)),
+            "Connection": "close",
+            request_id.HEADER: str(instance),
+        }
+    )
+    if status == HTTPStatus.SERVICE_UNAVAILABLE:
+        headers["Retry-After"] = "5"
+    harden(headers)
+    return (
+        h11.Response(status_code=status, headers=headers.raw, reason=status.phrase),
+        h11.Data(data=body),
+        h11.EndOfMessage(),
+    )
