@@ -113,7 +113,8 @@ def _mark_closest_approaches(panel: Axes, plan: Plan) -> None:
         if not isinstance(session.view, EarthFixedView):
             continue
         closest_utc = session.view.range_min_utc
-        if session.start_utc < closest_utc < session.stop_utc:
+        begun_s = elapsed_s(closest_utc, session.start_utc)
+        if 0.0 < begun_s < elapsed_s(session.stop_utc, session.start_utc):
             at_s = elapsed_s(closest_utc, plan.table.epoch_utc)
             panel.axvline(at_s, color=CLOSEST_COLOUR, label=label, **DASHED)
             label = None

@@ -10,6 +10,15 @@ from datetime import datetime
 from typing import ClassVar
 
 
+def figures(value: float, *limits: float, digits: int = 4) -> str:
+    """A number with the digits it takes to tell it from the limits it is compared with."""
+    while digits < 17 and any(
+        value != limit and f"{value:.{digits}g}" == f"{limit:.{digits}g}" for limit in limits
+    ):
+        digits += 1
+    return f"{value:.{digits}g}"
+
+
 class Refusal(Exception):
     """A request that can't be fulfilled as it stands.
 

@@ -10,7 +10,7 @@ from planner.assembly import assembled
 from planner.commands import ROWS_PER_S
 from planner.errors import VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us
 from planner.joining import Join, covering, sampled_sight, session_rows
 from planner.orbits import Ephemeris
 from planner.plan import Plan, Segment, SegmentKind, SlewRun
@@ -61,7 +61,7 @@ def make_plan(scenario: Scenario) -> Plan:
         warnings=(
             *losses,
             *ephemeris.warnings,
-            *scenario.attitude.warnings,
+            *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
             *_earth_warning(Instants(epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
         ),
@@ -93,8 +93,8 @@ def _as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str
     epoch_utc = scenario.initial_state.epoch
     sessions, losses = [], []
     for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
-        start = max(session.start, shifted_utc(epoch_utc, join.join_row / ROWS_PER_S))
-        stop = min(session.stop, shifted_utc(epoch_utc, join.stop_row / ROWS_PER_S))
+        start = max(session.start, shifted_utc(epoch_utc, join.join_row / ROWS_PER_S), key=tai_us)
+        stop = min(session.stop, shifted_utc(epoch_utc, join.stop_row / ROWS_PER_S), key=tai_us)
         sessions.append(replace(session, start=start, stop=stop))
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
         if late_s or early_s:
@@ -117,7 +117,7 @@ def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
         segments += [
             Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
             for kind, start_utc, stop_utc in zip(kinds, ends, ends[1:], strict=False)
-            if stop_utc > start_utc
+            if elapsed_s(stop_utc, start_utc) > 0.0
         ]
         from_row = join.stop_row
     return tuple(segments)

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from planner.attitude import Attitude
 from planner.commands import COMMAND_STEP_S
+from planner.errors import figures
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
 from planner.platforms import AxisLimits, StructuralMode, TwoAxisPlatform
 from planner.spec import spec
-from planner.targets import GroundPathTarget, KeepOut, Target, TimedTarget
+from planner.targets import GroundPathTarget, KeepOut, MovingGroundTarget, Target, TimedTarget
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -72,8 +73,11 @@ class Session:
             )
         if duration_s < COMMAND_STEP_S:
             raise ValueError(
-                f"a session lasts at least one command step, 0.2 s, not {duration_s:.3f} s"
+                "stop must come at least one command step, 0.2 s, after start, not "
+                f"{figures(duration_s, COMMAND_STEP_S)} s"
             )
+        if isinstance(self.target, MovingGroundTarget):
+            self.target.require_known("target", self.start, self.stop)
         if isinstance(self.target, GroundPathTarget):
             self._require_path_to_last(self.target)
 
@@ -81,7 +85,7 @@ class Session:
         over_s = elapsed_s(self.stop, path.start or self.start) - path.duration_s
         if over_s > COMMAND_STEP_S:
             raise ValueError(
-                f"the path ends {over_s:.1f} s before stop ({utc_text(self.stop)}); end the "
+                f"stop ({utc_text(self.stop)}) comes {over_s:.1f} s after the path's end; end the "
                 "session there, or give the path more points or less speed"
             )
 
@@ -114,7 +118,9 @@ class SlewOptions:
         ):
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
-                raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value:g}")
+                raise ValueError(
+                    f"{name} must lie in {low:g}..{high:g}, not {figures(value, low, high)}"
+                )
         for name, most in (("keep_out", KEEP_OUT_MAX), ("avoid_modes", AVOID_MODES_MAX)):
             count = len(getattr(self, name))
             if count > most:
@@ -143,7 +149,7 @@ class Scenario:
             raise ValueError("sessions must hold at least one session")
         earliest_utc = self.initial_state.epoch
         for number, session in enumerate(self.sessions):
-            if session.start < earliest_utc:
+            if elapsed_s(session.start, earliest_utc) < 0.0:
                 raise ValueError(
                     f"sessions.{number}.start ({utc_text(session.start)}) must not come before "
                     f"{utc_text(earliest_utc)}, when the platform is still busy"
@@ -172,8 +178,9 @@ class Scenario:
             for value, (what, low, high) in zip(motion_rad, ranges_rad, strict=True):
                 if not low <= value <= high:
                     raise ValueError(
-                        f"initial_state.{what}.{axis} is {math.degrees(value):.6g}, outside its "
-                        f"limits {math.degrees(low):.6g}..{math.degrees(high):.6g}"
+                        f"initial_state.{what}.{axis} is "
+                        f"{figures(*np.rad2deg([value, low, high]).tolist())}, outside its limits "
+                        f"{math.degrees(low):.6g}..{math.degrees(high):.6g}"
                     )
 
     @property

@@ -14,7 +14,7 @@ from estimator.prediction import predict_horizon
 from estimator.request import Body, HorizonRequest, Position, Surroundings
 from planner.attitude import AttitudeLaw
 from planner.errors import InvalidInput
-from planner.frames.time_scales import Instants, elapsed_s, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 from planner.orbits import Orbit
 
 Floats = NDArray[np.float64]
@@ -28,13 +28,13 @@ def flown_attitudes(
 
     Raises OutsideCoverage.
     """
-    first = min(moments)
+    first = min(moments, key=tai_us)
     t_s, place = np.unique([elapsed_s(moment, first) for moment in moments], return_inverse=True)
     instants = Instants(first, t_s)
-    ephemeris = orbit.ephemeris(first, max(moments))
+    ephemeris = orbit.ephemeris(first, max(moments, key=tai_us))
     states = ephemeris.states(instants)
     q_body_from_eci = attitude.q_body_from_eci(instants, states)
-    warnings = tuple(dict.fromkeys((*ephemeris.warnings, *attitude.warnings)))
+    warnings = tuple(dict.fromkeys((*ephemeris.warnings, *attitude.warnings_at(instants))))
     return states.r_sat_eci_m[place], q_body_from_eci[place], warnings
 
 

@@ -6,7 +6,6 @@ The HTTP service and the command line read requests here and nowhere else.
 import dataclasses
 import json
 import math
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -231,10 +230,23 @@ _DETAILS = {
     "unexpected_keyword_argument": "is not a field of this object; remove it or mend its name",
     "extra_forbidden": "is not known here; remove it or mend its name",
     "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
     "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_parsing_size": "must be a whole number of fewer digits",
+    "string_type": "must be a string",
+    "none_required": "must be null",
     "dataclass_type": "must be an object",
     "dict_type": "must be an object",
     "tuple_type": "must be a list",
+    "too_long": "must hold at most {max_length} entries",
+    "too_short": "must hold at least {min_length} entries",
+    "literal_error": "must be {expected}",
+    "greater_than_equal": "must be at least {ge}",
+    "less_than_equal": "must be at most {le}",
+    "json_invalid": "the request can't be read as JSON: {error}",
 }
 
 
@@ -245,11 +257,10 @@ def _detail(error: Mapping[str, Any]) -> str:
             return str(context["error"])
         case "finite_number":
             return f"must be a finite number, not {error['input']}"
-        case kind if kind in _DETAILS:
-            return _DETAILS[kind]
-        case _:
-            message: str = error["msg"]
-            return re.sub(r"^Input should be", "must be", message)
+        case "unknown_kind":
+            return str(error["msg"])
+        case kind:
+            return _DETAILS.get(kind, "can't be read as what belongs here").format_map(context)
 
 
 def _shown(value: object) -> JsonScalar:

@@ -13,13 +13,11 @@ from planner.orbits import OrbitStates
 
 
 class AttitudeLaw(Protocol):
-    """What every law answers.
+    """What every law answers."""
 
-    warnings: what the user should know about the attitude's quality, and what was chosen.
-    """
-
-    @property
-    def warnings(self) -> tuple[str, ...]: ...
+    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+        """What the user should know about the attitude's quality then, and what was chosen."""
+        ...
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """n rotations, `states` being the orbit at the same n instants."""

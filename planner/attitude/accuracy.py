@@ -8,14 +8,12 @@ from numpy.typing import NDArray
 from planner.attitude.aem import AemAttitude
 from planner.attitude.harmonic import HarmonicAttitude
 from planner.attitude.inertial import InertialAttitude
-from planner.frames.time_scales import Instants, elapsed_s
+from planner.frames.time_scales import Instants
 
 # The vehicle's two attitude solutions in the telemetry of 2018-10-12 are 138 arcsec apart.
 KNOWLEDGE_RAD = np.deg2rad(138.0 / 3600.0) / np.sqrt(6.0)
 # Rms about its mean of the ISS in torque equilibrium that day: 0.236, 0.021, 0.008 deg.
 SWING_RAD = np.deg2rad(0.237) / np.sqrt(3.0)
-CONSTANT_RATE_LEADS_S = (0.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0)
-CONSTANT_RATE_RMS_DEG = (0.0, 0.020, 0.037, 0.096, 0.207, 0.338, 0.464, 0.781)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +39,8 @@ def attitude_sigma(attitude: object, instants: Instants) -> AttitudeSigma:
             "ISS's two attitude solutions; its noise is measured",
         )
     if isinstance(attitude, InertialAttitude):
-        age_s = np.abs(instants.t_s + elapsed_s(instants.epoch_utc, attitude.epoch))
-        rms_deg = np.interp(age_s, CONSTANT_RATE_LEADS_S, CONSTANT_RATE_RMS_DEG)
-        rms_deg = rms_deg * np.maximum(1.0, age_s / CONSTANT_RATE_LEADS_S[-1]) ** 2
         return AttitudeSigma(
-            np.hypot(KNOWLEDGE_RAD, np.deg2rad(rms_deg) / np.sqrt(3.0)),
+            np.hypot(KNOWLEDGE_RAD, attitude.error_rms_rad(instants) / np.sqrt(3.0)),
             "measured: the constant body rate on ISS telemetry in torque equilibrium "
             "(bench/attitude.py)",
         )

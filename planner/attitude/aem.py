@@ -73,6 +73,10 @@ class AemAttitude:
         )
         return tuple(dict.fromkeys(filter(None, told)))
 
+    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+        """Those of the whole message, whenever it is used."""
+        return self.warnings
+
     @property
     def residual_rad(self) -> float:
         """Rms distance of the message's attitudes from the curve, of its worst segment."""

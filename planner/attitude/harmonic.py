@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude.extrapolation import OFFSET_TAIL_S, Choice, choose
 from planner.attitude.reference_frames import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
-from planner.errors import InvalidMessage, OutsideCoverage, Refusal
+from planner.errors import InvalidMessage, OutsideCoverage, Refusal, figures
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import Aem, AemSegment, read_aem
@@ -46,15 +46,20 @@ class HarmonicAttitude:
         if not low_s <= self.orbital_period_s <= high_s:
             raise ValueError(
                 f"orbital_period_s must lie in {low_s:.0f}..{high_s:.0f}, "
-                f"not {self.orbital_period_s:.6g}"
+                f"not {figures(self.orbital_period_s, low_s, high_s)}"
             )
         if not 60.0 <= self.lead_s <= LEAD_MAX_S:
-            raise ValueError(f"lead_s must lie in 60..{LEAD_MAX_S:.0f}, not {self.lead_s:.6g}")
+            raise ValueError(f"lead_s must lie in 60..{LEAD_MAX_S:.0f}, not {self.lead_s}")
+        try:
+            _ = self.message
+        except InvalidMessage as refusal:
+            raise ValueError(f"content: {refusal.detail}") from None
         try:
             _ = self.chosen
         except Refusal as refusal:
-            field = "content" if isinstance(refusal, InvalidMessage) else "history_orbit"
-            raise ValueError(f"{field}: {refusal.detail}") from None
+            raise ValueError(f"history_orbit: {refusal.detail}") from None
+        except ValueError as error:
+            raise ValueError(f"content: {error}") from None
 
     @cached_property
     def message(self) -> Aem:
@@ -80,8 +85,7 @@ class HarmonicAttitude:
         )
         return f"{said} ({against})" if against else said
 
-    @property
-    def warnings(self) -> tuple[str, ...]:
+    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """The choice: it may be a poor one, and its rms says so."""
         return (self.choice,)
 

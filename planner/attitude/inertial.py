@@ -2,16 +2,23 @@
 
 import math
 from datetime import datetime
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.frames.time_scales import Instants, elapsed_s, require_offset
+from planner.errors import OutsideCoverage
+from planner.frames.time_scales import Instants, elapsed_s, require_offset, utc_text
 from planner.orbits import OrbitStates
 from planner.spec import spec
 
 QUATERNION_NORM_TOLERANCE = 1e-4  # four printed decimals
+# Rms error of the constant body rate on ISS telemetry of 2018-10-12 (bench/attitude.py).
+CONSTANT_RATE_LEADS_S = (0.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0)
+CONSTANT_RATE_RMS_DEG = (0.0, 0.020, 0.037, 0.096, 0.207, 0.338, 0.464, 0.781)
+WARN_AGE_S = 600.0  # 0.2 deg: the HRC's frame is 0.6 deg high
+REFUSE_AGE_S = 7200.0  # 12 deg
 
 
 @spec
@@ -22,6 +29,7 @@ class InertialAttitude:
     omega_body_deg_s: body relative to ECI, in body axes.
     The closed form of q' = q/2 o omega; the paper's 0.1 s recursion with norm correction
     approaches it with an error of (omega tau)^3/24 per step.
+    Raises OutsideCoverage 2 h and more from the epoch: the rate of no carrier stays that long.
     Source: Sumarokov 2016, eq. 1-2.
     """
 
@@ -29,7 +37,6 @@ class InertialAttitude:
     epoch: datetime
     q_body_from_eci_xyzw: tuple[float, float, float, float]
     omega_body_deg_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    warnings: ClassVar[tuple[str, ...]] = ()
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)
@@ -41,6 +48,39 @@ class InertialAttitude:
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; the orbit plays no part."""
-        since_epoch_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch)
+        since_epoch_s = self._since_epoch_s(instants)
+        age_s = float(np.max(np.abs(since_epoch_s)))
+        if age_s >= REFUSE_AGE_S:
+            raise OutsideCoverage(
+                f"{self._said(age_s)}; at {REFUSE_AGE_S / 3600.0:.0f} h a constant body rate says "
+                "nothing; give attitude and rate nearer to the sessions, or another law",
+                field="attitude.epoch",
+            )
         turned_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
         return Rotation.from_rotvec(-turned_rad) * Rotation.from_quat(self.q_body_from_eci_xyzw)
+
+    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+        """That the epoch is far from the instants."""
+        age_s = float(np.max(np.abs(self._since_epoch_s(instants))))
+        return (self._said(age_s),) if age_s > WARN_AGE_S else ()
+
+    def error_rms_rad(self, instants: Instants) -> NDArray[np.float64]:
+        """Of the rotation, shape (n,): measured up to 1800 s, beyond that growing as time^2."""
+        return _error_rms_rad(np.abs(self._since_epoch_s(instants)))
+
+    def _since_epoch_s(self, instants: Instants) -> NDArray[np.float64]:
+        return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self.epoch))
+
+    def _said(self, age_s: float) -> str:
+        error_deg = float(np.rad2deg(_error_rms_rad(np.array([age_s]))[0]))
+        return (
+            f"the attitude's epoch {utc_text(self.epoch, 0)} is {age_s / 60.0:.1f} min from the "
+            f"plan's farthest end: with a constant body rate the ISS would be off by some "
+            f"{error_deg:.2g} deg"
+        )
+
+
+def _error_rms_rad(age_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    rms_deg = np.interp(age_s, CONSTANT_RATE_LEADS_S, CONSTANT_RATE_RMS_DEG)
+    beyond = np.maximum(1.0, age_s / CONSTANT_RATE_LEADS_S[-1])
+    return np.asarray(np.deg2rad(rms_deg * beyond**2))

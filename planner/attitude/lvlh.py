@@ -1,6 +1,6 @@
 """How does a carrier point that keeps a constant attitude to the local vertical?"""
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -23,10 +23,13 @@ class LvlhAttitude:
     yaw_deg: float = 0.0
     pitch_deg: float = 0.0
     roll_deg: float = 0.0
-    warnings: ClassVar[tuple[str, ...]] = ()
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""
         yaw_pitch_roll_rad = np.deg2rad([self.yaw_deg, self.pitch_deg, self.roll_deg])
         q_body_from_lvlh = Rotation.from_euler("ZYX", yaw_pitch_roll_rad).inv()
         return q_body_from_lvlh * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
+
+    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+        """None: how far the carrier swings about it stands in the pointing budget."""
+        return ()

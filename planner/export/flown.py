@@ -138,5 +138,9 @@ def _omega_body_rad_s(t_s: Array, q_body_from_eci_xyzw: Array) -> Array:
 
 
 def _first_tracking_row(plan: FlownPlan) -> int:
-    start_utc = min(segment.start_utc for segment in plan.segments if segment.kind == "track")
-    return round(elapsed_s(start_utc, plan.table.epoch_utc) * ROWS_PER_S)
+    start_s = min(
+        elapsed_s(segment.start_utc, plan.table.epoch_utc)
+        for segment in plan.segments
+        if segment.kind == "track"
+    )
+    return round(start_s * ROWS_PER_S)

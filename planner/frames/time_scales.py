@@ -24,8 +24,12 @@ MJD_JD = 2400000.5
 TT_MINUS_TAI_S = 32.184
 _ORIGIN_UTC = datetime(1972, 1, 1, tzinfo=UTC)
 _ORIGIN_MJD = 41317
+# The IERS's first day and DE421's last, with a day to spare for what lies around a session.
+KNOWN_FROM_UTC = datetime(1973, 1, 3, tzinfo=UTC)
+KNOWN_TO_UTC = datetime(2053, 10, 8, tzinfo=UTC)
 _US = 1_000_000
 _DAY_US = 86_400 * _US
+_LAST_TAI_US = (datetime(9998, 12, 31, tzinfo=UTC) - _ORIGIN_UTC) // timedelta(microseconds=1)
 _TEXT = re.compile(
     r"(\d{4}-\d{2}-\d{2})[Tt ](\d{2}:\d{2}):(\d{2})(?:[.,](\d{1,9}))?([Zz]|[+-]\d{2}:\d{2})?"
 )
@@ -91,7 +95,8 @@ class Instants:
 def utc_from_text(text: str) -> datetime:
     """Aware UTC from RFC 3339 text; refuses a time without Z or offset.
 
-    Digits past the microsecond are rounded (4 mm along an ISS orbit).
+    Refuses, too, times at which the Earth's orientation or the Moon are not known.  Digits
+    past the microsecond are rounded (4 mm along an ISS orbit).
     """
     match = _TEXT.fullmatch(text.strip())
     if match is None:
@@ -102,15 +107,27 @@ def utc_from_text(text: str) -> datetime:
     in_leap_second = second == "60"
     shown = f"{day}T{minute}:{'59' if in_leap_second else second}{offset.upper()}"
     try:
-        moment = datetime.fromisoformat(shown).astimezone(UTC)
+        moment = datetime.fromisoformat(shown)
     except ValueError as error:
         raise ValueError(f"{text!r} is no time: {error}") from None
+    require_known(moment)
+    moment = moment.astimezone(UTC)
     fraction_us = round(int(fraction or "0") * 10.0 ** (6 - len(fraction or "0")))
     if in_leap_second:
         moment = moment.replace(fold=1)
         if not _is_leap_second(moment):
             raise ValueError(f"{text!r}: there was no leap second at that time")
     return utc_from_tai_us(tai_us(moment) + fraction_us)
+
+
+def require_known(moment: datetime) -> None:
+    """Refuse a time at which the Earth's orientation or the Moon are not known."""
+    if not KNOWN_FROM_UTC <= moment <= KNOWN_TO_UTC:
+        raise ValueError(
+            f"{moment.isoformat()} lies outside {KNOWN_FROM_UTC:%Y-%m-%d}.."
+            f"{KNOWN_TO_UTC:%Y-%m-%d}, for which the Earth's orientation and the Moon are known; "
+            "is the year right?"
+        )
 
 
 def utc_text(epoch_utc: datetime, decimals: int = 3) -> str:
@@ -172,6 +189,8 @@ def _utc_us(moment_tai_us: int) -> tuple[int, bool]:
     """UTC microseconds since 1972-01-01, and whether they repeat 23:59:59 as 23:59:60."""
     starts_tai_us, starts_utc_us, offsets_us = _leap_table_us()
     row = bisect_right(starts_tai_us, moment_tai_us) - 1
+    if moment_tai_us > _LAST_TAI_US:
+        raise OutsideCoverage("that is after the year 9998; go less far ahead")
     if row < 0:
         raise OutsideCoverage(
             "that is before 1972, when UTC got its leap seconds; go less far back"

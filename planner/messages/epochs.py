@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 
 from planner.frames.iers import earth_orientation_table
-from planner.frames.time_scales import DAY_S, tai_us
+from planner.frames.time_scales import DAY_S, require_known, tai_us
 
 TIME_SYSTEMS = ("UTC", "TAI", "TT", "GPS", "UT1")
 
@@ -56,6 +56,7 @@ class EpochReader:
                 day = datetime.strptime(text, "%Y-%m-%d").replace(tzinfo=UTC)
         except ValueError:
             raise ValueError(f"{text!r} is no date") from None
+        require_known(day)
         if self._time_system == "UTC":
             start_us, end_us = tai_us(day), tai_us(day + timedelta(days=1))
             return start_us * 1000, (end_us - start_us) * 1000

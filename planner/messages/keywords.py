@@ -1,14 +1,13 @@
 """Which values does a CCSDS message of one satellite at one epoch (OMM, OPM) state?"""
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import NoReturn
 
-import numpy as np
-
-from planner.errors import InvalidMessage
+from planner.errors import InvalidMessage, figures
 from planner.frames.time_scales import utc_from_tai_us
 from planner.messages.epochs import TIME_SYSTEMS, EpochReader
 from planner.messages.segments import is_xml, refuse
@@ -45,29 +44,41 @@ class Keywords:
         """Every entry of that keyword, for blocks that repeat."""
         return (entry for entry in self.entries if entry.key == key)
 
-    def text(self, key: str, default: str | None = None) -> str:
-        """The first entry's text; refused when absent and without default."""
-        for entry in self.all(key):
-            return entry.text
-        if default is None:
-            self.refuse(f"{key} is missing")
-        return default
+    def only(self, key: str) -> Entry | None:
+        """The entry of a keyword that stands once or not at all; two are two satellites."""
+        entries = list(self.all(key))
+        if len(entries) > 1:
+            self.refuse(f"{key} stands here for the second time; send one state", entries[1].line)
+        return entries[0] if entries else None
 
-    def number(self, key: str, *units: str, default: float | None = None) -> float:
-        """A finite number; a stated unit must be one of `units`."""
-        for entry in self.all(key):
-            if entry.unit and entry.unit.lower() not in units:
-                self.refuse(f"{key} is in {entry.unit!r}; it must be in {units[0]}", entry.line)
-            try:
-                value = float(entry.text)
-            except ValueError:
-                value = np.nan
-            if not np.isfinite(value):
-                self.refuse(f"{key} = {entry.text[:40]!r} is no finite number", entry.line)
-            return value
-        if default is None:
-            self.refuse(f"{key} is missing")
-        return default
+    def required(self, key: str) -> Entry:
+        """As `only`, refused when absent."""
+        return self.only(key) or self.refuse(f"{key} is missing")
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """The entry's text; refused when absent and without default."""
+        entry = self.only(key) if default is not None else self.required(key)
+        return default or "" if entry is None else entry.text
+
+    def number(
+        self, key: str, *units: str, within: tuple[float, float] = (-math.inf, math.inf)
+    ) -> float:
+        """A finite number in a closed range; a stated unit must be one of `units`."""
+        entry = self.required(key)
+        if entry.unit and entry.unit.lower() not in units:
+            self.refuse(f"{key} is in {entry.unit!r}; it must be in {units[0]}", entry.line)
+        try:
+            value = float(entry.text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            self.refuse(f"{key} = {entry.text[:40]!r} is no finite number", entry.line)
+        low, high = within
+        if not low <= value <= high:
+            self.refuse(
+                f"{key} must lie in {low:g}..{high:g}, not {figures(value, low, high)}", entry.line
+            )
+        return value
 
     def epoch_utc(self, entry: Entry, time_system: str) -> datetime:
         """The epoch an entry states, rounded down to the microsecond."""

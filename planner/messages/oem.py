@@ -27,6 +27,8 @@ from planner.messages.xml import message_element, name_of
 
 EARTH_RADIUS_MIN_M = 6.35e6  # below the poles
 R_MAX_M = 2.0e9  # beyond, a position in metres was written where km belong
+GM_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
+SPIN_MAX_RAD_S = 7.3e-5  # of the Earth: what a velocity in ITRF may have on top
 
 FRAMES = ("EME2000", "GCRF", "ITRF", "TEME")
 _FRAME_SYNONYMS = {"J2000": "EME2000", "ICRF": "GCRF", "GCRS": "GCRF"}
@@ -111,6 +113,17 @@ def _segment(raw: RawSegment) -> OemSegment:
         raw.refuse(
             f"a position {radius_m[row] / 1e3:.3f} km from the Earth's centre is no satellite's; "
             "positions must be in km",
+            raw.lines[row],
+        )
+    speed_m_s = np.linalg.norm(states[:, 3:], axis=1)
+    fast = np.flatnonzero(
+        speed_m_s > np.sqrt(2.0 * GM_M3_S2 / radius_m) + SPIN_MAX_RAD_S * radius_m
+    )
+    if len(fast):
+        row = int(fast[0])
+        raw.refuse(
+            f"a satellite {radius_m[row] / 1e3:.0f} km from the Earth's centre leaves it at "
+            f"{speed_m_s[row] / 1e3:.6g} km/s; velocities must be in km/s",
             raw.lines[row],
         )
     return OemSegment(

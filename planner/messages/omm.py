@@ -12,7 +12,13 @@ from typing import NoReturn
 from planner.errors import InvalidMessage
 from planner.messages.keywords import MAX_CHARACTERS, Entry, Keywords, read_keywords
 
-THEORIES = ("SGP4", "SGP/SGP4", "SGP")
+THEORIES = ("SGP4", "SGP/SGP4")
+# As catalogues use it, not as CCSDS 502.0-B-3 numbers it: 0 and 2 are elements for SGP4; 4, of
+# SGP4-XP, are kilometres off in it.
+EPHEMERIS_TYPES = ("0", "2")
+MEAN_MOTION_REV_DAY = (0.1, 18.0)
+ANGLE_DEG = (-360.0, 360.0)
+INCLINATION_DEG = (0.0, 180.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,19 +49,20 @@ def read_omm(content: str) -> Omm:
     _require(found, "MEAN_ELEMENT_THEORY", THEORIES)
     _require(found, "REF_FRAME", ("TEME",))
     _require(found, "TIME_SYSTEM", ("UTC",))
-    epoch = next(found.all("EPOCH"), None)
-    if epoch is None:
-        found.refuse("EPOCH is missing")
+    _require(found, "EPHEMERIS_TYPE", EPHEMERIS_TYPES)
+    epoch = found.required("EPOCH")
     return Omm(
         object_name=found.text("OBJECT_NAME", ""),
         epoch_utc=found.epoch_utc(epoch, "UTC"),
-        mean_motion_rev_day=found.number("MEAN_MOTION", "rev/day", "rev/d", "revs/day"),
-        eccentricity=found.number("ECCENTRICITY"),
-        inclination_deg=found.number("INCLINATION", "deg"),
-        ra_of_asc_node_deg=found.number("RA_OF_ASC_NODE", "deg"),
-        arg_of_pericenter_deg=found.number("ARG_OF_PERICENTER", "deg"),
-        mean_anomaly_deg=found.number("MEAN_ANOMALY", "deg"),
-        bstar=found.number("BSTAR", "1/er"),
+        mean_motion_rev_day=found.number(
+            "MEAN_MOTION", "rev/day", "rev/d", "revs/day", within=MEAN_MOTION_REV_DAY
+        ),
+        eccentricity=found.number("ECCENTRICITY", within=(0.0, 0.999)),
+        inclination_deg=found.number("INCLINATION", "deg", within=INCLINATION_DEG),
+        ra_of_asc_node_deg=found.number("RA_OF_ASC_NODE", "deg", within=ANGLE_DEG),
+        arg_of_pericenter_deg=found.number("ARG_OF_PERICENTER", "deg", within=ANGLE_DEG),
+        mean_anomaly_deg=found.number("MEAN_ANOMALY", "deg", within=ANGLE_DEG),
+        bstar=found.number("BSTAR", "1/er", within=(-1.0, 1.0)),
     )
 
 

@@ -43,12 +43,10 @@ def read_opm(content: str) -> Opm:
     if frame not in FRAMES:
         found.refuse(f"REF_FRAME {stated!r} is not supported; convert to one of {FRAMES}")
     time_system = found.text("TIME_SYSTEM").upper()
-    epoch = next(found.all("EPOCH"), None)
-    if epoch is None:
-        found.refuse("EPOCH is missing")
+    epoch = found.required("EPOCH")
 
     def optional(key: str, *units: str) -> float | None:
-        return found.number(key, *units) if any(found.all(key)) else None
+        return found.number(key, *units) if found.only(key) else None
 
     return Opm(
         object_name=found.text("OBJECT_NAME", ""),

@@ -11,6 +11,7 @@ from planner.errors import InvalidMessage
 from planner.frames.time_scales import utc_from_tai_us
 from planner.messages.epochs import TIME_SYSTEMS, EpochReader
 
+_STATED_S = 1.0  # START_TIME and STOP_TIME are often given in whole seconds
 MAX_CHARACTERS = 32_000_000  # five times NASA's 15-day file with a node every minute
 
 
@@ -99,15 +100,26 @@ def time_axis(raw: RawSegment) -> TimeAxis:
     anchor_us = int(tai_ns[0]) // 1000
     t_s = (tai_ns - anchor_us * 1000) / 1e9
     first_s, last_s = float(t_s[0]), float(t_s[-1])
-    useable_s = []
-    for key, default_s in (("USEABLE_START_TIME", first_s), ("USEABLE_STOP_TIME", last_s)):
+
+    def stated_s(key: str, default_s: float) -> float:
         text = raw.metadata.get(key)
         if text is None:
-            useable_s.append(default_s)
-        else:
-            stated_s = (_tai_ns(raw, reader, raw.line, text) - anchor_us * 1000) / 1e9
-            useable_s.append(min(max(stated_s, first_s), last_s))
-    return TimeAxis(utc_from_tai_us(anchor_us), t_s, (useable_s[0], useable_s[1]))
+            return default_s
+        return (_tai_ns(raw, reader, raw.line, text) - anchor_us * 1000) / 1e9
+
+    start_s, stop_s = stated_s("START_TIME", first_s), stated_s("STOP_TIME", last_s)
+    if first_s < start_s - _STATED_S or last_s > stop_s + _STATED_S:
+        raw.refuse(
+            f"the rows from {raw.epochs[0]} to {raw.epochs[-1]} go beyond the stated START_TIME "
+            f"{raw.metadata.get('START_TIME', '')} and STOP_TIME "
+            f"{raw.metadata.get('STOP_TIME', '')}; one of them is wrong"
+        )
+    useable_s = stated_s("USEABLE_START_TIME", first_s), stated_s("USEABLE_STOP_TIME", last_s)
+    if useable_s[0] > useable_s[1] or useable_s[0] > last_s or useable_s[1] < first_s:
+        raw.refuse("no row lies between USEABLE_START_TIME and USEABLE_STOP_TIME")
+    return TimeAxis(
+        utc_from_tai_us(anchor_us), t_s, (max(useable_s[0], first_s), min(useable_s[1], last_s))
+    )
 
 
 def _tai_ns(raw: RawSegment, reader: EpochReader, line: int, text: str) -> int:

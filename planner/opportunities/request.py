@@ -107,6 +107,8 @@ class OpportunityRequest:
                     f"targets.{number}.id {wanted.id!r} is taken already; windows are told by id"
                 )
             seen.add(wanted.id)
+            if isinstance(wanted.target, MovingGroundTarget):
+                wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
         if self.samples < 2:
             raise ValueError(f"samples must be 2 at least, a window's edges, not {self.samples}")
         if not self.pixel_arcsec > 0.0:

@@ -50,7 +50,7 @@ def find_opportunities(request: OpportunityRequest) -> Opportunities:
         axis_names=request.platform.axis_names,
         warnings=(
             *ephemeris.warnings,
-            *request.attitude.warnings,
+            *request.attitude.warnings_at(Instants(request.start, np.array([0.0, carrier.span_s]))),
             *((orientation,) if orientation else ()),
         ),
         windows=in_order(found),

@@ -15,10 +15,17 @@ from planner.frames.earth_orientation import (
     c_itrf_from_teme,
     eci_from_itrf_state,
 )
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.messages.oem import Oem, OemSegment, read_oem
+from planner.orbits.cell_defects import CellDefects, cell_defects
 from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
 from planner.orbits.hermite import hermite, hermite_error_m
+from planner.orbits.node_consistency import (
+    REFUSE_M,
+    WARN_M,
+    odd_nodes,
+    strongest_push,
+)
 from planner.orbits.smooth_arcs import smooth_arcs
 from planner.spec import spec
 
@@ -48,17 +55,20 @@ class OemOrbit:
         return read_oem(self.content)
 
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "OemEphemeris":
-        """Raises OutsideCoverage where the message's useable times leave a gap."""
+        """Raises OutsideCoverage where the message's useable times leave a gap, InvalidMessage
+        where a node near the span contradicts its neighbours.
+        """
         arcs: list[Arc] = []
         covered_utc = start_utc
         for segment in self.message.segments:
             first_utc, last_utc = (shifted_utc(segment.epoch_utc, t) for t in segment.useable_s)
-            wanted = first_utc <= covered_utc <= last_utc and (not arcs or last_utc > covered_utc)
-            if not wanted:
+            ahead_s = elapsed_s(last_utc, covered_utc)
+            starts = elapsed_s(first_utc, covered_utc) <= 0.0
+            if not starts or ahead_s < 0.0 or (arcs and ahead_s == 0.0):
                 continue
-            arcs += _arcs(segment, covered_utc, min(last_utc, stop_utc))
+            arcs += _arcs(segment, covered_utc, min(last_utc, stop_utc, key=tai_us))
             covered_utc = last_utc
-            if covered_utc >= stop_utc:
+            if elapsed_s(covered_utc, stop_utc) >= 0.0:
                 break
         else:
             raise OutsideCoverage(
@@ -70,7 +80,7 @@ class OemOrbit:
             epoch_utc=self.message.creation_utc or self.message.segments[0].epoch_utc,
             start_utc=start_utc,
             stop_utc=stop_utc,
-            warnings=tuple(dict.fromkeys(arc.warning for arc in arcs if arc.warning)),
+            warnings=tuple(dict.fromkeys(told for arc in arcs for told in arc.warnings)),
             arcs=tuple(arcs),
         )
 
@@ -88,7 +98,7 @@ class Arc:
     r_eci_m: NDArray[np.float64]
     v_eci_m_s: NDArray[np.float64]
     nodes: int
-    warning: str | None
+    warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +141,10 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
     near = slice(low, high + 1)
     node_s = segment.t_s[near]
     r_m, v_m_s = _eci(segment, near)
+    defects = cell_defects(Instants(segment.epoch_utc, node_s), r_m, v_m_s)
+    odd = _odd_warning(segment, node_s, defects)
     arcs = []
-    for arc in smooth_arcs(Instants(segment.epoch_utc, node_s), r_m, v_m_s):
+    for arc in smooth_arcs(defects):
         window = slice(arc.first, arc.last + 1)
         if node_s[arc.last] < start_s - _EDGE_S or node_s[arc.first] > stop_s:
             continue
@@ -151,7 +163,7 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
                 r_eci_m=r_m[window],
                 v_eci_m_s=v_m_s[window],
                 nodes=nodes,
-                warning=_warning(segment, middle_s, error_m, gap_s, arc.thrust_m_s2),
+                warnings=odd + _warnings(segment, middle_s, error_m, gap_s, arc.thrust_m_s2),
             )
         )
     return arcs
@@ -164,14 +176,48 @@ def _middles(node_s: NDArray[np.float64], start_s: float, stop_s: float) -> NDAr
     return 0.5 * (node_s[first:last] + node_s[first + 1 : last + 1])
 
 
-def _warning(
+def _odd_warning(
+    segment: OemSegment, node_s: NDArray[np.float64], defects: CellDefects
+) -> tuple[str, ...]:
+    """What to say of nodes that contradict each other; InvalidMessage where it is too much."""
+
+    def at(node: int) -> datetime:
+        return shifted_utc(segment.epoch_utc, float(node_s[node]))
+
+    odd = odd_nodes(defects)
+    which = f"state at {utc_text(at(odd.first))} lies"
+    if odd.last > odd.first:
+        which = f"states at {utc_text(at(odd.first))} and {utc_text(at(odd.last))} lie"
+    said = (
+        f"the OEM's {which} some {odd.off_m:.0f} m off what the neighbouring states lead to, and "
+        "no manoeuvre explains it"
+    )
+    if not odd.off_m <= REFUSE_M:
+        raise InvalidMessage(
+            f"{said}; was a number damaged on its way? Get the message again",
+            field="orbit.content",
+            at_utc=at(odd.first),
+        )
+    pushed = strongest_push(defects)
+    if pushed is not None:
+        raise InvalidMessage(
+            f"the OEM's states from {utc_text(at(pushed))} to {utc_text(at(pushed + 1))} change "
+            f"as if pushed by {defects.thrust_m_s2[pushed]:.2g} m/s^2, which no carrier of a "
+            "camera is; is REF_FRAME the frame they are in, and TIME_SYSTEM their clock?",
+            field="orbit.content",
+            at_utc=at(pushed),
+        )
+    return (said,) if odd.off_m > WARN_M else ()
+
+
+def _warnings(
     segment: OemSegment,
     middle_s: NDArray[np.float64],
     error_m: NDArray[np.float64],
     gap_s: float,
     thrust_m_s2: float,
-) -> str | None:
-    """What to say about an arc; raises OutsideCoverage where its nodes are too far apart."""
+) -> tuple[str, ...]:
+    """What to say of the room between nodes; OutsideCoverage where they are too far apart."""
     worst = int(np.argmax(error_m))
     at_utc = shifted_utc(segment.epoch_utc, float(middle_s[worst]))
     burn = f" during a burn of {thrust_m_s2 * 1e3:.2f} mm/s^2" if thrust_m_s2 else ""
@@ -185,7 +231,7 @@ def _warning(
             field="orbit.content",
             at_utc=at_utc,
         )
-    return said if error_m[worst] > WARN_ERROR_M else None
+    return (said,) if error_m[worst] > WARN_ERROR_M else ()
 
 
 def _eci(segment: OemSegment, near: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -5,12 +5,12 @@ from datetime import UTC, datetime
 from functools import cached_property
 from typing import Literal
 
-from sgp4.api import SGP4_ERRORS, WGS72, Satrec
+from sgp4.api import WGS72, Satrec
 
 from planner.errors import InvalidMessage
 from planner.frames.time_scales import DAY_S
 from planner.messages.omm import Omm, read_omm
-from planner.orbits.tle import TleEphemeris, sgp4_ephemeris
+from planner.orbits.tle import TleEphemeris, require_earth_orbit, sgp4_ephemeris
 from planner.spec import spec
 
 _SGP4_ORIGIN = datetime(1949, 12, 31, tzinfo=UTC)
@@ -32,9 +32,10 @@ class OmmOrbit:
             _ = self.message
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
-        error = self._elements().error
-        if error:
-            raise ValueError(f"content: these elements are no orbit: {SGP4_ERRORS[error]}")
+        try:
+            require_earth_orbit(self._elements())
+        except ValueError as error:
+            raise ValueError(f"content: {error}") from None
 
     @cached_property
     def message(self) -> Omm:

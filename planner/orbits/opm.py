@@ -1,15 +1,27 @@
 """Where will a satellite be whose state came as a message (CCSDS OPM)?"""
 
+import re
 from datetime import datetime
 from functools import cached_property
 from typing import Any, Literal
 
 from planner.errors import InvalidMessage, OutsideCoverage
-from planner.frames.time_scales import utc_text
+from planner.frames.time_scales import elapsed_s, tai_us, utc_text
 from planner.messages.opm import Opm, read_opm
 from planner.orbits.paper_model import PaperEphemeris
 from planner.orbits.state_vector import PropagatedEphemeris, StateVectorOrbit
 from planner.spec import spec
+
+_KEYWORDS = {
+    "epoch": "EPOCH",
+    "position_km": "position (X, Y, Z)",
+    "velocity_km_s": "velocity (X_DOT, Y_DOT, Z_DOT)",
+    "mass_kg": "MASS",
+    "drag_area_m2": "DRAG_AREA",
+    "drag_coefficient": "DRAG_COEFF",
+    "frame": "REF_FRAME",
+}
+_FIELD = re.compile(r"\b(" + "|".join(_KEYWORDS) + r")\b")
 
 
 @spec
@@ -29,6 +41,8 @@ class OpmOrbit:
             _ = self.state
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
+        except ValueError as error:
+            raise ValueError(f"content: the OPM's {_in_its_words(str(error))}") from None
 
     @cached_property
     def message(self) -> Opm:
@@ -59,7 +73,9 @@ class OpmOrbit:
         """Raises OutsideCoverage as the state vector does, and across an announced burn."""
         epoch_utc = self.message.epoch_utc
         for ignition_utc in self.message.ignitions_utc:
-            if min(epoch_utc, start_utc) <= ignition_utc <= max(epoch_utc, stop_utc):
+            before_s = elapsed_s(ignition_utc, min(epoch_utc, start_utc, key=tai_us))
+            after_s = elapsed_s(max(epoch_utc, stop_utc, key=tai_us), ignition_utc)
+            if before_s >= 0.0 and after_s >= 0.0:
                 raise OutsideCoverage(
                     f"the OPM announces a burn at {utc_text(ignition_utc)}, between its epoch "
                     f"{utc_text(epoch_utc)} and the plan; send an OEM that holds the burn",
@@ -70,5 +86,12 @@ class OpmOrbit:
             return self.state.ephemeris(start_utc, stop_utc)
         except OutsideCoverage as refusal:
             raise OutsideCoverage(
-                refusal.detail, field="orbit.content", at_utc=refusal.at_utc
+                _in_its_words(refusal.detail.replace("orbit.", "")),
+                field="orbit.content",
+                at_utc=refusal.at_utc,
             ) from None
+
+
+def _in_its_words(fault: str) -> str:
+    """A fault of the state vector, with the message's keywords for our fields."""
+    return _FIELD.sub(lambda match: _KEYWORDS[match[0]], fault)

@@ -9,13 +9,20 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.errors import OutsideCoverage
+from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
     OMEGA_EARTH_RAD_S,
     eci_from_itrf_state,
 )
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
+from planner.frames.time_scales import (
+    Instants,
+    elapsed_s,
+    require_known,
+    require_offset,
+    shifted_utc,
+    utc_text,
+)
 from planner.orbits.atmosphere import HEIGHT_MIN_M
 from planner.orbits.collocation import SEGMENT_S, Segment, node_times_s, propagate_segment
 from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
@@ -28,6 +35,7 @@ WARN_AGE_S = {"full": 6.0 * 3600.0, "j2j4": 900.0}
 REFUSE_AGE_S = 3.0 * 86400.0
 _PERIGEE_MIN_M = RADIUS_M - 22e3 + HEIGHT_MIN_M  # 22 km: the Earth's flattening
 
+_PART_MAX = 1e7  # km, beyond the Moon by far, or km/s
 _SHORTEST_S = 1.0  # so that a plan at the epoch has a polynomial too
 
 Vector3 = tuple[float, float, float]
@@ -53,13 +61,17 @@ class StateVectorOrbit:
     drag_coefficient: float = 2.0
 
     def __post_init__(self) -> None:
+        require_offset("epoch", self.epoch)
         try:
-            tai_us(self.epoch)
-        except OutsideCoverage as refusal:
-            raise ValueError(refusal.detail) from None
+            require_known(self.epoch)
+        except ValueError as error:
+            raise ValueError(f"epoch {error}") from None
         for name in ("position_km", "velocity_km_s"):
-            if not all(map(math.isfinite, getattr(self, name))):
-                raise ValueError(f"{name} must be three finite numbers, not {getattr(self, name)}")
+            if not all(abs(part) <= _PART_MAX for part in getattr(self, name)):
+                raise ValueError(
+                    f"{name} must be three finite numbers up to {_PART_MAX:.0g}, "
+                    f"not {getattr(self, name)}"
+                )
         if not self.mass_kg > 0.0:
             raise ValueError(f"mass_kg must be positive, not {self.mass_kg}")
         for name in ("drag_area_m2", "drag_coefficient"):
@@ -77,7 +89,8 @@ class StateVectorOrbit:
         start_s, stop_s = (elapsed_s(t, self.epoch) for t in (start_utc, stop_utc))
         age_s = max(abs(start_s), abs(stop_s))
         said = (
-            f"the state's epoch {utc_text(self.epoch, 0)} is {age_s / 3600.0:.2f} h from the plan"
+            f"the state's epoch {utc_text(self.epoch, 0)} is "
+            f"{figures(age_s / 3600.0, REFUSE_AGE_S / 3600.0)} h from the plan"
         )
         if age_s > REFUSE_AGE_S:
             raise OutsideCoverage(
@@ -142,8 +155,8 @@ def _check_orbit(orbit: StateVectorOrbit) -> None:
     radius_m = float(np.linalg.norm(r_m))
     if radius_m < _PERIGEE_MIN_M:
         raise ValueError(
-            f"position_km is {radius_m / 1e3:.1f} km from the Earth's centre, too low to orbit; "
-            "is it in km?"
+            f"position_km is {figures(radius_m / 1e3, _PERIGEE_MIN_M / 1e3)} km from the Earth's "
+            "centre, too low to orbit; is it in km?"
         )
     energy = 0.5 * float(v_m_s @ v_m_s) - GM_M3_S2 / radius_m
     if energy >= 0.0:
@@ -158,8 +171,8 @@ def _check_orbit(orbit: StateVectorOrbit) -> None:
     if perigee_m < _PERIGEE_MIN_M:
         raise ValueError(
             f"with velocity_km_s {orbit.velocity_km_s} the orbit's perigee is "
-            f"{perigee_m / 1e3:.1f} km from the Earth's centre, below {HEIGHT_MIN_M / 1e3:.0f} km "
-            "height; is it in km/s and of the stated frame?"
+            f"{figures(perigee_m / 1e3, _PERIGEE_MIN_M / 1e3)} km from the Earth's centre, below "
+            f"{HEIGHT_MIN_M / 1e3:.0f} km height; is it in km/s and of the stated frame?"
         )
 
 

@@ -1,5 +1,6 @@
 """Where is the satellite according to a two-line element set?  (SGP4)"""
 
+import calendar
 import re
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -9,15 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
-from planner.errors import OutsideCoverage
+from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import (
+    Instants,
+    elapsed_s,
+    require_known,
+    shifted_utc,
+    utc_text,
+)
+from planner.messages.omm import MEAN_MOTION_REV_DAY
 from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
 from planner.spec import spec
 
 WARN_AGE_DAYS = 3.0
 REFUSE_AGE_DAYS = 30.0
+PERIGEE_MIN_KM = 80.0  # air ends every orbit within a revolution there
 _LENGTH = 69
+_EPHEMERIS_TYPES = " 023"  # those of SGP4 and SDP4, and not said; 4 is SGP4-XP's
 _NUMBER = r"[ \dA-HJ-NP-Z][ \d]{4}"  # plain or Alpha-5
 _LAYOUT = {
     "1": re.compile(
@@ -50,9 +60,8 @@ class TleOrbit:
                 f"line1 is of satellite {self.line1[2:7]}, line2 of {self.line2[2:7]}; "
                 "take both lines from the same set"
             )
-        error = self._elements().error
-        if error:
-            raise ValueError(f"these elements are no orbit: {SGP4_ERRORS[error]}")
+        _check_elements(self.line1, self.line2)
+        require_earth_orbit(self._elements())
 
     @property
     def epoch_utc(self) -> datetime:
@@ -115,6 +124,18 @@ class TleEphemeris:
         return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
 
+def require_earth_orbit(satrec: Satrec) -> None:
+    """Refuse elements that SGP4 takes but no satellite of the Earth can have."""
+    if satrec.error:
+        raise ValueError(f"these elements are no orbit: {SGP4_ERRORS[satrec.error]}")
+    perigee_km = satrec.altp * satrec.radiusearthkm
+    if not perigee_km >= PERIGEE_MIN_KM:
+        raise ValueError(
+            f"the perigee of these elements is {figures(perigee_km, PERIGEE_MIN_KM)} km high, "
+            f"below {PERIGEE_MIN_KM:.0f} km; check mean motion and eccentricity"
+        )
+
+
 def sgp4_ephemeris(
     satrec: Satrec, epoch_utc: datetime, start_utc: datetime, stop_utc: datetime, *, field: str
 ) -> TleEphemeris:
@@ -123,7 +144,8 @@ def sgp4_ephemeris(
     Raises OutsideCoverage when an instant is 30 days or more from the epoch.
     """
     age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / 86400.0
-    said = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age_days:.1f} days from the plan"
+    age = figures(age_days, REFUSE_AGE_DAYS, WARN_AGE_DAYS, digits=3)
+    said = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age} days from the plan"
     if age_days >= REFUSE_AGE_DAYS:
         raise OutsideCoverage(
             f"{said}; at {REFUSE_AGE_DAYS:.0f} days they are worthless; take newer ones",
@@ -156,3 +178,31 @@ def _check_line(name: str, number: str, line: str) -> None:
         )
     if not _LAYOUT[number].fullmatch(line):
         raise ValueError(f"{name} has a character where it doesn't belong; copy the line again")
+
+
+def _check_elements(line1: str, line2: str) -> None:
+    """Numbers that no set can have, which SGP4 would take: ValueError names line and element."""
+    if line1[62] not in _EPHEMERIS_TYPES:
+        raise ValueError(
+            f"line1 is of ephemeris type {line1[62]}, not for SGP4 (SGP4-XP is another "
+            "propagator); take a set of type 0"
+        )
+    year = int(line1[18:20])
+    year += 2000 if year < 57 else 1900
+    for line, element, text, low, high in (
+        ("line1", "day of the year", line1[20:32], 1.0, 366.0 + calendar.isleap(year)),
+        ("line2", "inclination", line2[8:16], 0.0, 180.0),
+        ("line2", "right ascension of the node", line2[17:25], 0.0, 360.0),
+        ("line2", "argument of perigee", line2[34:42], 0.0, 360.0),
+        ("line2", "mean anomaly", line2[43:51], 0.0, 360.0),
+        ("line2", "mean motion", line2[52:63], *MEAN_MOTION_REV_DAY),
+    ):
+        value = float(text.replace(" ", ""))
+        if not low <= value <= high:
+            raise ValueError(
+                f"{line} has a {element} of {figures(value, low, high)}, outside {low:g}..{high:g}"
+            )
+    try:
+        require_known(datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=float(line1[20:32]) - 1.0))
+    except ValueError as error:
+        raise ValueError(f"line1 has an epoch that {error}") from None

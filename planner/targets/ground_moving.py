@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from planner.frames.geodesic import geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
-from planner.frames.time_scales import Instants, elapsed_s, require_offset
+from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_offset, utc_text
 from planner.spec import spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
 from planner.targets.ranges import GEODETIC_RANGES, require_within
 from planner.targets.refraction import Refraction
+
+LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for longer
 
 
 @spec
@@ -25,6 +27,7 @@ class MovingGroundTarget(EarthFixedTarget):
     given.  speed_m_s: over the ellipsoid's surface, in the aircraft's case its ground speed.
     A vessel that holds its compass course instead leaves the geodesic by
     distance^2 tan(latitude) / (2 Earth radii): 8 m after 10 km at 45 deg.
+    To be looked at within two days of its epoch.
     """
 
     mode: Literal["ground_moving"] = "ground_moving"
@@ -43,6 +46,16 @@ class MovingGroundTarget(EarthFixedTarget):
             self, *GEODETIC_RANGES, ("course_deg", -180.0, 360.0), ("speed_m_s", 0.0, 10e3)
         )
         require_ground_ranges(self)
+
+    def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
+        """Refuse to look at it too far from its epoch; `name` is this target's own."""
+        lead_s = max(abs(elapsed_s(utc, self.epoch)) for utc in (start_utc, stop_utc))
+        if lead_s > LEAD_MAX_S:
+            raise ValueError(
+                f"{name}.epoch ({utc_text(self.epoch)}) is {lead_s / 3600.0:.1f} h from when it is "
+                f"to be looked at; past {LEAD_MAX_S / 3600.0:.0f} h nothing goes straight on: give "
+                "a newer position"
+            )
 
     def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
         """Shape (n, 3)."""

@@ -9,7 +9,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.errors import InvalidInput
+from planner.errors import InvalidInput, figures
 from planner.frames.geodesic import geodesic_between, geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants, elapsed_s, require_offset
@@ -81,8 +81,9 @@ class GroundPathTarget(EarthFixedTarget):
         for leg, lasts_s in enumerate(np.diff(self._legs.passing_s)):
             if len(self.points) > 2 and lasts_s < self.corner_s:
                 raise ValueError(
-                    f"points.{leg} to points.{leg + 1} takes {lasts_s:.3g} s at "
-                    f"{self.speed_m_s:g} m/s, less than the {self.corner_s:g} s of a corner; "
+                    f"points.{leg + 1} is reached {figures(lasts_s, self.corner_s)} s after "
+                    f"points.{leg} at {self.speed_m_s} m/s, less than the {self.corner_s:g} s of a "
+                    "corner; "
                     "lower corner_s or the speed, or leave out a point"
                 )
 
@@ -123,9 +124,11 @@ class GroundPathTarget(EarthFixedTarget):
                 forth, distance_m = _between(a, b)
                 back, _ = _between(b, a)
             except ValueError as error:
-                raise ValueError(f"points.{leg} and points.{leg + 1}: {error}") from None
+                raise ValueError(f"points.{leg + 1} can't follow points.{leg}: {error}") from None
             if distance_m == 0.0:
-                raise ValueError(f"points.{leg} and points.{leg + 1} are the same place")
+                raise ValueError(
+                    f"points.{leg + 1} is the same place as points.{leg}; leave one out"
+                )
             climb = (b.height_m - a.height_m) / distance_m
             leaving.append([math.sin(forth), math.cos(forth), climb])
             arriving.append([-math.sin(back), -math.cos(back), climb])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S
-from planner.errors import InvalidInput, TrackBreaksLimit
+from planner.errors import InvalidInput, TrackBreaksLimit, figures
 from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
@@ -158,7 +158,8 @@ class _Moved:
             if excess[worst] > 0.0:
                 at_utc = shifted_utc(self.start_utc, float(self.t_s[worst]))
                 raise TrackBreaksLimit(
-                    f"{self.axis}'s test motion reaches {math.degrees(values[worst]):.4g} "
+                    f"{self.axis}'s test motion reaches "
+                    f"{figures(*np.rad2deg([values[worst], low, high]).tolist())} "
                     f"{_UNITS[limit]} at {utc_text(at_utc)}, beyond its {limit} limits of "
                     f"{math.degrees(low):.4g}..{math.degrees(high):.4g}; lower its amplitude "
                     "or frequency, or give its steps and turns more time",
@@ -180,8 +181,9 @@ class _Moved:
         if off_rad[worst] > ON_GRID_RAD:
             raise TrackBreaksLimit(
                 f"{self.axis}'s test motion leaves the 0.2 s table by "
-                f"{math.degrees(off_rad[worst]) * 3600.0:.2g} arcsec between rows (0.1 at most); "
-                "lower its amplitude (proportional) or frequency (fourth power)",
+                f"{figures(off_rad[worst] / ON_GRID_RAD / 10.0, 0.1, digits=2)} arcsec between "
+                "rows (0.1 at most); lower its amplitude (proportional) or frequency (fourth "
+                "power)",
                 field=f"axes.{self.axis}",
                 axis=self.axis,
                 limit="table step",

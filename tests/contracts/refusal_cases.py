@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from message_cases import MESSAGE_CASES
 from pydantic import TypeAdapter
 
 from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
@@ -89,10 +90,12 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
     ("stop before start", lambda: request(("sessions.0.stop", "2015-02-27T17:36:10Z")), _READ,
      "sessions.0.stop", "after start"),
     ("too short", lambda: request(("sessions.0.stop", "2015-02-27T17:36:20.1Z")), _READ,
-     "sessions.0", "0.2 s"),
+     "sessions.0.stop", "0.2 s, after start, not 0.1 s"),
     ("no session", lambda: request(("sessions", [])), _READ, "sessions", "at least one"),
     ("overlap", lambda: request(("sessions", LAS_VEGAS["sessions"] * 2)), _READ,
      "sessions.1.start", "still busy"),
+    ("too many", lambda: request(("sessions", LAS_VEGAS["sessions"] * 201)), _READ, "sessions",
+     "must hold at most 200 entries"),
     ("too long", lambda: request(("sessions.0.stop", "2015-03-01T17:36:20Z")), _READ,
      "sessions", "86400 s"),
     ("epoch off the grid", lambda: request(("initial_state.epoch", "2015-02-27T17:34:00.1Z")),
@@ -173,6 +176,11 @@ BY_TEXT = [
     ),
 ]
 
-CASES = BY_TEXT + [
-    _refused(name, make(), slug, field, says) for name, make, slug, field, says in _BY_FIELD
-]
+CASES = (
+    BY_TEXT
+    + [_refused(name, make(), slug, field, says) for name, make, slug, field, says in _BY_FIELD]
+    + [
+        _refused(name, request(*changes, example=example), slug, field, says)
+        for name, example, changes, slug, field, says in MESSAGE_CASES
+    ]
+)

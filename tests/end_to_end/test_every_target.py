@@ -90,5 +90,5 @@ def test_a_motion_too_quick_is_refused_by_axis_and_field():
 
 
 def test_a_session_that_outlasts_its_path_is_refused():
-    with pytest.raises(ValueError, match="path ends"):
+    with pytest.raises(ValueError, match="after the path's end"):
         session(TARGETS["ground_path"], 100.0, 400.0)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from planner.errors import OutsideCoverage
+from planner.errors import InvalidMessage, OutsideCoverage
 from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
     c_itrf_from_eci,
@@ -128,6 +128,52 @@ def test_useable_times_are_honoured(useable, covered):
     else:
         with pytest.raises(OutsideCoverage, match="it covers 2022-01-17T12:30:00"):
             orbit.ephemeris(start_utc, stop_utc)
+
+
+@given(
+    node=st.integers(9, 13),
+    column=st.integers(0, 5),
+    size=st.floats(100.0, 3e5),  # beyond, the reader says that it is no satellite's
+    sign=st.sampled_from([1.0, -1.0]),
+)
+def test_a_damaged_node_is_refused_by_its_epoch(node, column, size, sign):
+    """Off by 100 m or more in position, or by as much at its neighbours in velocity."""
+    states = np.hstack([CALM.r_m, CALM.v_m_s])
+    step_s = CALM.t_s[node + 1] - CALM.t_s[node]
+    states[node, column] += sign * (size if column < 3 else size / (step_s / 2.0))
+    orbit = OemOrbit(content=kvn(CALM, [ALL], states=states))
+    with pytest.raises(InvalidMessage) as refusal:
+        positions_m(orbit, CALM, T_S)
+    assert refusal.value.field == "orbit.content"
+    epoch = Instants(CALM.epoch_utc, CALM.t_s[[node]]).utc_text()[0]
+    assert f"state at {epoch} lies" in refusal.value.detail
+
+
+def test_a_node_a_few_milliseconds_late_is_warned_of():
+    states = np.hstack([CALM.r_m, CALM.v_m_s])
+    states[11, :3] += 4e-3 * states[11, 3:]
+    orbit = OemOrbit(content=kvn(CALM, [ALL], states=states))
+    ephemeris, _ = positions_m(orbit, CALM, T_S)
+    # 4 ms of 7.66 km/s, 31 m, less the 4 m that the gravity felt there may be an engine's
+    assert any("lies some 2" in told or "lies some 3" in told for told in ephemeris.warnings)
+
+
+def test_a_step_between_two_halves_is_refused_at_either_node():
+    states = np.hstack([CALM.r_m, CALM.v_m_s])
+    states[12:, 0] += 10e3
+    orbit = OemOrbit(content=kvn(CALM, [ALL], states=states))
+    with pytest.raises(InvalidMessage) as refusal:
+        positions_m(orbit, CALM, T_S)
+    first, last = Instants(CALM.epoch_utc, CALM.t_s[11:13]).utc_text()
+    assert f"states at {first} and {last} lie" in refusal.value.detail
+
+
+def test_states_of_a_turning_frame_stated_as_inertial_are_refused():
+    nodes = Instants(CALM.epoch_utc, CALM.t_s)
+    r_eci_m, v_eci_m_s = CALM.r_m @ C_GCRF_FROM_EME2000.T, CALM.v_m_s @ C_GCRF_FROM_EME2000.T
+    states = np.hstack(itrf_from_eci_state(r_eci_m, v_eci_m_s, nodes))
+    with pytest.raises(InvalidMessage, match=r"1\.1 m/s\^2.*is REF_FRAME the frame"):
+        positions_m(OemOrbit(content=kvn(CALM, [ALL], states=states)), CALM, T_S)
 
 
 @given(

@@ -118,7 +118,7 @@ def test_ut1_is_read():
 
 
 def test_epochs_in_a_leap_second():
-    head = KVN[: KVN.index("USEABLE_START")] + "META_STOP\n"
+    head = KVN[: KVN.index("START_TIME")] + "META_STOP\n"
     epochs = (
         "2016-12-31T23:59:59",
         "2016-366T23:59:60.5",

@@ -1,0 +1,85 @@
+"""By how much does an ephemeris miss its next node, if nothing but nature pulls?
+
+What is left shows engines that burn, and nodes that were damaged on their way to us.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.frames.time_scales import Instants
+from planner.orbits.forces import Drag, forces_at
+
+_NO_DRAG = Drag(mass_kg=1.0, area_m2=0.0, coefficient=0.0)
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+# A path between nodes too far apart, or damaged, may run through the Earth, where the field's
+# harmonics mean nothing.
+_PATH_RADIUS_MIN_M = 6.0e6
+
+
+@dataclass(frozen=True, eq=False)
+class CellDefects:
+    """Of each of the cells between n nodes, in time's order.
+
+    step_s: shape (n - 1,).  velocity_m_s: gain of velocity that gravity doesn't explain,
+    shape (n - 1, 3), ECI.  position_m: shape (n - 1, 3), where the cell ends against where a
+    steady thrust of that gain would end: a thrust anywhere within the cell is off by at most
+    |velocity_m_s| step_s / 2.  remainder_m: shape (n - 1,), bound of the method's own error
+    (0.06 m for nodes 240 s apart in low orbit, 43 m for 720 s).
+    """
+
+    step_s: NDArray[np.float64]
+    velocity_m_s: NDArray[np.float64]
+    position_m: NDArray[np.float64]
+    remainder_m: NDArray[np.float64]
+
+    @property
+    def thrust_m_s2(self) -> NDArray[np.float64]:
+        """Mean acceleration of each cell less the modelled one, magnitude, shape (n - 1,)."""
+        return np.asarray(np.linalg.norm(self.velocity_m_s, axis=1) / self.step_s)
+
+    @property
+    def beyond_thrust_m(self) -> NDArray[np.float64]:
+        """What no thrust of that gain explains of the position, shape (n - 1,)."""
+        position_m = np.linalg.norm(self.position_m, axis=1)
+        return np.asarray(position_m - 0.5 * self.thrust_m_s2 * self.step_s**2)
+
+
+def cell_defects(
+    nodes: Instants, r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64]
+) -> CellDefects:
+    """r_eci_m, v_eci_m_s: shape (n, 3), n >= 2.
+
+    The path within a cell is the quintic through position, velocity and modelled
+    acceleration at both ends (0.1 m off for nodes 240 s apart in low orbit, 1e-7 m/s^2).
+    Leaves out drag (3e-6 m/s^2 on the ISS).
+    """
+    a_m_s2 = forces_at(nodes, _NO_DRAG).acceleration_eci_m_s2(r_eci_m, v_eci_m_s)
+    h = np.diff(nodes.t_s)
+    u = 0.5 * (_POINTS + 1.0)
+    s, w = u[None, :, None], (1.0 - u)[None, :, None]
+    hh = h[:, None, None]
+    ends = [x[:, None, :] for k in (r_eci_m, v_eci_m_s, a_m_s2) for x in (k[:-1], k[1:])]
+    r0, r1, v0, v1, a0, a1 = ends
+    path = w**3 * (r0 * (1 + 3 * s + 6 * s**2) + hh * v0 * (s + 3 * s**2) + hh**2 * a0 * s**2 / 2)
+    path += s**3 * (r1 * (1 + 3 * w + 6 * w**2) - hh * v1 * (w + 3 * w**2) + hh**2 * a1 * w**2 / 2)
+    path *= np.maximum(1.0, _PATH_RADIUS_MIN_M / np.linalg.norm(path, axis=2, keepdims=True))
+    inner = Instants(nodes.epoch_utc, (nodes.t_s[:-1, None] + h[:, None] * u).ravel())
+    flat = path.reshape(-1, 3)
+    along = forces_at(inner, _NO_DRAG).acceleration_eci_m_s2(flat, np.zeros_like(flat))
+    along = along.reshape(len(h), -1, 3)
+    mean_m_s2 = np.einsum("kqi,q->ki", along, 0.5 * _WEIGHTS)
+    early_m_s2 = np.einsum("kqi,q->ki", along, 0.5 * _WEIGHTS * (0.5 - u))
+    mean_v_m_s = 0.5 * (v_eci_m_s[:-1] + v_eci_m_s[1:])
+    radius_m, speed_m_s = (np.linalg.norm(x, axis=1) for x in (r_eci_m, v_eci_m_s))
+    # The remainder of quintic Hermite interpolation, of circular motion at the faster end.
+    swept_rad = np.maximum((speed_m_s / radius_m)[:-1], (speed_m_s / radius_m)[1:]) * h
+    return CellDefects(
+        step_s=h,
+        velocity_m_s=np.diff(v_eci_m_s, axis=0) - h[:, None] * mean_m_s2,
+        position_m=np.diff(r_eci_m, axis=0)
+        - h[:, None] * mean_v_m_s
+        - h[:, None] ** 2 * early_m_s2,
+        remainder_m=radius_m[:-1] * swept_rad**6 / 46080.0,
+    )
