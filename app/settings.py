@@ -1,15 +1,33 @@
 """What can the operator set, by `SLEWTRACK_*` environment variables?"""
 
+import os
+from pathlib import Path
+
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from app.observability.logs import LogFormat, LogLevel
 
 
+def _user_data_dir() -> Path:
+    """Where the XDG base directory specification has a user's data."""
+    home = os.environ.get("XDG_DATA_HOME")
+    return (Path(home) if home else Path.home() / ".local" / "share") / "slewtrack"
+
+
 class Settings(BaseSettings):
     """Read once, when the service starts."""
 
     model_config = SettingsConfigDict(env_prefix="SLEWTRACK_", frozen=True)
+
+    data_dir: Path = Field(
+        default_factory=_user_data_dir, description="Where the SQLite database is kept"
+    )
+    database_url: str = Field(
+        default="",
+        repr=False,  # it may hold a password
+        description="postgresql+psycopg://USER:PASSWORD@HOST/NAME in place of SQLite",
+    )
 
     # Seven times NASA's 15-day OEM of the ISS in XML.
     max_body_bytes: int = Field(

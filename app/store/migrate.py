@@ -1,0 +1,42 @@
+"""How does a database get the tables this version needs?"""
+
+from pathlib import Path
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, text
+
+from app.store.database import Database
+from planner.errors import InvalidInput
+
+_FOLDER = Path(__file__).parent / "migrations"
+_LOCK = 0x736C6577  # "slew": any number that nobody else locks
+
+
+def upgrade(database: Database) -> None:
+    """Bring it up to date; services that start together do so one after the other.
+
+    Raises InvalidInput for a database of a later version.
+    """
+    with database.writing() as connection:
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})
+        _upgrade(connection)
+
+
+def _upgrade(connection: Connection) -> None:
+    config = Config(attributes={"connection": connection})
+    config.set_main_option("script_location", str(_FOLDER).replace("%", "%%"))
+    scripts = ScriptDirectory.from_config(config)
+    known = {script.revision for script in scripts.walk_revisions()}
+    present = MigrationContext.configure(connection).get_current_revision()
+    if present is not None and present not in known:
+        raise InvalidInput(
+            f"the database was written by a later version of slewtrack (its state is {present!r}); "
+            "install that one, or use another database",
+            field="SLEWTRACK_DATABASE_URL",
+        )
+    if present != scripts.get_current_head():
+        command.upgrade(config, "head")

@@ -1,0 +1,119 @@
+"""Which tables are there?"""
+
+from datetime import datetime
+from typing import Any, Literal
+
+from sqlalchemy import (
+    JSON,
+    CheckConstraint,
+    ForeignKey,
+    Index,
+    LargeBinary,
+    MetaData,
+    String,
+    Text,
+    UniqueConstraint,
+)
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+from app.store.columns import UtcDateTime
+
+JobState = Literal["queued", "running", "done", "refused", "failed", "cancelled"]
+OPEN_STATES: tuple[JobState, ...] = ("queued", "running")
+
+_STATES = ", ".join(f"'{state}'" for state in JobState.__args__)  # type: ignore[attr-defined]
+_ID = String(36)
+
+
+class Base(DeclarativeBase):
+    """What Alembic compares a database with."""
+
+    # Named, so that a migration can drop a constraint on every database.
+    metadata = MetaData(
+        naming_convention={
+            "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+            "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+            "ck": "ck_%(table_name)s_%(constraint_name)s",
+            "fk": "fk_%(table_name)s_%(column_0_name)s",
+            "pk": "pk_%(table_name)s",
+        }
+    )
+
+
+class JobRow(Base):
+    """A piece of work that was accepted.
+
+    id: sorts by time.  request: the body, zlib.  options: what was asked beside the body.
+    idempotency: SHA-256 of who sent which Idempotency-Key where; None without one.
+    lease_until_s: by `database_now_s`; a running job without a lease waits for others.
+    """
+
+    __tablename__ = "jobs"
+
+    id: Mapped[str] = mapped_column(_ID, primary_key=True)
+    kind: Mapped[str] = mapped_column(String(32))
+    state: Mapped[JobState] = mapped_column(String(16))
+    name: Mapped[str] = mapped_column(Text)
+    request: Mapped[bytes] = mapped_column(LargeBinary)
+    request_sha256: Mapped[str] = mapped_column(String(64))
+    options: Mapped[dict[str, Any]] = mapped_column(JSON)
+    key_id: Mapped[str | None] = mapped_column(String(64))
+    idempotency: Mapped[str | None] = mapped_column(String(64), unique=True)
+    parent_id: Mapped[str | None] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"))
+    priority: Mapped[int]
+    attempts: Mapped[int]
+    lease_token: Mapped[str | None] = mapped_column(String(32))
+    lease_until_s: Mapped[float | None]
+    deadline_s: Mapped[float]
+    created_utc: Mapped[datetime] = mapped_column(UtcDateTime)
+    started_utc: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    finished_utc: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    cancel_requested: Mapped[bool]
+    problem: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+
+    __table_args__ = (
+        CheckConstraint(f"state IN ({_STATES})", name="state"),
+        Index(None, "state", "priority", "id"),  # what to take up next
+        Index(None, "kind", "id"),  # lists
+        Index(None, "parent_id", "state"),
+        Index(None, "lease_token"),
+        Index(None, "finished_utc"),  # retention
+    )
+
+
+class PlanRow(Base):
+    """What a job planned; never changed: a trigger refuses UPDATE.
+
+    series: id of the first revision.  revises: id of the plan this one replaces.
+    state: `done`, or `failed` where the judge rejects the table.  document: the answer's JSON
+    without the table, zlib.  table_columns: `app.store.packed`.
+    """
+
+    __tablename__ = "plans"
+
+    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    kind: Mapped[str] = mapped_column(String(32))
+    series: Mapped[str] = mapped_column(_ID)
+    revision: Mapped[int]
+    revises: Mapped[str | None] = mapped_column(_ID)
+    name: Mapped[str] = mapped_column(Text)
+    state: Mapped[JobState] = mapped_column(String(16))
+    input_sha256: Mapped[str] = mapped_column(String(64))
+    versions: Mapped[dict[str, str]] = mapped_column(JSON)
+    document: Mapped[bytes] = mapped_column(LargeBinary)
+    table_columns: Mapped[bytes] = mapped_column(LargeBinary)
+    planned_utc: Mapped[datetime] = mapped_column(UtcDateTime)
+
+    __table_args__ = (UniqueConstraint("series", "revision"),)
+
+
+class EventRow(Base):
+    """Something that happened to a job; seq counts from 1 within it."""
+
+    __tablename__ = "events"
+
+    job_id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    seq: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    at_utc: Mapped[datetime] = mapped_column(UtcDateTime)
+    kind: Mapped[str] = mapped_column(String(32))
+    data: Mapped[dict[str, Any]] = mapped_column(JSON)
