@@ -5,29 +5,62 @@ what goes wrong is one line on stderr.
 Imports wait until a command needs them: `plan` must not pay for the web server.
 """
 
+import hashlib
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from planner.errors import InvalidInput, Refusal, SolverFailed, Unverified, VerificationFailed
 
 FAILED, REFUSED = 1, 2
 
+RequestFile = Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")]
+WholeAnswer = Annotated[
+    Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
+]
+
+
+class _OneLinePerFault(TyperGroup):
+    """Says what is wrong with the words of a command as everything else is said."""
+
+    def main(self, *args: Any, **options: Any) -> Any:  # noqa: ANN401 (Typer's own signature)
+        try:
+            code = super().main(*args, **options | {"standalone_mode": False})
+        except typer.TyperException as fault:
+            context = getattr(fault, "ctx", None)
+            where = context.command_path if context else "slewtrack"
+            _say(f"{fault.format_message().rstrip('.')}; see {where} --help")
+            sys.exit(REFUSED)
+        except typer.Abort:
+            sys.exit(FAILED)
+        sys.exit(code or 0)
+
+
 main = typer.Typer(
+    cls=_OneLinePerFault,
     help="Plans how a pointing instrument moves.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 
 
+@main.callback(invoke_without_command=True)
+def _help_without_command(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+        raise typer.Exit(REFUSED)
+
+
 @main.command()
 def plan(
-    file: Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")],
+    file: RequestFile,
     csv: Annotated[
         Path | None, typer.Option(help="Write the command table here, columns only.")
     ] = None,
@@ -42,43 +75,39 @@ def plan(
     plot: Annotated[
         Path | None, typer.Option(help="Draw angles, rates and accelerations here (png, svg, pdf).")
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
-    ] = None,
+    json: WholeAnswer = None,
 ) -> None:
     """Plan the sessions of a request and report."""
     with _one_line_for_what_goes_wrong():
-        body = _read(file)
+        asked = _read(file)
 
         from planner.export import EXPORTERS
 
-        exports = [_format_and_path(text, EXPORTERS) for text in export or ()]
-
-        import hashlib
-        from datetime import UTC, datetime
+        exports = _formats_and_paths(export, EXPORTERS)
 
         from app.api.plan_request import read_whole_plan_request
 
-        request = read_whole_plan_request(body)
+        request = read_whole_plan_request(asked.body)
         scenario = request.scenario()
 
         from app.report import print_report
         from planner.pipeline import make_plan
 
-        now_utc = datetime.now(UTC)
         made = make_plan(scenario)
         print_report(made)
         if json:
             from app.api.plan_response import plan_json
 
-            digest = hashlib.sha256(body).hexdigest()
             checks = []
             if request.horizon_cameras:
                 from app.api.horizon_checks import horizon_checks
 
                 checks = horizon_checks(made.scenario, request.horizon_cameras)
             answer = plan_json(
-                made, input_sha256=digest, planned_at_utc=now_utc, horizon_checks=checks
+                made,
+                input_sha256=asked.sha256,
+                planned_at_utc=asked.read_utc,
+                horizon_checks=checks,
             )
             _write(json, answer)
         if plot:
@@ -94,43 +123,37 @@ def plan(
 
             _write(csv, table_csv(made.table).encode())
         for name, path in exports:
-            _write(path, exported(made, name, now_utc))
+            _write(path, exported(made, name, asked.read_utc))
 
 
 @main.command()
 def windows(
-    file: Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")],
+    file: RequestFile,
     csv: Annotated[
         Path | None, typer.Option(help="Write one line per window here, at its closest approach.")
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
-    ] = None,
+    json: WholeAnswer = None,
 ) -> None:
     """Tell when targets can be seen."""
     with _one_line_for_what_goes_wrong():
-        body = _read(file)
-
-        import hashlib
-        from datetime import UTC, datetime
+        asked = _read(file)
 
         from app.api.opportunity_request import read_opportunity_request
 
-        request = read_opportunity_request(body)
+        request = read_opportunity_request(asked.body)
 
         from app.api.opportunity_response import opportunities_json, windows_out
         from app.api.provenance import provenance
         from app.windows_report import print_windows, windows_csv
         from planner.opportunities import find_opportunities
 
-        now_utc = datetime.now(UTC)
         found = find_opportunities(request)
         told = windows_out(found)
         print_windows(found, told)
         if csv:
             _write(csv, windows_csv(found.axis_names, told).encode())
         if json:
-            made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+            made = provenance(asked.sha256, asked.read_utc)
             _write(json, opportunities_json(found, made))
 
 
@@ -149,9 +172,7 @@ def horizon(
         Path | None,
         typer.Option(help="Write the annotated frame here (PNG); of several cameras -NAME each."),
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
-    ] = None,
+    json: WholeAnswer = None,
 ) -> None:
     """Measure the local vertical in images of the horizon."""
     with _one_line_for_what_goes_wrong():
@@ -170,7 +191,7 @@ def horizon(
 
 @main.command()
 def spacecraft(
-    file: Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")],
+    file: RequestFile,
     export: Annotated[
         list[str] | None,
         typer.Option(
@@ -178,45 +199,45 @@ def spacecraft(
             help="Write the table as csv, netcdf or aem (may be repeated).",
         ),
     ] = None,
-    json: Annotated[
-        Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
-    ] = None,
+    json: WholeAnswer = None,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
     with _one_line_for_what_goes_wrong():
-        body = _read(file)
+        asked = _read(file)
 
         from planner.spacecraft.export import IMAGING_EXPORTERS
 
-        exports = [_format_and_path(text, IMAGING_EXPORTERS) for text in export or ()]
-
-        import hashlib
-        from datetime import UTC, datetime
+        exports = _formats_and_paths(export, IMAGING_EXPORTERS)
 
         from app.api.spacecraft_request import read_spacecraft_request
 
-        request = read_spacecraft_request(body)
+        request = read_spacecraft_request(asked.body)
 
         from app.spacecraft_report import print_session
         from planner.spacecraft.plan import plan_imaging
 
-        now_utc = datetime.now(UTC)
         made = plan_imaging(request)
         print_session(made)
         for name, path in exports:
-            _write(path, IMAGING_EXPORTERS[name].write(made, now_utc))
+            _write(path, IMAGING_EXPORTERS[name].write(made, asked.read_utc))
         if json:
             from app.api.provenance import provenance
             from app.api.spacecraft_response import spacecraft_plan_json
 
-            digest = hashlib.sha256(body).hexdigest()
-            _write(json, spacecraft_plan_json(made, provenance(digest, now_utc)))
+            told = provenance(asked.sha256, asked.read_utc)
+            _write(json, spacecraft_plan_json(made, told))
+
+
+def _port(text: str | int) -> int:
+    if not str(text).isdecimal() or not 0 <= int(text) <= 65535:
+        raise typer.BadParameter(f"must be a whole number from 0 to 65535, not {text!r}")
+    return int(text)
 
 
 @main.command()
 def serve(
     host: Annotated[str, typer.Option(help="A loopback address.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535)] = 8000,
+    port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
     """Serve the HTTP API and its pages (/docs) on this machine."""
     with _one_line_for_what_goes_wrong():
@@ -233,8 +254,25 @@ def serve(
         serve_on(host, port, Settings())
 
 
-def _read(file: str) -> bytes:
-    return sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+@dataclass(frozen=True)
+class _Asked:
+    """A request as it stands in its file, and when it was read."""
+
+    body: bytes
+    read_utc: datetime
+
+    @property
+    def sha256(self) -> str:
+        return hashlib.sha256(self.body).hexdigest()
+
+
+def _read(file: str) -> _Asked:
+    body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+    return _Asked(body, datetime.now(UTC))
+
+
+def _formats_and_paths(texts: list[str] | None, formats: Collection[str]) -> list[tuple[str, Path]]:
+    return [_format_and_path(text, formats) for text in texts or ()]
 
 
 def _format_and_path(text: str, formats: Collection[str]) -> tuple[str, Path]:

@@ -1,35 +1,16 @@
 """In which formats can a plan be taken away?"""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from datetime import datetime
-
 from planner.export.aem import write_aem
 from planner.export.csv import write_csv
 from planner.export.czml import write_czml
+from planner.export.exporter import Exporter
 from planner.export.flown import FlownPlan, FlownSegment
 from planner.export.json import write_json
 from planner.export.netcdf import write_netcdf
 from planner.export.oem import write_oem
 from planner.export.stk import write_stk_attitude, write_stk_sensor
 
-
-@dataclass(frozen=True, kw_only=True)
-class Exporter:
-    """One format.
-
-    title: what the file holds.  write(plan, created_utc): the file's bytes; created_utc is
-    the date the file states.  Raises OutsideCoverage when orbit or attitude is unknown while
-    a target is tracked.
-    """
-
-    title: str
-    media_type: str
-    suffix: str
-    write: Callable[[FlownPlan, datetime], bytes]
-
-
-EXPORTERS = {
+EXPORTERS: dict[str, Exporter[FlownPlan]] = {
     "csv": Exporter(
         title="command table",
         media_type="text/csv",

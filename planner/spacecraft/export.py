@@ -1,7 +1,6 @@
 """In which formats can an imaging session's table be taken away?"""
 
 import io
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -12,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.export.ccsds import data_lines, epochs, header
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, carrier, one_line
+from planner.export.exporter import Exporter
 from planner.export.flown import axes_turn, continuous
 from planner.frames.time_scales import Instants, utc_text
 from planner.spacecraft.plan import ImagingPlan
@@ -21,16 +21,6 @@ Array = NDArray[np.float64]
 _QUATERNION_DECIMALS = 13
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImagingExporter:
-    """One format.  write(plan, created_utc): the file's bytes."""
-
-    title: str
-    media_type: str
-    suffix: str
-    write: Callable[[ImagingPlan, datetime], bytes]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,17 +173,17 @@ def write_aem(plan: ImagingPlan, created_utc: datetime) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-IMAGING_EXPORTERS = {
-    "csv": ImagingExporter(
+IMAGING_EXPORTERS: dict[str, Exporter[ImagingPlan]] = {
+    "csv": Exporter(
         title="attitude, rates and gimbals", media_type="text/csv", suffix=".csv", write=write_csv
     ),
-    "netcdf": ImagingExporter(
+    "netcdf": Exporter(
         title="attitude, rates and gimbals (CF-1.12)",
         media_type="application/x-netcdf",
         suffix=".nc",
         write=write_netcdf,
     ),
-    "aem": ImagingExporter(
+    "aem": Exporter(
         title="attitude of the body (CCSDS AEM 2.0, KVN)",
         media_type="text/x-ccsds-aem",
         suffix=".aem",

@@ -42,6 +42,33 @@ def test_no_such_file():
     assert "nowhere.json" in one_line(result.stderr)
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["plan"], "Missing argument"),
+        (["plan", "--nope", "x"], "--nope"),
+        (["plan", "a", "b"], "unexpected"),
+        (["plan", "a", "--csv"], "--csv"),
+        (["scheme"], "scheme"),
+        (["serve", "--port", "x"], "whole number"),
+        (["serve", "--port", "99999"], "0 to 65535"),
+    ],
+)
+def test_a_command_that_can_not_be_read(words, said):
+    result = CliRunner().invoke(cli.main, words)
+    assert result.exit_code == 2
+    line = one_line(result.stderr)
+    assert said in line
+    assert "--help" in line
+
+
+@pytest.mark.parametrize(("words", "code"), [([], 2), (["--help"], 0), (["plan", "--help"], 0)])
+def test_help(words, code):
+    result = CliRunner().invoke(cli.main, words)
+    assert result.exit_code == code
+    assert "Usage" in result.stdout
+
+
 def test_a_place_that_can_not_be_written(tmp_path):
     occupied = tmp_path / "file"
     occupied.write_text("")
