@@ -7,8 +7,7 @@ Imports wait until a command needs them: `plan` must not pay for the web server.
 
 import hashlib
 import sys
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,9 +16,9 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from planner.errors import InvalidInput, Refusal, SolverFailed, Unverified, VerificationFailed
-
-FAILED, REFUSED = 1, 2
+from app.keys_command import keys
+from app.one_line import FAILED, REFUSED, one_line_for_what_goes_wrong, say
+from planner.errors import InvalidInput
 
 RequestFile = Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")]
 WholeAnswer = Annotated[
@@ -36,7 +35,7 @@ class _OneLinePerFault(TyperGroup):
         except typer.TyperException as fault:
             context = getattr(fault, "ctx", None)
             where = context.command_path if context else "slewtrack"
-            _say(f"{fault.format_message().rstrip('.')}; see {where} --help")
+            say(f"{fault.format_message().rstrip('.')}; see {where} --help")
             sys.exit(REFUSED)
         except typer.Abort:
             sys.exit(FAILED)
@@ -56,6 +55,9 @@ def _help_without_command(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
         print(context.get_help())
         raise typer.Exit(REFUSED)
+
+
+main.add_typer(keys, name="keys")
 
 
 @main.command()
@@ -78,7 +80,7 @@ def plan(
     json: WholeAnswer = None,
 ) -> None:
     """Plan the sessions of a request and report."""
-    with _one_line_for_what_goes_wrong():
+    with one_line_for_what_goes_wrong():
         asked = _read(file)
 
         from planner.export import EXPORTERS
@@ -135,7 +137,7 @@ def windows(
     json: WholeAnswer = None,
 ) -> None:
     """Tell when targets can be seen."""
-    with _one_line_for_what_goes_wrong():
+    with one_line_for_what_goes_wrong():
         asked = _read(file)
 
         from app.api.opportunity_request import read_opportunity_request
@@ -175,7 +177,7 @@ def horizon(
     json: WholeAnswer = None,
 ) -> None:
     """Measure the local vertical in images of the horizon."""
-    with _one_line_for_what_goes_wrong():
+    with one_line_for_what_goes_wrong():
         from app.api.horizon_series import read_series
         from app.horizon_command import measure_frames, measure_one
 
@@ -202,7 +204,7 @@ def spacecraft(
     json: WholeAnswer = None,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
-    with _one_line_for_what_goes_wrong():
+    with one_line_for_what_goes_wrong():
         asked = _read(file)
 
         from planner.spacecraft.export import IMAGING_EXPORTERS
@@ -236,21 +238,14 @@ def _port(text: str | int) -> int:
 
 @main.command()
 def serve(
-    host: Annotated[str, typer.Option(help="A loopback address.")] = "127.0.0.1",
+    host: Annotated[str, typer.Option(help="Beyond loopback, make a key first.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
-    """Serve the HTTP API and its pages (/docs) on this machine."""
-    with _one_line_for_what_goes_wrong():
-        from app.security.access import is_loopback
+    """Serve the HTTP API and its pages (/docs); beyond this machine with API keys only."""
+    with one_line_for_what_goes_wrong():
         from app.serving import serve_on
         from app.settings import Settings
 
-        if not is_loopback(host):
-            raise Refusal(
-                f"{host} can be reached from other machines and the service has no keys yet; "
-                "use 127.0.0.1 or ::1",
-                field="--host",
-            )
         serve_on(host, port, Settings())
 
 
@@ -288,29 +283,3 @@ def _format_and_path(text: str, formats: Collection[str]) -> tuple[str, Path]:
 def _write(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content)
-
-
-@contextmanager
-def _one_line_for_what_goes_wrong() -> Iterator[None]:
-    try:
-        yield
-    except Refusal as refusal:
-        failed = isinstance(refusal, SolverFailed | VerificationFailed | Unverified)
-        _say(_with_field(refusal))
-        raise typer.Exit(FAILED if failed else REFUSED) from None
-    except OSError as error:
-        _say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
-        raise typer.Exit(REFUSED) from None
-    except Exception as error:  # noqa: BLE001 (the edge: a user gets one line, not a traceback)
-        _say(f"internal error: {type(error).__name__}: {error}")
-        raise typer.Exit(FAILED) from None
-
-
-def _with_field(refusal: Refusal) -> str:
-    if refusal.field is None or refusal.detail.startswith(refusal.field):
-        return refusal.detail
-    return f"{refusal.field}: {refusal.detail}"
-
-
-def _say(text: str) -> None:
-    print(f"slewtrack: {' '.join(text.split())}", file=sys.stderr)

@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
+import anyio.to_thread
 from fastapi import FastAPI
 
 from app import errors
@@ -14,6 +15,7 @@ from app.jobs.disposable import start_server
 from app.observability.metrics import Metrics
 from app.observability.readiness import (
     Readiness,
+    database_answers,
     earth_orientation_covers_now,
     solver_answers,
 )
@@ -22,6 +24,9 @@ from app.openapi import complete
 from app.security.access import Access
 from app.security.gate import Gate
 from app.settings import Settings
+from app.store.database import open_database
+from app.store.keys import KeyStore
+from app.store.migrate import upgrade
 from app.versions import VERSION
 
 # CasADi and the planner's Python hold the interpreter lock: a second thread only adds latency.
@@ -63,10 +68,14 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
     app.state.metrics = Metrics()
     app.state.readiness = Readiness(
-        {"solver": solver_answers, "earth_orientation": earth_orientation_covers_now}
+        {
+            "database": lambda: database_answers(app.state.database),
+            "solver": solver_answers,
+            "earth_orientation": earth_orientation_covers_now,
+        }
     )
     access = Access(
-        lambda _: None,
+        lambda secret: KeyStore(app.state.database).find(secret),
         require_keys=settings.require_keys,
         hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
     )
@@ -75,9 +84,15 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
 
 
 @asynccontextmanager
-async def _ready_for_children(_: FastAPI) -> AsyncIterator[None]:
+async def _ready_for_children(app: FastAPI) -> AsyncIterator[None]:
     start_server()
-    yield
+    settings: Settings = app.state.settings
+    app.state.database = open_database(settings.database_url, settings.data_dir)
+    try:
+        await anyio.to_thread.run_sync(upgrade, app.state.database)
+        yield
+    finally:
+        app.state.database.close()
 
 
 def _describe(app: FastAPI) -> None:

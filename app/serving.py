@@ -1,19 +1,32 @@
 """How is the service brought to a port?"""
 
+import sys
+
 import uvicorn
 
 from app.main import create_app
 from app.observability.logs import configure_logs
+from app.security.access import is_loopback
 from app.security.protocol import HEAD_BYTES_MAX, GuardedProtocol
 from app.settings import Settings
+from app.store.database import open_database
+from app.store.keys import KeyStore
+from app.store.migrate import upgrade
+from planner.errors import Refusal
 
 _GRACE_S = 10  # for requests at work when the service is told to stop
 
 
 def serve_on(host: str, port: int, settings: Settings) -> None:
-    """Until it is told to stop."""
+    """Until it is told to stop; raises Refusal where others could reach it without a key."""
+    if not is_loopback(host):
+        settings = settings.model_copy(update={"require_keys": True})
+        _require_a_key(host, settings)
     configure_logs(settings.log_level, settings.log_format)
-    server(host, port, settings).run()
+    service = server(host, port, settings)
+    service.run()
+    if not service.started:
+        sys.exit(1)
 
 
 def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
@@ -39,3 +52,17 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
             timeout_graceful_shutdown=_GRACE_S,
         )
     )
+
+
+def _require_a_key(host: str, settings: Settings) -> None:
+    database = open_database(settings.database_url, settings.data_dir)
+    try:
+        upgrade(database)
+        if not KeyStore(database).any_valid():
+            raise Refusal(
+                f"{host} can be reached from other machines and there is no API key yet; make one "
+                "with `slewtrack keys create NAME --scope write`, or use 127.0.0.1 or ::1",
+                field="--host",
+            )
+    finally:
+        database.close()

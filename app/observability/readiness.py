@@ -8,9 +8,11 @@ from typing import Any, Literal
 
 import anyio
 from anyio import to_thread
+from sqlalchemy import select
 
 from app.jobs.disposable import Bounds, run_disposable
 from app.observability.logs import log
+from app.store.database import Database
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.time_scales import DAY_S, elapsed_s
 
@@ -61,6 +63,13 @@ def _asked(name: str, check: Check) -> CheckOut:
         log.error("not ready", check=name, exc_info=error)
         state, detail = "failed", "it doesn't answer; the log says why"
     return CheckOut(name=name, state=state, detail=detail)
+
+
+def database_answers(database: Database) -> tuple[State, str]:
+    """It can be read."""
+    with database.reading() as connection:
+        connection.execute(select(1)).scalar_one()
+    return "ok", f"{database.url.get_backend_name()} answers"
 
 
 def solver_answers() -> tuple[State, str]:

@@ -1,0 +1,39 @@
+"""How does a command say what went wrong?  One line on stderr, and an exit code."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import typer
+
+from planner.errors import Refusal, SolverFailed, Unverified, VerificationFailed
+
+FAILED, REFUSED = 1, 2
+
+
+@contextmanager
+def one_line_for_what_goes_wrong() -> Iterator[None]:
+    """Turn whatever is raised inside into that line and the exit."""
+    try:
+        yield
+    except Refusal as refusal:
+        failed = isinstance(refusal, SolverFailed | VerificationFailed | Unverified)
+        say(_with_field(refusal))
+        raise typer.Exit(FAILED if failed else REFUSED) from None
+    except OSError as error:
+        say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        raise typer.Exit(REFUSED) from None
+    except Exception as error:  # noqa: BLE001 (the edge: a user gets one line, not a traceback)
+        say(f"internal error: {type(error).__name__}: {error}")
+        raise typer.Exit(FAILED) from None
+
+
+def say(text: str) -> None:
+    """One line, whatever the text holds."""
+    print(f"slewtrack: {' '.join(text.split())}", file=sys.stderr)
+
+
+def _with_field(refusal: Refusal) -> str:
+    if refusal.field is None or refusal.detail.startswith(refusal.field):
+        return refusal.detail
+    return f"{refusal.field}: {refusal.detail}"

@@ -1,0 +1,41 @@
+"""Who did what, and when?"""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from sqlalchemy import Connection, insert, select
+
+from app.store.database import Database
+from app.store.models_security import AuditRow
+
+
+@dataclass(frozen=True, kw_only=True)
+class AuditEntry:
+    """One deed; see `AuditRow`."""
+
+    id: int
+    at_utc: datetime
+    key_id: str | None
+    action: str
+    subject: str
+    detail: str
+
+
+def record(
+    connection: Connection, *, key_id: str | None, action: str, subject: str, detail: str = ""
+) -> None:
+    """In the transaction of the deed itself, so that there is neither without the other."""
+    connection.execute(
+        insert(AuditRow).values(
+            at_utc=datetime.now(UTC), key_id=key_id, action=action, subject=subject, detail=detail
+        )
+    )
+
+
+def entries(database: Database, *, limit: int, before: int | None = None) -> list[AuditEntry]:
+    """The latest first; `before` an id, exclusively."""
+    wanted = select(AuditRow.__table__).order_by(AuditRow.id.desc()).limit(limit)
+    if before is not None:
+        wanted = wanted.where(AuditRow.id < before)
+    with database.reading() as connection:
+        return [AuditEntry(**row) for row in connection.execute(wanted).mappings()]

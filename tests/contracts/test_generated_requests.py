@@ -1,0 +1,69 @@
+"""Does the service keep to its own OpenAPI document, whatever is sent, in whatever order?
+
+Schemathesis makes requests from the document, sound ones and broken ones, and follows ids from
+answers to further requests.  SLEWTRACK_EXAMPLES=1000 looks longer.
+"""
+
+import os
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, settings
+from live_service import live_service
+from schemathesis.checks import not_a_server_error
+from schemathesis.specs.openapi.checks import (
+    allow_header_conformance,
+    content_type_conformance,
+    response_headers_conformance,
+    response_schema_conformance,
+    status_code_conformance,
+    unsupported_method,
+    use_after_free,
+)
+
+from app.main import create_app
+
+CHECKS = [
+    not_a_server_error,
+    status_code_conformance,
+    content_type_conformance,
+    response_headers_conformance,
+    response_schema_conformance,
+    allow_header_conformance,
+    unsupported_method,
+    use_after_free,
+]
+BRIEF = 30
+EXAMPLES = int(os.environ.get("SLEWTRACK_EXAMPLES", BRIEF))
+BOUNDED = {
+    "max_examples": EXAMPLES,
+    "deadline": None,
+    "derandomize": EXAMPLES == BRIEF,
+    "suppress_health_check": list(HealthCheck),
+    "database": None,
+    "phases": [Phase.generate],
+}
+
+
+def the_document():
+    """Worked examples are planned by tests of their own; here each would cost seconds."""
+    document = schemathesis.openapi.from_dict(create_app().openapi())
+    document.config.phases.examples.enabled = False
+    document.config.phases.coverage.enabled = EXAMPLES > BRIEF
+    document.config.update(request_timeout=300.0)
+    return document
+
+
+document = the_document()
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    with live_service(tmp_path_factory.mktemp("generated")) as service:
+        yield service.address
+
+
+@document.parametrize()
+@settings(**BOUNDED)
+def test_one_by_one(case, address):
+    case.call_and_validate(base_url=address, checks=CHECKS)
