@@ -45,7 +45,8 @@ class JobRow(Base):
 
     id: sorts by time.  request: the body, zlib.  options: what was asked beside the body.
     idempotency: SHA-256 of who sent which Idempotency-Key where; None without one.
-    lease_until_s: by `database_now_s`; a running job without a lease waits for others.
+    rank: smaller goes first.  lease_until_s: by `database_now_s`; a running job without a lease
+    waits for others.
     """
 
     __tablename__ = "jobs"
@@ -60,7 +61,7 @@ class JobRow(Base):
     key_id: Mapped[str | None] = mapped_column(String(64))
     idempotency: Mapped[str | None] = mapped_column(String(64), unique=True)
     parent_id: Mapped[str | None] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"))
-    priority: Mapped[int]
+    rank: Mapped[int]
     attempts: Mapped[int]
     lease_token: Mapped[str | None] = mapped_column(String(32))
     lease_until_s: Mapped[float | None]
@@ -73,7 +74,7 @@ class JobRow(Base):
 
     __table_args__ = (
         CheckConstraint(f"state IN ({_STATES})", name="state"),
-        Index(None, "state", "priority", "id"),  # what to take up next
+        Index(None, "state", "rank", "id"),  # what to take up next
         Index(None, "kind", "id"),  # lists
         Index(None, "parent_id", "state"),
         Index(None, "lease_token"),

@@ -42,7 +42,7 @@ def _jobs() -> None:
         sa.Column("key_id", sa.String(64), nullable=True),
         sa.Column("idempotency", sa.String(64), nullable=True),
         sa.Column("parent_id", _ID, nullable=True),
-        sa.Column("priority", sa.Integer(), nullable=False),
+        sa.Column("rank", sa.Integer(), nullable=False),
         sa.Column("attempts", sa.Integer(), nullable=False),
         sa.Column("lease_token", sa.String(32), nullable=True),
         sa.Column("lease_until_s", sa.Double(), nullable=True),
@@ -63,7 +63,7 @@ def _jobs() -> None:
         sa.UniqueConstraint("idempotency", name="uq_jobs_idempotency"),
     )
     for columns in (
-        ["state", "priority", "id"],
+        ["state", "rank", "id"],
         ["kind", "id"],
         ["parent_id", "state"],
         ["lease_token"],

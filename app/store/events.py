@@ -1,0 +1,45 @@
+"""What happened to a job, in order?"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import Connection, func, insert, select
+
+from app.store.models import EventRow
+
+STATE, PROGRESS = "state", "progress"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """seq: from 1 within the job."""
+
+    seq: int
+    at_utc: datetime
+    kind: str
+    data: Mapping[str, Any]
+
+
+def record(connection: Connection, job_id: str, kind: str, data: Mapping[str, Any]) -> None:
+    """The next event of a job, whose row the transaction must have locked."""
+    last = connection.scalar(select(func.max(EventRow.seq)).where(EventRow.job_id == job_id))
+    connection.execute(
+        insert(EventRow).values(
+            job_id=job_id,
+            seq=(last or 0) + 1,
+            at_utc=datetime.now(UTC),
+            kind=kind,
+            data=dict(data),
+        )
+    )
+
+
+def after(connection: Connection, job_id: str, seq: int) -> list[Event]:
+    """Those later than the seq-th."""
+    columns = (EventRow.seq, EventRow.at_utc, EventRow.kind, EventRow.data)
+    found = connection.execute(
+        select(*columns).where(EventRow.job_id == job_id, EventRow.seq > seq).order_by(EventRow.seq)
+    )
+    return [Event(**row._mapping) for row in found]

@@ -1,0 +1,325 @@
+"""Which work was accepted, who is at it, and what became of it?
+
+A job belongs to whoever holds its lease. A lease is taken in one transaction, lengthened while
+the work goes on, and asked for again when the result is stored: whoever lost it stores nothing.
+"""
+
+import secrets
+import zlib
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, Row, delete, func, insert, select, update
+
+from app.store import events
+from app.store.columns import database_now_s
+from app.store.models import OPEN_STATES, JobRow, JobState
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewJob:
+    """Work to accept.  idempotency: see `JobRow`."""
+
+    id: str
+    kind: str
+    name: str
+    request: bytes
+    request_sha256: str
+    deadline_s: float
+    options: Mapping[str, Any] = field(default_factory=dict)
+    key_id: str | None = None
+    idempotency: str | None = None
+    parent_id: str | None = None
+    rank: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """A job as it stands, without its request."""
+
+    id: str
+    kind: str
+    state: JobState
+    name: str
+    request_sha256: str
+    options: Mapping[str, Any]
+    key_id: str | None
+    parent_id: str | None
+    attempts: int
+    deadline_s: float
+    created_utc: datetime
+    started_utc: datetime | None
+    finished_utc: datetime | None
+    cancel_requested: bool
+    problem: Mapping[str, Any] | None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there is still something to wait for."""
+        return self.state in OPEN_STATES
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claimed:
+    """A job that is ours while the lease lasts."""
+
+    job: Job
+    request: bytes
+    token: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Leases:
+    """What became of leases when they were to be lengthened; by token."""
+
+    lost: frozenset[str]
+    to_cancel: frozenset[str]
+
+
+_COLUMNS = tuple(getattr(JobRow, name) for name in Job.__dataclass_fields__)
+
+
+def accept(connection: Connection, new: NewJob, lease_s: float | None = None) -> str | None:
+    """Store a job; with `lease_s` it is the caller's at once, under the token returned."""
+    token = None if lease_s is None else secrets.token_hex(16)
+    now_utc = datetime.now(UTC)
+    connection.execute(
+        insert(JobRow).values(
+            id=new.id,
+            kind=new.kind,
+            state="queued" if token is None else "running",
+            name=new.name,
+            request=zlib.compress(new.request),
+            request_sha256=new.request_sha256,
+            options=dict(new.options),
+            key_id=new.key_id,
+            idempotency=new.idempotency,
+            parent_id=new.parent_id,
+            rank=new.rank,
+            attempts=0 if token is None else 1,
+            lease_token=token,
+            lease_until_s=None if lease_s is None else database_now_s() + lease_s,
+            deadline_s=new.deadline_s,
+            created_utc=now_utc,
+            started_utc=None if token is None else now_utc,
+            cancel_requested=False,
+        )
+    )
+    events.record(connection, new.id, events.STATE, {"state": "queued"})
+    if token is not None:
+        events.record(connection, new.id, events.STATE, {"state": "running", "attempt": 1})
+    return token
+
+
+def get(connection: Connection, job_id: str) -> Job | None:
+    """By its id."""
+    row = connection.execute(select(*_COLUMNS).where(JobRow.id == job_id)).one_or_none()
+    return None if row is None else _job(row)
+
+
+def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
+    """The job accepted under this key before."""
+    row = connection.execute(
+        select(*_COLUMNS).where(JobRow.idempotency == idempotency)
+    ).one_or_none()
+    return None if row is None else _job(row)
+
+
+def request_of(connection: Connection, job_id: str) -> bytes | None:
+    """The body a job was asked for by."""
+    found = connection.scalar(select(JobRow.request).where(JobRow.id == job_id))
+    return None if found is None else zlib.decompress(found)
+
+
+def latest(
+    connection: Connection,
+    kind: str,
+    limit: int,
+    *,
+    before: str | None = None,
+    state: JobState | None = None,
+    name: str | None = None,
+) -> list[Job]:
+    """Jobs of a kind, the latest first; `before` an id, with `name` in theirs."""
+    wanted: list[ColumnElement[bool]] = [JobRow.kind == kind]
+    if before is not None:
+        wanted.append(JobRow.id < before)
+    if state is not None:
+        wanted.append(JobRow.state == state)
+    if name is not None:
+        wanted.append(JobRow.name.contains(name, autoescape=True))
+    found = connection.execute(
+        select(*_COLUMNS).where(*wanted).order_by(JobRow.id.desc()).limit(limit)
+    )
+    return [_job(row) for row in found]
+
+
+def count_waiting(connection: Connection) -> int:
+    """Jobs nobody works on yet; parts of a larger job aside, which was counted itself."""
+    return (
+        connection.scalar(
+            select(func.count()).where(JobRow.state == "queued", JobRow.parent_id.is_(None))
+        )
+        or 0
+    )
+
+
+def counts(connection: Connection) -> dict[tuple[str, str], int]:
+    """How many, by (kind, state)."""
+    grouped = select(JobRow.kind, JobRow.state, func.count()).group_by(JobRow.kind, JobRow.state)
+    return {(kind, state): count for kind, state, count in connection.execute(grouped)}
+
+
+def is_work_waiting(connection: Connection) -> bool:
+    """Whether `claim` would find anything."""
+    return any(
+        connection.scalar(select(JobRow.id).where(*wanted).limit(1)) is not None
+        for wanted in _claimable()
+    )
+
+
+def claim(connection: Connection, lease_s: float) -> Claimed | None:
+    """Take the next job: one whose lease ran out, else the first in the queue."""
+    for wanted in _claimable():
+        row = connection.execute(
+            select(*_COLUMNS, JobRow.request)
+            .where(*wanted)
+            .order_by(JobRow.rank, JobRow.id)
+            .limit(1)
+            .with_for_update(skip_locked=True)
+        ).one_or_none()
+        if row is not None:
+            return _claimed(connection, row, lease_s)
+    return None
+
+
+def _claimable() -> tuple[tuple[ColumnElement[bool], ...], ...]:
+    return (
+        (JobRow.state == "running", JobRow.lease_until_s < database_now_s()),
+        (JobRow.state == "queued",),
+    )
+
+
+def _claimed(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claimed:
+    token = secrets.token_hex(16)
+    members = dict(row._mapping)
+    request = zlib.decompress(members.pop("request"))
+    job = Job(**members)
+    connection.execute(
+        update(JobRow)
+        .where(JobRow.id == job.id)
+        .values(
+            state="running",
+            attempts=JobRow.attempts + 1,
+            lease_token=token,
+            lease_until_s=database_now_s() + lease_s,
+            started_utc=job.started_utc or datetime.now(UTC),
+        )
+    )
+    told = {"state": "running", "attempt": job.attempts + 1}
+    events.record(connection, job.id, events.STATE, told)
+    return Claimed(job=job, request=request, token=token)
+
+
+def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> Leases:
+    """Lengthen leases, and see which are no longer ours and which jobs are to be cancelled."""
+    mine = JobRow.lease_token.in_(tokens)
+    connection.execute(update(JobRow).where(mine).values(lease_until_s=database_now_s() + lease_s))
+    found = dict(
+        connection.execute(select(JobRow.lease_token, JobRow.cancel_requested).where(mine))
+        .tuples()
+        .all()
+    )
+    return Leases(
+        lost=frozenset(tokens) - frozenset(found),
+        to_cancel=frozenset(token for token, wanted in found.items() if token and wanted),
+    )
+
+
+def to_cancel(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
+    """Tokens of the jobs that somebody wants to end."""
+    found = connection.scalars(
+        select(JobRow.lease_token).where(
+            JobRow.lease_token.in_(tokens), JobRow.cancel_requested.is_(True)
+        )
+    )
+    return frozenset(token for token in found if token)
+
+
+def owned(connection: Connection, token: str) -> Job | None:
+    """The job of a lease that is still ours, locked until the transaction ends."""
+    row = connection.execute(
+        select(*_COLUMNS).where(JobRow.lease_token == token).with_for_update()
+    ).one_or_none()
+    return None if row is None else _job(row)
+
+
+def finish(
+    connection: Connection, job: Job, state: JobState, problem: Mapping[str, Any] | None = None
+) -> None:
+    """What became of a job that this transaction has locked."""
+    _change(
+        connection,
+        job,
+        state,
+        {"state": state} if problem is None else {"state": state, "problem": dict(problem)},
+        finished_utc=datetime.now(UTC),
+        problem=None if problem is None else dict(problem),
+    )
+
+
+def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
+    """Put a locked job back into the queue; `counted`: the attempt was one."""
+    attempts = job.attempts if counted else job.attempts - 1
+    _change(connection, job, "queued", {"state": "queued"}, attempts=attempts)
+
+
+def _change(
+    connection: Connection, job: Job, state: JobState, told: dict[str, Any], **values: object
+) -> None:
+    connection.execute(
+        update(JobRow)
+        .where(JobRow.id == job.id)
+        .values(state=state, lease_token=None, lease_until_s=None, **values)
+    )
+    events.record(connection, job.id, events.STATE, told)
+
+
+def cancel(connection: Connection, job_id: str) -> Job | None:
+    """End a job in the queue; one that runs is marked for whoever works on it."""
+    row = connection.execute(
+        select(*_COLUMNS).where(JobRow.id == job_id).with_for_update()
+    ).one_or_none()
+    if row is None:
+        return None
+    job = _job(row)
+    if job.state == "queued":
+        finish(connection, job, "cancelled")
+    elif job.state == "running" and not job.cancel_requested:
+        connection.execute(update(JobRow).where(JobRow.id == job_id).values(cancel_requested=True))
+    return get(connection, job_id)
+
+
+def remove(connection: Connection, job_id: str) -> bool:
+    """Delete a finished job with its plan and events; False when there is none such."""
+    gone = connection.execute(
+        delete(JobRow).where(JobRow.id == job_id, JobRow.state.not_in(OPEN_STATES))
+    )
+    return gone.rowcount > 0
+
+
+def remove_finished(connection: Connection, before_utc: datetime, limit: int) -> list[str]:
+    """Delete up to `limit` jobs that finished before then, parts only with their whole."""
+    found = connection.scalars(
+        select(JobRow.id)
+        .where(JobRow.finished_utc < before_utc, JobRow.parent_id.is_(None))
+        .limit(limit)
+    ).all()
+    connection.execute(delete(JobRow).where(JobRow.id.in_(found)))
+    return list(found)
+
+
+def _job(row: Row[*tuple[Any, ...]]) -> Job:
+    return Job(**row._mapping)
