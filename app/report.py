@@ -69,8 +69,8 @@ def _segments(plan: Plan) -> Table:
 def _pointing(pointing: list[PointingOut]) -> Table:
     columns = {
         "session": [str(session.session) for session in pointing],
-        "max arcsec": [f"{session.max_arcsec:.2g}" for session in pointing],
-        "rms arcsec": [f"{session.rms_arcsec:.2g}" for session in pointing],
+        "max arcsec": [f"{session.max_arcsec:.3g}" for session in pointing],
+        "rms arcsec": [f"{session.rms_arcsec:.3g}" for session in pointing],
         "ground m": [_or_dash(session.ground_max_m, ".2g") for session in pointing],
         "least elevation deg": [_or_dash(session.elevation_min_deg, ".2f") for session in pointing],
         "least range km": [_or_dash(session.range_min_km, ".6g") for session in pointing],

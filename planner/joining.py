@@ -11,7 +11,8 @@ from planner.commands import ROWS_PER_S
 from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.gimbal.keep_out import deepest_entry, keep_out_view
-from planner.gimbal.track import AxisTrack, track_candidates
+from planner.gimbal.track import AxisTrack
+from planner.keyhole import followed
 from planner.line_of_sight import STENCIL, LineOfSight, line_of_sight
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
@@ -93,9 +94,9 @@ def ways_to_hold(
     los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
     _require_visible(los, rows, session.target, number)
     start_s = rows.start / ROWS_PER_S
-    tracks = track_candidates(
-        scenario.platform, los, start_s, rows.stop / ROWS_PER_S, start_angle_rad
-    )
+    platform = scenario.platform.with_limits(scenario.axis_limits)
+    stop_s = rows.stop / ROWS_PER_S
+    tracks = followed(platform, los, start_s, stop_s, start_angle_rad, keyhole=session.keyhole)
     seen_from_s = _seen_from_s(los, start_s)
     return tuple(
         Way(

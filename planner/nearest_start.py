@@ -87,7 +87,13 @@ def _nearest(
             start_utc = shifted_utc(epoch_utc, start_row / ROWS_PER_S)
             if elapsed_s(stop(start_row), start_utc) < COMMAND_STEP_S:
                 return None
-            moved = replace(session, target=target, start=start_utc, stop=stop(start_row))
+            moved = replace(
+                session,
+                target=target,
+                start=start_utc,
+                stop=stop(start_row),
+                keyhole="refuse",  # a start that needs no compromise, and no second of solving
+            )
             can_be_flown = _can_be_flown(scenario, ephemeris, number, moved, from_row, state)
             return moved if can_be_flown else None
 

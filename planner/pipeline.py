@@ -6,8 +6,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
 
+import numpy as np
+
 from planner.assembly import assembled
-from planner.commands import ROWS_PER_S
+from planner.commands import ROWS_PER_S, CommandTable
 from planner.errors import VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us
@@ -46,7 +48,9 @@ def make_plan(scenario: Scenario) -> Plan:
     as_flown, losses = _as_flown(scenario, joins)
     table = assembled(epoch_utc, scenario.platform.axis_names, joins)
     with clock.stage("pointing budget"):
-        budgets = tuple(_budget(as_flown, ephemeris, session) for session in as_flown.sessions)
+        budgets = tuple(
+            _budget(as_flown, ephemeris, table, session) for session in as_flown.sessions
+        )
     with clock.stage("verification"):
         report = verify(table, as_flown)
     if keeps_limits and not report.passed:
@@ -123,13 +127,26 @@ def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
     return tuple(segments)
 
 
-def _budget(scenario: Scenario, ephemeris: Ephemeris, session: Session) -> PointingBudget | None:
+def _budget(
+    scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, session: Session
+) -> PointingBudget | None:
     """None where no target is looked at."""
     if isinstance(session.target, BenchMotionTarget):
         return None
     rows = session_rows(session, scenario.initial_state.epoch)
-    los = sampled_sight(scenario, ephemeris, session.target, rows, BUDGET_INSTANTS)
-    return pointing_budget(los, ephemeris, scenario.attitude, session.target, scenario.platform)
+    # A target followed only nearly is off by itself, for seconds: every row is looked at.
+    exactly = session.keyhole == "refuse"
+    count = BUDGET_INSTANTS if exactly else rows.stop - rows.start + 1
+    los = sampled_sight(scenario, ephemeris, session.target, rows, count)
+    angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
+    return pointing_budget(
+        los,
+        ephemeris,
+        scenario.attitude,
+        session.target,
+        scenario.platform,
+        angle_rad=None if exactly else np.stack(angle_rad, axis=1),
+    )
 
 
 def _earth_warning(instants: Instants) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from planner.targets import GroundPathTarget, KeepOut, MovingGroundTarget, Targe
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
+Keyhole = Literal["refuse", "nearest"]
 
 
 @spec
@@ -54,11 +55,16 @@ class InitialState:
 
 @spec
 class Session:
-    """One target held from `start` to `stop`."""
+    """One target held from `start` to `stop`.
+
+    keyhole: what to do where following the target exactly would break a limit, as it does
+    near the outer axis: refuse, or follow as near as the limits allow, in the frame.
+    """
 
     target: Target
     start: datetime
     stop: datetime
+    keyhole: Keyhole = "refuse"
 
     def __post_init__(self) -> None:
         require_offset("start", self.start)

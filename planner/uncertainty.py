@@ -15,6 +15,7 @@ from planner.attitude.accuracy import attitude_sigma
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s
+from planner.gimbal.angles import boresight_platform, carried_axes
 from planner.line_of_sight import LineOfSight
 from planner.orbits import Ephemeris, OrbitStates
 from planner.orbits.accuracy import orbit_sigma
@@ -39,21 +40,16 @@ class BudgetAssumptions:
     """What the request can't say about itself.
 
     clock_s: 1-sigma of the platform's clock against UTC.  drive_resolution_rad: step of an
-    axis's encoder.  frame_half_rad: half the field of view along the inner axis and across it;
-    the default is the HRC's 5.36 x 3.56 km from 350 km, its long side along the inner axis
-    (Sumarokov 2016 gives the size; the side is assumed).
+    axis's encoder.
     """
 
     clock_s: float = 0.02
     drive_resolution_rad: float = 5.0 * RAD_PER_ARCSEC
-    frame_half_rad: tuple[float, float] = (2.68 / 350.0, 1.78 / 350.0)
 
     def __post_init__(self) -> None:
         for name in ("clock_s", "drive_resolution_rad"):
             if getattr(self, name) < 0.0:
                 raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
-        if not all(half > 0.0 for half in self.frame_half_rad):
-            raise ValueError(f"frame_half_rad must be positive, not {self.frame_half_rad}")
 
 
 DEFAULT_ASSUMPTIONS = BudgetAssumptions()
@@ -94,14 +90,18 @@ def pointing_budget(
     target: VisibleTarget,
     platform: TwoAxisPlatform,
     assumptions: BudgetAssumptions = DEFAULT_ASSUMPTIONS,
+    *,
+    angle_rad: NDArray[np.float64] | None = None,
 ) -> PointingBudget:
     """Budget of the session whose line of sight is `los`.
+
+    angle_rad: (n, 2), the axes at the instants of `los`; None: exactly on the target.
 
     Orbit, attitude, clock and Earth orientation are taken as constant over the session (their
     errors change over hours); the drives' resolution as random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
-    scene = _Scene(los, ephemeris, attitude, target, platform)
+    scene = _Scene(los, ephemeris, attitude, target, platform, angle_rad)
     biases = [
         *_orbit_offsets(scene, ephemeris),
         *_attitude_offsets(scene, attitude),
@@ -125,20 +125,25 @@ def pointing_budget(
         for cause, basis in causes
     ]
     contributions.append(_contribution(*drives, range_m, is_bias=False))
-    half_rad = np.array(assumptions.frame_half_rad) - RANDOM_MARGIN_SIGMA * random_rad
+    half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * random_rad
     return PointingBudget(
         contributions=tuple(contributions),
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
-        probability_in_frame=probability_inside(np.stack([o for _, _, o in biases]), half_rad),
+        probability_in_frame=probability_inside(
+            np.stack([o for _, _, o in biases]), half_rad, scene.off_rad
+        ),
     )
 
 
-def probability_inside(offsets_rad: Offsets, half_rad: NDArray[np.float64]) -> float:
+def probability_inside(
+    offsets_rad: Offsets, half_rad: NDArray[np.float64], known_rad: Offsets | None = None
+) -> float:
     """Probability that a sum of independent constant errors never leaves the frame.
 
     offsets_rad: shape (m, n, 2), where a 1-sigma error of each of m causes puts the target in
-    the image at n instants.  half_rad: shape (2,).  The errors that keep the target inside at
+    the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target is
+    without errors, the middle unless given.  The errors that keep the target inside at
     every instant are a convex polytope in m dimensions; its Gaussian measure by 16384
     quasi-random points, good to 0.003 (0.001 where few are lost).
     Source: Genz and Bretz 2009, section 4.2 (Richtmyer lattices).
@@ -147,7 +152,9 @@ def probability_inside(offsets_rad: Offsets, half_rad: NDArray[np.float64]) -> f
         return 0.0
     causes = len(offsets_rad)
     in_half_frames = (offsets_rad / half_rad).reshape(causes, -1)
-    farthest = np.abs(_normal_points(causes) @ in_half_frames).max(axis=1)
+    known = np.zeros((1, 2)) if known_rad is None else known_rad
+    middle = np.broadcast_to(known / half_rad, offsets_rad.shape[1:]).ravel()
+    farthest = np.abs(middle + _normal_points(causes) @ in_half_frames).max(axis=1)
     return float(np.mean(farthest <= 1.0))
 
 
@@ -164,7 +171,11 @@ def _normal_points(causes: int) -> NDArray[np.float64]:
 
 
 class _Scene:
-    """The session at a few instants, and where a disturbance puts the target in the image."""
+    """The session at a few instants, and where a disturbance puts the target in the image.
+
+    off_rad: (n, 2), where the target is without errors; the instants are those, one of each
+    stretch, at which it is farthest off.
+    """
 
     def __init__(
         self,
@@ -173,18 +184,20 @@ class _Scene:
         attitude: AttitudeLaw,
         target: VisibleTarget,
         platform: TwoAxisPlatform,
+        angle_rad: NDArray[np.float64] | None,
     ) -> None:
         n = len(los.instants)
         self.rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).round().astype(np.intp))
+        image = _image_axes(platform, los.los_platform, angle_rad)
+        off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
+        if angle_rad is not None:
+            self.rows = _farthest(off_rad / platform.frame_half_rad, self.rows)
+        self._image, self.off_rad = image[self.rows], off_rad[self.rows]
         self.instants = Instants(los.instants.epoch_utc, los.instants.t_s[self.rows])
         self.states = ephemeris.states(self.instants)
         self.los_platform = los.los_platform[self.rows]
         self.range_m = los.range_m[self.rows]
         self._attitude, self._target, self._platform = attitude, target, platform
-        # The inner axis is square to the outer one and to the line of sight.
-        x = np.cross(platform.axes_platform[0], self.los_platform)
-        x /= np.linalg.norm(x, axis=1, keepdims=True)
-        self._image = np.stack([x, np.cross(self.los_platform, x)], axis=1)
 
     def in_image(self, shift_platform: NDArray[np.float64]) -> Offsets:
         """Components along the inner axis and across it, shape (n, 2)."""
@@ -199,6 +212,29 @@ class _Scene:
         seen = self._target.apparent(late, states).direction_eci
         q_body_from_eci = self._attitude.q_body_from_eci(self.instants, states)
         return np.asarray((self._platform.q_platform_from_body * q_body_from_eci).apply(seen))
+
+
+def _image_axes(
+    platform: TwoAxisPlatform, los_platform: NDArray[np.float64], angle_rad: Offsets | None
+) -> NDArray[np.float64]:
+    """Directions along the inner axis and across it, both square to the boresight, (n, 2, 3)."""
+    if angle_rad is None:
+        # On target the inner axis is square to the outer one and to the line of sight.
+        boresight = los_platform
+        along = np.cross(platform.axes_platform[0], los_platform)
+    else:
+        boresight = boresight_platform(platform, angle_rad)
+        inner = carried_axes(platform, angle_rad)[1]
+        along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    return np.stack([along, np.cross(boresight, along)], axis=1)
+
+
+def _farthest(shares: Offsets, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Of the instants nearest to each of `rows` the one with the largest share of the frame."""
+    nearest = np.abs(np.arange(len(shares))[:, None] - rows).argmin(axis=1)
+    off = np.abs(shares).max(axis=1)
+    return np.array([np.argmax(np.where(nearest == i, off, -1.0)) for i in range(len(rows))])
 
 
 Cause = tuple[str, str, Offsets]

@@ -270,6 +270,22 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             "slew": {"method": "ocp", "keep_out": [{"body": "sun", "half_angle_deg": 25.0}]},
         },
     ),
+    "keyhole": (
+        "Kochab past the outer axis of the platform, tracked as near as its limits allow",
+        {
+            **LAS_VEGAS,
+            "name": "keyhole",
+            "attitude": {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 45.4},
+            "sessions": [
+                {
+                    "target": {"mode": "star", "hip": 72607},
+                    "start": "2015-02-27T17:42:00Z",
+                    "stop": "2015-02-27T17:46:00Z",
+                    "keyhole": "nearest",
+                }
+            ],
+        },
+    ),
     "avoid_modes": (
         "A slew that leaves two modes of the structure at rest",
         {

@@ -33,6 +33,10 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
         inner=_axis(platform.inner_name, platform.inner_axis_platform, platform.inner_limits),
         zero_direction_platform=platform.zero_direction_platform,
         q_platform_from_body_xyzw=platform.q_platform_from_body_xyzw,
+        field_of_view_deg=(
+            _degrees(2.0 * platform.frame_half_rad[0]),
+            _degrees(2.0 * platform.frame_half_rad[1]),
+        ),
     )
 
 

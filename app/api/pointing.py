@@ -20,10 +20,21 @@ class SlowStretchOut:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OffTargetOut:
+    """A stretch over which the boresight is more than 0.1 arcsec off the target."""
+
+    start: str
+    stop: str
+    max_arcsec: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class PointingOut:
     """How well one session's target is held, by the independent verification.
 
     Of a test motion: the larger of the axes' deviations from it.
+    allowed_arcsec: 0.1, or with `keyhole` `nearest` the circle inside the frame; off_target:
+    where the session is then tracked only as near as the limits allow.
     ground_max_m: the error on the target's horizontal plane; null below its horizon.
     across_max_m: the error at the target across the line of sight.
     ground_*, across_*, elevation_*, closest_at, range_max_km: null unless the target is on
@@ -49,6 +60,8 @@ class PointingOut:
     limb_clearance_min_deg: float | None = None
     limb_clearance_min_at: str | None = None
     refraction_max_arcsec: float | None = None
+    allowed_arcsec: float
+    off_target: list[OffTargetOut]
     slow_stretches: list[SlowStretchOut]
 
 
@@ -64,6 +77,15 @@ def pointing_out(session: SessionReport) -> PointingOut:
         rows_max_arcsec=session.at_rows.max_rad * ARCSEC_PER_RAD,
         between_rows_max_arcsec=session.between_rows.max_rad * ARCSEC_PER_RAD,
         **_view(session.view),
+        allowed_arcsec=session.allowed_rad * ARCSEC_PER_RAD,
+        off_target=[
+            OffTargetOut(
+                start=utc_text(stretch.start_utc),
+                stop=utc_text(stretch.stop_utc),
+                max_arcsec=stretch.max_rad * ARCSEC_PER_RAD,
+            )
+            for stretch in session.off_target
+        ],
         slow_stretches=[
             SlowStretchOut(
                 axis=slow.axis, start=utc_text(slow.start_utc), stop=utc_text(slow.stop_utc)

@@ -25,8 +25,8 @@ class UncertaintyOut:
     """1-sigma pointing error of one session, per image axis at its worst instant.
 
     What the table can't know: the errors of orbit, attitude, Earth orientation, clock and
-    drives.  probability_in_frame: that the target stays inside the 5.36 x 3.56 km frame
-    (from 350 km) over the whole session.
+    drives.  probability_in_frame: that the target stays inside the camera's frame over the
+    whole session, from where the table holds it.
     """
 
     session: int

@@ -20,6 +20,7 @@ from planner.export.ground import BORESIGHT_PAYLOAD, FRAME_CORNERS, frame_corner
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
+from planner.platforms import TwoAxisPlatform
 from planner.scenario import Session
 from planner.targets import EarthFixedTarget, SkyTarget
 
@@ -44,7 +45,7 @@ def write_czml(plan: FlownPlan, created_utc: datetime) -> bytes:
         _document(plan, rows, created_utc),
         *_spacecraft(plan, rows, c_itrf),
         *_boresight(plan, rows, boresight.end_itrf_m[:, 0]),
-        *_footprint(rows),
+        *_footprint(rows, plan.scenario.platform),
         *(
             packet
             for number, session in enumerate(plan.scenario.sessions)
@@ -56,6 +57,7 @@ def write_czml(plan: FlownPlan, created_utc: datetime) -> bytes:
 
 def _document(plan: FlownPlan, rows: Flown, created_utc: datetime) -> Json:
     span = _span(rows, 0, -1)
+    along, across = 2.0 * np.degrees(plan.scenario.platform.frame_half_rad)
     return {
         "id": "document",
         "name": plan.scenario.name or "slewtrack plan",
@@ -64,8 +66,8 @@ def _document(plan: FlownPlan, rows: Flown, created_utc: datetime) -> Json:
             [
                 *notes(plan, created_utc),
                 "positions Earth-fixed (ITRF), m; orientations x y z w from body or payload axes "
-                "to Earth-fixed axes; footprint on the WGS84 ellipsoid, 5.36 x 3.56 km from "
-                "350 km straight down, its long side along payload +X",
+                f"to Earth-fixed axes; footprint on the WGS84 ellipsoid, {along:.4g} x "
+                f"{across:.4g} deg, the first along payload +X",
             ]
         ),
         "clock": {
@@ -140,9 +142,9 @@ def _boresight(plan: FlownPlan, rows: Flown, end_itrf_m: Array) -> list[Json]:
     ]
 
 
-def _footprint(rows: Flown) -> list[Json]:
+def _footprint(rows: Flown, platform: TwoAxisPlatform) -> list[Json]:
     """The frame's outline while all four corners are on the ground."""
-    corners = sights(rows, frame_corner_rays())
+    corners = sights(rows, frame_corner_rays(platform))
     runs = list(_runs(np.asarray(corners.on_ground.all(axis=1))))
     if not runs:
         return []

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from planner.export.flown import Flown
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
+from planner.platforms import TwoAxisPlatform
 from planner.targets.apparent import aberrated
-from planner.uncertainty import DEFAULT_ASSUMPTIONS
 
 Array = NDArray[np.float64]
 
@@ -48,9 +48,9 @@ def sights(rows: Flown, rays_payload: Array) -> Sights:
     return _on_ellipsoid(r_sat_itrf_m[:, None, :], direction_itrf)
 
 
-def frame_corner_rays() -> Array:
-    """Corners of the HRC's frame in payload axes, shape (4, 3), counter-clockwise from +X +Y."""
-    x, y = DEFAULT_ASSUMPTIONS.frame_half_rad
+def frame_corner_rays(platform: TwoAxisPlatform) -> Array:
+    """Corners of the camera's frame in payload axes, shape (4, 3), counter-clockwise from +X +Y."""
+    x, y = np.tan(platform.frame_half_rad)
     return np.array([[i * x, j * y, 1.0] for i, j in FRAME_CORNERS])
 
 

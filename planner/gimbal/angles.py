@@ -65,7 +65,7 @@ def axis_motion(
     They grow as the inverse of the sine of `singular_margin_rad`.
     Source: T' = J q' with J = [w1 x T, w2 x T] solved in closed form, and its derivative.
     """
-    outer, inner = _carried_axes(platform, angle_rad)
+    outer, inner = carried_axes(platform, angle_rad)
     determinant = np.sum(los_platform * np.cross(outer, inner), axis=1)
 
     def solve(tangent: Array) -> Array:
@@ -93,6 +93,14 @@ def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     return _rotated(outer, angle_rad[:, 0], _rotated(inner, angle_rad[:, 1], zero))
 
 
+def carried_axes(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[Array, Array]:
+    """Outer and inner axis in the platform frame, unit vectors (n, 3) each, at angles (n, 2)."""
+    outer, inner = platform.axes_platform
+    shape = (len(angle_rad), 3)
+    turned = _rotated(outer, angle_rad[:, 0], np.broadcast_to(inner, shape))
+    return np.broadcast_to(outer, shape), turned
+
+
 def singular_margin_rad(platform: TwoAxisPlatform, angle_rad: Array, los_platform: Array) -> Array:
     """Angle between the line of sight and the plane of the two axes, shape (n,), in [0, pi/2].
 
@@ -100,17 +108,10 @@ def singular_margin_rad(platform: TwoAxisPlatform, angle_rad: Array, los_platfor
     perpendicular axes and the zero direction across the inner one, as on the HRC, it is the
     angle between the line of sight and the outer axis.
     """
-    outer, inner = _carried_axes(platform, angle_rad)
+    outer, inner = carried_axes(platform, angle_rad)
     normal = np.cross(outer, inner)
     sine = np.abs(np.sum(los_platform * normal, axis=1)) / np.linalg.norm(normal, axis=1)
     return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
-
-
-def _carried_axes(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[Array, Array]:
-    outer, inner = platform.axes_platform
-    shape = (len(angle_rad), 3)
-    turned = _rotated(outer, angle_rad[:, 0], np.broadcast_to(inner, shape))
-    return np.broadcast_to(outer, shape), turned
 
 
 def _zero_direction(platform: TwoAxisPlatform) -> Array:

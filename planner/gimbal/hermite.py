@@ -11,20 +11,21 @@ Array = NDArray[np.float64]
 class HermiteRange(NamedTuple):
     """Extremes of a motion between its rows.
 
-    Each of angle_rad, rate_rad_s, acceleration_rad_s2 has shape (2, cells, m): least and
-    greatest over the cell, its ends included.
+    Each of angle_rad, rate_rad_s, acceleration_rad_s2, jerk_rad_s3 has shape (2, cells, m):
+    least and greatest over the cell, its ends included.
     """
 
     angle_rad: Array
     rate_rad_s: Array
     acceleration_rad_s2: Array
+    jerk_rad_s3: Array
 
 
 def flown_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRange:
     """Exact extremes, cell by cell, of the cubic Hermite through rows `step_s` apart.
 
     angle_rad, rate_rad_s: shape (n, m).  The rate is a parabola over a cell, so its extreme
-    and the angle's are roots in closed form; the acceleration is a straight line.
+    and the angle's are roots in closed form; the acceleration is a straight line, the jerk level.
     """
     v0, v1 = rate_rad_s[:-1] * step_s, rate_rad_s[1:] * step_s
     q0 = angle_rad[:-1]
@@ -48,6 +49,7 @@ def flown_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRa
         _least_and_greatest(angles),
         _least_and_greatest(rates) / step_s,
         _least_and_greatest(accelerations) / step_s**2,
+        np.stack([6.0 * c3, 6.0 * c3]) / step_s**3,
     )
 
 

@@ -83,8 +83,8 @@ def track_candidates(
     axis, one choice for the whole session.  Preferred is the shortest slew (largest
     distance over rate limit of the axes), then the smaller inner angle (Sumarokov 2016,
     p. 88).  Limits are tested on the flown cubic Hermite, so between rows too.
-    Raises Unreachable (no angles, or none within the stops) and TrackBreaksLimit (rate or
-    acceleration) when there is no way.
+    Raises Unreachable (no angles, or none within the stops) and TrackBreaksLimit (rate,
+    acceleration or jerk) when there is no way.
     """
     t_s = los.instants.t_s
     first, last = _session_rows(t_s, session_start_s, session_stop_s)
@@ -178,11 +178,13 @@ def _breaks(
     angle_max = np.array([axis.angle_max_rad for axis in limits])
     rate_max = np.array([axis.rate_max_rad_s for axis in limits])
     acceleration_max = np.array([axis.acceleration_max_rad_s2 for axis in limits])
+    jerk_max = np.array([axis.jerk_max_rad_s3 for axis in limits])
     found = []
     for limit, (least, greatest), low, high in (
         ("angle", flown.angle_rad, angle_min, angle_max),
         ("rate", flown.rate_rad_s, -rate_max, rate_max),
         ("acceleration", flown.acceleration_rad_s2, -acceleration_max, acceleration_max),
+        ("jerk", flown.jerk_rad_s3, -jerk_max, jerk_max),
     ):
         slack = LIMIT_TOLERANCE * (high - low)
         under, over = least < low - slack, greatest > high + slack
@@ -243,7 +245,7 @@ def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreacha
 
 def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
     """The way that got nearest: a rate or acceleration that breaks lies within the stops."""
-    order = {"angle": 0, "acceleration": 1, "rate": 2}
+    order = {"angle": 0, "jerk": 1, "acceleration": 2, "rate": 3}
     worst = max(breaks, key=lambda found: (order[found.limit], found.row))
     at_utc = _at(los, worst.row)
     if worst.limit == "angle":
@@ -255,11 +257,12 @@ def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
             limit="angle",
             at_utc=at_utc,
         )
-    unit = {"rate": "deg/s", "acceleration": "deg/s2"}[worst.limit]
+    unit = {"rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}[worst.limit]
     return TrackBreaksLimit(
         f"following the target needs {math.degrees(abs(worst.value)):.3f} {unit} of {worst.axis} "
         f"at {utc_text(at_utc)}, more than the {math.degrees(abs(worst.bound)):.3f} {unit} it has; "
-        "choose a pass farther from the singular direction of the axes, or a shorter session",
+        "choose a pass farther from the singular direction of the axes, a shorter session, or "
+        '"keyhole": "nearest"',
         axis=worst.axis,
         limit=worst.limit,
         at_utc=at_utc,

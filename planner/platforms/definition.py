@@ -2,8 +2,18 @@
 
 import math
 
-from planner.platforms.two_axis import AxisLimits, TwoAxisPlatform, Vector3
+from planner.platforms.two_axis import (
+    HRC_FRAME_HALF_RAD,
+    AxisLimits,
+    TwoAxisPlatform,
+    Vector3,
+)
 from planner.spec import spec
+
+HRC_FIELD_OF_VIEW_DEG = (
+    math.degrees(2.0 * HRC_FRAME_HALF_RAD[0]),
+    math.degrees(2.0 * HRC_FRAME_HALF_RAD[1]),
+)
 
 
 @spec
@@ -42,15 +52,23 @@ class AxisDefinition:
 
 @spec
 class PlatformDefinition:
-    """A `TwoAxisPlatform`: `outer` is fixed to the base and carries `inner`."""
+    """A `TwoAxisPlatform`: `outer` is fixed to the base and carries `inner`.
+
+    field_of_view_deg: the camera's, along the inner axis and across it; the HRC's unless given.
+    """
 
     name: str
     outer: AxisDefinition
     inner: AxisDefinition
     zero_direction_platform: Vector3 = (0.0, 0.0, 1.0)
     q_platform_from_body_xyzw: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    field_of_view_deg: tuple[float, float] = HRC_FIELD_OF_VIEW_DEG
 
     def __post_init__(self) -> None:
+        if not all(1e-6 <= width <= 170.0 for width in self.field_of_view_deg):
+            raise ValueError(
+                f"field_of_view_deg must lie in 0.000001..170, not {self.field_of_view_deg}"
+            )
         if self.outer.name == self.inner.name:
             raise ValueError(f"the axes need two names, not {self.outer.name!r} twice")
         self.platform()
@@ -67,4 +85,8 @@ class PlatformDefinition:
             inner_limits=self.inner.limits(),
             zero_direction_platform=self.zero_direction_platform,
             q_platform_from_body_xyzw=self.q_platform_from_body_xyzw,
+            frame_half_rad=(
+                math.radians(self.field_of_view_deg[0]) / 2.0,
+                math.radians(self.field_of_view_deg[1]) / 2.0,
+            ),
         )

@@ -1,6 +1,7 @@
 """What is a two-axis platform: which axes, which limits, how is it mounted?"""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,8 @@ from planner.spec import spec
 
 Vector3 = tuple[float, float, float]
 UNIT_TOLERANCE = 1e-6
+# 5.36 x 3.56 km from 350 km (Sumarokov 2016); the long side along the inner axis is assumed.
+HRC_FRAME_HALF_RAD = (math.atan(2.68 / 350.0), math.atan(1.78 / 350.0))
 
 
 @spec
@@ -46,6 +49,7 @@ class TwoAxisPlatform:
     outer_*: the axis fixed to the base (alpha of the HRC); inner_*: the one it carries
     (beta).  Axes and zero direction are unit vectors in the platform frame.
     q_platform_from_body_xyzw: the mount, scalar last.
+    frame_half_rad: half the camera's field of view along the inner axis and across it.
     Source: Sumarokov 2016, eq. 10-11.
     """
 
@@ -58,6 +62,7 @@ class TwoAxisPlatform:
     inner_limits: AxisLimits
     zero_direction_platform: Vector3
     q_platform_from_body_xyzw: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
 
     def __post_init__(self) -> None:
         for name in (
@@ -69,6 +74,8 @@ class TwoAxisPlatform:
             norm = math.hypot(*getattr(self, name))
             if not abs(norm - 1.0) <= UNIT_TOLERANCE:
                 raise ValueError(f"{name} must have unit length, not {norm}")
+        if not all(0.0 < half < math.pi / 2.0 for half in self.frame_half_rad):
+            raise ValueError(f"frame_half_rad must lie in (0, pi/2), not {self.frame_half_rad}")
         if abs(np.dot(self.outer_axis_platform, self.inner_axis_platform)) > math.cos(
             math.radians(1.0)
         ):
@@ -79,6 +86,11 @@ class TwoAxisPlatform:
             raise ValueError(
                 "zero_direction_platform is within 1 deg of the inner axis, which can't move it"
             )
+
+    def with_limits(self, axis_limits: tuple[AxisLimits, ...]) -> "TwoAxisPlatform":
+        """The same platform with other limits, in the order of `axis_names`."""
+        outer, inner = axis_limits
+        return replace(self, outer_limits=outer, inner_limits=inner)
 
     @property
     def axis_names(self) -> tuple[str, str]:

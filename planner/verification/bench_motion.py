@@ -34,7 +34,9 @@ def bench_session(
     except InvalidInput as refusal:
         return None, (_no_motion(number, refusal.detail),)
     error_rad = np.abs(flown.angle_rad - motion.angle_rad).max(axis=1)
-    report = session_report(table, scenario, flown, error_rad, view=None)
+    report = session_report(
+        table, scenario, flown, error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD
+    )
     return report, tuple(_findings(table, flown, motion))
 
 

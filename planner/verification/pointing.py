@@ -14,6 +14,7 @@ from planner.scenario import Scenario
 from planner.targets import EarthFixedTarget, SkyTarget
 from planner.verification.carrier import boresight_platform, eci_from_platform
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
+from planner.verification.nearness import EXACT_RAD, allowed_rad, nearness_findings, off_target
 from planner.verification.report import (
     EarthFixedView,
     Finding,
@@ -24,7 +25,6 @@ from planner.verification.report import (
 from planner.verification.session import FlownSession, flown_session, session_report
 from planner.verification.sky import LIMB_MODEL_SHARE, SkySight, sky_sight
 
-POINTING_ERROR_MAX_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
 ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
 
 
@@ -58,8 +58,20 @@ def ground_session(
     )
     held = _Held(boresight_eci, _apart_rad(sight.apparent_eci, boresight_eci))
     view = _earth_fixed_view(flown, sight, held)
-    report = session_report(table, scenario, flown, held.error_rad, view)
-    return report, tuple(_ground_findings(flown, sight, held, view, target))
+    exact_rad = np.full_like(held.error_rad, EXACT_RAD)
+    report = session_report(
+        table,
+        scenario,
+        flown,
+        held.error_rad,
+        view,
+        allowed_rad=allowed_rad(scenario, number),
+        off_target=off_target(flown, held.error_rad, exact_rad),
+    )
+    return report, (
+        *_ground_findings(flown, sight, held, report.allowed_rad, view, target),
+        *nearness_findings(report),
+    )
 
 
 def sky_session(
@@ -95,8 +107,20 @@ def sky_session(
         range_min_m=nearest_m if math.isfinite(nearest_m) else None,
         refraction_max_rad=float(sight.bending_rad.max()),
     )
-    report = session_report(table, scenario, flown, error_rad, view)
-    return report, tuple(_sky_findings(flown, sight, error_rad, target))
+    model_rad = LIMB_MODEL_SHARE * sight.bending_rad
+    report = session_report(
+        table,
+        scenario,
+        flown,
+        error_rad,
+        view,
+        allowed_rad=allowed_rad(scenario, number),
+        off_target=off_target(flown, error_rad, EXACT_RAD + model_rad),
+    )
+    return report, (
+        *_sky_findings(flown, sight, error_rad, report.allowed_rad + model_rad, target),
+        *nearness_findings(report),
+    )
 
 
 def _apart_rad(
@@ -133,16 +157,17 @@ def _ground_findings(
     flown: FlownSession,
     sight: EarthFixedSight,
     held: _Held,
+    allowed_rad: float,
     view: EarthFixedView,
     target: EarthFixedTarget,
 ) -> Iterator[Finding]:
     worst = int(np.argmax(held.error_rad))
-    if not held.error_rad[worst] <= POINTING_ERROR_MAX_RAD:
+    if not held.error_rad[worst] <= allowed_rad:
         off = (
             f"{_arcsec(held.error_rad[worst]):.3f} arcsec "
             f"({view.miss_across_max_m:.2f} m across the line of sight)"
         )
-        yield _error(flown, "pointing", worst, _off_target(off, POINTING_ERROR_MAX_RAD))
+        yield _error(flown, "pointing", worst, _off_target(off, allowed_rad))
     elevation_short_rad = math.radians(target.min_elevation_deg) - view.elevation_min_rad
     if elevation_short_rad > ELEVATION_TOLERANCE_RAD:
         yield _error(
@@ -162,15 +187,17 @@ def _ground_findings(
 
 
 def _sky_findings(
-    flown: FlownSession, sight: SkySight, error_rad: NDArray[np.float64], target: SkyTarget
+    flown: FlownSession,
+    sight: SkySight,
+    error_rad: NDArray[np.float64],
+    allowed_rad: NDArray[np.float64],
+    target: SkyTarget,
 ) -> Iterator[Finding]:
-    model_rad = LIMB_MODEL_SHARE * sight.bending_rad
-    worst = int(np.argmax(error_rad - model_rad))
-    allowed_rad = POINTING_ERROR_MAX_RAD + float(model_rad[worst])
-    if not error_rad[worst] <= allowed_rad:
+    worst = int(np.argmax(error_rad - allowed_rad))
+    if not error_rad[worst] <= allowed_rad[worst]:
         off = f"{_arcsec(error_rad[worst]):.3f} arcsec"
-        yield _error(flown, "pointing", worst, _off_target(off, allowed_rad))
-    short_rad = -sight.clearance_rad - model_rad
+        yield _error(flown, "pointing", worst, _off_target(off, float(allowed_rad[worst])))
+    short_rad = -sight.clearance_rad - LIMB_MODEL_SHARE * sight.bending_rad
     lowest = int(np.argmax(short_rad))
     if not short_rad[lowest] <= ELEVATION_TOLERANCE_RAD:
         yield _error(

@@ -137,10 +137,21 @@ class SlowStretch:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OffTarget:
+    """A stretch over which the boresight is farther off than an exact track's 0.1 arcsec."""
+
+    start_utc: datetime
+    stop_utc: datetime
+    max_rad: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class SessionReport:
     """One session, judged from the row at or before its start to the row at or after its stop.
 
     at_rows, between_rows, overall: over the rows, over the instants between them, over both.
+    allowed_rad: the pointing error the session may have.  off_target: where it is tracked as
+    near as the limits allow, in order of time.
     view: None where the session prescribes how the axes move instead of where to look.
     slow_stretches: in order of axis, then of time.
     """
@@ -153,6 +164,8 @@ class SessionReport:
     overall: PointingError
     view: EarthFixedView | SkyView | None
     slow_stretches: tuple[SlowStretch, ...]
+    allowed_rad: float
+    off_target: tuple[OffTarget, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

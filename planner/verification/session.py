@@ -10,7 +10,13 @@ from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.scenario import Scenario
 from planner.verification.limits import axis_hermite, slow_stretches
-from planner.verification.report import EarthFixedView, PointingError, SessionReport, SkyView
+from planner.verification.report import (
+    EarthFixedView,
+    OffTarget,
+    PointingError,
+    SessionReport,
+    SkyView,
+)
 
 POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most in the middle
 
@@ -64,6 +70,9 @@ def session_report(
     flown: FlownSession,
     error_rad: NDArray[np.float64],
     view: EarthFixedView | SkyView | None,
+    *,
+    allowed_rad: float,
+    off_target: tuple[OffTarget, ...] = (),
 ) -> SessionReport:
     """error_rad: of each instant of `flown`, shape (n,)."""
     rows, epoch_utc = flown.rows, flown.epoch_utc
@@ -75,6 +84,8 @@ def session_report(
         between_rows=_error_over(flown, error_rad, ~flown.is_row),
         overall=_error_over(flown, error_rad, np.ones_like(flown.is_row)),
         view=view,
+        allowed_rad=allowed_rad,
+        off_target=off_target,
         slow_stretches=tuple(
             stretch
             for column, (axis, limits) in enumerate(

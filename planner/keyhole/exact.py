@@ -1,0 +1,235 @@
+"""Where can the target be followed exactly, and in which ways, on rows of the table?"""
+
+import itertools
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.gimbal.angles import axis_angles, axis_motion, boresight_platform, singular_margin_rad
+from planner.gimbal.hermite import flown_range
+from planner.line_of_sight import LineOfSight
+from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.slew.solution import bounds
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+TURN_RAD = 2.0 * math.pi
+SINGULAR_RAD = 1e-5  # nearer to the plane of the axes exact angles are noise
+DEAD_MARGIN_RAD = 1e-9
+LIMIT_TOLERANCE = 1e-7  # of the limit's range
+POINTS_PER_ROW = 4  # where an error is measured, as the judge does
+
+
+@dataclass(frozen=True, eq=False)
+class RowMotion:
+    """Both axes on n consecutive rows: angle_rad, rate_rad_s, acceleration_rad_s2, (n, 2) each."""
+
+    first_row: int
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
+
+    @property
+    def last_row(self) -> int:
+        return self.first_row + len(self.angle_rad) - 1
+
+    def at(self, row: int | NDArray[np.intp]) -> Array:
+        """The angles on that row, (2,), or on those rows, (n, 2)."""
+        return np.asarray(self.angle_rad[row - self.first_row])
+
+    def within(self, limits: tuple[AxisLimits, ...]) -> Mask:
+        """Cells (n - 1,) in which angle, rate, acceleration and jerk keep the limits, as flown."""
+        return np.asarray(~self._beyond(limits).any(axis=(0, 2)))
+
+    def within_but_stops(self, limits: tuple[AxisLimits, ...]) -> Mask:
+        """The same without the angles' stops."""
+        return np.asarray(~self._beyond(limits)[1:].any(axis=(0, 2)))
+
+    def _beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
+        """(4, n - 1, 2): by order of derivative, cell and axis; also where not a number."""
+        flown = flown_range(COMMAND_STEP_S, self.angle_rad, self.rate_rad_s)
+        beyond = []
+        for order, (least, greatest) in enumerate(flown):
+            low, high = np.array([bounds(axis)[order] for axis in limits]).T
+            slack = LIMIT_TOLERANCE * (high - low)
+            beyond.append(~((least >= low - slack) & (greatest <= high + slack)))
+        return np.stack(beyond)
+
+    def part(self, first_row: int, last_row: int) -> "RowMotion":
+        """Of these rows, both included."""
+        rows = slice(first_row - self.first_row, last_row - self.first_row + 1)
+        return RowMotion(
+            first_row=first_row,
+            angle_rad=self.angle_rad[rows],
+            rate_rad_s=self.rate_rad_s[rows],
+            acceleration_rad_s2=self.acceleration_rad_s2[rows],
+        )
+
+    def turned(self, turns: tuple[int, ...]) -> "RowMotion":
+        """By whole turns of each axis."""
+        return RowMotion(
+            first_row=self.first_row,
+            angle_rad=self.angle_rad + TURN_RAD * np.array(turns),
+            rate_rad_s=self.rate_rad_s,
+            acceleration_rad_s2=self.acceleration_rad_s2,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Way:
+    """Exact following within all limits on rows first_row..last_row of a branch's `whole`."""
+
+    whole: RowMotion
+    first_row: int
+    last_row: int
+
+    @property
+    def motion(self) -> RowMotion:
+        return self.whole.part(self.first_row, self.last_row)
+
+
+class ExactFollowing:
+    """Both branches of exact angles over the rows of a line of sight, which may be unflyable.
+
+    branches: two motions, unwrapped; where no angles point there, those that come nearest.
+    """
+
+    def __init__(self, platform: TwoAxisPlatform, los: LineOfSight) -> None:
+        # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+        from scipy.interpolate import CubicHermiteSpline
+
+        self._platform = platform
+        t_s = los.instants.t_s
+        self.first_row = round(float(t_s[0]) * ROWS_PER_S)
+        self.last_row = round(float(t_s[-1]) * ROWS_PER_S)
+        # A short session's line of sight is sampled more finely than its rows.
+        self._direction = CubicHermiteSpline(t_s, los.los_platform, los.los_rate_platform_s)
+        self._rate = CubicHermiteSpline(
+            t_s, los.los_rate_platform_s, los.los_acceleration_platform_s2
+        )
+        rows_s = np.arange(self.first_row, self.last_row + 1) / ROWS_PER_S
+        directions = self.directions(rows_s)
+        found = axis_angles(platform, _nearest_reachable(platform, directions))
+        reachable = axis_angles(platform, directions).reachable
+        self.margin_rad = singular_margin_rad(platform, found.angle_rad[0], directions)
+        usable = reachable & (self.margin_rad > SINGULAR_RAD)
+        self._usable_cells = usable[:-1] & usable[1:]
+        self.branches = tuple(self._motion(angle, rows_s, directions) for angle in found.angle_rad)
+
+    def directions(self, t_s: Array) -> Array:
+        """Unit vectors in the platform frame, (n, 3), at any time of the line of sight."""
+        towards = self._direction(t_s)
+        return np.asarray(towards / np.linalg.norm(towards, axis=1, keepdims=True))
+
+    def error_rad(self, motion: RowMotion) -> tuple[Array, Array]:
+        """Times and the angle between the flown boresight and the target, (n,) each."""
+        cells = len(motion.angle_rad) - 1
+        u = np.arange(POINTS_PER_ROW)[:, None, None] / POINTS_PER_ROW
+        q, v = motion.angle_rad, motion.rate_rad_s * COMMAND_STEP_S
+        angle = (
+            q[:-1] * (1.0 - u * u * (3.0 - 2.0 * u))
+            + q[1:] * (u * u * (3.0 - 2.0 * u))
+            + v[:-1] * (u * (1.0 - u) ** 2)
+            - v[1:] * (u * u * (1.0 - u))
+        )
+        angle = np.vstack([angle.transpose(1, 0, 2).reshape(-1, 2), q[-1:]])
+        count = POINTS_PER_ROW * cells + 1
+        t_s = (motion.first_row + np.arange(count) / POINTS_PER_ROW) / ROWS_PER_S
+        boresight, towards = boresight_platform(self._platform, angle), self.directions(t_s)
+        across = np.linalg.norm(np.cross(boresight, towards), axis=1)
+        return t_s, np.arctan2(across, np.sum(boresight * towards, axis=1))
+
+    @cached_property
+    def _flyable(self) -> Mask:
+        """Cells in which either branch keeps rate, acceleration and jerk."""
+        cells = [branch.within_but_stops(self._platform.axis_limits) for branch in self.branches]
+        return np.asarray(np.any(cells, axis=0) & self._usable_cells)
+
+    def broken(self, first_row: int, last_row: int) -> list[tuple[int, int]]:
+        """Runs of rows, both ends included, between which following breaks a limit.
+
+        Where none does (it is the stops that are in the way) the most singular row.
+        """
+        cells = self._flyable[first_row - self.first_row : last_row - self.first_row]
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], ~cells, [False]])))
+        if edges.size:
+            return [
+                (first_row + int(start), first_row + int(stop))
+                for start, stop in edges.reshape(-1, 2)
+            ]
+        margins = self.margin_rad[first_row - self.first_row : last_row - self.first_row + 1]
+        worst = first_row + int(np.nanargmin(margins))
+        return [(worst, worst)]
+
+    def ways(self, first_row: int, last_row: int, *, lead: bool = False) -> list[Way]:
+        """Every way to follow exactly over these rows within all limits, stops included.
+
+        lead: each from as early on as it is possible without a break.
+        """
+        found = []
+        for branch in self.branches:
+            for whole in _whole_turns(branch, first_row, last_row, self._platform.axis_limits):
+                lost = ~(whole.within(self._platform.axis_limits) & self._usable_cells)
+                if lost[first_row - self.first_row : last_row - self.first_row].any():
+                    continue
+                earlier = np.flatnonzero(lost[: first_row - self.first_row])
+                start = int(earlier[-1]) + 1 if earlier.size else 0
+                found.append(
+                    Way(
+                        whole=whole,
+                        first_row=self.first_row + start if lead else first_row,
+                        last_row=last_row,
+                    )
+                )
+        return found
+
+    def _motion(self, angle_rad: Array, rows_s: Array, directions: Array) -> RowMotion:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rate, acceleration = axis_motion(
+                self._platform,
+                angle_rad,
+                directions,
+                self._rate(rows_s),
+                self._rate(rows_s, 1),
+            )
+        return RowMotion(
+            first_row=self.first_row,
+            angle_rad=np.unwrap(angle_rad, axis=0),
+            rate_rad_s=rate,
+            acceleration_rad_s2=acceleration,
+        )
+
+
+def _nearest_reachable(platform: TwoAxisPlatform, directions: Array) -> Array:
+    """Out of the dead cones about the outer axis, where an oblique layout has them."""
+    outer, inner = platform.axes_platform
+    zero = np.array(platform.zero_direction_platform)
+    spread = math.acos(outer @ inner)
+    carried = math.acos(inner @ zero / np.linalg.norm(zero))
+    along = directions @ outer
+    across = directions - along[:, None] * outer
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+    away = np.clip(
+        np.arctan2(np.linalg.norm(np.cross(outer, directions), axis=1), along),
+        abs(spread - carried) + DEAD_MARGIN_RAD,
+        math.pi - abs(math.pi - spread - carried) - DEAD_MARGIN_RAD,
+    )
+    return np.asarray(np.cos(away)[:, None] * outer + np.sin(away)[:, None] * across)
+
+
+def _whole_turns(
+    motion: RowMotion, first_row: int, last_row: int, limits: tuple[AxisLimits, ...]
+) -> list[RowMotion]:
+    """The motion with each number of turns that fits the stops over these rows."""
+    part = motion.part(first_row, last_row).angle_rad
+    choices = []
+    for axis, limit in enumerate(limits):
+        angle = part[:, axis]
+        least = math.ceil((limit.angle_min_rad - angle.min()) / TURN_RAD - LIMIT_TOLERANCE)
+        most = math.floor((limit.angle_max_rad - angle.max()) / TURN_RAD + LIMIT_TOLERANCE)
+        choices.append(range(least, most + 1))
+    return [motion.turned(turns) for turns in itertools.product(*choices)]

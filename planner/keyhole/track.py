@@ -1,0 +1,210 @@
+"""How is a target followed through the singular direction, as near as the limits allow?
+
+Where the exact motion breaks no limit it is kept.  Around each place where it does, both axes
+are optimised together, from every way of following the target before to every way after it:
+the outer axis swings round in the time it needs, early and late, or the inner axis carries the
+boresight over the top.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.commands import ROWS_PER_S
+from planner.errors import Refusal, SolverFailed, TrackBreaksLimit, Unreachable
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.gimbal.track import AxisTrack, track_candidates
+from planner.keyhole.crossing import Crossed, Crossing, Window
+from planner.keyhole.exact import ExactFollowing, RowMotion, Way
+from planner.line_of_sight import LineOfSight
+from planner.platforms import TwoAxisPlatform
+from planner.scenario import Keyhole
+
+HOPELESS_SHARE = 1.0  # of the frame beyond it: no optimum in the frame is near such a one
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Chain:
+    """Motions that follow one another, up to where `way` takes over.
+
+    beyond_rad: farthest outside the frame.
+    """
+
+    parts: tuple[RowMotion, ...]
+    way: Way
+    beyond_rad: float = 0.0
+    squared_rad2_s: float = 0.0
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        return self.beyond_rad, self.squared_rad2_s
+
+    def carried_on(self, crossed: Crossed, way: Way) -> "_Chain":
+        """Across a window, onto another way."""
+        exact = self.way.motion
+        return _Chain(
+            parts=(
+                *self.parts,
+                exact.part(exact.first_row, crossed.motion.first_row),
+                crossed.motion,
+            ),
+            way=way,
+            beyond_rad=max(self.beyond_rad, crossed.beyond_rad),
+            squared_rad2_s=self.squared_rad2_s + crossed.squared_rad2_s,
+        )
+
+    def joined(self) -> RowMotion:
+        """Of the rows two parts share, the window's: its ends may be free."""
+        pieces = []
+        for number, part in enumerate((*self.parts, self.way.motion)):
+            first = 0 if number == 0 else 1
+            last = None if number == len(self.parts) else -1
+            rows = slice(None) if number % 2 else slice(first, last)
+            pieces.append(
+                (part.angle_rad[rows], part.rate_rad_s[rows], part.acceleration_rad_s2[rows])
+            )
+        columns = (np.concatenate(column) for column in zip(*pieces, strict=True))
+        return RowMotion(self.parts[0].first_row, *columns)
+
+
+def followed(
+    platform: TwoAxisPlatform,
+    los: LineOfSight,
+    start_s: float,
+    stop_s: float,
+    start_angle_rad: NDArray[np.float64],
+    *,
+    keyhole: Keyhole,
+) -> tuple[AxisTrack, ...]:
+    """The exact ways, as `track_candidates` has them; without any, by request, the nearest one.
+
+    Raises what `track_candidates` and `nearest_track` do.
+    """
+    try:
+        return track_candidates(platform, los, start_s, stop_s, start_angle_rad)
+    except (TrackBreaksLimit, Unreachable) as exact:
+        if keyhole == "refuse":
+            raise
+        return (nearest_track(platform, los, start_s, stop_s, exact),)
+
+
+def nearest_track(
+    platform: TwoAxisPlatform, los: LineOfSight, start_s: float, stop_s: float, exact: Refusal
+) -> AxisTrack:
+    """The way to hold the target that errs least, in the frame from start_s to stop_s.
+
+    platform: with the limits to keep.  los: covers the session and may reach before it.
+    exact: why the target can't be followed exactly.  Least is the integral of the squared
+    error, of all local optima found (from every way of following before to every one after);
+    where that leaves the circle inside the frame, of those within it.
+    Raises TrackBreaksLimit with the error reached and when, SolverFailed.
+    """
+    following = ExactFollowing(platform, los)
+    first, last = round(start_s * ROWS_PER_S), round(stop_s * ROWS_PER_S)
+    chains = _chains(following, platform, first, last)
+    if not chains:
+        raise exact
+    best = min(chains, key=lambda chain: chain.rank)
+    if not math.isfinite(best.beyond_rad):
+        raise SolverFailed(
+            f"{_why(exact)}; and the solver found no motion within the limits near it",
+            axis=exact.axis,
+            limit=exact.limit,
+        )
+    motion = best.joined()
+    _require_in_frame(following, platform, los, motion, exact)
+    return AxisTrack(
+        axis_names=platform.axis_names,
+        t_s=np.arange(motion.first_row, motion.last_row + 1) / ROWS_PER_S,
+        angle_rad=motion.angle_rad,
+        rate_rad_s=motion.rate_rad_s,
+        acceleration_rad_s2=motion.acceleration_rad_s2,
+    )
+
+
+def _why(exact: Refusal) -> str:
+    """Without the ways out."""
+    return exact.detail.partition(";")[0]
+
+
+def _require_in_frame(
+    following: ExactFollowing,
+    platform: TwoAxisPlatform,
+    los: LineOfSight,
+    motion: RowMotion,
+    exact: Refusal,
+) -> None:
+    t_s, error_rad = following.error_rad(motion)
+    worst = int(np.argmax(error_rad))
+    frame_rad = min(platform.frame_half_rad)
+    if error_rad[worst] <= frame_rad:
+        return
+    at_utc = shifted_utc(los.instants.epoch_utc, float(t_s[worst]))
+    raise TrackBreaksLimit(
+        f"{_why(exact)}; as near as the limits allow, the target is "
+        f"{math.degrees(error_rad[worst]):.3f} deg off at {utc_text(at_utc)}, outside the "
+        f"circle of {math.degrees(frame_rad):.3f} deg inside the frame",
+        axis=exact.axis,
+        limit=exact.limit,
+        at_utc=at_utc,
+    )
+
+
+def _chains(
+    following: ExactFollowing, platform: TwoAxisPlatform, first: int, last: int
+) -> list[_Chain]:
+    """The best chain to each way of following at the session's end."""
+    windows = _windows(following, platform, first, last)
+    chains = [
+        _Chain(parts=(), way=way)
+        for way in following.ways(first, windows[0].first, lead=windows[0].fixed[0])
+    ]
+    for number, window in enumerate(windows):
+        until = windows[number + 1].first if number + 1 < len(windows) else last
+        crossing = Crossing(following, platform, window)
+        chains = _carried_on(crossing, chains, following.ways(window.last, until))
+    return chains
+
+
+def _carried_on(crossing: Crossing, chains: list[_Chain], ways: list[Way]) -> list[_Chain]:
+    """For each way of following after a window the best chain that leads to it."""
+    pairs = [(chain, way) for way in ways for chain in chains]
+    found = [crossing.nearest(chain.way.whole, way.whole) for chain, way in pairs]
+    in_frame = [one.squared_rad2_s for one in found if one.beyond_rad == 0.0]
+    for number in sorted(range(len(found)), key=lambda number: found[number].squared_rad2_s):
+        one = found[number]
+        promising = 0.0 < one.beyond_rad < HOPELESS_SHARE * crossing.frame_rad
+        if promising and one.squared_rad2_s < min(in_frame, default=math.inf):
+            found[number] = better = crossing.nearest_in_frame(one)
+            in_frame += [better.squared_rad2_s] if better.beyond_rad == 0.0 else []
+    longer = [chain.carried_on(one, way) for (chain, way), one in zip(pairs, found, strict=True)]
+    count = len(chains)
+    return [
+        min(longer[start : start + count], key=lambda chain: chain.rank)
+        for start in range(0, len(longer), count)
+    ]
+
+
+def _windows(
+    following: ExactFollowing, platform: TwoAxisPlatform, first: int, last: int
+) -> list[Window]:
+    """Around each broken run as long as a half turn of the outer axis takes, merged."""
+    outer = platform.outer_limits
+    swing_s = (
+        math.pi / 2.0 / outer.rate_max_rad_s
+        + outer.rate_max_rad_s / outer.acceleration_max_rad_s2
+        + outer.acceleration_max_rad_s2 / outer.jerk_max_rad_s3
+    )
+    reach = math.ceil(swing_s * ROWS_PER_S)
+    merged: list[Window] = []
+    for start, stop in following.broken(first, last):
+        window = Window(
+            first=max(first, start - reach), last=min(last, stop + reach), broken=((start, stop),)
+        )
+        if merged and window.first <= merged[-1].last:
+            before = merged.pop()
+            window = replace(window, first=before.first, broken=before.broken + window.broken)
+        merged.append(window)
+    return [replace(w, fixed=(w.first > first, w.last < last)) for w in merged]
