@@ -6,8 +6,10 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.attitude.odd_rows import odd_by_rad
 from planner.attitude.reference_frames import q_frame_from_eci
 from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
 from planner.errors import InvalidMessage, OutsideCoverage
@@ -19,6 +21,10 @@ from planner.spec import spec
 
 GAP_WARNED = 20.0  # times the usual step between rows
 LINEAR_WARNED_RAD = 10.0 * EXACT_RAD
+ODD_WARNED_RAD = 30.0 * RAD_PER_ARCSEC
+ODD_REFUSED_RAD = 180.0 * RAD_PER_ARCSEC  # 350 m on the ground from 400 km
+ODD_OF_USUAL = 20.0  # times what is usual of the message's rows: noise alone stays below 10
+CURVE_ROWS = 4  # farther rows hardly bend the curve
 _EDGE_S = 1e-6  # the resolution of a datetime
 
 
@@ -27,6 +33,7 @@ class AttitudeArc:
     """One segment of a message as a curve, usable from start_utc to stop_utc.
 
     The curve's clock starts at epoch_utc; it gives the body's attitude against `frame`.
+    row_s: when the message's rows are, same clock.  odd_rad: `odd_by_rad` of each.
     """
 
     frame: str
@@ -34,6 +41,24 @@ class AttitudeArc:
     start_utc: datetime
     stop_utc: datetime
     curve: RotationCurve
+    row_s: NDArray[np.float64]
+    odd_rad: NDArray[np.float64]
+
+    def oddest_near(self, instants: Instants) -> tuple[datetime, float]:
+        """When the row is that fits its neighbours worst of those the curve there rests on, and
+        by how much (rad).
+        """
+        t_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch_utc)
+        first = int(np.searchsorted(self.row_s, t_s.min())) - CURVE_ROWS
+        stop = int(np.searchsorted(self.row_s, t_s.max())) + CURVE_ROWS
+        near = slice(max(first, 0), stop)
+        row = int(np.argmax(self.odd_rad[near])) + near.start
+        return shifted_utc(self.epoch_utc, float(self.row_s[row])), float(self.odd_rad[row])
+
+    @property
+    def usually_odd_rad(self) -> float:
+        """What noise and the turning itself make of it."""
+        return float(np.median(self.odd_rad))
 
 
 @spec
@@ -74,8 +99,11 @@ class AemAttitude:
         return tuple(dict.fromkeys(filter(None, told)))
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
-        """Those of the whole message, whenever it is used."""
-        return self.warnings
+        """Those of the whole message, and the row there that fits its neighbours worst."""
+        at_utc, odd_rad = self._arc_over(instants).oddest_near(instants)
+        if odd_rad <= max(ODD_WARNED_RAD, ODD_OF_USUAL * self._arc_over(instants).usually_odd_rad):
+            return self.warnings
+        return (*self.warnings, _odd(at_utc, odd_rad))
 
     @property
     def residual_rad(self) -> float:
@@ -85,6 +113,14 @@ class AemAttitude:
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage unless one segment holds them all."""
         arc = self._arc_over(instants)
+        at_utc, odd_rad = arc.oddest_near(instants)
+        if odd_rad > max(ODD_REFUSED_RAD, ODD_OF_USUAL * arc.usually_odd_rad):
+            raise InvalidMessage(
+                f"{_odd(at_utc, odd_rad)}; was a number damaged on its way, or does the carrier "
+                "turn faster than the rows tell? Get the message again, or with closer rows",
+                field="attitude.content",
+                at_utc=at_utc,
+            )
         t_s = instants.t_s + elapsed_s(instants.epoch_utc, arc.epoch_utc)
         first_s, last_s = (elapsed_s(t, arc.epoch_utc) for t in (arc.start_utc, arc.stop_utc))
         q_body_from_frame = arc.curve.at(np.clip(t_s, first_s, last_s))
@@ -121,7 +157,22 @@ def _arc(segment: AemSegment) -> AttitudeArc:
         start = utc_text(segment.epoch_utc)
         raise InvalidMessage(f"AEM segment from {start}: {error}") from None
     start_utc, stop_utc = (shifted_utc(segment.epoch_utc, t) for t in segment.useable_s)
-    return AttitudeArc(segment.frame, segment.epoch_utc, start_utc, stop_utc, curve)
+    return AttitudeArc(
+        frame=segment.frame,
+        epoch_utc=segment.epoch_utc,
+        start_utc=start_utc,
+        stop_utc=stop_utc,
+        curve=curve,
+        row_s=segment.t_s,
+        odd_rad=odd_by_rad(segment.t_s, segment.q_body_from_frame_xyzw),
+    )
+
+
+def _odd(at_utc: datetime, odd_rad: float) -> str:
+    return (
+        f"the AEM's attitude at {utc_text(at_utc)} lies {odd_rad / RAD_PER_ARCSEC:.0f} arcsec or "
+        "more off what the rows around it lead to"
+    )
 
 
 def _noise(arc: AttitudeArc) -> str | None:

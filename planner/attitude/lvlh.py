@@ -10,6 +10,8 @@ from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.spec import spec
 
+ANGLE_MAX_DEG = 360.0
+
 
 @spec
 class LvlhAttitude:
@@ -23,6 +25,14 @@ class LvlhAttitude:
     yaw_deg: float = 0.0
     pitch_deg: float = 0.0
     roll_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("yaw_deg", "pitch_deg", "roll_deg"):
+            if not abs(getattr(self, name)) <= ANGLE_MAX_DEG:
+                raise ValueError(
+                    f"{name} must lie in -{ANGLE_MAX_DEG:g}..{ANGLE_MAX_DEG:g}, "
+                    f"not {getattr(self, name)}"
+                )
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""

@@ -31,7 +31,9 @@ _US = 1_000_000
 _DAY_US = 86_400 * _US
 _LAST_TAI_US = (datetime(9998, 12, 31, tzinfo=UTC) - _ORIGIN_UTC) // timedelta(microseconds=1)
 _TEXT = re.compile(
-    r"(\d{4}-\d{2}-\d{2})[Tt ](\d{2}:\d{2}):(\d{2})(?:[.,](\d{1,9}))?([Zz]|[+-]\d{2}:\d{2})?"
+    r"(\d{4}-\d{2}-\d{2})[Tt ](\d{2}:\d{2}):(\d{2})(?:[.,](\d{1,9}))?"
+    r"([Zz]|[+-](?:[01]\d|2[0-3]):[0-5]\d)?",
+    re.ASCII,
 )
 
 

@@ -10,7 +10,7 @@ from typing import NoReturn
 from planner.errors import InvalidMessage, figures
 from planner.frames.time_scales import utc_from_tai_us
 from planner.messages.epochs import TIME_SYSTEMS, EpochReader
-from planner.messages.segments import is_xml, refuse
+from planner.messages.segments import is_xml, plain, refuse
 from planner.messages.xml import message_element, name_of, text_of
 
 MAX_CHARACTERS = 200_000  # a hundred times a long one
@@ -68,7 +68,7 @@ class Keywords:
         if entry.unit and entry.unit.lower() not in units:
             self.refuse(f"{key} is in {entry.unit!r}; it must be in {units[0]}", entry.line)
         try:
-            value = float(entry.text)
+            value = float(plain(entry.text))
         except ValueError:
             value = math.nan
         if not math.isfinite(value):

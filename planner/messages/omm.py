@@ -18,6 +18,7 @@ THEORIES = ("SGP4", "SGP/SGP4")
 EPHEMERIS_TYPES = ("0", "2")
 MEAN_MOTION_REV_DAY = (0.1, 18.0)
 ANGLE_DEG = (-360.0, 360.0)
+BSTAR_1_ER = (-0.1, 1.0)
 INCLINATION_DEG = (0.0, 180.0)
 
 
@@ -62,7 +63,7 @@ def read_omm(content: str) -> Omm:
         ra_of_asc_node_deg=found.number("RA_OF_ASC_NODE", "deg", within=ANGLE_DEG),
         arg_of_pericenter_deg=found.number("ARG_OF_PERICENTER", "deg", within=ANGLE_DEG),
         mean_anomaly_deg=found.number("MEAN_ANOMALY", "deg", within=ANGLE_DEG),
-        bstar=found.number("BSTAR", "1/er", within=(-1.0, 1.0)),
+        bstar=found.number("BSTAR", "1/er", within=BSTAR_1_ER),
     )
 
 

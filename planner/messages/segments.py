@@ -140,8 +140,13 @@ def numbers(raw: RawSegment, columns: int) -> NDArray[np.float64]:
     return table
 
 
+def plain(text: str) -> str:
+    """The text of a number, but for what only Python takes for one."""
+    return "" if "_" in text or not text.isascii() else text
+
+
 def _floats(row: list[str]) -> list[float]:
     try:
-        return [float(text) for text in row]
+        return [float(plain(text)) for text in row]
     except ValueError:
         return [np.nan] * len(row)

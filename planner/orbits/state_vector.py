@@ -36,6 +36,7 @@ REFUSE_AGE_S = 3.0 * 86400.0
 _PERIGEE_MIN_M = RADIUS_M - 22e3 + HEIGHT_MIN_M  # 22 km: the Earth's flattening
 
 _PART_MAX = 1e7  # km, beyond the Moon by far, or km/s
+BALLISTIC_MAX_M2_KG = 1.0  # the ISS has 0.007; only sails and balloons have more
 _SHORTEST_S = 1.0  # so that a plan at the epoch has a polynomial too
 
 Vector3 = tuple[float, float, float]
@@ -77,6 +78,13 @@ class StateVectorOrbit:
         for name in ("drag_area_m2", "drag_coefficient"):
             if not getattr(self, name) >= 0.0:
                 raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
+        ballistic_m2_kg = self.drag_coefficient * self.drag_area_m2 / self.mass_kg
+        if not ballistic_m2_kg <= BALLISTIC_MAX_M2_KG:
+            raise ValueError(
+                f"mass_kg {self.mass_kg:g} has {ballistic_m2_kg:.3g} m2/kg of drag (drag_area_m2 "
+                f"times drag_coefficient), more than the {BALLISTIC_MAX_M2_KG:g} of a sail; is it "
+                "in kg?"
+            )
         _check_orbit(self)
 
     def ephemeris(
@@ -161,7 +169,7 @@ def _check_orbit(orbit: StateVectorOrbit) -> None:
     energy = 0.5 * float(v_m_s @ v_m_s) - GM_M3_S2 / radius_m
     if energy >= 0.0:
         raise ValueError(
-            f"with velocity_km_s {orbit.velocity_km_s} the satellite leaves the Earth; "
+            f"velocity_km_s {orbit.velocity_km_s} is so much that the satellite leaves the Earth; "
             "is it in km/s and of the stated frame?"
         )
     momentum = float(np.linalg.norm(np.cross(r_m, v_m_s)))
@@ -170,7 +178,7 @@ def _check_orbit(orbit: StateVectorOrbit) -> None:
     perigee_m = axis_m * (1.0 - eccentricity)
     if perigee_m < _PERIGEE_MIN_M:
         raise ValueError(
-            f"with velocity_km_s {orbit.velocity_km_s} the orbit's perigee is "
+            f"velocity_km_s {orbit.velocity_km_s} makes an orbit whose perigee is "
             f"{figures(perigee_m / 1e3, _PERIGEE_MIN_M / 1e3)} km from the Earth's centre, below "
             f"{HEIGHT_MIN_M / 1e3:.0f} km height; is it in km/s and of the stated frame?"
         )

@@ -61,7 +61,10 @@ class TleOrbit:
                 "take both lines from the same set"
             )
         _check_elements(self.line1, self.line2)
-        require_earth_orbit(self._elements())
+        try:
+            require_earth_orbit(self._elements())
+        except ValueError as error:
+            raise ValueError(f"line2: {error}") from None
 
     @property
     def epoch_utc(self) -> datetime:
@@ -167,8 +170,11 @@ def sgp4_ephemeris(
 
 def _check_line(name: str, number: str, line: str) -> None:
     """Length, number and checksum: ValueError names what is wrong."""
-    if len(line) != _LENGTH or not line.isascii():
-        raise ValueError(f"{name} has {len(line)} characters; a TLE line has {_LENGTH} (ASCII)")
+    foreign = next((c for c in line if not c.isascii()), None)
+    if foreign is not None:
+        raise ValueError(f"{name} has the character {foreign!r}; a TLE is plain ASCII")
+    if len(line) != _LENGTH:
+        raise ValueError(f"{name} has {len(line)} characters; a TLE line has {_LENGTH}")
     if not line.startswith(f"{number} "):
         raise ValueError(f"{name} begins with {line[:2]!r}, not {number!r}; are the lines swapped?")
     total = sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10
@@ -200,9 +206,10 @@ def _check_elements(line1: str, line2: str) -> None:
         value = float(text.replace(" ", ""))
         if not low <= value <= high:
             raise ValueError(
-                f"{line} has a {element} of {figures(value, low, high)}, outside {low:g}..{high:g}"
+                f"{line} gives {figures(value, low, high)} as its {element}, outside "
+                f"{low:g}..{high:g}"
             )
     try:
         require_known(datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=float(line1[20:32]) - 1.0))
     except ValueError as error:
-        raise ValueError(f"line1 has an epoch that {error}") from None
+        raise ValueError(f"line1 has its epoch out of range: {error}") from None

@@ -4,7 +4,7 @@ import gzip
 import json
 from typing import Any
 
-from app.api.example_messages import ATTITUDE_HISTORY, OEM, OMM, OPM
+from app.api.example_messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
 
 Changes = tuple[tuple[str, object], ...]
 READ, MESSAGE, UNCOVERED = "invalid-request", "invalid-message", "outside-coverage"
@@ -27,6 +27,11 @@ def _oem(old: str, new: str) -> Changes:
 def _opm(old: str, new: str) -> Changes:
     assert old in OPM
     return _orbit("opm", OPM.replace(old, new))
+
+
+def _aem(old: str, new: str) -> Changes:
+    assert old in ATTITUDE
+    return (("attitude.content", ATTITUDE.replace(old, new)),)
 
 
 def _turned(column_a: int, column_b: int) -> str:
@@ -91,6 +96,18 @@ MESSAGE_CASES: list[tuple[str, str, Changes, str, str, str]] = [
     ("OPM of two states", "tle", _orbit("opm", OPM + OPM), READ, "orbit.content", "second time"),
     ("history too short", "harmonic",
      (("attitude.content", _short_history()),), READ, "attitude.content", "history is only"),
+    ("AEM digit", "aem", _aem("0.002148594", "0.003148594"), MESSAGE, "attitude.content",
+     "2015-02-27T17:37:00.000Z lies 413 arcsec"),
+    ("AEM sign", "aem", _aem("-0.012004947", "0.012004947"), MESSAGE, "attitude.content",
+     "arcsec or more off"),
+    ("yaw in arcsec", "tle", (("attitude.yaw_deg", 14760.0),), READ, "attitude.yaw_deg",
+     "-360..360"),
+    ("a spinning carrier", "inertial", (("attitude.omega_body_deg_s", [0.0, 1e300, 0.0]),), READ,
+     "attitude.omega_body_deg_s", "180 deg/s"),
+    ("mass in tonnes", "state", (("orbit.mass_kg", 410.0), ("orbit.drag_area_m2", 1600.0)), READ,
+     "orbit.mass_kg", "is it in kg?"),
+    ("velocity in m/s", "state", (("orbit.velocity_km_s", [3854.3, 4470.0, 4910.9]),), READ,
+     "orbit.velocity_km_s", "in km/s"),
     ("attitude of another orbit", "inertial", ((_INERTIAL, "2015-02-27T15:00:00Z"),), UNCOVERED,
      _INERTIAL, "constant body rate"),
     ("ship of another year", "ground_moving", ((f"{TARGET}.epoch", "2005-02-27T17:00:00Z"),),

@@ -8,7 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from planner.attitude import AemAttitude, LvlhAttitude
-from planner.errors import OutsideCoverage
+from planner.attitude.aem import ODD_WARNED_RAD
+from planner.errors import InvalidMessage, OutsideCoverage
 from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, utc_from_text, utc_text
@@ -166,3 +167,32 @@ def test_two_rows_turn_at_a_constant_rate():
     instants, states = at(np.linspace(0.0, 100.0, 21))
     angle = law.q_body_from_eci(instants, states).magnitude()
     np.testing.assert_allclose(angle, np.linspace(0.0, 0.4, 21), atol=0.01 * ARCSEC)
+
+
+@pytest.mark.parametrize("step_s", [1.0, 10.0, 60.0, 120.0])
+@pytest.mark.parametrize("off_deg", [0.1, 1.0, 30.0])
+def test_a_damaged_row_is_refused_where_it_matters(step_s, off_deg):
+    """Turns of 4 deg a minute explain a smooth course, not one row beside it."""
+    rows_s = np.arange(0.0, 1200.5, step_s)
+    row = len(rows_s) // 2
+    off = Rotation.from_rotvec(
+        np.deg2rad([[0.0, off_deg * (n == row), 0.0] for n in range(len(rows_s))])
+    )
+    law = aem(message(rows_s, off * true_against_eme2000(rows_s)))
+    with pytest.raises(InvalidMessage) as refusal:
+        law.q_body_from_eci(*at([rows_s[row] - 0.5 * step_s]))
+    assert refusal.value.field == "attitude.content"
+    epoch = utc_text(START + timedelta(seconds=float(rows_s[row])))
+    assert f"attitude at {epoch} lies" in refusal.value.detail
+    if row > 10:
+        assert law.warnings_at(at([rows_s[2]])[0]) == law.warnings
+
+
+@pytest.mark.parametrize("name", ["1s", "manoeuvre", "tea"])
+def test_real_telemetry_has_no_damaged_row(name):
+    """A yaw manoeuvre between rows 20 s apart included: 21 arcsec at most."""
+    law = AemAttitude(content=(DATA / f"iss_attitude_{name}_2018-285.aem").read_text())
+    for arc in law.arcs:
+        instants = Instants(arc.epoch_utc, arc.row_s)
+        assert arc.oddest_near(instants)[1] < ODD_WARNED_RAD
+        assert law.warnings_at(instants) == law.warnings

@@ -38,24 +38,36 @@ def test_epoch():
         (LINE1, checksummed(LINE2.replace("25544", "25545")), "line1 is of satellite 25544"),
         (LINE1, checksummed(LINE2.replace("271.9610", "271,9610")), "doesn't belong"),
         (LINE1, checksummed(LINE2.replace("271.9610", "xxx.9610")), "doesn't belong"),
-        (LINE1, checksummed(LINE2.replace("15.54887163", "00.00000000")), "motion of 0,"),
+        (
+            LINE1,
+            checksummed(LINE2.replace("15.54887163", "00.00000000")),
+            "gives 0 as its mean motion, outside",
+        ),
         (LINE1, checksummed(LINE2.replace("15.54887163", "16.94887163")), "below 80 km"),
         (
             LINE1,
             checksummed(LINE2.replace(" 51.6478", "251.6478")),
-            "inclination of 251.6, outside",
+            "gives 251.6 as its inclination, outside",
         ),
-        (LINE1, checksummed(LINE2.replace("271.9610", "371.9610")), "node of 372, outside"),
+        (
+            LINE1,
+            checksummed(LINE2.replace("271.9610", "371.9610")),
+            "gives 372 as its right ascension",
+        ),
         (LINE1, checksummed(LINE2.replace("0008043", "9008043")), "are no orbit|below 80 km"),
         (
             checksummed(LINE1.replace("15058.", "15000.")),
             LINE2,
-            "day of the year of 0.4816, outside",
+            "gives 0.4816 as its day of the year, outside",
         ),
-        (checksummed(LINE1.replace("15058.", "15400.")), LINE2, "year of 400.5, outside 1..366"),
+        (
+            checksummed(LINE1.replace("15058.", "15400.")),
+            LINE2,
+            "400.5 as its day of the year, outside 1..366",
+        ),
         (checksummed(LINE1.replace("15058.", "64058.")), LINE2, "1964-02-27.* lies outside 1973"),
         (checksummed(LINE1.replace("-3 0  999", "-3 4  999")), LINE2, "type 4, not for SGP4"),
-        (LINE1.replace(" ", "\u2003", 1), LINE2, "ASCII"),
+        (LINE1.replace(" ", "\u2003", 1), LINE2, "plain ASCII"),
     ],
 )
 def test_faulty_sets_are_refused(line1, line2, reason):
