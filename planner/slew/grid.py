@@ -22,6 +22,7 @@ ROWS_ALL_FREE = 120  # beyond, freeing the jerk on every row takes long and come
 ROWS_ALL_FREE_MAX = (
     700  # 140 s: longer than any platform's least time, and half a second of solving
 )
+ON_ROWS_KEPT = 2  # both axes ask for the same one; at 700 rows it takes 30 MB
 ROWS_SPREAD = 48
 ROWS_AROUND = 6  # of each switch of the least-time profile, where the jerk wants to change
 SAMPLES_PER_ROW = 8  # the deviation is a quartic bump in a cell: its peak is met within 4 %
@@ -90,7 +91,7 @@ def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
     angle, rate, _, _ = profile.evaluate(np.linspace(0.0, profile.duration_s, rows + 1))
     ranges = flown_range(profile.duration_s / rows, angle[:, None], rate[:, None])
     excess = -np.inf
-    for (least, greatest), (low, high) in zip(ranges, bounds(limits), strict=False):
+    for (least, greatest), (low, high) in zip(ranges[:3], bounds(limits)[:3], strict=True):
         span = high - low
         worst = max(float(greatest.max()) - high, low - float(least.min()))
         excess = max(excess, worst / span - LIMIT_TOLERANCE)
@@ -168,7 +169,7 @@ def _deviation_rad(profile: AxisProfile, rows: int) -> float:
     return float(np.abs(hermite - planned).max())
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=ON_ROWS_KEPT)
 def on_all_rows(rows: int) -> SplineOcp:
     """A solver whose jerk may change on every row and nowhere else; a Hermite reproduces it."""
     return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)

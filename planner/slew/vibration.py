@@ -22,26 +22,33 @@ _NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
 def modal_cost(
-    spans: Array, pieces: Array, duration_s: float, modes: tuple[StructuralMode, ...]
+    spans: Array,
+    pieces: Array,
+    living: NDArray[np.intp],
+    duration_s: float,
+    modes: tuple[StructuralMode, ...],
 ) -> Array:
     """Matrix (n, n) of the modes' cost c^T P c / 2 of n spline coefficients.
 
-    spans: breakpoints in normalised time.  pieces: (len(spans) - 1, degree + 1, n), power
-    coefficients.  Each mode is weighted at its frequency and 4 % beside it, in units of what
-    the paper's cubic would leave.
+    spans: breakpoints in normalised time.  pieces: (len(spans) - 1, degree + 1, degree + 1),
+    power coefficients from the spline coefficients that live on a span, numbered by living
+    (len(spans) - 1, degree + 1).  Each mode is weighted at its frequency and 4 % beside it, in
+    units of what the paper's cubic would leave.
     Source: Singer, Seering 1990, residual vibration as a constraint on the command; here soft.
     """
-    n = pieces.shape[2]
+    n = int(living.max()) + 1
     cost = np.zeros((n, n))
     for mode in modes:
         for detuned, weight in WEIGHTS:
-            left = _residual(spans, pieces, duration_s * detuned * mode.eigenvalue_rad_s)
+            left = _residual(spans, pieces, living, duration_s * detuned * mode.eigenvalue_rad_s)
             left /= CUBIC_RESIDUAL
             cost += weight * (np.outer(left.real, left.real) + np.outer(left.imag, left.imag))
     return cost
 
 
-def _residual(spans: Array, pieces: Array, eigenvalue: complex) -> NDArray[np.complex128]:
+def _residual(
+    spans: Array, pieces: Array, living: NDArray[np.intp], eigenvalue: complex
+) -> NDArray[np.complex128]:
     """Integral over [0, 1] of each spline's third derivative times exp(eigenvalue (1 - tau))."""
     width = np.diff(spans)
     powers = np.arange(3, pieces.shape[1])
@@ -49,7 +56,9 @@ def _residual(spans: Array, pieces: Array, eigenvalue: complex) -> NDArray[np.co
     moments = np.stack([_moments(eigenvalue * h, len(powers)) for h in width])
     moments *= width[:, None] ** np.arange(1, len(powers) + 1)
     moments *= np.exp(eigenvalue * (1.0 - spans[:-1]))[:, None]
-    return np.asarray(np.einsum("kj,kjn->n", moments, third))
+    residual = np.zeros(int(living.max()) + 1, dtype=complex)
+    np.add.at(residual, living, np.einsum("kj,kjn->kn", moments, third))
+    return residual
 
 
 def _moments(phase: complex, count: int) -> NDArray[np.complex128]:

@@ -146,7 +146,7 @@ def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Arra
     return np.asarray(np.einsum("nx,jix->nij", axis_platform, table).reshape(-1, 9))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=3)  # each keeps its basis, and on rows takes 20 MB
 def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool) -> DetourOcp:
     """Made once per process and basis."""
     return DetourOcp(spline, cones, calm=calm)

@@ -81,18 +81,23 @@ class Values(NamedTuple):
 class _Basis:
     """Everything the knots determine; n coefficients, the first and last three fixed.
 
-    derivatives: D_0 = 1, D_1, D_2, D_3.  fixed_from_ends: (6, 6) from the normalised angle,
-    rate, acceleration at both ends.  pieces: (spans, degree + 1, n) power coefficients.
+    fixed_from_ends: (6, 6) from the normalised angle, rate, acceleration at both ends.
+    pieces: (spans, degree + 1, degree + 1), power coefficients from the coefficients that live
+    on a span; the others are nought, and hundreds of spans would make them 100 MB.
     """
 
     knots: Array
     spans: Array
-    derivatives: tuple[Array, ...]
     fixed: NDArray[np.intp]
     free: NDArray[np.intp]
     fixed_from_ends: Array
-    cost: Array
     pieces: Array
+
+    @property
+    def living(self) -> NDArray[np.intp]:
+        """Which coefficients live on each span, shape (spans, degree + 1)."""
+        spans, powers, _ = self.pieces.shape
+        return np.asarray(np.arange(spans)[:, None] + np.arange(powers))
 
 
 class SplineOcp:
@@ -105,19 +110,19 @@ class SplineOcp:
 
     def __init__(self, breakpoints: Array, degree: int) -> None:
         self._basis = basis = _basis(breakpoints, degree)
-        cost_free = basis.cost[np.ix_(basis.free, basis.free)]
+        n = len(basis.free) + len(basis.fixed)
+        cost = _jerk_cost(basis, n) / JERK_COST
+        cost_free = cost[np.ix_(basis.free, basis.free)]
         # Short spans make costs of 1e11 beside 1: in c the gradient drowns in rounding.
         self._unit = 1.0 / np.sqrt(JERK_COST * np.diag(cost_free))
         self.hessian = cost_free * np.outer(self._unit, self._unit)
-        self._gradient = basis.cost[np.ix_(basis.free, basis.fixed)] * self._unit[:, None]
+        self._gradient = cost[np.ix_(basis.free, basis.fixed)] * self._unit[:, None]
         self._unconstrained = -np.linalg.solve(self.hessian, self._gradient)
+        derivatives = _derivatives(basis.knots, degree)[1:]
         self._limited = [
-            np.flatnonzero(np.any(matrix[:, basis.free] != 0.0, axis=1))
-            for matrix in basis.derivatives[1:]
+            np.flatnonzero(np.any(matrix[:, basis.free] != 0.0, axis=1)) for matrix in derivatives
         ]
-        rows = np.vstack(
-            [d[rows] for d, rows in zip(basis.derivatives[1:], self._limited, strict=True)]
-        )
+        rows = np.vstack([d[rows] for d, rows in zip(derivatives, self._limited, strict=True)])
         self._row_scale = 1.0 / np.abs(rows[:, basis.free] * self._unit).max(axis=1)
         self.jacobian = rows[:, basis.free] * self._unit * self._row_scale[:, None]
         self._jacobian_fixed = rows[:, basis.fixed] * self._row_scale[:, None]
@@ -200,7 +205,9 @@ class SplineOcp:
         basis = self._basis
         span = np.searchsorted(basis.spans, tau, side="right") - 1
         powers = (tau - basis.spans[span])[:, None] ** np.arange(basis.pieces.shape[1])
-        all_c = np.einsum("kj,kjn->kn", powers, basis.pieces[span])
+        all_c = np.zeros((len(tau), len(basis.free) + len(basis.fixed)))
+        weights = np.einsum("kj,kjn->kn", powers, basis.pieces[span])
+        np.put_along_axis(all_c, basis.living[span], weights, axis=1)
         return Values(all_c[:, basis.free] * self._unit, all_c[:, basis.fixed])
 
     def guess(self, posed: PosedAxis, profile: AxisProfile, aside_rad: Array) -> Array:
@@ -248,7 +255,7 @@ class SplineOcp:
         known = self._jacobian_fixed @ fixed
         gradient, hessian = self._gradient @ fixed, None
         if avoid_modes:
-            calm = modal_cost(basis.spans, basis.pieces, duration_s, avoid_modes)
+            calm = modal_cost(basis.spans, basis.pieces, basis.living, duration_s, avoid_modes)
             free = calm[np.ix_(basis.free, basis.free)]
             hessian = self.hessian + free * np.outer(self._unit, self._unit)
             gradient = gradient + self._unit * (calm[np.ix_(basis.free, basis.fixed)] @ fixed)
@@ -272,7 +279,7 @@ class SplineOcp:
         c[basis.fixed] = posed.fixed
         c[basis.free] = y * self._unit
         powers = np.arange(basis.pieces.shape[1])
-        coefficients = np.einsum("kjn,n->kj", basis.pieces, c)
+        coefficients = np.einsum("kjn,kn->kj", basis.pieces, c[basis.living])
         coefficients = coefficients * posed.scale_rad / posed.duration_s**powers
         coefficients[:, 0] += posed.start_angle_rad
         return AxisProfile(breakpoints_s=basis.spans * posed.duration_s, coefficients=coefficients)
@@ -304,9 +311,7 @@ def _normalised_ends(start: AxisState, end: AxisState, T: float, scale: float) -
 def _basis(breakpoints: Array, degree: int) -> _Basis:
     knots = np.concatenate([np.zeros(degree), breakpoints, np.ones(degree)])
     n = len(knots) - degree - 1
-    derivatives = [np.eye(n)]
-    for order in range(1, 4):
-        derivatives.append(_difference(knots, n, degree, order) @ derivatives[-1])
+    derivatives = _derivatives(knots, degree)
     fixed = np.r_[0:ENDS, n - ENDS : n]
     ends = np.stack(
         [
@@ -314,65 +319,73 @@ def _basis(breakpoints: Array, degree: int) -> _Basis:
             *(derivatives[order][-1] for order in reversed(range(ENDS))),
         ]
     )
-    pieces = _power_pieces(breakpoints, knots, n, degree)
     return _Basis(
         knots=knots,
         spans=breakpoints,
-        derivatives=tuple(derivatives),
         fixed=fixed,
         free=np.arange(ENDS, n - ENDS),
         fixed_from_ends=np.linalg.inv(ends[:, fixed]),
-        cost=_jerk_cost(breakpoints, pieces) / JERK_COST,
-        pieces=pieces,
+        pieces=_power_pieces(breakpoints, knots, degree),
     )
 
 
-def _difference(knots: Array, n: int, degree: int, order: int) -> Array:
-    """Coefficients of derivative `order` from those of order - 1, shape (n-order, n-order+1)."""
+def _derivatives(knots: Array, degree: int) -> list[Array]:
+    """D_0 = 1 to D_3: coefficients of each derivative from the spline's own, (n - order, n)."""
+    n = len(knots) - degree - 1
+    chain = [np.eye(n)]
+    for order in range(1, ENDS + 1):
+        weight = _difference_weights(knots, n, degree, order)
+        chain.append(weight[:, None] * np.diff(chain[-1], axis=0))
+    return chain
+
+
+def _difference_weights(knots: Array, n: int, degree: int, order: int) -> Array:
+    """What the differences of the coefficients of derivative order - 1 count, (n - order,)."""
     count, p = n - order, degree - order + 1
     inner = knots[order:-order]
-    weight = p / (inner[p : p + count] - inner[:count])
-    matrix = np.zeros((count, count + 1))
-    index = np.arange(count)
-    matrix[index, index], matrix[index, index + 1] = -weight, weight
-    return matrix
+    return np.asarray(p / (inner[p : p + count] - inner[:count]))
 
 
-def _power_pieces(breakpoints: Array, knots: Array, n: int, degree: int) -> Array:
-    """(spans, degree+1, n): Taylor coefficients at each span's start, from the coefficients."""
-    matrix, factorial = np.eye(n), 1.0
-    pieces = np.empty((len(breakpoints) - 1, degree + 1, n))
+def _power_pieces(breakpoints: Array, knots: Array, degree: int) -> Array:
+    """Taylor coefficients at each span's start, from the coefficients that live on it."""
+    n, spans = len(knots) - degree - 1, len(breakpoints) - 1
+    local = np.tile(np.eye(degree + 1), (spans, 1, 1))
+    pieces, factorial = np.empty((spans, degree + 1, degree + 1)), 1.0
     for power in range(degree + 1):
         if power:
-            matrix = _difference(knots, n, degree, power) @ matrix
+            weight = _difference_weights(knots, n, degree, power)
+            here = weight[np.arange(spans)[:, None] + np.arange(degree + 1 - power)]
+            local = here[:, :, None] * np.diff(local, axis=1)
             factorial *= power
         reduced = knots[power : len(knots) - power]
-        for span, at in enumerate(breakpoints[:-1]):
-            weights = _values_at(reduced, degree - power, span, at)
-            pieces[span, power] = weights @ matrix[span : span + len(weights)] / factorial
+        values = _values_at_starts(reduced, degree - power, breakpoints[:-1])
+        pieces[:, power] = np.einsum("kl,kln->kn", values, local) / factorial
     return pieces
 
 
-def _values_at(knots: Array, degree: int, span: int, at: float) -> Array:
-    """The degree + 1 B-splines that live on a span, at one point of it (Cox-de Boor)."""
-    left = span + degree
-    values = np.array([1.0])
+def _values_at_starts(knots: Array, degree: int, starts: Array) -> Array:
+    """The degree + 1 B-splines that live on each span, at its start (Cox-de Boor), (k, d + 1)."""
+    left = np.arange(len(starts))[:, None] + degree
+    at = starts[:, None]
+    values = np.ones((len(starts), 1))
     for p in range(1, degree + 1):
-        low, high = knots[left - p + 1 : left + 1], knots[left + 1 : left + p + 1]
+        low, high = knots[left + np.arange(1 - p, 1)], knots[left + np.arange(1, p + 1)]
         share = values / (high - low)
-        values = np.append((high - at) * share, 0.0) + np.append(0.0, (at - low) * share)
+        values = np.pad((high - at) * share, ((0, 0), (0, 1)))
+        values[:, 1:] += (at - low) * share
     return values
 
 
-def _jerk_cost(breakpoints: Array, pieces: Array) -> Array:
+def _jerk_cost(basis: _Basis, n: int) -> Array:
     """Integral over [0, 1] of the outer product of third derivatives, shape (n, n)."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    width = np.diff(breakpoints)
-    total = np.zeros((pieces.shape[2], pieces.shape[2]))
-    powers = np.arange(3, pieces.shape[1])
+    width, living = np.diff(basis.spans), basis.living
+    total = np.zeros((n, n))
+    powers = np.arange(3, basis.pieces.shape[1])
     factor = powers * (powers - 1) * (powers - 2)
     for node, weight in zip(nodes, weights, strict=True):
         x = width * (node + 1.0) / 2.0
-        third = np.einsum("kj,kjn->kn", factor * x[:, None] ** (powers - 3), pieces[:, 3:])
-        total += np.einsum("k,kn,km->nm", weight * width / 2.0, third, third)
+        third = np.einsum("kj,kjn->kn", factor * x[:, None] ** (powers - 3), basis.pieces[:, 3:])
+        squares = (weight * width / 2.0)[:, None, None] * third[:, :, None] * third[:, None, :]
+        np.add.at(total, (living[:, :, None], living[:, None, :]), squares)
     return total
