@@ -7,7 +7,8 @@ import uvicorn
 from app.main import create_app
 from app.observability.logs import configure_logs
 from app.security.access import is_loopback
-from app.security.protocol import HEAD_BYTES_MAX, GuardedProtocol
+from app.security.protocol import GuardedProtocol
+from app.security.request_form import HEAD_BYTES_MAX
 from app.settings import Settings
 from app.store.database import open_database
 from app.store.keys import KeyStore

@@ -15,6 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
+from app.api.json_bounds import beyond_bounds
 from planner.errors import InvalidInput
 from planner.frames.time_scales import utc_from_text
 
@@ -110,11 +111,12 @@ def _document(body: bytes) -> object:
         return _members(pairs)
 
     try:
-        return json.loads(body.decode("utf-8"), object_pairs_hook=members)
+        text = body.decode("utf-8")
+        if too_much := beyond_bounds(body):
+            raise ValueError(too_much)
+        return json.loads(text, object_pairs_hook=members)
     except UnicodeDecodeError as error:
         fault = f"the request must be UTF-8 text; byte {error.start} is not"
-    except RecursionError:
-        fault = "the request is nested too deeply"
     except ValueError as error:  # also a field twice, a number of 5000 digits
         fault = f"the request can't be read as JSON: {error}"
     raise InvalidRequest(FieldError(field="", detail=fault))

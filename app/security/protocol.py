@@ -18,14 +18,14 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from app.errors import PROBLEM_JSON
 from app.observability import request_id
 from app.security.headers import harden
+from app.security.request_form import HEAD_BYTES_MAX
 
-HEAD_BYTES_MAX = 32 * 1024
 _LINGER_S = 5.0  # for a client to read its refusal while it still sends
 
 _DETAILS = {
     HTTPStatus.BAD_REQUEST: "this is not HTTP/1.1 as RFC 9112 has it",
     HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE: (
-        f"the head of a request may have {HEAD_BYTES_MAX} bytes"
+        f"the head of a request, or of a chunk, may have {HEAD_BYTES_MAX} bytes"
     ),
     HTTPStatus.NOT_IMPLEMENTED: "of transfer codings only chunked is read",
 }

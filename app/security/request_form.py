@@ -7,18 +7,26 @@ from starlette.exceptions import HTTPException
 from starlette.types import Scope
 
 HEADERS_MAX = 100
+HEAD_BYTES_MAX = 32 * 1024
 QUERY_BYTES_MAX = 8192
 PATH_BYTES_MAX = 2048
 _ONCE = (b"authorization", b"content-length", b"content-type", b"host", b"transfer-encoding")
 
 
 def require_sound_head(scope: Scope) -> None:
-    """Raise 400, 414, 415 or 431, each with the cap."""
+    """Raise 400, 414, 415, 431 or 505, each with the cap."""
+    if not scope["http_version"].startswith("1."):
+        raise HTTPException(HTTPStatus.HTTP_VERSION_NOT_SUPPORTED, "HTTP/1.1 is spoken here")
     headers: list[tuple[bytes, bytes]] = scope["headers"]
     if len(headers) > HEADERS_MAX:
         raise HTTPException(
             HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE,
             f"a request may have {HEADERS_MAX} header fields, not {len(headers)}",
+        )
+    if sum(len(name) + len(value) for name, value in headers) > HEAD_BYTES_MAX:
+        raise HTTPException(
+            HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE,
+            f"the header fields of a request may have {HEAD_BYTES_MAX} bytes",
         )
     for part, most in ((_path(scope), PATH_BYTES_MAX), (scope["query_string"], QUERY_BYTES_MAX)):
         if len(part) > most:
@@ -55,4 +63,5 @@ def _require_one_meaning(headers: list[tuple[bytes, bytes]]) -> None:
 
 
 def _bad(detail: str) -> HTTPException:
-    return HTTPException(HTTPStatus.BAD_REQUEST, detail)
+    # Where the request ends is in doubt: nothing more is read from this connection.
+    return HTTPException(HTTPStatus.BAD_REQUEST, detail, {"Connection": "close"})

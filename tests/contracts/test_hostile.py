@@ -1,0 +1,133 @@
+"""Does whoever wishes the service ill get a refusal, quickly, and nothing else?"""
+
+import json
+import socket
+from contextlib import closing, suppress
+
+import pytest
+from hostile_cases import CASES, GET, Hostile, head, post
+from live_service import live_service
+
+SLOW_S = 1.0
+CONNECTIONS = 20
+# An answer that takes longer than this would be a hang; how long each takes is not asserted.
+PATIENCE_S = 20.0
+# Four times the largest body: its bytes, its text, what is built of it, and the allocator's rest.
+MEMORY_MIB = 4 * 8 + 100
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("hostile")
+    with live_service(
+        folder,
+        SLEWTRACK_BODY_TIMEOUT_S=str(SLOW_S),
+        SLEWTRACK_HEAD_TIMEOUT_S=str(SLOW_S),
+        SLEWTRACK_MAX_CONNECTIONS=str(CONNECTIONS),
+    ) as service:
+        yield service
+
+
+def connected(service) -> socket.socket:
+    return socket.create_connection(("127.0.0.1", service.port), timeout=PATIENCE_S)
+
+
+def answer(connection: socket.socket) -> tuple[int, dict[str, str], bytes]:
+    """Status, headers and body of the next answer."""
+    with connection.makefile("rb") as lines:
+        status = int(lines.readline().split()[1])
+        headers = {}
+        while line := lines.readline().strip():
+            name, _, value = line.decode("latin-1").partition(":")
+            headers[name.lower()] = value.strip()
+        return status, headers, lines.read(int(headers["content-length"]))
+
+
+def refused(connection: socket.socket, status: int, says: str = "") -> None:
+    got, headers, body = answer(connection)
+    problem = json.loads(body)
+    assert got == status, problem
+    assert headers["content-type"] == "application/problem+json"
+    assert headers["x-content-type-options"] == "nosniff"
+    assert "server" not in headers
+    assert problem["status"] == status
+    assert says in problem["detail"]
+    assert problem["instance"].endswith(headers["x-request-id"])
+    assert "Traceback" not in body.decode()
+    assert "/work" not in body.decode()
+    assert "site-packages" not in body.decode()
+
+
+def ask(service, sent: bytes) -> socket.socket:
+    connection = connected(service)
+    with suppress(BrokenPipeError, ConnectionResetError):  # refused before all was sent
+        connection.sendall(sent)
+    return connection
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_is_refused(service, case: Hostile):
+    with closing(ask(service, case.sent)) as connection:
+        refused(connection, case.status, case.says)
+
+
+def test_the_service_has_stayed_small(service, tmp_path):
+    """After all of the above, and answers still."""
+    with live_service(tmp_path) as fresh:
+        with closing(ask(fresh, head(GET))) as connection:
+            assert answer(connection)[0] == 200
+        assert service.memory_mib() < fresh.memory_mib() + MEMORY_MIB
+    with closing(ask(service, head(GET))) as connection:
+        assert answer(connection)[0] == 200
+
+
+def test_no_bug_was_met(service):
+    text = service.log.read_text()
+    assert "Traceback" not in text
+    assert "[error" not in text
+
+
+@pytest.mark.parametrize(
+    ("sent", "says"),
+    [
+        (b"", "head of a request"),
+        (b"GET / HT", "head of a request"),
+        (post(b"[1]")[:-1], "whole body"),
+    ],
+    ids=["nothing", "half a head", "half a body"],
+)
+def test_slow_clients_are_let_go(service, sent, says):
+    with closing(ask(service, sent)) as connection:
+        refused(connection, 408, f"{says} must come within {SLOW_S:g} s")
+        assert connection.recv(1) == b""
+
+
+def test_a_second_request_on_a_connection_is_timed_too(service):
+    with closing(ask(service, head(GET) + b"GET / HT")) as connection:
+        assert answer_of_stream(connection) == [200, 408]
+
+
+def answer_of_stream(connection: socket.socket) -> list[int]:
+    """The statuses of all answers until the connection ends."""
+    received = b""
+    while piece := connection.recv(65536):
+        received += piece
+    return [int(part[:3]) for part in received.split(b"HTTP/1.1 ")[1:]]
+
+
+def test_a_smuggled_request_is_not_answered(service):
+    """What a proxy that believes Content-Length would take for one body holds a second request."""
+    inner = head("GET /healthz HTTP/1.1")
+    sent = post(b"0\r\n\r\n" + inner, "Transfer-Encoding: chunked")
+    with closing(ask(service, sent)) as connection:
+        assert answer_of_stream(connection)[0] == 400
+
+
+def test_connections_beyond_the_cap_are_refused(service):
+    held = [connected(service) for _ in range(CONNECTIONS)]
+    try:
+        with closing(connected(service)) as one_more:
+            refused(one_more, 503, f"{CONNECTIONS} connections")
+    finally:
+        for connection in held:
+            connection.close()
