@@ -10,7 +10,7 @@ import anyio.to_thread
 from fastapi import FastAPI
 
 from app import errors
-from app.api import horizon, opportunities, pages, plans, platforms, spacecraft, system
+from app.api import audit, horizon, opportunities, pages, plans, platforms, spacecraft, system
 from app.jobs.disposable import start_server
 from app.observability.metrics import Metrics
 from app.observability.readiness import (
@@ -56,7 +56,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.settings = settings
     app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for resource in (plans, opportunities, horizon, spacecraft, platforms, system, pages):
+    for resource in (plans, opportunities, horizon, spacecraft, platforms, system, audit, pages):
         app.include_router(resource.router)
     pages.serve_files(app)
     errors.install(app)

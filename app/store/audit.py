@@ -32,10 +32,13 @@ def record(
     )
 
 
-def entries(database: Database, *, limit: int, before: int | None = None) -> list[AuditEntry]:
-    """The latest first; `before` an id, exclusively."""
-    wanted = select(AuditRow.__table__).order_by(AuditRow.id.desc()).limit(limit)
-    if before is not None:
-        wanted = wanted.where(AuditRow.id < before)
+def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:
+    """The latest first, of those older than the one with the id `before`."""
+    wanted = (
+        select(AuditRow.__table__)
+        .where(AuditRow.id < before)
+        .order_by(AuditRow.id.desc())
+        .limit(limit)
+    )
     with database.reading() as connection:
         return [AuditEntry(**row) for row in connection.execute(wanted).mappings()]
