@@ -1,0 +1,168 @@
+"""Is each limit kept, for each caller apart, and does the refusal say it?"""
+
+import json
+import threading
+
+import pytest
+from fastapi.testclient import TestClient
+from starlette.exceptions import HTTPException
+
+from app.api.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
+from app.main import create_app
+from app.observability.metrics import Metrics
+from app.security.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
+from app.settings import Settings
+from app.store.keys import KeyStore
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_s = 1000.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def refusal(limit: RateLimit, caller: str, per_minute: int) -> HTTPException:
+    with pytest.raises(HTTPException) as caught:
+        limit.spend(caller, per_minute)
+    assert caught.value.status_code == 429
+    return caught.value
+
+
+def test_a_minutes_worth_may_come_at_once_and_comes_back_in_a_minute():
+    clock = Clock()
+    limit = RateLimit(clock)
+    for _ in range(30):
+        limit.spend("a", 30)
+    assert refusal(limit, "a", 30).headers == {"Retry-After": "2"}
+    limit.spend("b", 30)  # another caller's own
+    clock.now_s += 2.0
+    limit.spend("a", 30)
+    refusal(limit, "a", 30)
+    clock.now_s += 60.0
+    for _ in range(30):
+        limit.spend("a", 30)
+    assert "30 requests a minute" in refusal(limit, "a", 30).detail
+
+
+def test_callers_without_number_take_no_memory_without_limit():
+    limit = RateLimit(Clock())
+    limit.spend("first", 1)
+    for number in range(CALLERS_KEPT):
+        limit.spend(f"caller {number}", 1)
+    limit.spend("first", 1)  # forgotten: the price of a bound
+
+
+def test_places_are_given_back():
+    limit = ConcurrencyLimit()
+    with (
+        limit.one_more("a", 1),
+        limit.one_more("b", 1),
+        pytest.raises(HTTPException, match="1 requests at a time"),
+        limit.one_more("a", 1),
+    ):
+        raise AssertionError("a second place was given")
+    with limit.one_more("a", 1):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "same"),
+    [
+        ("2001:db8::1", "2001:db8::ffff:1", True),
+        ("2001:db8::1", "2001:db8:0:1::1", False),
+        ("192.0.2.1", "192.0.2.2", False),
+        ("::ffff:192.0.2.1", "::ffff:192.0.2.2", False),
+    ],
+)
+def test_whom_an_address_belongs_to(one, other, same):
+    assert (network_of(one) == network_of(other)) is same
+
+
+def test_requests_a_minute_over_http(tmp_path):
+    with TestClient(create_app(Settings(data_dir=tmp_path, rate_per_minute=3))) as client:
+        for _ in range(3):
+            assert client.get("/v1/platforms").status_code == 200
+        answer = client.get("/v1/platforms")
+        assert answer.status_code == 429
+        assert 1 <= int(answer.headers["retry-after"]) <= 20
+        assert client.get("/healthz").status_code == 200
+
+
+def test_a_key_may_have_limits_of_its_own(tmp_path):
+    app = create_app(Settings(data_dir=tmp_path))
+    with TestClient(app) as client:
+        _, secret = KeyStore(app.state.database).create("slow", ["read"], rate_per_minute=1)
+        headers = {"Authorization": f"Bearer {secret}"}
+        assert client.get("/v1/platforms", headers=headers).status_code == 200
+        assert client.get("/v1/platforms", headers=headers).status_code == 429
+        assert client.get("/v1/platforms").status_code == 200
+
+
+def test_guessing_keys_is_slowed_down(tmp_path):
+    app = create_app(Settings(data_dir=tmp_path, require_keys=True, failures_per_minute=5))
+    with TestClient(app) as client:
+        _, secret = KeyStore(app.state.database).create("good", ["read"])
+        for _ in range(5):
+            assert client.get("/v1/platforms").status_code == 401
+        good = {"Authorization": f"Bearer {secret}"}
+        assert client.get("/v1/platforms", headers=good).status_code == 429
+        elsewhere = TestClient(app, client=("192.0.2.9", 1))
+        assert elsewhere.get("/v1/platforms", headers=good).status_code == 200
+
+
+def test_requests_at_a_time(tmp_path, monkeypatch):
+    entered, leave = threading.Event(), threading.Event()
+
+    def waiting(_metrics):
+        entered.set()
+        assert leave.wait(timeout=60)
+        return b""
+
+    monkeypatch.setattr(Metrics, "text", waiting)
+    app = create_app(Settings(data_dir=tmp_path, concurrency_per_key=1))
+    with TestClient(app) as client:
+        first = threading.Thread(target=client.get, args=("/metrics",))
+        first.start()
+        assert entered.wait(timeout=60)
+        answer = client.get("/v1/platforms")
+        assert client.get("/healthz").status_code == 200
+        leave.set()
+        first.join()
+        assert answer.status_code == 429
+        assert "1 requests at a time" in answer.json()["detail"]
+        assert client.get("/v1/platforms").status_code == 200
+
+
+def test_all_bodies_together(tmp_path):
+    with TestClient(create_app(Settings(data_dir=tmp_path, max_held_bytes=1000))) as client:
+        for _ in range(2):  # the first one's room is given back
+            answer = client.post("/v1/plans", json={"name": "x" * 500})
+            assert answer.status_code == 422
+        answer = client.post("/v1/plans", json={"name": "x" * 1000})
+        assert answer.status_code == 503
+        assert "1000 bytes together" in answer.json()["detail"]
+        assert answer.headers["retry-after"]
+
+
+@pytest.mark.parametrize(
+    ("document", "says"),
+    [
+        ([0] * (VALUES_MAX - 1), None),
+        ([0] * (VALUES_MAX + 1), f"{VALUES_MAX} values"),
+        ([["[,{" * 1000] * 1000], None),
+        (['\\"[[,,'] * 1000, None),
+        ({"a": "\\"}, None),
+    ],
+    ids=["many", "too many", "marks inside strings", "escapes", "an escaped escape"],
+)
+def test_values_are_counted_outside_strings(document, says):
+    found = beyond_bounds(json.dumps(document).encode())
+    assert (found is None) if says is None else (says in found)
+
+
+@pytest.mark.parametrize(("deep", "refused"), [(DEPTH_MAX, False), (DEPTH_MAX + 1, True)])
+def test_depth(deep, refused):
+    assert (beyond_bounds(b"[" * deep + b"]" * deep) is not None) is refused
+    assert beyond_bounds(b"[" + b"[]," * 1000 + b"[]]") is None
