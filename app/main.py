@@ -37,7 +37,25 @@ Plans how a two-axis platform on a spacecraft points its camera: target and sess
 a verified command table every 0.2 s out.
 
 Angles are in degrees, times RFC 3339 with an offset, quaternions scalar last. Whatever is
-refused is refused as `application/problem+json` with the field, the reason and the way out."""
+refused is refused as `application/problem+json` with the field, the reason and the way out.
+Every answer carries `X-Request-ID`, yours if you sent one; a problem's `instance` and the
+service's log name the same. Beyond loopback send `Authorization: Bearer` with an API key."""
+
+_TAGS = [
+    {"name": name, "description": meaning}
+    for name, meaning in (
+        ("plans", "Command tables of a two-axis platform: sessions in, a verified table out."),
+        ("opportunities", "When each target can be seen."),
+        ("campaigns", "Many targets over days: which sessions, in what order, all planned."),
+        (
+            "horizon",
+            "The local vertical, measured in images of the horizon; what cameras will see.",
+        ),
+        ("spacecraft", "Imaging sessions of the agile CMG spacecraft."),
+        ("platforms", "What can be asked for by name."),
+        ("system", "For operators and monitors."),
+    )
+]
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -50,6 +68,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redirect_slashes=False,
         lifespan=_ready_for_children,
         separate_input_output_schemas=False,
+        openapi_tags=_TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
     )

@@ -20,6 +20,8 @@ _REFUSALS_OF_BODIES = {
     HTTPStatus.REQUEST_TIMEOUT: "The body comes too slowly",
     HTTPStatus.REQUEST_ENTITY_TOO_LARGE: "The request is too long",
     HTTPStatus.UNSUPPORTED_MEDIA_TYPE: "The request is of another media type than we read",
+}
+_REFUSALS_OF_WORDS = {
     HTTPStatus.UNPROCESSABLE_ENTITY: "The request is refused: what is at fault, and the way out",
 }
 _REFUSALS_OF_ALL = {
@@ -98,6 +100,8 @@ def _complete_operation(operation: dict[str, Any], method: str, path: str) -> No
     refusals = dict(_REFUSALS_OF_ALL)
     if "requestBody" in operation:
         refusals |= _REFUSALS_OF_BODIES
+    if "requestBody" in operation or "parameters" in operation:
+        refusals |= _REFUSALS_OF_WORDS
     if path not in PROBES:
         refusals |= _REFUSALS_OF_ACCESS
         # OpenAPI 3.1 lists a key's roles here; the empty way is that of loopback.

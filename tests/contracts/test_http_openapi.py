@@ -6,6 +6,7 @@ import re
 
 import pytest
 from fastapi.testclient import TestClient
+from openapi_spec_validator import OpenAPIV31SpecValidator
 
 from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
@@ -78,6 +79,10 @@ def test_every_reference_leads_somewhere(document):
     assert refs
     assert refs | mapped <= set(document["components"]["schemas"])
     assert document["openapi"].startswith("3.1")
+
+
+def test_the_document_is_sound(document):
+    OpenAPIV31SpecValidator(document).validate()
 
 
 def test_every_operation_documents_its_refusals(document):
