@@ -80,10 +80,10 @@ class InertialAttitude:
 
     def _said(self, age_s: float) -> str:
         error_deg = float(np.rad2deg(_error_rms_rad(np.array([age_s]))[0]))
+        error = f"be off by some {error_deg:.2g} deg" if error_deg < 90.0 else "point anywhere"
         return (
             f"the attitude's epoch {utc_text(self.epoch, 0)} is {age_s / 60.0:.1f} min from the "
-            f"plan's farthest end: with a constant body rate the ISS would be off by some "
-            f"{error_deg:.2g} deg"
+            f"plan's farthest end: with a constant body rate the ISS would {error}"
         )
 
 
