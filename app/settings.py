@@ -21,7 +21,8 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="SLEWTRACK_", frozen=True)
 
     data_dir: Path = Field(
-        default_factory=_user_data_dir, description="Where the SQLite database is kept"
+        default_factory=_user_data_dir,
+        description="Where the SQLite database is kept; default: ~/.local/share/slewtrack",
     )
     database_url: str = Field(
         default="",
