@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from planner.commands import ROWS_PER_S
 from planner.errors import InfeasibleSlew, NotVisible, OutsideCoverage, Refusal
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.gimbal.keep_out import deepest_entry, keep_out_view
 from planner.gimbal.track import AxisTrack
 from planner.keyhole import followed
@@ -48,6 +48,7 @@ class Way:
     all cones, without a break.  ephemeris: the orbit it was found on.
     """
 
+    session: Session
     track: AxisTrack
     rows: Rows
     seen_from_s: float
@@ -72,6 +73,15 @@ def session_rows(session: Session, epoch_utc: datetime) -> Rows:
     return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
 
 
+def flown_span(
+    session: Session, epoch_utc: datetime, join_row: int, stop_row: int
+) -> tuple[datetime, datetime]:
+    """What is left of a session between the rows at which its track is joined and left."""
+    joined_utc = shifted_utc(epoch_utc, join_row / ROWS_PER_S)
+    left_utc = shifted_utc(epoch_utc, stop_row / ROWS_PER_S)
+    return max(session.start, joined_utc, key=tai_us), min(session.stop, left_utc, key=tai_us)
+
+
 def ways_to_hold(
     scenario: Scenario,
     ephemeris: Ephemeris,
@@ -90,7 +100,15 @@ def ways_to_hold(
     if isinstance(session.target, BenchMotionTarget):
         track = _prescribed(scenario, session.target, number, rows)
         seen_from_s = _out_of_cones_from_s(scenario, ephemeris, number, track, rows)
-        return (Way(track=track, rows=rows, seen_from_s=seen_from_s, ephemeris=ephemeris),)
+        return (
+            Way(
+                session=session,
+                track=track,
+                rows=rows,
+                seen_from_s=seen_from_s,
+                ephemeris=ephemeris,
+            ),
+        )
     los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
     _require_visible(los, rows, session.target, number)
     start_s = rows.start / ROWS_PER_S
@@ -100,6 +118,7 @@ def ways_to_hold(
     seen_from_s = _seen_from_s(los, start_s)
     return tuple(
         Way(
+            session=session,
             track=track,
             rows=rows,
             seen_from_s=max(
@@ -240,9 +259,10 @@ def _slew(
             from_row / ROWS_PER_S,
             scenario.slew,
             after_s=way.seen_from_s,
+            until_s=start_row / ROWS_PER_S,
             keep_out=keep_out,
         )
-        if early is not None and early.t_s <= start_row / ROWS_PER_S:
+        if early is not None:
             return round(early.t_s * ROWS_PER_S), early.solution
     problem = SlewProblem(
         axis_names=way.track.axis_names,

@@ -1,7 +1,7 @@
 """How does a scenario become a verified plan?  The whole story on one screen."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
@@ -12,8 +12,8 @@ from planner.assembly import assembled
 from planner.commands import ROWS_PER_S, CommandTable
 from planner.errors import VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us
-from planner.joining import Join, covering, sampled_sight, session_rows
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.joining import Join, covering, flown_span, sampled_sight, session_rows
 from planner.orbits import Ephemeris
 from planner.plan import Plan, Segment, SegmentKind, SlewRun
 from planner.scenario import Scenario, Session
@@ -26,15 +26,16 @@ from planner.verification import VerificationReport, verify
 BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
 
 
-def make_plan(scenario: Scenario) -> Plan:
+def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: None) -> Plan:
     """Plan every session in order of time and have the table judged.
 
+    on_stage: told each stage's name when it begins.
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
     there is one, the nearest session start that can.
     """
     keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
     epoch_utc = scenario.initial_state.epoch
-    clock = _StageClock()
+    clock = _StageClock(on_stage)
     with clock.stage("orbit"):
         ephemeris = covering(
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
@@ -97,8 +98,7 @@ def _as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str
     epoch_utc = scenario.initial_state.epoch
     sessions, losses = [], []
     for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
-        start = max(session.start, shifted_utc(epoch_utc, join.join_row / ROWS_PER_S), key=tai_us)
-        stop = min(session.stop, shifted_utc(epoch_utc, join.stop_row / ROWS_PER_S), key=tai_us)
+        start, stop = flown_span(session, epoch_utc, join.join_row, join.stop_row)
         sessions.append(replace(session, start=start, stop=stop))
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
         if late_s or early_s:
@@ -167,11 +167,13 @@ def _rejected(report: VerificationReport) -> VerificationFailed:
 class _StageClock:
     """Wall time per stage of the pipeline."""
 
-    def __init__(self) -> None:
+    def __init__(self, on_stage: Callable[[str], None]) -> None:
         self.wall_s: dict[str, float] = {}
+        self._on_stage = on_stage
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
+        self._on_stage(name)
         began_s = time.perf_counter()
         yield
         self.wall_s[name] = time.perf_counter() - began_s

@@ -153,14 +153,14 @@ class Scenario:
     def __post_init__(self) -> None:
         if not self.sessions:
             raise ValueError("sessions must hold at least one session")
-        earliest_utc = self.initial_state.epoch
+        earliest_utc, what = self.initial_state.epoch, "initial_state.epoch"
         for number, session in enumerate(self.sessions):
             if elapsed_s(session.start, earliest_utc) < 0.0:
                 raise ValueError(
                     f"sessions.{number}.start ({utc_text(session.start)}) must not come before "
-                    f"{utc_text(earliest_utc)}, when the platform is still busy"
+                    f"{what} ({utc_text(earliest_utc)})"
                 )
-            earliest_utc = session.stop
+            earliest_utc, what = session.stop, f"sessions.{number}.stop"
         self._check_initial_state()
 
     def _check_initial_state(self) -> None:

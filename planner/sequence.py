@@ -16,15 +16,25 @@ from planner.errors import (
     TrackBreaksLimit,
     Unreachable,
 )
+from planner.frames.time_scales import elapsed_s
 from planner.gimbal.keep_out import keep_out_view
-from planner.joining import Join, Way, joined, ways_to_hold
+from planner.joining import GRID_TOLERANCE_S, Join, Way, flown_span, joined, ways_to_hold
 from planner.nearest_start import refused_with_nearest_start
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario
-from planner.slew import BACKENDS, AxisState, next_duration_s, track_states, verdict
+from planner.slew import (
+    BACKENDS,
+    AxisState,
+    may_be_joined,
+    next_duration_s,
+    require_brakable,
+    track_states,
+    verdict,
+)
 from planner.targets import BenchMotionTarget
 
 SPLITS = 8  # how finely a loss is shared between two sessions
+TRIES_PER_PAIR = 6  # rows at which one slew is tried; the solver needs a row or two more at most
 States = tuple[AxisState, ...]
 
 
@@ -56,7 +66,8 @@ class _Step:
 
 
 Steps = tuple[_Step, ...]
-Conflict = Callable[[Scenario, _Stand, Way], tuple[int, int] | None]
+Pair = tuple[int, int]  # identities of the ways left and joined
+Resolve = Callable[["_Sequence", _Stand, Way], tuple[int, int] | None]
 
 
 def initial_state(scenario: Scenario) -> States:
@@ -76,28 +87,15 @@ def sequenced(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the
     nearest start that can be flown; the last with what each session would have to give up.
     """
+    state = initial_state(scenario)
+    if BACKENDS[scenario.slew.method].keeps_limits:
+        require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
     _require_start_outside_cones(scenario, ephemeris)
-    sessions = _ways_by_session(scenario, ephemeris)
-    barred: set[tuple[int, int]] = set()
-    while True:
-        steps = _cheapest(scenario, sessions, CONFLICTS[scenario.on_conflict], barred)
-        if steps is None:
-            raise _conflict(scenario, sessions, barred)
-        joins: list[Join] = []
-        for number, step in enumerate(steps):
-            stand = _stand(scenario, steps[:number])
-            way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
-            try:
-                join = joined(scenario, way, step.leave_row, stand.state(step.leave_row))
-            except InfeasibleSlew:
-                # Undecided by closed form, then found impossible by the solver.
-                barred.add((id(stand.way), id(step.way)))
-                break
-            if joins:
-                joins[-1] = replace(joins[-1], stop_row=step.leave_row)
-            joins.append(join)
-        else:
-            return joins
+    sequence = _Sequence(scenario, _ways_by_session(scenario, ephemeris))
+    flown = sequence.flown(scenario.on_conflict)
+    if flown is None:
+        raise _conflict(sequence)
+    return flown[1]
 
 
 def _require_start_outside_cones(scenario: Scenario, ephemeris: Ephemeris) -> None:
@@ -134,94 +132,138 @@ def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way
     return sessions
 
 
-def _stand(scenario: Scenario, steps: Steps) -> _Stand:
-    initial = initial_state(scenario)
-    if not steps:
-        return _Stand(way=None, join_row=0, initial=initial)
-    return _Stand(way=steps[-1].way, join_row=steps[-1].join_row, initial=initial)
+class _Sequence:
+    """The ways of each session, and the slews between them that solving found impossible."""
 
+    def __init__(self, scenario: Scenario, sessions: list[tuple[Way, ...]]) -> None:
+        self.scenario = scenario
+        self.sessions = sessions
+        self._barred: dict[Pair, set[tuple[int, int]]] = {}
 
-def _cheapest(
-    scenario: Scenario,
-    sessions: list[tuple[Way, ...]],
-    resolve: Conflict,
-    barred: set[tuple[int, int]],
-) -> Steps | None:
-    """Dynamic programme over the ways of each session; None when no chain of ways fits."""
-    chains: list[Steps] = [()]
-    for ways in sessions:
-        longer: list[Steps] = []
-        for way in ways:
-            options = [
-                (*chain, step)
-                for chain in chains
-                if (id(chain[-1].way) if chain else id(None), id(way)) not in barred
-                and (step := _step(scenario, _stand(scenario, chain), way, resolve)) is not None
-            ]
-            if options:
-                longer.append(min(options, key=_cost))
-        chains = longer
-    return min(chains, key=_cost, default=None)
+    def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
+        """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
+        while (steps := self.cheapest(CONFLICTS[mode], count)) is not None:
+            joins: list[Join] = []
+            for number, step in enumerate(steps):
+                stand = self.stand(steps[:number])
+                way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
+                try:
+                    join = joined(self.scenario, way, step.leave_row, stand.state(step.leave_row))
+                except InfeasibleSlew:
+                    # Undecided by closed form, then found impossible by the solver.
+                    pair = id(stand.way), id(step.way)
+                    self._barred.setdefault(pair, set()).add((step.leave_row, step.join_row))
+                    break
+                if joins:
+                    joins[-1] = replace(joins[-1], stop_row=step.leave_row)
+                joins.append(join)
+            else:
+                return steps, joins
+        return None
+
+    def stand(self, steps: Steps) -> _Stand:
+        """Where the next slew begins."""
+        initial = initial_state(self.scenario)
+        if not steps:
+            return _Stand(way=None, join_row=0, initial=initial)
+        return _Stand(way=steps[-1].way, join_row=steps[-1].join_row, initial=initial)
+
+    def cheapest(self, resolve: Resolve, count: int | None = None) -> Steps | None:
+        """Dynamic programme over the ways of each session; None when no chain of ways fits."""
+        chains: list[Steps] = [()]
+        for ways in self.sessions[:count]:
+            longer: list[Steps] = []
+            for way in ways:
+                options = [
+                    (*chain, step)
+                    for chain in chains
+                    if (step := self._step(self.stand(chain), way, resolve)) is not None
+                ]
+                if options:
+                    longer.append(min(options, key=_cost))
+            chains = longer
+        return min(chains, key=_cost, default=None)
+
+    def _step(self, stand: _Stand, way: Way, resolve: Resolve) -> _Step | None:
+        asked = (stand.last_row, way.rows.start)
+        rows = asked if self.fits(stand, way, *asked) else resolve(self, stand, way)
+        if rows is None:
+            return None
+        leave_row, join_row = rows
+        there = track_states(way.track, join_row / ROWS_PER_S)
+        least_s = [
+            next_duration_s(*ends, 0.0)
+            for ends in zip(stand.state(leave_row), there, self.scenario.axis_limits, strict=True)
+        ]
+        return _Step(
+            way=way,
+            leave_row=leave_row,
+            join_row=join_row,
+            lost_rows=stand.last_row - leave_row + join_row - way.rows.start,
+            slew_s=max(0.0 if least is None else least for least in least_s),
+        )
+
+    def fits(self, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
+        """Whether nothing known forbids the slew, and something is left of both sessions."""
+        barred = self._barred.get((id(stand.way), id(way)), set())
+        if (leave_row, join_row) in barred or len(barred) >= TRIES_PER_PAIR:
+            return False
+        if not leave_row < join_row or not self._leaves_something(stand, way, leave_row, join_row):
+            return False
+        if not BACKENDS[self.scenario.slew.method].keeps_limits:
+            return True
+        there = track_states(way.track, join_row / ROWS_PER_S)
+        duration_s = (join_row - leave_row) / ROWS_PER_S
+        if all(
+            verdict(*ends, duration_s).limit is None
+            for ends in zip(stand.state(leave_row), there, self.scenario.axis_limits, strict=True)
+        ):
+            return True
+        # The durations a slew can take have gaps: an earlier row may be within reach.
+        return self.scenario.slew.objective == "minimum_time" and may_be_joined(
+            way.track,
+            self.scenario.axis_limits,
+            stand.state(leave_row),
+            leave_row / ROWS_PER_S,
+            after_s=way.seen_from_s,
+            until_s=join_row / ROWS_PER_S,
+        )
+
+    def _leaves_something(self, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
+        epoch_utc = self.scenario.initial_state.epoch
+        spans = [flown_span(way.session, epoch_utc, join_row, way.rows.stop)]
+        if stand.way is not None:
+            spans.append(flown_span(stand.way.session, epoch_utc, stand.join_row, leave_row))
+        return all(
+            elapsed_s(stop_utc, start_utc) > COMMAND_STEP_S - GRID_TOLERANCE_S
+            for start_utc, stop_utc in spans
+        )
 
 
 def _cost(steps: Steps) -> tuple[int, float]:
     return sum(step.lost_rows for step in steps), sum(step.slew_s for step in steps)
 
 
-def _step(scenario: Scenario, stand: _Stand, way: Way, resolve: Conflict) -> _Step | None:
-    asked = (stand.last_row, way.rows.start)
-    rows = asked if _fits(scenario, stand, way, *asked) else resolve(scenario, stand, way)
-    if rows is None:
-        return None
-    leave_row, join_row = rows
-    there = track_states(way.track, join_row / ROWS_PER_S)
-    least_s = [
-        next_duration_s(*ends, 0.0)
-        for ends in zip(stand.state(leave_row), there, scenario.axis_limits, strict=True)
-    ]
-    return _Step(
-        way=way,
-        leave_row=leave_row,
-        join_row=join_row,
-        lost_rows=stand.last_row - leave_row + join_row - way.rows.start,
-        slew_s=max(0.0 if least is None else least for least in least_s),
-    )
-
-
-def _fits(scenario: Scenario, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
-    """Whether nothing known in closed form forbids the slew."""
-    if not stand.join_row <= leave_row < join_row < way.rows.stop:
-        return False
-    if not BACKENDS[scenario.slew.method].keeps_limits:
-        return True
-    duration_s = (join_row - leave_row) / ROWS_PER_S
-    there = track_states(way.track, join_row / ROWS_PER_S)
-    return all(
-        verdict(*ends, duration_s).limit is None
-        for ends in zip(stand.state(leave_row), there, scenario.axis_limits, strict=True)
-    )
-
-
-def _refuse(scenario: Scenario, stand: _Stand, way: Way) -> None:
+def _refuse(sequence: _Sequence, stand: _Stand, way: Way) -> None:
     """Nothing is given up."""
 
 
-def _shorten_later(scenario: Scenario, stand: _Stand, way: Way) -> tuple[int, int] | None:
+def _shorten_later(sequence: _Sequence, stand: _Stand, way: Way) -> tuple[int, int] | None:
     """The later session begins late."""
-    return _shared(scenario, stand, way, (0,))
+    return _shared(sequence, stand, way, (0,))
 
 
-def _shorten_earlier(scenario: Scenario, stand: _Stand, way: Way) -> tuple[int, int] | None:
+def _shorten_earlier(sequence: _Sequence, stand: _Stand, way: Way) -> tuple[int, int] | None:
     """The earlier session ends early."""
-    return _shared(scenario, stand, way, (SPLITS,))
+    return _shared(sequence, stand, way, (SPLITS,))
 
 
-def _least_loss(scenario: Scenario, stand: _Stand, way: Way) -> tuple[int, int] | None:
+def _least_loss(sequence: _Sequence, stand: _Stand, way: Way) -> tuple[int, int] | None:
     """Both give something, so that the sum is least."""
-    return _shared(scenario, stand, way, tuple(range(SPLITS + 1)))
+    return _shared(sequence, stand, way, tuple(range(SPLITS + 1)))
 
 
-CONFLICTS: dict[str, Conflict] = {
+CONFLICTS: dict[str, Resolve] = {
     "refuse": _refuse,
     "shorten_later": _shorten_later,
     "shorten_earlier": _shorten_earlier,
@@ -230,7 +272,7 @@ CONFLICTS: dict[str, Conflict] = {
 
 
 def _shared(
-    scenario: Scenario, stand: _Stand, way: Way, eighths: tuple[int, ...]
+    sequence: _Sequence, stand: _Stand, way: Way, eighths: tuple[int, ...]
 ) -> tuple[int, int] | None:
     """The rows of least loss, of which the earlier session bears one of the given eighths."""
 
@@ -238,7 +280,7 @@ def _shared(
         for share in eighths:
             early = round(loss * share / SPLITS)
             rows = (stand.last_row - early, way.rows.start + loss - early)
-            if _fits(scenario, stand, way, *rows):
+            if sequence.fits(stand, way, *rows):
                 return rows
         return None
 
@@ -260,35 +302,50 @@ def _shared(
     return found
 
 
-def _conflict(
-    scenario: Scenario, sessions: list[tuple[Way, ...]], barred: set[tuple[int, int]]
-) -> InfeasibleSlew:
+def _conflict(sequence: _Sequence) -> InfeasibleSlew:
     """The refusal of the first session that can't be joined in time, and what would help."""
+    scenario = sequence.scenario
     steps: Steps = ()
-    for number in range(len(sessions)):
-        longer = _cheapest(scenario, sessions[: number + 1], _refuse, barred)
+    for number in range(len(sequence.sessions)):
+        longer = sequence.flown(scenario.on_conflict, number + 1)
         if longer is None:
             break
-        steps = longer
-    stand = _stand(scenario, steps)
+        steps = longer[0]
+    stand = sequence.stand(steps)
     state = stand.state(stand.last_row)
-    try:
-        joined(scenario, sessions[number][0], stand.last_row, state)
-    except InfeasibleSlew as refusal:
-        found = refused_with_nearest_start(scenario, number, stand.last_row, state, refusal)
-    else:
-        raise SolverFailed(
-            f"the slew to session {number} was found impossible and then possible",
-            field=f"sessions.{number}.start",
-        )
+    refusal = _refused(sequence, number, stand)
+    found = refused_with_nearest_start(scenario, number, stand.last_row, state, refusal)
     found.give_up = tuple(
         offer
-        for mode, resolve in CONFLICTS.items()
-        for offer in _given_up(
-            mode, _cheapest(scenario, sessions[: number + 1], resolve, barred) or ()
-        )
+        for mode in CONFLICTS
+        if (instead := sequence.flown(mode, number + 1)) is not None
+        for offer in _given_up(mode, instead[0])
     )
     return found
+
+
+def _refused(sequence: _Sequence, number: int, stand: _Stand) -> InfeasibleSlew:
+    for way in sequence.sessions[number]:
+        try:
+            joined(sequence.scenario, way, stand.last_row, stand.state(stand.last_row))
+        except InfeasibleSlew as refusal:
+            return _with_mode(refusal, sequence.scenario.on_conflict) if stand.way else refusal
+    raise SolverFailed(
+        f"the slew to session {number} was found impossible and then possible",
+        field=f"sessions.{number}.start",
+    )
+
+
+def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
+    """The same, saying that giving something up as asked doesn't help."""
+    if mode == "refuse":
+        return refusal
+    return InfeasibleSlew(
+        f'{refusal.detail}; "on_conflict": "{mode}" finds no slew that leaves '
+        f"{COMMAND_STEP_S} s of each session",
+        axis=refusal.axis,
+        limit=refusal.limit,
+    )
 
 
 def _given_up(mode: str, steps: Steps) -> list[GiveUp]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.errors import Refusal, TrackBreaksLimit, Unreachable
+from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.gimbal.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.gimbal.hermite import flown_range, quintic_motion
@@ -225,11 +225,15 @@ def _unreachable(
     start, stop = _at(los, first + int(lost[0])), _at(los, first + int(lost[-1]))
     share = len(lost) / len(reachable)
     return Unreachable(
-        f"no pair of axis angles of {platform.name} points at the target for {share:.0%} of the "
-        f"session, between {utc_text(start)} and {utc_text(stop)}; choose other times, or turn "
+        f"no pair of axis angles of {platform.name} points at the target for {_percent(share)} of "
+        f"the session, between {utc_text(start)} and {utc_text(stop)}; choose other times, or turn "
         "the carrier so that the target leaves the dead cone of the axes",
         at_utc=start,
     )
+
+
+def _percent(share: float) -> str:
+    return "less than 1%" if share < 0.01 else f"{share:.0%}"
 
 
 def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:
@@ -248,10 +252,12 @@ def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
     order = {"angle": 0, "jerk": 1, "acceleration": 2, "rate": 3}
     worst = max(breaks, key=lambda found: (order[found.limit], found.row))
     at_utc = _at(los, worst.row)
+    value_deg, bound_deg = math.degrees(worst.value), math.degrees(worst.bound)
+    value, bound = figures(value_deg, bound_deg), figures(bound_deg, value_deg)
     if worst.limit == "angle":
         return Unreachable(
-            f"{worst.axis} would have to turn to {math.degrees(worst.value):.2f} deg at "
-            f"{utc_text(at_utc)}, beyond its stop at {math.degrees(worst.bound):.2f} deg, and the "
+            f"{worst.axis} would have to turn to {value} deg at "
+            f"{utc_text(at_utc)}, beyond its stop at {bound} deg, and the "
             "other ways to point there pass a stop too; choose other times",
             axis=worst.axis,
             limit="angle",
@@ -259,8 +265,8 @@ def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
         )
     unit = {"rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}[worst.limit]
     return TrackBreaksLimit(
-        f"following the target needs {math.degrees(abs(worst.value)):.3f} {unit} of {worst.axis} "
-        f"at {utc_text(at_utc)}, more than the {math.degrees(abs(worst.bound)):.3f} {unit} it has; "
+        f"following the target needs {value.lstrip('-')} {unit} of {worst.axis} "
+        f"at {utc_text(at_utc)}, more than the {bound.lstrip('-')} {unit} it has; "
         "choose a pass farther from the singular direction of the axes, a shorter session, or "
         '"keyhole": "nearest"',
         axis=worst.axis,

@@ -3,9 +3,9 @@
 from planner.slew.backends import BACKENDS
 from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spline
 from planner.slew.detour import cleared
-from planner.slew.feasibility import next_duration_s, verdict
+from planner.slew.feasibility import next_duration_s, require_brakable, verdict
 from planner.slew.grid import flown
-from planner.slew.join import earliest_join, track_states
+from planner.slew.join import earliest_join, may_be_joined, track_states
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.solution import SlewSolution
 
@@ -20,7 +20,9 @@ __all__ = [
     "compare_with_spline",
     "earliest_join",
     "flown",
+    "may_be_joined",
     "next_duration_s",
+    "require_brakable",
     "track_states",
     "verdict",
 ]

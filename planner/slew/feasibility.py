@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits
+from planner.slew.least_jerk import least_jerk_profile
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.quickest import DURATION_TOLERANCE, profile_lasting, quickest_profile
 from planner.slew.solution import AxisProfile, obeys
@@ -35,8 +36,9 @@ def verdict(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: fl
     if not passes_certificate(start, end, limits, duration_s):
         return AxisVerdict(limit=limit or "duration")
     profile = profile_lasting(start, end, limits, duration_s)
-    if profile is not None and obeys(profile, start, end, limits):
-        return AxisVerdict(profile=profile)
+    for candidate in (profile, least_jerk_profile(start, end, duration_s)):
+        if candidate is not None and obeys(candidate, start, end, limits):
+            return AxisVerdict(profile=candidate)
     if limit is None and profile is None and quickest_profile(start, end, limits) is not None:
         limit = "duration"
     return AxisVerdict(limit=limit)
@@ -79,6 +81,42 @@ def dead_end(start: AxisState, end: AxisState, limits: AxisLimits) -> str | None
         if rate_margin_rad_s(state, limits) < -DURATION_TOLERANCE * limits.rate_max_rad_s:
             return "rate"
     return None
+
+
+def require_brakable(
+    axis_names: tuple[str, ...], state: tuple[AxisState, ...], limits: tuple[AxisLimits, ...]
+) -> None:
+    """Raises InfeasibleSlew where the platform's own motion can't be braked before a limit."""
+    doomed = [
+        (name, limit, _unbrakable_because(name, limit, motion, bound))
+        for name, motion, bound in zip(axis_names, state, limits, strict=True)
+        if (limit := dead_end(motion, motion.at_rest(), bound)) is not None
+    ]
+    if doomed:
+        raise InfeasibleSlew(
+            "; ".join(why for _, _, why in doomed)
+            + "; begin with less rate or acceleration, or farther from the limit",
+            field="initial_state",
+            axis=doomed[0][0],
+            limit=doomed[0][1],
+        )
+
+
+def _unbrakable_because(name: str, limit: str, state: AxisState, limits: AxisLimits) -> str:
+    rate, acceleration = math.degrees(state.rate_rad_s), math.degrees(state.acceleration_rad_s2)
+    begins = f"{name} begins with {rate:.4g} deg/s and {acceleration:.4g} deg/s2"
+    if limit == "rate":
+        bound = f"{math.degrees(limits.rate_max_rad_s):.6g} deg/s"
+        passes = f"its rate passes {bound} by {_degrees(-rate_margin_rad_s(state, limits))} deg/s"
+    else:
+        stops = math.degrees(limits.angle_min_rad), math.degrees(limits.angle_max_rad)
+        bound = f"its stops at {stops[0]:.6g} and {stops[1]:.6g} deg"
+        passes = f"it passes {bound} by {_degrees(-stop_margin_rad(state, limits))} deg"
+    return f"{begins}, and however hard it brakes {passes}"
+
+
+def _degrees(value_rad: float) -> str:
+    return f"{math.degrees(value_rad):.3g}"
 
 
 def next_duration_s(

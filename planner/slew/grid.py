@@ -10,8 +10,9 @@ from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.gimbal.hermite import flown_range
 from planner.platforms import AxisLimits, StructuralMode
-from planner.slew.backends.ipopt import SPANS, graded_ocp
+from planner.slew.backends.ipopt import SPANS, graded_ocp, motion_between
 from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.braking import braked_ends
 from planner.slew.problem import LIMIT_TOLERANCE, AxisState
 from planner.slew.quickest import quickest_profile
 from planner.slew.solution import AxisProfile, SlewSolution, bounds, obeys
@@ -107,7 +108,9 @@ def _repaired(
     modes: tuple[StructuralMode, ...],
 ) -> tuple[AxisProfile | None, int]:
     """The smoothest of the motions that rows can carry, and the iterations it took."""
-    iterations = 0
+    braked, iterations = _braked(start, end, limits, rows, modes)
+    if braked is not None:
+        return braked, iterations
     if rows > ROWS_ALL_FREE:
         # A long slew leaves its plan only where the acceleration's limit bends it.
         excess = max(limit_excess(profile, rows, limits), 0.0)
@@ -132,6 +135,32 @@ def _repaired(
         if _flies(result.profile, start, end, limits, rows):
             return result.profile, iterations
     return None, iterations
+
+
+def _braked(
+    start: AxisState,
+    end: AxisState,
+    limits: AxisLimits,
+    rows: int,
+    modes: tuple[StructuralMode, ...],
+) -> tuple[AxisProfile | None, int]:
+    """Braked at the ends in whole rows, and between them as rows can carry it; None if it can't."""
+    ends = braked_ends(start, end, limits)
+    if ends is None or ends.rows >= rows:
+        return None, 0
+    free_rows = rows - ends.rows
+    found = motion_between(ends.start, ends.end, limits, free_rows * COMMAND_STEP_S, modes)
+    if found is None:
+        return None, 0
+    free, iterations = found.profile, found.iterations
+    if not reproduces(free, free_rows, limits):
+        free_on_rows, used = _repaired(free, ends.start, ends.end, limits, free_rows, modes)
+        iterations += used
+        if free_on_rows is None:
+            return None, iterations
+        free = free_on_rows
+    whole = ends.around(free)
+    return (whole if _flies(whole, start, end, limits, rows) else None), iterations
 
 
 def _flies(

@@ -1,12 +1,12 @@
 """When can the slew first reach the track?"""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from planner.commands import COMMAND_STEP_S
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.errors import InfeasibleSlew
 from planner.gimbal.keep_out import KeepOutView
 from planner.gimbal.track import AxisTrack
@@ -14,12 +14,13 @@ from planner.platforms import AxisLimits
 from planner.scenario import SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.slew.detour import cleared
-from planner.slew.feasibility import next_duration_s
+from planner.slew.feasibility import next_duration_s, verdict
 from planner.slew.grid import flown
 from planner.slew.problem import AxisState, SlewProblem, within
 from planner.slew.solution import SlewSolution
 
 NEAR_S = 4.0  # closer than this to feasibility every row is tried
+ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
 DETOUR_ROWS = 10  # a detour takes a second longer or ten: rows tried between, then halved
 CAUTION = 4.0  # a receding or approaching track changes the time needed by a second per second
 
@@ -49,27 +50,30 @@ def earliest_join(
     options: SlewOptions,
     *,
     after_s: float = -math.inf,
+    until_s: float = math.inf,
     keep_out: KeepOutView | None = None,
 ) -> Join | None:
     """The first command row at which the slew can join the track; None: on no row of it.
 
     start: state at start_s.  All times count on the track's clock, whose whole multiples of
-    0.2 s are command rows.  after_s: earlier joins are of no use.  keep_out: its time counted
-    from start_s.  Each time is tested itself, by solving and flying the slew: feasible
-    durations may have gaps.  With cones, rows are tried every two seconds, and the first
-    success is taken forward by halving.
+    0.2 s are command rows.  after_s, until_s: other joins are of no use.  keep_out: its time
+    counted from start_s.  Each row is tested itself: by closed forms, which see the gaps in the
+    durations that an axis can take, and where they leave it open by solving and flying the slew.
+    When solving fails row after row, rows are left out, more and more; with cones, all within
+    two seconds.  The first success is then taken forward by halving, so that after a failure
+    the join is one with a failure just before it, not surely the first.
     """
 
     def joined_at(row: int) -> SlewSolution | None:
-        end = track_states(track, row / 5.0)
-        if _lacking_s(start, end, limits, row / 5.0 - start_s) > 0.0:
+        end = track_states(track, row / ROWS_PER_S)
+        if not _possible(start, end, limits, row / ROWS_PER_S - start_s):
             return None
         problem = SlewProblem(
             axis_names=track.axis_names,
             limits=limits,
             start=start,
             end=end,
-            duration_s=row / 5.0 - start_s,
+            duration_s=row / ROWS_PER_S - start_s,
             avoid_modes=options.avoid_modes,
             keep_out=keep_out,
         )
@@ -78,21 +82,64 @@ def earliest_join(
         except InfeasibleSlew:
             return None
 
-    row = math.ceil(max(start_s + COMMAND_STEP_S, track.t_s[0], after_s) / COMMAND_STEP_S - 1e-6)
-    last = math.floor(track.t_s[-1] / COMMAND_STEP_S + 1e-6)
-    tried = row - 1
-    while row <= last:
-        t_s = row / 5.0
-        end = track_states(track, t_s)
-        lacking_s = _lacking_s(start, end, limits, t_s - start_s)
-        solution = joined_at(row) if lacking_s <= 0.0 else None
+    last_s = min(until_s, float(track.t_s[-1]))
+    bad: int | None = None
+    failures = 0
+    for row in _rows_within_reach(track, limits, start, start_s, after_s, last_s):
+        step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
+        if bad is not None and row < bad + step:
+            continue
+        solution = joined_at(row)
         if solution is not None:
-            return _earlier(joined_at, tried, row, solution)
-        tried = row
-        skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
-        least_rows = DETOUR_ROWS if keep_out is not None and lacking_s <= 0.0 else 1
-        row += max(least_rows, math.floor(skipped_s / COMMAND_STEP_S))
+            return _earlier(joined_at, row - 1 if bad is None else bad, row, solution)
+        bad, failures = row, failures + 1
     return None
+
+
+def may_be_joined(
+    track: AxisTrack,
+    limits: tuple[AxisLimits, ...],
+    start: tuple[AxisState, ...],
+    start_s: float,
+    *,
+    after_s: float,
+    until_s: float,
+) -> bool:
+    """Whether closed forms leave open that the track is joined on some row up to until_s."""
+    rows = _rows_within_reach(track, limits, start, start_s, after_s, until_s)
+    return next(rows, None) is not None
+
+
+def _rows_within_reach(
+    track: AxisTrack,
+    limits: tuple[AxisLimits, ...],
+    start: tuple[AxisState, ...],
+    start_s: float,
+    after_s: float,
+    until_s: float,
+) -> Iterator[int]:
+    """Rows in order on which no closed form forbids the slew to end."""
+    first_s = max(start_s + COMMAND_STEP_S, float(track.t_s[0]), after_s)
+    row = math.ceil(first_s * ROWS_PER_S - 1e-6)
+    while row <= math.floor(until_s * ROWS_PER_S + 1e-6):
+        end = track_states(track, row / ROWS_PER_S)
+        lacking_s = _lacking_s(start, end, limits, row / ROWS_PER_S - start_s)
+        if lacking_s <= 0.0 and _possible(start, end, limits, row / ROWS_PER_S - start_s):
+            yield row
+        skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
+        row += max(1, math.floor(skipped_s * ROWS_PER_S))
+
+
+def _possible(
+    start: tuple[AxisState, ...],
+    end: tuple[AxisState, ...],
+    limits: tuple[AxisLimits, ...],
+    duration_s: float,
+) -> bool:
+    return all(
+        within(there, limit) and verdict(here, there, limit, duration_s).limit is None
+        for here, there, limit in zip(start, end, limits, strict=True)
+    )
 
 
 def _earlier(
@@ -106,7 +153,7 @@ def _earlier(
             bad = middle
         else:
             good, solution = middle, found
-    return Join(t_s=good / 5.0, solution=solution)
+    return Join(t_s=good / ROWS_PER_S, solution=solution)
 
 
 def _lacking_s(

@@ -9,7 +9,7 @@ import ruckig
 
 from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
-from planner.slew.solution import AxisProfile
+from planner.slew.solution import AxisProfile, chained
 
 LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; any slew of an hour can rest on its way
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
@@ -74,19 +74,12 @@ def resting(
     rest: AxisState, to_rest: AxisProfile | None, on: AxisProfile | None, duration_s: float
 ) -> AxisProfile:
     """A motion to rest, a wait, and a motion on; a missing one is already where it leads."""
-    parts = [np.array([[rest.angle_rad, 0.0, 0.0, 0.0]])]
-    breakpoints = [np.zeros(1), np.full(1, duration_s)]
-    if to_rest is not None:
-        parts.insert(0, to_rest.coefficients)
-        breakpoints[0] = to_rest.breakpoints_s
-    if on is not None:
-        parts.append(on.coefficients)
-        breakpoints[1] = duration_s - on.duration_s + on.breakpoints_s
-    width = max(part.shape[1] for part in parts)
-    padded = [np.pad(part, ((0, 0), (0, width - part.shape[1]))) for part in parts]
-    return AxisProfile(
-        breakpoints_s=np.concatenate(breakpoints), coefficients=np.concatenate(padded)
+    moving_s = sum(part.duration_s for part in (to_rest, on) if part is not None)
+    wait = AxisProfile(
+        breakpoints_s=np.array([0.0, duration_s - moving_s]),
+        coefficients=np.array([[rest.angle_rad, 0.0, 0.0, 0.0]]),
     )
+    return chained([part for part in (to_rest, wait, on) if part is not None])
 
 
 def profile_lasting(

@@ -193,6 +193,29 @@ class SlewSolution:
         return angle, rate, acceleration, jerk
 
 
+def chained(parts: list[AxisProfile]) -> AxisProfile:
+    """One motion after the other; each must begin as the one before ends."""
+    begins_s = np.cumsum([0.0, *(part.duration_s for part in parts)])
+    width = max(part.coefficients.shape[1] for part in parts)
+    return AxisProfile(
+        breakpoints_s=np.concatenate(
+            [
+                np.zeros(1),
+                *(
+                    at_s + part.breakpoints_s[1:]
+                    for at_s, part in zip(begins_s, parts, strict=False)
+                ),
+            ]
+        ),
+        coefficients=np.concatenate(
+            [
+                np.pad(part.coefficients, ((0, 0), (0, width - part.coefficients.shape[1])))
+                for part in parts
+            ]
+        ),
+    )
+
+
 def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[LimitViolation, ...]:
     """Limits that the profile breaks anywhere, the worst value of each."""
     found = []

@@ -130,6 +130,54 @@ def test_a_tight_sequence_is_shortened_as_asked():
     assert 0.0 < losses_s["least_loss"] <= min(losses_s.values())
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "mode"),
+    [
+        ((140.0, 140.2), (149.8, 150.2), "shorten_earlier"),
+        ((140.0, 140.2), (149.6, 150.0), "least_loss"),
+        ((140.1, 140.3), (149.6, 150.0), "shorten_earlier"),  # off the grid of rows
+        ((140.0, 150.0), (152.0, 152.2), "shorten_later"),
+    ],
+)
+def test_a_session_that_would_lose_everything_is_refused_with_the_reason(first, second, mode):
+    sessions = session(LAS_VEGAS, *first), session(SALT_LAKE, *second)
+    with pytest.raises(InfeasibleSlew, match=f'"{mode}" finds no slew that leaves') as refused:
+        make_plan(scenario(*sessions, on_conflict=mode))
+    assert refused.value.field == "sessions.1.start"
+    assert mode not in {offer.on_conflict for offer in refused.value.give_up}
+
+
+def test_what_a_refused_sequence_offers_is_what_planning_so_loses():
+    with pytest.raises(InfeasibleSlew) as refused:
+        make_plan(scenario(*TIGHT[:2]))
+    for offer in refused.value.give_up:
+        asked = scenario(*TIGHT[:2], on_conflict=offer.on_conflict)
+        offered_s = sum(
+            other.start_later_s + other.stop_earlier_s
+            for other in refused.value.give_up
+            if other.on_conflict == offer.on_conflict
+        )
+        assert lost_s(asked, make_plan(asked)) == pytest.approx(offered_s, abs=1e-6)
+
+
+def test_a_start_that_cannot_be_braked_is_refused_and_nothing_else_is_sought():
+    with pytest.raises(InfeasibleSlew) as refused:
+        make_plan(
+            scenario(
+                session(LAS_VEGAS, 140.0, 150.0),
+                alpha=(81.2, 2.197, 0.26),
+                beta=(115.6, 2.489, 0.962),
+                slew=SlewOptions(objective="minimum_time", jerk_max_deg_s3=0.3),
+            )
+        )
+    # 2.489 + 0.962^2 / 0.6 = 4.03 deg/s, 1.03 beyond 3
+    assert "beta begins with 2.489 deg/s" in refused.value.detail
+    assert "1.03 deg/s" in refused.value.detail
+    assert (refused.value.field, refused.value.axis) == ("initial_state", "beta")
+    assert refused.value.limit == "rate"
+    assert refused.value.earliest_feasible_start_utc is None
+
+
 def test_a_session_off_the_grid_is_enclosed_by_rows():
     plan = make_plan(scenario(session(LAS_VEGAS, 140.137, 140.4371)))
     track = plan.segments[-1]

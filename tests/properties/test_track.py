@@ -148,3 +148,36 @@ def test_singular_direction_itself_is_refused():
     los = great_circle(rows(0, 4), outer, outer, 0.0)
     with pytest.raises(Unreachable, match=r"singular|no pair"):
         track_candidates(ISS_HRC, los, 0.0, 4.0, REST)
+
+
+def test_a_jerk_beyond_the_limit_is_refused_with_its_axis_and_time():
+    t_s = rows(0.0, 60.0)
+    los = great_circle(t_s, [1.0, 0.3, 0.0], [0.0, 0.3, 1.0], 0.01)
+    [found, *_] = track_candidates(ISS_HRC, los, 10.0, 50.0, REST)
+    jerk = np.abs(np.diff(found.acceleration_rad_s2, axis=0)) / 0.2
+    worst = jerk.max(axis=0)
+    axis = int(np.argmax(worst))
+    # of the flown cubic's jerk, a mean over the cell as the difference is
+    limits = dataclasses.replace(ISS_HRC.outer_limits, jerk_max_rad_s3=0.5 * worst[axis])
+    slow = dataclasses.replace(ISS_HRC, outer_limits=limits, inner_limits=limits)
+    with pytest.raises(TrackBreaksLimit) as refused:
+        track_candidates(slow, los, 10.0, 50.0, REST)
+    assert refused.value.limit == "jerk"
+    assert refused.value.axis in ISS_HRC.axis_names
+    late_s = (refused.value.at_utc - EPOCH).total_seconds()
+    assert 10.0 <= late_s < 50.0
+    assert "deg/s3" in refused.value.detail
+
+
+def test_a_stop_passed_by_little_is_told_with_enough_digits():
+    los = great_circle(rows(0.0, 30.0), [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.01)
+    [found, *_] = track_candidates(roomy(350.0), los, 0.0, 30.0, REST)
+    passed = dataclasses.replace(
+        ISS_HRC.inner_limits, angle_max_rad=found.angle_rad[:, 1].max() - math.radians(1e-5)
+    )
+    stopped = dataclasses.replace(ISS_HRC, inner_limits=passed)
+    with pytest.raises(Unreachable) as refused:
+        track_candidates(stopped, los, 0.0, 30.0, REST)
+    words = refused.value.detail.split(" deg")
+    turned, stop = words[0].split()[-1], words[1].split()[-1]
+    assert turned != stop

@@ -9,12 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.commands import COMMAND_STEP_S
 from planner.platforms import AxisLimits, StructuralMode
 from planner.scenario import SlewOptions
 from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.braking import braked_ends
 from planner.slew.feasibility import AxisVerdict, infeasible, next_duration_s, verdict
 from planner.slew.least_jerk import least_jerk_profile
-from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.problem import AxisState, SlewProblem, within
 from planner.slew.quickest import LONGEST_S, quickest_profile, resting
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 
@@ -24,6 +26,7 @@ FINER_SPANS = 120
 STEEPNESS = 2.5
 FREE_SAMPLES = 33  # enough to tell which knots to try first
 QUICKEST_SHARE = 1.01  # below this multiple of the least time the exact profile is flown
+THIN_SHARE = 0.003  # of the rate limit in hand: the hull of any knots fails, so brake first
 GAP_PASSES = 8  # each pass leaves one gap of one axis behind; an axis has two at most
 
 
@@ -68,20 +71,35 @@ def solve_axis(problem: SlewProblem, axis: int, duration_s: float) -> AxisSoluti
     """One axis in exactly duration_s.  Raises InfeasibleSlew."""
     if duration_s > LONGEST_S:
         return _with_a_rest(problem, axis, duration_s)
-    start, end, limits = problem.start[axis], problem.end[axis], problem.limits[axis]
+    found = _motion(
+        problem.start[axis],
+        problem.end[axis],
+        problem.limits[axis],
+        duration_s,
+        problem.avoid_modes,
+    )
+    if isinstance(found, str):
+        raise infeasible(problem, axis, duration_s, found)
+    return found
+
+
+def _motion(
+    start: AxisState,
+    end: AxisState,
+    limits: AxisLimits,
+    duration_s: float,
+    modes: tuple[StructuralMode, ...],
+) -> AxisSolution | str:
+    """The smoothest motion in exactly duration_s, or the limit that forbids any."""
     smoothest = least_jerk_profile(start, end, duration_s)
-    modes = problem.avoid_modes
     if not modes and obeys(smoothest, start, end, limits):
         return AxisSolution(smoothest, "closed form", 0)
     found = verdict(start, end, limits, duration_s)
     if found.limit is not None:
-        raise infeasible(problem, axis, duration_s, found.limit)
+        return found.limit
     if found.profile is not None and _is_quickest(start, end, limits, duration_s):
         return AxisSolution(found.profile, "least time", 0)
-    solution = _climb(start, end, limits, duration_s, found, modes)
-    if solution is None:
-        raise infeasible(problem, axis, duration_s, "angle")
-    return solution
+    return _climb(start, end, limits, duration_s, found, modes) or "angle"
 
 
 def _with_a_rest(problem: SlewProblem, axis: int, duration_s: float) -> AxisSolution:
@@ -189,6 +207,9 @@ def _climb(
     per cent, where graded ones leave tens when the time is long.
     """
     iterations = 0
+    thin = braked_ends(start, end, limits, THIN_SHARE)
+    if thin and (braked := _braked_motion(start, end, limits, duration_s, avoid_modes)):
+        return braked
     free = least_jerk_profile(start, end, duration_s)
     angle = free.evaluate(np.linspace(0.0, duration_s, FREE_SAMPLES))[0]
     stopped = angle.min() < limits.angle_min_rad or angle.max() > limits.angle_max_rad
@@ -198,11 +219,52 @@ def _climb(
         if obeys(result.profile, start, end, limits):
             calm = ", modes spared" if avoid_modes else ""
             return AxisSolution(result.profile, status + calm, iterations)
+    braked = None if thin else _braked_motion(start, end, limits, duration_s, avoid_modes)
+    if braked is not None:
+        return braked._replace(iterations=iterations + braked.iterations)
     if avoid_modes:
         return _climb(start, end, limits, duration_s, found)
     if found.profile is not None:
         return AxisSolution(found.profile, "feasible, not the smoothest", iterations)
     return None
+
+
+def motion_between(
+    start: AxisState,
+    end: AxisState,
+    limits: AxisLimits,
+    duration_s: float,
+    avoid_modes: tuple[StructuralMode, ...] = (),
+) -> AxisSolution | None:
+    """The smoothest motion in exactly duration_s, None where there is none."""
+    if duration_s <= 0.0 or not (within(start, limits) and within(end, limits)):
+        return None
+    found = _motion(start, end, limits, duration_s, avoid_modes)
+    return None if isinstance(found, str) else found
+
+
+def _braked_motion(
+    start: AxisState,
+    end: AxisState,
+    limits: AxisLimits,
+    duration_s: float,
+    avoid_modes: tuple[StructuralMode, ...] = (),
+) -> AxisSolution | None:
+    """Braked at the ends where the rate comes near its limit, and the smoothest between.
+
+    A hull that must hold a rate whose peak all but touches the limit leaves no motion at all.
+    """
+    ends = braked_ends(start, end, limits)
+    if ends is None:
+        return None
+    free_s = duration_s - ends.rows * COMMAND_STEP_S
+    solution = motion_between(ends.start, ends.end, limits, free_s, avoid_modes)
+    if solution is None:
+        return None
+    profile = ends.around(solution.profile)
+    if not obeys(profile, start, end, limits):
+        return None
+    return AxisSolution(profile, f"{solution.status}, braked at the ends", solution.iterations)
 
 
 def _is_quickest(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float) -> bool:

@@ -1,0 +1,88 @@
+"""What must an axis do first, and last, because its rate is about to pass its limit?
+
+An acceleration towards the rate limit leaves an axis that is near it no choice: the jerk must
+take the acceleration back.  Doing so in whole rows of the command table leaves a slew between
+two ordinary states, and all three parts can be flown from rows exactly.
+"""
+
+import math
+from dataclasses import dataclass
+
+from planner.commands import COMMAND_STEP_S
+from planner.platforms import AxisLimits
+from planner.slew.problem import AxisState
+from planner.slew.quickest import profile_from_jerk
+from planner.slew.solution import AxisProfile, chained
+
+NEAR_SHARE = 0.1  # of the rate limit: with more in hand the axis is free
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class BrakedEnds:
+    """first, last: motions in whole rows at either end, None where the axis is free.
+
+    start, end: the states between which the axis is free.
+    """
+
+    first: AxisProfile | None
+    start: AxisState
+    end: AxisState
+    last: AxisProfile | None
+
+    @property
+    def rows(self) -> int:
+        """How many rows the motions at the ends take together."""
+        parts = [part.duration_s for part in (self.first, self.last) if part is not None]
+        return round(sum(parts) / COMMAND_STEP_S)
+
+    def around(self, free: AxisProfile) -> AxisProfile:
+        """The whole motion, free between the ends."""
+        return chained([part for part in (self.first, free, self.last) if part is not None])
+
+
+def braked_ends(
+    start: AxisState, end: AxisState, limits: AxisLimits, near_share: float = NEAR_SHARE
+) -> BrakedEnds | None:
+    """How both ends are braked, or None where neither end needs to be.
+
+    near_share: of the rate limit; an end that can keep so far from it is free.
+    """
+    first = _braking(start, limits, near_share)
+    last = _braking(end.reversed(), limits, near_share)
+    if first is None and last is None:
+        return None
+    return BrakedEnds(
+        first=first,
+        start=_end_state(first) if first else start,
+        end=_end_state(last).reversed() if last else end,
+        last=_backwards(last) if last else None,
+    )
+
+
+def _braking(state: AxisState, limits: AxisLimits, near_share: float) -> AxisProfile | None:
+    """With the gentlest jerk that keeps the rate and ends, acceleration spent, on a row."""
+    acceleration = abs(state.acceleration_rad_s2)
+    sign = math.copysign(1.0, state.acceleration_rad_s2)
+    room = limits.rate_max_rad_s - sign * state.rate_rad_s
+    jerk_max = limits.jerk_max_rad_s3
+    spare = room - acceleration**2 / (2.0 * jerk_max)
+    if acceleration == 0.0 or spare > near_share * limits.rate_max_rad_s:
+        return None
+    rows = math.floor(2.0 * room / acceleration / COMMAND_STEP_S + ROUNDING)
+    jerk = acceleration / (rows * COMMAND_STEP_S) if rows else math.inf
+    if jerk > jerk_max * (1.0 + ROUNDING):
+        rows = math.ceil(acceleration / (jerk_max * COMMAND_STEP_S) - ROUNDING)
+        jerk = jerk_max
+    return profile_from_jerk(state, [(rows * COMMAND_STEP_S, -sign * jerk)])
+
+
+def _end_state(profile: AxisProfile) -> AxisState:
+    angle, rate, acceleration, _ = profile.end_values[1].tolist()
+    return AxisState(angle_rad=angle, rate_rad_s=rate, acceleration_rad_s2=acceleration)
+
+
+def _backwards(profile: AxisProfile) -> AxisProfile | None:
+    """One piece of constant jerk with time running backwards."""
+    jerk = float(profile.end_values[0, 3])
+    return profile_from_jerk(_end_state(profile).reversed(), [(profile.duration_s, -jerk)])

@@ -1,0 +1,65 @@
+"""Are slews found whose acceleration must be taken back at once, lest the rate pass its limit?"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from slew_cases import LIMITS, deg_state, sampled
+
+from planner.errors import InfeasibleSlew
+from planner.scenario import SlewOptions
+from planner.slew import BACKENDS, SlewProblem, flown, require_brakable
+from planner.slew.solution import bounds
+
+ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
+RATE_MAX_DEG_S = 3.0
+
+
+def critical_state(jerk_deg_s3, acceleration_deg_s2, spare_deg_s):
+    """Braked with all its jerk at once, the rate comes within spare_deg_s of its limit."""
+    rise = acceleration_deg_s2**2 / (2.0 * jerk_deg_s3)
+    sign = np.sign(acceleration_deg_s2)
+    rate = sign * (RATE_MAX_DEG_S - spare_deg_s - rise)
+    return deg_state(-20.0 * sign, rate, acceleration_deg_s2)
+
+
+@pytest.mark.parametrize("spare_deg_s", [0.0, 1e-6, 1e-3, 2e-3, 0.02, 0.2])
+@pytest.mark.parametrize(
+    ("jerk_deg_s3", "acceleration_deg_s2", "duration_s"),
+    [(1.0, 1.0, 140.0), (0.37, -1.0, 60.0), (0.5, 0.33, 30.0), (0.083, -0.7, 600.0)],
+)
+@pytest.mark.parametrize("leads", [True, False])
+def test_found_at_either_end(spare_deg_s, jerk_deg_s3, acceleration_deg_s2, duration_s, leads):
+    limits = replace(LIMITS, jerk_max_rad_s3=np.radians(jerk_deg_s3))
+    moving = critical_state(jerk_deg_s3, acceleration_deg_s2, spare_deg_s)
+    resting = deg_state(35.0)
+    start, end = (moving, resting) if leads else (resting, moving.reversed())
+    problem = SlewProblem(
+        axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=duration_s
+    )
+    [profile] = flown(BACKENDS["ocp"].solve(problem, SlewOptions())).profiles
+    for values, (low, high) in zip(sampled(profile), bounds(limits), strict=True):
+        assert values.min() >= low - ROUNDING * (high - low)
+        assert values.max() <= high + ROUNDING * (high - low)
+    wanted = np.array(
+        [[one.angle_rad, one.rate_rad_s, one.acceleration_rad_s2] for one in (start, end)]
+    )
+    np.testing.assert_allclose(profile.end_values[:, :3], wanted, rtol=0, atol=1e-8)  # 2 mas
+
+
+@pytest.mark.parametrize(
+    ("state", "limit"),
+    [
+        (deg_state(0.0, 2.489, 1.05), "rate"),  # 2.489 + 1.05^2 / 2 = 3.04 deg/s
+        (deg_state(0.0, -2.6, -0.95), "rate"),
+        (deg_state(172.1, 2.0, 0.0), "angle"),  # 2^2 / 2 + 2 / 2 = 3 deg
+        (deg_state(-174.0, -1.5, 0.2), "angle"),
+    ],
+)
+def test_what_cannot_be_braked_is_refused_before_anything_else(state, limit):
+    calm = deg_state(0.0)
+    with pytest.raises(InfeasibleSlew) as refused:
+        require_brakable(("alpha", "beta"), (calm, state), (LIMITS, LIMITS))
+    assert (refused.value.axis, refused.value.limit) == ("beta", limit)
+    assert refused.value.field == "initial_state"
+    assert "alpha" not in refused.value.detail
