@@ -93,7 +93,7 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "sessions.0.stop", "0.2 s, after start, not 0.1 s"),
     ("no session", lambda: request(("sessions", [])), _READ, "sessions", "at least one"),
     ("overlap", lambda: request(("sessions", LAS_VEGAS["sessions"] * 2)), _READ,
-     "sessions.1.start", "still busy"),
+     "sessions.1.start", "must not come before sessions.0.stop"),
     ("too many", lambda: request(("sessions", LAS_VEGAS["sessions"] * 201)), _READ, "sessions",
      "must hold at most 200 entries"),
     ("too long", lambda: request(("sessions.0.stop", "2015-03-01T17:36:20Z")), _READ,
