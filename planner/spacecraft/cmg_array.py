@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spacecraft.compiled import compiled
+from planner.compiled import compiled
 from planner.spec import spec
 
 Array = NDArray[np.float64]

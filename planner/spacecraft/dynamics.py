@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from planner.spacecraft.compiled import compiled
+from planner.compiled import compiled
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spacecraft.compiled import compiled
+from planner.compiled import compiled
 from planner.spacecraft.dynamics import (
     Plant,
     Scratch,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.compiled import compiled
 from planner.spacecraft.cmg_array import CmgArray, rotor_momentum, steer
-from planner.spacecraft.compiled import compiled
 from planner.spacecraft.table import TICK_S
 
 Array = NDArray[np.float64]

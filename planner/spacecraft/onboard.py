@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.compiled import compiled
 from planner.spacecraft.cmg_array import rotor_momentum, steer
-from planner.spacecraft.compiled import compiled
 from planner.spacecraft.dynamics import rotate, unrotate
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spacecraft.compiled import compiled
+from planner.compiled import compiled
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -1,0 +1,144 @@
+"""Which targets compete for the platform, from when to when, and how much is each worth?"""
+
+import math
+from collections.abc import Mapping
+from datetime import datetime
+
+from planner.attitude import Attitude
+from planner.attitude.lvlh import LvlhAttitude
+from planner.commands import COMMAND_STEP_S
+from planner.frames.time_scales import elapsed_s, require_offset
+from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
+from planner.orbits import Orbit
+from planner.platforms import TwoAxisPlatform
+from planner.scenario import InitialState, SlewOptions
+from planner.spec import spec
+from planner.targets import Target
+from planner.targets.ranges import require_within
+
+STEPS_S = (0.4, 30.0)
+LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wanted one
+SESSION_MAX_S = 1200.0
+
+
+@spec
+class CampaignTarget:
+    """A target, the look it is to get, and what that is worth.
+
+    A look that lasts from min_session_s (session_s unless given) to session_s is worth its
+    share of session_s times `priority`.  looks: no more than so many, and one in a pass.
+    """
+
+    id: str
+    target: Target
+    priority: float = 1.0
+    session_s: float
+    min_session_s: float | None = None
+    looks: int = 1
+
+    def __post_init__(self) -> None:
+        OpportunityTarget(id=self.id, target=self.target)
+        require_within(
+            self,
+            ("priority", 1e-3, 1e6),
+            ("session_s", 1.0, SESSION_MAX_S),
+            ("min_session_s", 1.0, self.session_s),
+            ("looks", 1, 1000),
+        )
+
+    @property
+    def lengths_s(self) -> tuple[float, ...]:
+        """The lengths a look may have, ascending, whole command steps."""
+        least_s = self.session_s if self.min_session_s is None else self.min_session_s
+        wanted = [
+            least_s + share / (LENGTHS - 1) * (self.session_s - least_s) for share in range(LENGTHS)
+        ]
+        rows = [math.ceil(length_s / COMMAND_STEP_S - 1e-6) for length_s in wanted]
+        return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
+
+    def worth_value(self, length_s: float) -> float:
+        """Of a look that lasts so long."""
+        return self.priority * min(length_s / self.session_s, 1.0)
+
+
+@spec
+class CampaignRequest:
+    """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
+
+    rest_angles_deg: where the axes rest before, between and after passes.
+    step_s: looks begin on whole multiples of it after `start`, which is rounded up to a
+    command row; finer finds more and takes longer.
+    """
+
+    name: str = ""
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    platform: TwoAxisPlatform
+    rest_angles_deg: Mapping[str, float]
+    targets: tuple[CampaignTarget, ...]
+    start: datetime
+    stop: datetime
+    conditions: OpportunityConditions = OpportunityConditions()
+    slew: SlewOptions = SlewOptions()
+    step_s: float = 2.0
+
+    def __post_init__(self) -> None:
+        require_offset("start", self.start)
+        require_offset("stop", self.stop)
+        require_within(self, ("step_s", *STEPS_S))
+        steps = self.step_s / COMMAND_STEP_S
+        if abs(steps - round(steps)) > 1e-6:
+            raise ValueError(
+                f"step_s must be a whole multiple of {COMMAND_STEP_S:g} s, the table's step, not "
+                f"{self.step_s:g}"
+            )
+        if self.slew.method != "ocp":
+            raise ValueError(
+                "slew.method must be ocp: the choice of sessions relies on slews that keep the "
+                "limits"
+            )
+        self._require_rest()
+        self.opportunities()
+
+    def _require_rest(self) -> None:
+        names = self.platform.axis_names
+        if set(self.rest_angles_deg) != set(names):
+            raise ValueError(
+                f"rest_angles_deg must name the axes {', '.join(names)} of {self.platform.name}, "
+                f"not {', '.join(self.rest_angles_deg) or 'none'}"
+            )
+        for name, limits in zip(names, self.platform.axis_limits, strict=True):
+            low_deg, high_deg = (
+                math.degrees(limits.angle_min_rad),
+                math.degrees(limits.angle_max_rad),
+            )
+            if not low_deg <= self.rest_angles_deg[name] <= high_deg:
+                raise ValueError(
+                    f"rest_angles_deg.{name} must lie within its stops {low_deg:g}..{high_deg:g}, "
+                    f"not {self.rest_angles_deg[name]:g}"
+                )
+
+    def opportunities(self) -> OpportunityRequest:
+        """When each target can be seen at all."""
+        return OpportunityRequest(
+            orbit=self.orbit,
+            attitude=self.attitude,
+            platform=self.platform,
+            targets=tuple(
+                OpportunityTarget(id=wanted.id, target=wanted.target, priority=wanted.priority)
+                for wanted in self.targets
+            ),
+            start=self.start,
+            stop=self.stop,
+            conditions=self.conditions,
+            samples=2,
+        )
+
+    def resting_at(self, epoch_utc: datetime) -> InitialState:
+        """The platform at rest."""
+        return InitialState(epoch=epoch_utc, angles_deg=self.rest_angles_deg)
+
+    @property
+    def span_s(self) -> float:
+        """From start to stop."""
+        return elapsed_s(self.stop, self.start)

@@ -1,0 +1,105 @@
+"""How long does an axis need at least from one track to another?  Millions of times over.
+
+`planner.slew.quickest` answers for any state; here the accelerations at both ends, small
+beside the limit on a track, are taken away by ramps of their own, and what they cost is added
+(a time that surely suffices) or taken off (a time no motion can beat).
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.compiled import compiled
+from planner.platforms import AxisLimits
+
+Array = NDArray[np.float64]
+HALVINGS = 40  # of the span of peak rates: its rounding is 1e-12 of the rate limit
+BOUNDLESS = 1e12  # rad/s3: a jerk that takes no time
+
+
+def limit_table(limits: tuple[AxisLimits, ...]) -> Array:
+    """Rate, acceleration and jerk limit of each axis, shape (m, 3)."""
+    return np.array(
+        [
+            [axis.rate_max_rad_s, axis.acceleration_max_rad_s2, axis.jerk_max_rad_s3]
+            for axis in limits
+        ]
+    )
+
+
+@compiled
+def slew_time_s(start: Array, end: Array, limits: Array, sign: float) -> float:
+    """Seconds for all axes; sign 1: surely enough, -1: no motion is quicker.
+
+    start, end: (3, m), angle, rate, acceleration.  limits: (m, 3).  Hard stops are left out,
+    and so are gaps: of the durations above the least one, some may be impossible.
+    """
+    needed_s = 0.0
+    for axis in range(start.shape[1]):
+        v, a, jerk = limits[axis]
+        a0, a1 = start[2, axis], end[2, axis]
+        ramp0_s, ramp1_s = abs(a0) / jerk, abs(a1) / jerk
+        # A ramp to no acceleration after the start (sign 1), or from none before it (-1).
+        v0 = start[1, axis] + sign * a0 * ramp0_s / 2.0
+        v1 = end[1, axis] - sign * a1 * ramp1_s / 2.0
+        moved0 = ramp0_s * (start[1, axis] + sign * a0 * ramp0_s / 3.0)
+        moved1 = ramp1_s * (end[1, axis] - sign * a1 * ramp1_s / 3.0)
+        delta = end[0, axis] - start[0, axis] - sign * (moved0 + moved1)
+        v0, v1 = min(max(v0, -v), v), min(max(v1, -v), v)
+        # What lies behind is as far as what lies ahead, seen the other way round.
+        if delta < 0.5 * (v0 + v1) * _change_s(v1 - v0, a, jerk):
+            delta, v0, v1 = -delta, -v0, -v1
+        if sign > 0.0 or _is_plain(delta, v0, v1, a, jerk):
+            axis_s = _by_peak_s(delta, v0, v1, v, a, jerk)
+        else:
+            axis_s = _by_peak_s(delta, v0, v1, v, a, BOUNDLESS)
+        needed_s = max(needed_s, axis_s + sign * (ramp0_s + ramp1_s))
+    return needed_s
+
+
+@compiled
+def _is_plain(delta: float, v0: float, v1: float, a: float, jerk: float) -> bool:
+    """Whether one rise to a peak and one fall is the quickest way, with bounded jerk too.
+
+    So it is well beyond what is covered while either rate is brought to rest and back.
+    """
+    fastest = max(abs(v0), abs(v1))
+    return delta >= 2.0 * fastest * _change_s(fastest, a, jerk)
+
+
+@compiled
+def _by_peak_s(delta: float, v0: float, v1: float, v: float, a: float, jerk: float) -> float:
+    """From rate v0 over `delta` by a peak rate, held if it is the limit v, to rate v1; s.
+
+    delta: not less than the direct change of rate covers.
+    Source: Biagiotti, Melchiorri 2008, "Trajectory Planning for Automatic Machines", 3.4.
+    """
+    beyond = delta - _way_rad(v, v0, v1, a, jerk)
+    if beyond >= 0.0:
+        return _change_s(v - v0, a, jerk) + _change_s(v1 - v, a, jerk) + beyond / v
+    low, high = max(v0, v1), v
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if _way_rad(middle, v0, v1, a, jerk) < delta:
+            low = middle
+        else:
+            high = middle
+    return _change_s(high - v0, a, jerk) + _change_s(v1 - high, a, jerk)
+
+
+@compiled
+def _way_rad(peak: float, v0: float, v1: float, a: float, jerk: float) -> float:
+    """What is covered from v0 by way of a peak rate to v1."""
+    return 0.5 * (
+        (v0 + peak) * _change_s(peak - v0, a, jerk) + (peak + v1) * _change_s(v1 - peak, a, jerk)
+    )
+
+
+@compiled
+def _change_s(rate: float, a: float, jerk: float) -> float:
+    """Least time to change the rate, from and to no acceleration."""
+    change = abs(rate)
+    if change >= a * a / jerk:
+        return change / a + a / jerk
+    return 2.0 * math.sqrt(change / jerk)

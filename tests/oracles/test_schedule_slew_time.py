@@ -1,0 +1,47 @@
+"""Do the times that sessions are chosen by enclose the least time of Ruckig?"""
+
+import numpy as np
+
+from planner.platforms import PLATFORMS
+from planner.schedule.slew_time import limit_table, slew_time_s
+from planner.slew import AxisState
+from planner.slew.quickest import quickest_profile
+
+LIMITS = PLATFORMS["iss-hrc"].axis_limits[:1]
+CASES = 2000
+ROUNDING_S = 1e-6  # Ruckig's own tolerance on the end state, 1e-8 of the acceleration limit
+
+
+def test_no_motion_is_quicker_and_some_motion_is_as_quick():
+    rng = np.random.default_rng(20150227)
+    compared = 0
+    for number in range(CASES):
+        # Half of the states as on tracks, half up to the limits.
+        wide = 1.0 if number % 2 else 0.2
+        start, end = wide * rng.uniform(-1.0, 1.0, (2, 3, 1)) * [[1.0], [0.05], [0.012]]
+        exact = quickest_profile(_state(start), _state(end), LIMITS[0])
+        if exact is None or abs(start[1, 0]) > 0.048 or abs(end[1, 0]) > 0.048:
+            continue  # its ramp alone may pass the rate limit
+        table = limit_table(LIMITS)
+        least_s, enough_s = (slew_time_s(start, end, table, sign) for sign in (-1.0, 1.0))
+        assert least_s - ROUNDING_S <= exact.duration_s <= enough_s + ROUNDING_S
+        compared += 1
+    assert compared > CASES * 0.9
+
+
+def test_slews_between_passing_targets_are_met_closely():
+    """On tracks of a 400 km pass, accelerations of 0.02 deg/s2: ramps of 0.02 s at either end."""
+    rng = np.random.default_rng(1)
+    table = limit_table(LIMITS)
+    for _ in range(500):
+        start, end = rng.uniform(-1.0, 1.0, (2, 3, 1)) * [[1.0], [0.01], [0.0003]]
+        exact = quickest_profile(_state(start), _state(end), LIMITS[0])
+        # Two ramps of 0.02 s, and the detour of rates they make.
+        assert slew_time_s(start, end, table, 1.0) - exact.duration_s < 0.2
+
+
+def _state(values):
+    angle_rad, rate_rad_s, acceleration_rad_s2 = values[:, 0].tolist()
+    return AxisState(
+        angle_rad=angle_rad, rate_rad_s=rate_rad_s, acceleration_rad_s2=acceleration_rad_s2
+    )
