@@ -21,6 +21,7 @@ from schemathesis.specs.openapi.checks import (
     use_after_free,
 )
 
+from app.api.examples import LAS_VEGAS
 from app.main import create_app
 
 CHECKS = [
@@ -43,6 +44,7 @@ BOUNDED = {
     "database": None,
     "phases": [Phase.generate],
 }
+STATEFUL = BOUNDED | {"max_examples": EXAMPLES // 3, "stateful_step_count": 8}
 
 
 def the_document():
@@ -67,3 +69,28 @@ def address(tmp_path_factory):
 @settings(**BOUNDED)
 def test_one_by_one(case, address):
     case.call_and_validate(base_url=address, checks=CHECKS)
+
+
+class _Sessions(document.as_state_machine()):
+    """Follows ids from answers; what would plan is a worked example, since chance makes none."""
+
+    def before_call(self, case):
+        if case.method == "POST" and case.path == "/v1/plans":
+            case.body = LAS_VEGAS
+            case.media_type = "application/json"
+
+    def get_call_kwargs(self, case):
+        return {"base_url": self.address}
+
+    def validate_response(self, response, case, **_):
+        self.seen.add((case.method, case.path, response.status_code))
+        case.validate_response(response, checks=CHECKS)
+
+
+def test_one_after_the_other(address):
+    _Sessions.address, _Sessions.seen = address, set()
+    _Sessions.run(settings=settings(**STATEFUL))
+    # It really went on: a plan was made, something of it read, and one deleted.
+    assert ("POST", "/v1/plans", 201) in _Sessions.seen
+    met = {(method, status) for method, path, status in _Sessions.seen if "{plan_id}" in path}
+    assert {("GET", 200), ("DELETE", 204)} <= met
