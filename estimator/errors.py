@@ -36,7 +36,12 @@ class Reason(StrEnum):
     BROKEN_ARC = "too little of the limb that should be visible was found"
     NIGHT_SIDE = "the Sun is below the limb in view: a daylight limb can't be there"
     LOW_SUN = "the Sun is too low at the craft: too little of the limb in view is in full daylight"
+    HEADING_UNKNOWN = (
+        "the Sun is below 20 deg at the craft, and without a predicted attitude nobody knows "
+        "which part of the limb it lights; give `predicted`"
+    )
     BLURRED = "the edge found is far too soft for the limb: a terminator, glow or cloud edge"
+    SHARP = "the edge found is too sharp for air: the craft's structure, a window or a drawing"
     GLOWING_LAYER = "it grows dark again behind the edge: airglow or aurora, not the lit Earth"
     LIMB_HEIGHT = "the edge lies at a height the limb doesn't have: airglow, aurora or cloud tops"
     RESIDUALS = "the edge found does not follow the limb's shape; suspect the intrinsics"

@@ -11,6 +11,7 @@ from estimator.images import Frame
 from estimator.limb import LimbPoints
 from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
+from estimator.request import Surroundings
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +28,13 @@ _MAX_WIDTH_PX = 4.0
 _BLACK = 0.02
 _LIT_BEHIND = 0.78
 _SATURATED_SHARE = 0.85
+# Directions along a vertical plane, against the limb's angle from nadir.
+_SKY_AT, _RIM_AT, _DISC_AT = 1.03, 0.99, tuple(np.linspace(0.95, 0.3, 14))
+_AS_DARK, _LOOKS = 0.04, 32
+_DARK_SHARE = 0.25  # a dark solar panel may well hide a tenth
+# A limb is as wide as air's scale height, 7.6 km; a camera's contrast curve has left 4.2 km of
+# it, overexposure less.  A lens blurs a step as well, by some 0.76 px with the pixel itself.
+_SHARPEST_M, _SHARPEST_CLIPPED_M, _LENS_PX = 3.2e3, 2.5e3, 0.76
 _SUN_LOW_RAD = np.deg2rad(5.0)
 _SUN_LEAST = np.sin(np.deg2rad(3.0))
 _SUN_NEAR_RAD = np.deg2rad(30.0)
@@ -107,6 +115,42 @@ def is_glowing_layer(points: LimbPoints) -> bool:
     return bool(points.found.any()) and float(np.median(points.behind[points.found])) < _LIT_BEHIND
 
 
+def is_dark_within(
+    frame: Frame, camera: HorizonCamera, points: LimbPoints, around: Surroundings, fit: Fit
+) -> bool:
+    """Whether much of the disc behind the limb found is as dark as the sky.
+
+    Past the limb lies the Earth, all the way down, and under a high Sun it is bright.
+    """
+    limb = around.limb
+    if not points.found.any() or is_sun_vague(around):
+        return False
+    found = points.ray_body[points.found]
+    edge = found[:: max(1, len(found) // _LOOKS)] @ fit.c_body_from_itrf
+    angle = np.arccos(np.clip(edge @ limb.nadir_itrf, -1.0, 1.0))[:, None]
+    across = (edge - np.cos(angle) * limb.nadir_itrf) / np.sin(angle)
+    shares = np.array([_SKY_AT, _RIM_AT, *_DISC_AT])[:, None, None]
+    ray = np.cos(shares * angle) * limb.nadir_itrf + np.sin(shares * angle) * across
+    pixel = camera.pixels(ray.reshape(-1, 3) @ fit.c_body_from_itrf.T)
+    seen = camera.sees(pixel)
+    x, y = np.rint(pixel[seen]).astype(int).T
+    level = np.full(len(pixel), np.nan)
+    level[seen] = np.where(frame.usable[y, x], frame.grey[y, x], np.nan)
+    sky, rim, *disc = level.reshape(len(shares), -1)
+    known = np.isfinite(disc) & np.isfinite(sky) & np.isfinite(rim)
+    with np.errstate(invalid="ignore"):
+        dark = known & (disc < sky + _AS_DARK * (rim - sky))
+    return bool(np.sum(dark) > _DARK_SHARE * max(int(np.sum(known)), 1))
+
+
+def is_too_sharp(points: LimbPoints, inlier: NDArray[np.bool_], pixel_m: float) -> bool:
+    """Whether the edge fitted rises faster than the light of air can; pixel_m: at the limb."""
+    clipped = float(np.mean(points.clipped[inlier])) > 0.5
+    least_m = _SHARPEST_CLIPPED_M if clipped else _SHARPEST_M
+    own_m2 = float(np.median(points.width_m[inlier] ** 2)) - points.smooth_m**2
+    return own_m2 < least_m**2 + (_LENS_PX * pixel_m) ** 2
+
+
 def judge_height(fit: Fit, limb_height_m: float | None, sigma_m: float) -> Reason | None:
     """limb_height_m: None for the daylight limb, else what the request says it is."""
     if limb_height_m is None:
@@ -117,11 +161,10 @@ def judge_height(fit: Fit, limb_height_m: float | None, sigma_m: float) -> Reaso
     return None if low <= fit.height_m <= high else Reason.LIMB_HEIGHT
 
 
-def judge_low_sun(result: Fit, limb: Limb, sun_itrf: Floats) -> Reason | None:
+def judge_low_sun(result: Fit, around: Surroundings) -> Reason | None:
     """Whether a limb under a low Sun left the vertical too uncertain to be called measured."""
     sigma_rad = float(np.sqrt(result.covariance[0, 0] + result.covariance[1, 1]))
-    low = float(-limb.nadir_itrf @ sun_itrf) < _SUN_VAGUE
-    return Reason.LOW_SUN if low and sigma_rad > _VAGUE_RAD else None
+    return Reason.LOW_SUN if is_sun_vague(around) and sigma_rad > _VAGUE_RAD else None
 
 
 def well_lit(
@@ -134,6 +177,11 @@ def well_lit(
     elevation = limb.sun_elevation_rad(direction_itrf, height_m, sun_itrf)
     from_sun = np.arccos(np.clip(direction_itrf @ sun_itrf, -1.0, 1.0))
     return np.asarray((elevation > _SUN_LOW_RAD) & (from_sun > _SUN_NEAR_RAD))
+
+
+def is_sun_vague(around: Surroundings) -> bool:
+    """Whether the Sun at the craft is so low that much of its limb is not in full daylight."""
+    return bool(-around.limb.nadir_itrf @ around.sun_itrf < _SUN_VAGUE)
 
 
 def darkness(limb: Limb, sun_itrf: Floats) -> Reason | None:

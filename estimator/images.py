@@ -35,13 +35,18 @@ _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 class Frame:
     """grey: brightness 0..1, (h, w).  usable: False where masked or transparent.
 
-    step: the smallest difference of brightness the file can hold.  pixels: the image itself.
+    step: the smallest difference of brightness that tells.  pixels: the image itself.
+    blue: grey is its blue channel, not the mean of all.  table: brightness of each stored level.
+    decoded: it undoes a tone curve.
     """
 
     grey: Grey
     usable: NDArray[np.bool_]
     step: float
     pixels: Pixels
+    blue: bool
+    table: Grey
+    decoded: bool = False
 
     def saturated(self, pixel: Floats) -> NDArray[np.bool_]:
         """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
@@ -50,7 +55,19 @@ class Frame:
         x = np.clip(inside[..., 0], 0, width - 1).astype(int)
         y = np.clip(inside[..., 1], 0, height - 1).astype(int)
         level = self.pixels[y, x].reshape(*x.shape, -1)[..., :3].max(axis=-1)
-        return np.asarray(level >= _FULL / self.step)
+        return np.asarray(level >= _FULL * full_scale(self.pixels))
+
+
+def full_scale(pixels: Pixels) -> float:
+    return 65535.0 if pixels.dtype == np.uint16 else 255.0
+
+
+def brightness(levels: NDArray[np.float32], blue: bool) -> Grey:
+    """Grey (h, w) of levels (h, w) or (h, w, channels), alpha left out."""
+    if levels.ndim == 3 and levels.shape[2] > 2:
+        weights = [[1.0, 0.0, 0.0]] if blue else [[1.0 / 3.0] * 3]
+        return np.asarray(cv2.transform(np.ascontiguousarray(levels[..., :3]), np.array(weights)))
+    return levels.reshape(levels.shape[:2])
 
 
 def decode_image(
@@ -91,24 +108,19 @@ def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Fr
     """
     height, width = pixels.shape[:2]
     _require_size(width, height, camera, field)
-    whole = pixels
-    full = 65535.0 if pixels.dtype == np.uint16 else 255.0
+    full = full_scale(pixels)
     usable = np.ones(pixels.shape[:2], dtype=np.uint8)
     if pixels.ndim == 3 and pixels.shape[2] == 4:
         usable[pixels[..., 3] < 0.5 * full] = 0
-        pixels = pixels[..., :3]
-    if pixels.ndim == 3 and pixels.shape[2] == 3:
-        weights = [[1.0, 0.0, 0.0]] if blue else [[1.0 / 3.0] * 3]
-        grey = cv2.transform(pixels.astype(np.float32), np.array(weights))
-    else:
-        grey = pixels.reshape(pixels.shape[:2]).astype(np.float32)
     for polygon in camera.mask:
         cv2.fillPoly(usable, [np.rint(np.array(polygon)).astype(np.int32)], 0)
     return Frame(
-        grey=grey / np.float32(full),
+        grey=brightness(pixels.astype(np.float32), blue) / np.float32(full),
         usable=usable.astype(bool),
         step=1.0 / full,
-        pixels=whole,
+        pixels=pixels,
+        blue=blue,
+        table=np.arange(full + 1.0, dtype=np.float32) / np.float32(full),
     )
 
 

@@ -21,7 +21,7 @@ from estimator.limb_geometry import Limb
 Floats = NDArray[np.float64]
 
 _SMOOTHING_M = 5.0e3
-_LENS_BLUR_PX = 0.7
+LENS_BLUR_PX = 0.7
 _MAX_COLUMNS = 640
 _COARSE = 2880
 _MARGIN_PX = 4.0
@@ -41,6 +41,7 @@ class LimbPoints:
     of the edge alone.  width_m (n,): 1-sigma width of the edge at the limb.  contrast (n,):
     (within - beyond) / (within + beyond).  behind (n,): brightness 45 km further in, or at the
     window's end, against the brightest on the way.  step_rad: azimuth per column.
+    smooth_m: what the profiles were smoothed by, part of width_m.
     blocked (n,): the craft's own structure, or the dark, hides the column.  clipped (n,):
     saturated up to 20 km within the edge.
     """
@@ -57,6 +58,7 @@ class LimbPoints:
     slope: Floats
     behind: Floats
     step_rad: float
+    smooth_m: float
 
     def __len__(self) -> int:
         return len(self.azimuth_rad)
@@ -66,9 +68,9 @@ class LimbPoints:
         kept = {
             field.name: getattr(self, field.name)[::by]
             for field in dataclasses.fields(self)
-            if field.name != "step_rad"
+            if field.name not in ("step_rad", "smooth_m")
         }
-        return LimbPoints(**kept, step_rad=self.step_rad * by)
+        return LimbPoints(**kept, step_rad=self.step_rad * by, smooth_m=self.smooth_m)
 
     @property
     def arc_rad(self) -> float:
@@ -152,7 +154,7 @@ def find_limb(
     curve = bend / pitch_px**2
     width_px = np.sqrt(np.maximum(at, 0.0) / curve)
     if air_scale_m > 0.0:
-        blur_m = typical_m_per_px * np.hypot(smooth_px, _LENS_BLUR_PX)
+        blur_m = typical_m_per_px * np.hypot(smooth_px, LENS_BLUR_PX)
         position_px = position_px - gumbel_shift(blur_m / air_scale_m) * air_scale_m / m_per_px
     found = significant & inside.mean(axis=1).astype(bool)
     pixel = middle + position_px[:, None] * outward
@@ -175,6 +177,7 @@ def find_limb(
         slope=at,
         behind=gap,
         step_rad=step_rad,
+        smooth_m=smooth_px * typical_m_per_px,
     )
 
 
@@ -271,4 +274,5 @@ def _nothing(step_rad: float) -> LimbPoints:
         slope=none,
         behind=none,
         step_rad=step_rad,
+        smooth_m=0.0,
     )

@@ -54,9 +54,9 @@ class VerticalEstimate:
     """The answer to a HorizonRequest.
 
     geocentric and geodetic: None when the verdict is `not_observable`, for `reason`.
-    Without a predicted attitude the limb measures geodetic nadir; the heading comes from the
-    sunlight along the limb, which fits two opposite headings nearly alike, so geocentric nadir
-    is known only to the 0.18 deg by which it differs from geodetic.  Its covariance says so.
+    Without a predicted attitude the limb measures geodetic nadir; the heading, and so geocentric
+    nadir up to 0.19 deg beside it, comes from the sunlight along the limb: to some 10 deg where
+    colour is kept pixel by pixel, hardly in grey.  The covariance holds what is left open.
     """
 
     verdict: Verdict
@@ -157,7 +157,7 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
     if request.predicted is None:
         said.append(
             "no attitude was predicted, so the heading is known only from the sunlight along the "
-            "limb: geodetic nadir is measured, geocentric only to the 0.2 deg between them; "
+            "limb: geodetic nadir is measured, geocentric less surely, as its covariance says; "
             "give `predicted` to have both"
         )
     left_out = [camera.name for camera in cameras if not camera.used]

@@ -124,4 +124,5 @@ def _ideal_points(
         slope=one,
         behind=one,
         step_rad=step_rad,
+        smooth_m=0.0,
     )

@@ -12,19 +12,23 @@ from estimator.gates import (
     MIN_ARC_OF_ALL_RAD,
     CameraFit,
     darkness,
+    is_dark_within,
     is_glowing_layer,
+    is_sun_vague,
+    is_too_sharp,
     judge_camera,
     judge_height,
     judge_low_sun,
     unusable_frame,
     well_lit,
 )
-from estimator.heading import limb_brightness
+from estimator.heading import Sunlight, limb_brightness, limb_colour
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
 from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to
 from estimator.prior import air_scale_m
 from estimator.request import Surroundings
+from estimator.tone import fade_ratio, linear
 from estimator.voting import vote
 
 Floats = NDArray[np.float64]
@@ -103,6 +107,8 @@ def find_horizon(views: list[View], search: Search) -> Horizon:
             return _none(views, too_dark)
     if all(view.unusable is not None for view in views):
         return _none(views, views[0].unusable or Reason.NO_HORIZON)
+    if search.daylight and not search.heading_known and is_sun_vague(search.around):
+        return _none(views, Reason.HEADING_UNKNOWN)
     edges = [
         find_edges(view.frame, view.camera, _SEED + k) if view.unusable is None else None
         for k, view in enumerate(views)
@@ -134,43 +140,84 @@ def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search)
 def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon:
     """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
     limb, prior = search.around.limb, search.prior
-    scale_m = air_scale_m(search.around)
     active = [view.unusable is None for view in views]
-    result = None
-    c, height = c_body_from_itrf, prior.height_m
-    for window in (_FIRST_WINDOW_RAD, *_WINDOWS_RAD):
-        points = [
-            _points(view, search, c, height, window, scale_m, on)
-            for view, on in zip(views, active, strict=True)
+    points, result = _first_fit(views, search, c_body_from_itrf, active)
+    if search.daylight:
+        decoded = _decoded(views, points, result, search)
+        if decoded is not None:
+            views = decoded
+            points, result = _first_fit(views, search, result.c_body_from_itrf, active)
+    cameras = _judged(views, points, result, search)
+    if all(c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)):
+        return _failed(views, points, result, cameras)
+    if search.daylight:
+        cameras = [
+            replace(c, reason=_no_lit_earth(view, p, search, result)) if on else c
+            for on, c, view, p in zip(active, cameras, views, points, strict=True)
         ]
-        if window == _FIRST_WINDOW_RAD and not search.heading_known:
-            c = _best(_all_headings(views, points, c, search, *_FIRST_HEADINGS)).c_body_from_itrf
-        result = fit(points, limb, c, prior)
+        active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
+    if not any(active):
+        return _failed(views, points, result, cameras)
+    for window in _WINDOWS_RAD:
         c, height = result.c_body_from_itrf, result.height_m
-        cameras = _judged(views, points, result, search)
-        if window == _FIRST_WINDOW_RAD:
-            if all(
-                c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)
-            ):
-                return _failed(views, points, result, cameras)
-            if search.daylight:
-                glowing = [is_glowing_layer(p) for p in points]
-                active = [on and not glow for on, glow in zip(active, glowing, strict=True)]
-            if not any(active):
-                cameras = [replace(c, reason=Reason.GLOWING_LAYER) for c in cameras]
-                return _failed(views, points, result, cameras)
-            continue
+        points = _all_points(views, search, c, height, window, active)
+        result = fit(points, limb, c, prior)
+        judged = _judged(views, points, result, search)
+        cameras = _kept_reasons(judged, cameras, active)
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
         if not any(active):
             return _failed(views, points, result, cameras)
-    assert result is not None
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
-    fits = _all_headings(views, points, c, search, *_HEADINGS)
+    fits = _all_headings(views, points, result.c_body_from_itrf, search, *_HEADINGS)
     judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, prior), search)
-    cameras = [new if on else old for new, old, on in zip(judged, cameras, active, strict=True)]
+    cameras = _kept_reasons(judged, cameras, active)
     horizon = Horizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
     return replace(horizon, reason=_verdict(horizon, search))
+
+
+def _first_fit(
+    views: list[View], search: Search, c_body_from_itrf: Floats, active: list[bool]
+) -> tuple[list[LimbPoints], Fit]:
+    height = search.prior.height_m
+    points = _all_points(views, search, c_body_from_itrf, height, _FIRST_WINDOW_RAD, active)
+    c = c_body_from_itrf
+    if not search.heading_known:
+        c = _best(_all_headings(views, points, c, search, *_FIRST_HEADINGS)).c_body_from_itrf
+    return points, fit(points, search.around.limb, c, search.prior)
+
+
+def _decoded(
+    views: list[View], points: list[LimbPoints], rough: Fit, search: Search
+) -> list[View] | None:
+    """The views with their tone curves undone, or None where files hold light as it is.
+
+    The cameras of one craft store alike, so they are judged together.
+    """
+    ratios = [
+        fade_ratio(view.frame, p, view.camera, search.around.limb, rough)
+        for view, p in zip(views, points, strict=True)
+        if view.unusable is None
+    ]
+    known = [ratio for ratio in ratios if ratio is not None]
+    if not known or float(np.mean(known)) <= 1.0:
+        return None
+    return [replace(view, frame=linear(view.frame)) for view in views]
+
+
+def _all_points(
+    views: list[View],
+    search: Search,
+    c: Floats,
+    height: float,
+    window_rad: float,
+    active: list[bool],
+) -> list[LimbPoints]:
+    scale_m = air_scale_m(search.around)
+    return [
+        _points(view, search, c, height, window_rad, scale_m, on)
+        for view, on in zip(views, active, strict=True)
+    ]
 
 
 def _points(
@@ -204,7 +251,7 @@ def _all_headings(
     dull: float,
 ) -> tuple[tuple[float, Fit], ...]:
     """The fit, or without a known heading those from headings all round, with weights."""
-    limb, sun, prior = search.around.limb, search.around.sun_itrf, search.prior
+    limb, prior = search.around.limb, search.prior
     if search.heading_known:
         return ((1.0, fit(points, limb, c_body_from_itrf, prior)),)
     prior = replace(prior, heading_sigma_rad=np.pi / tried)
@@ -212,18 +259,30 @@ def _all_headings(
     points = [p.thinned(_THINNED) for p in points]
     headings = np.arange(tried) * (2.0 * np.pi / tried)
     facing = [attitude_facing(nadir_body, limb, heading) for heading in headings]
-    bright = None
-    if search.daylight:
-        bright = limb_brightness(points, [view.camera for view in views])
-    if bright is not None:
-        costs = np.array([bright.cost(limb, c, prior.height_m, sun) for c in facing])
-        facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
+    clues = _sunlight(views, points, search, nadir_body)
+    costs = np.array([clues.cost(c, prior.height_m) for c in facing])
+    facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
     fits = [fit(points, limb, c, prior) for c in facing]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
-    if bright is not None:
-        cost = cost + [bright.cost(limb, f.c_body_from_itrf, f.height_m, sun) for f in fits]
+    cost = cost + [clues.cost(f.c_body_from_itrf, f.height_m) for f in fits]
     weight = np.exp(-0.5 * (cost - cost.min()))
     return tuple((float(w), f) for w, f in zip(weight / weight.sum(), fits, strict=True))
+
+
+def _sunlight(
+    views: list[View], points: list[LimbPoints], search: Search, nadir_body: Floats
+) -> Sunlight:
+    limb, sun = search.around.limb, search.around.sun_itrf
+    if not search.daylight:
+        return Sunlight(limb, sun, None, None)
+    cameras, frames = [v.camera for v in views], [v.frame for v in views]
+    reach_m = limb.touch_range_m(search.prior.height_m)
+    return Sunlight(
+        limb,
+        sun,
+        limb_brightness(points, frames, cameras),
+        limb_colour(points, frames, cameras, nadir_body, reach_m),
+    )
 
 
 def _best(fits: tuple[tuple[float, Fit], ...]) -> Fit:
@@ -239,8 +298,28 @@ def _judged(
         views, points, result.residual_rad, result.tolerance_rad, strict=True
     ):
         verdict = judge_camera(p, residual, tolerance, view.camera, reach_m)
+        pixel_m = view.camera.rad_per_px * reach_m
+        passed = verdict.reason is None
+        if search.daylight and passed and is_too_sharp(p, verdict.inlier, pixel_m):
+            verdict = replace(verdict, reason=Reason.SHARP)
         judged.append(replace(verdict, reason=view.unusable or verdict.reason))
     return judged
+
+
+def _no_lit_earth(view: View, points: LimbPoints, search: Search, rough: Fit) -> Reason | None:
+    """Why what a camera shows can't be air before the sunlit Earth."""
+    dark = is_dark_within(view.frame, view.camera, points, search.around, rough)
+    return Reason.GLOWING_LAYER if dark or is_glowing_layer(points) else None
+
+
+def _kept_reasons(
+    judged: list[CameraFit], before: list[CameraFit], active: list[bool]
+) -> list[CameraFit]:
+    """The latest judgement; cameras set aside earlier keep why."""
+    return [
+        new if on else replace(new, reason=old.reason, arc_rad=old.arc_rad)
+        for new, old, on in zip(judged, before, active, strict=True)
+    ]
 
 
 def _verdict(horizon: Horizon, search: Search) -> Reason | None:
@@ -251,7 +330,7 @@ def _verdict(horizon: Horizon, search: Search) -> Reason | None:
     if sum(c.arc_rad for c in good) < MIN_ARC_OF_ALL_RAD:
         return Reason.SHORT_ARC
     if search.daylight:
-        vague = judge_low_sun(horizon.best, search.around.limb, search.around.sun_itrf)
+        vague = judge_low_sun(horizon.best, search.around)
         if vague is not None:
             return vague
     limb_height_km = search.around.body.limb_height_km
