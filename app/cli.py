@@ -119,7 +119,8 @@ def plan(
 
         from app.api.table_export import exported, require_verified
 
-        require_verified(made)  # its table is told beside the verdict, above, and nowhere else
+        # A table that fails is told beside the verdict, above, and nowhere else.
+        require_verified(made.verification.findings)
         if csv:
             from planner.export.csv import table_csv
 

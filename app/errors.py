@@ -17,6 +17,7 @@ from starlette.exceptions import HTTPException
 
 from app.api.json_reader import FieldError, InvalidRequest, field_errors
 from app.jobs.disposable import TooDemanding
+from app.jobs.refusals import Conflict, Interrupted, KeyReused, QueueFull
 from app.observability import request_id
 from estimator.errors import InvalidCamera, InvalidImage
 from planner import errors
@@ -25,6 +26,7 @@ from planner.frames.time_scales import utc_text
 
 PROBLEM_JSON = "application/problem+json"
 TYPE_PREFIX = "urn:slewtrack:problem:"
+RETRY_AFTER_S = 5  # said with every 503
 
 STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     errors.Refusal: HTTPStatus.UNPROCESSABLE_ENTITY,
@@ -40,9 +42,13 @@ STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     InvalidCamera: HTTPStatus.UNPROCESSABLE_ENTITY,
     InvalidImage: HTTPStatus.UNPROCESSABLE_ENTITY,
     TooDemanding: HTTPStatus.UNPROCESSABLE_ENTITY,
-    # The request was sound: these two are our failures.
+    KeyReused: HTTPStatus.UNPROCESSABLE_ENTITY,
+    Conflict: HTTPStatus.CONFLICT,
+    QueueFull: HTTPStatus.SERVICE_UNAVAILABLE,
+    # The request was sound: these are our failures.
     errors.SolverFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
     errors.VerificationFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
+    Interrupted: HTTPStatus.INTERNAL_SERVER_ERROR,
 }
 
 
@@ -88,26 +94,29 @@ def problem_type(scope: Mapping[str, Any]) -> str | None:
 
 def _refusal(request: Request, refusal: Exception) -> Response:
     assert isinstance(refusal, errors.Refusal)
-    return _answer(
-        request,
-        STATUS_OF_REFUSAL[type(refusal)],
-        {
-            "type": TYPE_PREFIX + refusal.slug,
-            "title": refusal.title,
-            "detail": refusal.detail,
-            "field": refusal.field,
-            "axis": refusal.axis,
-            "limit": refusal.limit,
-            "at": _text(refusal.at_utc),
-            "earliest_feasible_start": _text(refusal.earliest_feasible_start_utc),
-            "feasible_stop": _text(refusal.feasible_stop_utc),
-            "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
-            "errors": [
-                {"field": error.field, "detail": error.detail, "value": error.value}
-                for error in getattr(refusal, "errors", ())
-            ],
-        },
-    )
+    return problem_answer(request, problem_of(refusal))
+
+
+def problem_of(refusal: errors.Refusal) -> dict[str, Any]:
+    """A problem's members, but for the instance."""
+    members = {
+        "type": TYPE_PREFIX + refusal.slug,
+        "title": refusal.title,
+        "status": STATUS_OF_REFUSAL[type(refusal)].value,
+        "detail": refusal.detail,
+        "field": refusal.field,
+        "axis": refusal.axis,
+        "limit": refusal.limit,
+        "at": _text(refusal.at_utc),
+        "earliest_feasible_start": _text(refusal.earliest_feasible_start_utc),
+        "feasible_stop": _text(refusal.feasible_stop_utc),
+        "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
+        "errors": [
+            {"field": error.field, "detail": error.detail, "value": error.value}
+            for error in getattr(refusal, "errors", ())
+        ],
+    }
+    return {name: value for name, value in members.items() if value not in (None, [])}
 
 
 def _text(utc: datetime | None) -> str | None:
@@ -127,11 +136,10 @@ def http_error(request: Request, error: Exception) -> Response:
     detail = error.detail
     if detail == status.phrase:  # Starlette's own: say what would have worked
         detail = _WAY_OUT.get(status, status.description)
-    return _answer(
+    return problem_answer(
         request,
-        status,
-        {"type": "about:blank", "title": status.phrase, "detail": detail},
-        headers=error.headers,
+        {"type": "about:blank", "title": status.phrase, "status": status.value, "detail": detail},
+        error.headers,
     )
 
 
@@ -143,27 +151,30 @@ _WAY_OUT = {
 
 def bug_response(request: Request) -> Response:
     """The answer when the service is at fault; why is in its log only."""
+    return problem_answer(request, bug())
+
+
+def bug() -> dict[str, Any]:
+    """A problem's members that tell no more of our failure than that there was one."""
     status = HTTPStatus.INTERNAL_SERVER_ERROR
-    return _answer(
-        request,
-        status,
-        {
-            "type": TYPE_PREFIX + "internal-error",
-            "title": status.phrase,
-            "detail": "the service failed; its log says why under this instance",
-        },
-    )
+    return {
+        "type": TYPE_PREFIX + "internal-error",
+        "title": status.phrase,
+        "status": status.value,
+        "detail": "the service failed; its log says why under this instance",
+    }
 
 
-def _answer(
-    request: Request,
-    status: HTTPStatus,
-    members: dict[str, Any],
-    headers: Mapping[str, str] | None = None,
+def problem_answer(
+    request: Request, problem: Mapping[str, Any], headers: Mapping[str, str] | None = None
 ) -> Response:
-    members |= {"status": status.value, "instance": request_id.instance(request.scope)}
+    """The answer to this request that tells a problem."""
+    members = {**problem, "instance": request_id.instance(request.scope)}
     request.scope["state"][_PROBLEM_TYPE] = members["type"]
-    kept = {name: members[name] for name in _ORDER if members.get(name) not in (None, [])}
+    status = HTTPStatus(members["status"])
+    if status is HTTPStatus.SERVICE_UNAVAILABLE:
+        headers = {"Retry-After": str(RETRY_AFTER_S), **(headers or {})}
+    kept = {name: members[name] for name in _ORDER if name in members}
     # ASCII, so that no text of the request can break the encoding of the answer.
     body = json.dumps(kept, allow_nan=False).encode("ascii")
     return Response(body, status, headers, media_type=PROBLEM_JSON)

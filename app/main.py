@@ -12,6 +12,7 @@ from fastapi import FastAPI
 from app import errors
 from app.api import audit, horizon, opportunities, pages, plans, platforms, spacecraft, system
 from app.jobs.disposable import start_server
+from app.jobs.running import dispatching
 from app.observability.metrics import Metrics
 from app.observability.readiness import (
     Readiness,
@@ -28,9 +29,6 @@ from app.store.database import open_database
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.versions import VERSION
-
-# CasADi and the planner's Python hold the interpreter lock: a second thread only adds latency.
-SOLVES_AT_ONCE = 1
 
 _DESCRIPTION = """\
 Plans how a two-axis platform on a spacecraft points its camera: target and session time in,
@@ -73,7 +71,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
     )
     app.state.settings = settings
-    app.state.solves = anyio.CapacityLimiter(SOLVES_AT_ONCE)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
     for resource in (plans, opportunities, horizon, spacecraft, platforms, system, audit, pages):
         app.include_router(resource.router)
@@ -109,7 +106,9 @@ async def _ready_for_children(app: FastAPI) -> AsyncIterator[None]:
     app.state.database = open_database(settings.database_url, settings.data_dir)
     try:
         await anyio.to_thread.run_sync(upgrade, app.state.database)
-        yield
+        with dispatching(settings, app.state.database, app.state.metrics) as dispatcher:
+            app.state.dispatcher = dispatcher
+            yield
     finally:
         app.state.database.close()
 

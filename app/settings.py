@@ -30,6 +30,31 @@ class Settings(BaseSettings):
         description="postgresql+psycopg://USER:PASSWORD@HOST/NAME in place of SQLite",
     )
 
+    workers: int = Field(
+        default_factory=lambda: os.cpu_count() or 1,
+        gt=0,
+        description="Solves at a time, each in a process of its own; default: the processors",
+    )
+    queue_max: int = Field(
+        default=1000, ge=0, description="Most plans that wait to be worked on; 503 beyond"
+    )
+    job_deadline_s: float = Field(
+        default=300.0, gt=0.0, description="Time after which a solve is killed; then 422"
+    )
+    job_attempts: int = Field(
+        default=3, gt=0, description="How often a job is begun whose process died at it"
+    )
+    lease_s: float = Field(
+        default=15.0,
+        ge=1.0,
+        description="Time after which others take up the jobs of a service that died",
+    )
+    retention_days: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="Delete what finished so many days ago; default: keep everything",
+    )
+
     # Seven times NASA's 15-day OEM of the ISS in XML.
     max_body_bytes: int = Field(
         default=8 * 2**20, gt=0, description="Most bytes of a JSON request; 413 beyond"

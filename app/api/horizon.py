@@ -10,6 +10,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from pydantic import TypeAdapter
 
 from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.api.horizon_prediction import prediction_json
 from app.api.horizon_request import (
     read_estimate_request,
     read_picture_request,
@@ -17,11 +18,11 @@ from app.api.horizon_request import (
 )
 from app.api.horizon_response import EstimateResponse, PredictionResponse
 from app.api.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
-from app.api.horizon_views import views
 from app.api.horizon_work import PictureOut, estimate_json, picture, picture_with_truth
+from app.api.in_child import in_child
 from app.api.negotiation import JSON, accepts_json, json_body, preferred
 from app.api.provenance import provenance
-from app.jobs.disposable import Bounds, ChildDied, run_disposable
+from app.jobs.disposable import Bounds, ChildDied
 from app.openapi import REF, request_body
 from estimator.errors import InvalidImage
 from planner.frames.time_scales import utc_text
@@ -31,9 +32,9 @@ router = APIRouter(tags=["horizon"])
 PNG = "image/png"
 ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500)
 # A picture of 4 megapixels took 1.6 GB and 14 s on a busy core.
+PREDICTION_BOUNDS = Bounds(deadline_s=60.0, memory_mib=1000)
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
 
-_PREDICTION = TypeAdapter(PredictionResponse)
 T = TypeVar("T")
 
 _MULTIPART_BODY: dict[str, Any] = {
@@ -80,7 +81,7 @@ async def post_estimate(
     now_utc = datetime.now(UTC)
     asked = read_estimate_request(upload.request)
     made = provenance(upload.sha256, now_utc)
-    answer = await in_child(request, ESTIMATE_BOUNDS, estimate_json, asked, upload.images, made)
+    answer = await of_images(request, ESTIMATE_BOUNDS, estimate_json, asked, upload.images, made)
     return Response(answer, media_type=JSON)
 
 
@@ -100,25 +101,9 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
     now_utc = datetime.now(UTC)
     asked = await anyio.to_thread.run_sync(read_prediction_request, body)
 
-    def answer() -> bytes:
-        found, warnings = views(
-            asked.orbit,
-            asked.attitude,
-            asked.cameras,
-            asked.instants,
-            body=asked.body,
-            attitude_sigma_deg=asked.attitude_sigma_deg,
-        )
-        return _PREDICTION.dump_json(
-            PredictionResponse(
-                views=found,
-                warnings=list(warnings),
-                provenance=provenance(hashlib.sha256(body).hexdigest(), now_utc),
-            )
-        )
-
-    done = await anyio.to_thread.run_sync(answer, limiter=request.app.state.solves)
-    return Response(done, media_type=JSON)
+    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    answer = await in_child(request, PREDICTION_BOUNDS, prediction_json, asked, made)
+    return Response(answer, media_type=JSON)
 
 
 @router.post(
@@ -136,17 +121,15 @@ async def post_picture(request: Request, body: Annotated[bytes, Depends(json_bod
     kind = preferred(request, (PNG, JSON))
     asked = await anyio.to_thread.run_sync(read_picture_request, body)
     if kind == PNG:
-        return Response(await in_child(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
-    told = await in_child(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
+        return Response(await of_images(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
+    told = await of_images(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
     return Response(TypeAdapter(PictureOut).dump_json(told), media_type=JSON)
 
 
-async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
-    """`run_disposable` when its turn has come; a child that dies died of its images."""
+async def of_images(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
+    """`in_child`; a child that dies died of its images."""
     try:
-        return await anyio.to_thread.run_sync(
-            lambda: run_disposable(bounds, work, *given), limiter=request.app.state.children
-        )
+        return await in_child(request, bounds, work, *given)
     except ChildDied:
         raise InvalidImage(
             "reading these images brought the reader down; save them anew with another program",

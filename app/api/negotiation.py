@@ -28,6 +28,12 @@ def preferred(request: Request, offered: tuple[str, ...]) -> str:
     return offered[weights.index(best)]
 
 
+def is_known_already(request: Request, tag: str) -> bool:
+    """Whether If-None-Match names this ETag.  Source: RFC 9110, section 13.1.2."""
+    known = [one.strip() for one in request.headers.get("if-none-match", "").split(",")]
+    return "*" in known or tag in [one.removeprefix("W/") for one in known]
+
+
 async def json_body(request: Request) -> bytes:
     """The whole body; refused with 415 when it isn't JSON, with 413 when it is too long."""
     media_type = request.headers.get("content-type", "").split(";")[0].strip().lower()

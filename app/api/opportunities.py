@@ -7,13 +7,17 @@ from typing import Annotated
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
+from app.api.in_child import in_child
 from app.api.negotiation import JSON, accepts_json, json_body
 from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
 from app.api.opportunity_request import read_opportunity_request
-from app.api.opportunity_response import OpportunitiesResponse, opportunities_json
+from app.api.opportunity_response import OpportunitiesResponse
+from app.api.opportunity_work import opportunities_found
 from app.api.provenance import provenance
+from app.jobs.disposable import Bounds
 from app.openapi import request_body
-from planner.opportunities import find_opportunities
+
+SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 
 router = APIRouter(tags=["opportunities"], dependencies=[Depends(accepts_json)])
 
@@ -31,8 +35,5 @@ async def post_opportunities(
     now_utc = datetime.now(UTC)
     asked = await anyio.to_thread.run_sync(read_opportunity_request, body)
     made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
-    answer = await anyio.to_thread.run_sync(
-        lambda: opportunities_json(find_opportunities(asked), made),
-        limiter=request.app.state.solves,
-    )
+    answer = await in_child(request, SEARCH_BOUNDS, opportunities_found, asked, made)
     return Response(answer, media_type=JSON)

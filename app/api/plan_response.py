@@ -1,7 +1,6 @@
 """What does the answer to a plan hold?  Degrees, UTC text and plain numbers."""
 
 import math
-import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -13,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.api.comparison import SlewComparisonOut, comparison_out
 from app.api.horizon_view import HorizonCheckOut
+from app.api.plan_head import PlanHead, new_head, whole_answer
 from app.api.pointing import PointingOut, pointing_out
 from app.api.provenance import ProvenanceOut, provenance
 from app.api.uncertainty import UncertaintyOut, uncertainty_out
@@ -136,20 +136,12 @@ class SolverOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanResponse:
-    """A plan and the judge's verdict on it.
+class PlanDocument:
+    """What is known of a plan beside its table."""
 
-    state: `done` when the verification passed.  `failed` when it did not, which only the
-    baseline `spline` can answer: its table is for comparison, never for flight.
-    margins: by axis, then by limit.  uncertainty: of every session that looks at a target.
-    """
-
-    id: str
-    state: Literal["queued", "running", "done", "refused", "failed", "cancelled"]
     name: str
     platform: str
     segments: list[SegmentOut]
-    table: TableOut
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
@@ -163,6 +155,18 @@ class PlanResponse:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PlanResponse(PlanHead, PlanDocument):
+    """A plan and the judge's verdict on it.
+
+    state: `done` when the verification passed.  `failed` when it did not, which only the
+    baseline `spline` can answer: its table is for comparison, never for flight.
+    margins: by axis, then by limit.  uncertainty: of every session that looks at a target.
+    """
+
+    table: TableOut
+
+
+@dataclass(frozen=True, kw_only=True)
 class DryRunResponse:
     """The request can be read; nothing was planned."""
 
@@ -173,7 +177,8 @@ class DryRunResponse:
     provenance: ProvenanceOut
 
 
-_ADAPTER = TypeAdapter(PlanResponse)
+_DOCUMENT = TypeAdapter(PlanDocument)
+_TABLE = TypeAdapter(TableOut)
 
 
 def plan_json(
@@ -183,44 +188,54 @@ def plan_json(
     planned_at_utc: datetime,
     horizon_checks: Sequence[HorizonCheckOut] = (),
 ) -> bytes:
-    """The whole answer as UTF-8 JSON."""
-    return _ADAPTER.dump_json(plan_response(plan, horizon_checks, input_sha256, planned_at_utc))
+    """The whole answer as UTF-8 JSON, under a new id."""
+    document = plan_document(plan, horizon_checks, provenance(input_sha256, planned_at_utc))
+    return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 
-def plan_response(
-    plan: Plan, checks: Sequence[HorizonCheckOut], input_sha256: str, planned_at_utc: datetime
-) -> PlanResponse:
-    """The plan under a new id."""
+def verdict_state(plan: Plan) -> Literal["done", "failed"]:
+    """Whether the judge passed it."""
+    return "done" if plan.verification.passed else "failed"
+
+
+def table_json(table: CommandTable) -> bytes:
+    """The table as the answer holds it."""
+    return _TABLE.dump_json(table_out(table))
+
+
+def plan_document(
+    plan: Plan, checks: Sequence[HorizonCheckOut], provenance: ProvenanceOut
+) -> bytes:
+    """A PlanDocument as UTF-8 JSON."""
     report = plan.verification
-    return PlanResponse(
-        id=str(uuid.uuid4()),
-        state="done" if report.passed else "failed",
-        name=plan.scenario.name,
-        platform=plan.scenario.platform.name,
-        segments=[_segment(segment) for segment in plan.segments],
-        table=table_out(plan.table),
-        margins=margins_out(report.limits),
-        keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
-        pointing=[pointing_out(session) for session in report.sessions],
-        uncertainty=[
-            uncertainty_out(session, budget)
-            for session, budget in enumerate(plan.budgets)
-            if budget is not None
-        ],
-        verification=VerificationOut(
-            passed=report.passed,
-            findings=[_finding(finding) for finding in report.findings],
-            taken_as_given=list(report.taken_as_given),
-        ),
-        comparison=[
-            comparison_out(run.session, run.comparison)
-            for run in plan.slews
-            if run.comparison is not None
-        ],
-        horizon_checks=list(checks),
-        solver=_solver(plan),
-        warnings=list(plan.warnings),
-        provenance=provenance(input_sha256, planned_at_utc),
+    return _DOCUMENT.dump_json(
+        PlanDocument(
+            name=plan.scenario.name,
+            platform=plan.scenario.platform.name,
+            segments=[_segment(segment) for segment in plan.segments],
+            margins=margins_out(report.limits),
+            keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
+            pointing=[pointing_out(session) for session in report.sessions],
+            uncertainty=[
+                uncertainty_out(session, budget)
+                for session, budget in enumerate(plan.budgets)
+                if budget is not None
+            ],
+            verification=VerificationOut(
+                passed=report.passed,
+                findings=[_finding(finding) for finding in report.findings],
+                taken_as_given=list(report.taken_as_given),
+            ),
+            comparison=[
+                comparison_out(run.session, run.comparison)
+                for run in plan.slews
+                if run.comparison is not None
+            ],
+            horizon_checks=list(checks),
+            solver=_solver(plan),
+            warnings=list(plan.warnings),
+            provenance=provenance,
+        )
     )
 
 

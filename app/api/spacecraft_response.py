@@ -1,14 +1,15 @@
 """What does the answer to an imaging session hold?  Degrees, UTC text and plain numbers."""
 
 import math
-import uuid
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
+from app.api.plan_head import PlanHead, new_head, whole_answer
 from app.api.provenance import ProvenanceOut
 from planner.export.flown import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
@@ -153,20 +154,15 @@ class StabilisationOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpacecraftPlanResponse:
-    """A session of the imaging spacecraft and the judge's verdict on it.
+class SpacecraftPlanDocument:
+    """What is known of a session beside its table."""
 
-    assumptions: what the numbers rest on that the paper doesn't give.
-    """
-
-    id: str
     name: str
     spacecraft: str
     windows: list[WindowOut]
     left_out: list[LeftOutOut]
     choice: ChoiceOut
     turns: list[TurnOut]
-    table: AttitudeTableOut
     verification: SpacecraftVerificationOut
     stabilisation: StabilisationOut
     assumptions: list[str]
@@ -174,14 +170,41 @@ class SpacecraftPlanResponse:
     provenance: ProvenanceOut
 
 
-_ADAPTER = TypeAdapter(SpacecraftPlanResponse)
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftPlanResponse(PlanHead, SpacecraftPlanDocument):
+    """A session of the imaging spacecraft and the judge's verdict on it.
+
+    assumptions: what the numbers rest on that the paper doesn't give.
+    """
+
+    table: AttitudeTableOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftDryRunResponse:
+    """The request can be read; nothing was planned."""
+
+    valid: Literal[True]
+    name: str
+    spacecraft: str
+    requests: int
+    provenance: ProvenanceOut
+
+
+_DOCUMENT = TypeAdapter(SpacecraftPlanDocument)
+_TABLE = TypeAdapter(AttitudeTableOut)
 
 
 def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
-    return _ADAPTER.dump_json(
-        SpacecraftPlanResponse(
-            id=str(uuid.uuid4()),
+    document = spacecraft_document(plan, provenance)
+    return whole_answer(new_head("done"), document, attitude_table_json(plan.table))
+
+
+def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+    """A SpacecraftPlanDocument as UTF-8 JSON."""
+    return _DOCUMENT.dump_json(
+        SpacecraftPlanDocument(
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
             windows=[_window(found, plan.table) for found in plan.verification.windows],
@@ -193,7 +216,6 @@ def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
                 greedy_value=plan.choice.greedy_value,
             ),
             turns=[_turn(turn, plan.table) for turn in plan.turns],
-            table=_table(plan.table),
             verification=_verification(plan.verification),
             stabilisation=_stabilisation(plan.stabilisation),
             assumptions=list(plan.assumptions),
@@ -208,17 +230,20 @@ def row_text(table: AttitudeTable, row: int) -> str:
     return utc_text(shifted_utc(table.epoch_utc, row * TICK_S), 1)
 
 
-def _table(table: AttitudeTable) -> AttitudeTableOut:
+def attitude_table_json(table: AttitudeTable) -> bytes:
+    """An AttitudeTableOut as UTF-8 JSON."""
     q_body_from_eci = continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv())
-    return AttitudeTableOut(
-        epoch=utc_text(table.epoch_utc, 1),
-        step_s=TICK_S,
-        t_s=table.t_s.tolist(),
-        q_body_from_eci_xyzw=np.round(q_body_from_eci, QUATERNION_DECIMALS).tolist(),
-        omega_body_deg_s=_degrees(table.omega_body_rad_s),
-        alpha_body_deg_s2=_degrees(table.alpha_body_rad_s2),
-        gimbal_deg=_degrees(table.gimbal_rad),
-        gimbal_rate_deg_s=_degrees(table.gimbal_rate_rad_s),
+    return _TABLE.dump_json(
+        AttitudeTableOut(
+            epoch=utc_text(table.epoch_utc, 1),
+            step_s=TICK_S,
+            t_s=table.t_s.tolist(),
+            q_body_from_eci_xyzw=np.round(q_body_from_eci, QUATERNION_DECIMALS).tolist(),
+            omega_body_deg_s=_degrees(table.omega_body_rad_s),
+            alpha_body_deg_s2=_degrees(table.alpha_body_rad_s2),
+            gimbal_deg=_degrees(table.gimbal_rad),
+            gimbal_rate_deg_s=_degrees(table.gimbal_rate_rad_s),
+        )
     )
 
 

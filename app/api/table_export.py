@@ -1,30 +1,32 @@
 """How is a plan's table handed out by itself, in one of the registered formats?"""
 
 import re
+from collections.abc import Iterable
 from datetime import datetime
 
 from planner.errors import Unverified
 from planner.export import EXPORTERS
 from planner.plan import Plan
+from planner.verification import Finding
 
 NAME_MAX = 60
 
 
 def exported(plan: Plan, format_name: str, created_utc: datetime) -> bytes:
     """The file's bytes; raises Unverified."""
-    require_verified(plan)
+    require_verified(plan.verification.findings)
     return EXPORTERS[format_name].write(plan, created_utc)
 
 
-def file_name(plan: Plan, format_name: str) -> str:
-    """From the plan's name, in letters, digits and hyphens."""
-    words = re.findall(r"[A-Za-z0-9]+", plan.scenario.name)
-    return ("-".join(words)[:NAME_MAX] or "plan") + EXPORTERS[format_name].suffix
+def file_name(name: str, otherwise: str, suffix: str) -> str:
+    """From a plan's name, in letters, digits and hyphens."""
+    words = re.findall(r"[A-Za-z0-9]+", name)
+    return ("-".join(words)[:NAME_MAX] or otherwise) + suffix
 
 
-def require_verified(plan: Plan) -> None:
+def require_verified(findings: Iterable[Finding]) -> None:
     """Raise Unverified when the judge found an error: a file by itself carries no verdict."""
-    for finding in plan.verification.findings:
+    for finding in findings:
         if finding.severity == "error":
             raise Unverified(
                 f"the table failed its verification: {finding.detail}; only the whole answer "

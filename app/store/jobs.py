@@ -13,9 +13,10 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Row, delete, func, insert, select, update
 
+from app.jobs.states import OPEN_STATES, JobState
 from app.store import events
 from app.store.columns import database_now_s
-from app.store.models import OPEN_STATES, JobRow, JobState
+from app.store.models import JobRow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,14 +69,6 @@ class Claimed:
     job: Job
     request: bytes
     token: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Leases:
-    """What became of leases when they were to be lengthened; by token."""
-
-    lost: frozenset[str]
-    to_cancel: frozenset[str]
 
 
 _COLUMNS = tuple(getattr(JobRow, name) for name in Job.__dataclass_fields__)
@@ -172,17 +165,20 @@ def counts(connection: Connection) -> dict[tuple[str, str], int]:
     return {(kind, state): count for kind, state, count in connection.execute(grouped)}
 
 
-def is_work_waiting(connection: Connection) -> bool:
+def is_work_waiting(connection: Connection, kinds: Collection[str]) -> bool:
     """Whether `claim` would find anything."""
     return any(
         connection.scalar(select(JobRow.id).where(*wanted).limit(1)) is not None
-        for wanted in _claimable()
+        for wanted in _claimable(kinds)
     )
 
 
-def claim(connection: Connection, lease_s: float) -> Claimed | None:
-    """Take the next job: one whose lease ran out, else the first in the queue."""
-    for wanted in _claimable():
+def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claimed | None:
+    """Take the next job: one whose lease ran out, else the first in the queue.
+
+    The job is told as it was before, with the attempts made until then.
+    """
+    for wanted in _claimable(kinds):
         row = connection.execute(
             select(*_COLUMNS, JobRow.request)
             .where(*wanted)
@@ -195,10 +191,11 @@ def claim(connection: Connection, lease_s: float) -> Claimed | None:
     return None
 
 
-def _claimable() -> tuple[tuple[ColumnElement[bool], ...], ...]:
+def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...], ...]:
+    of_kinds = JobRow.kind.in_(kinds)
     return (
-        (JobRow.state == "running", JobRow.lease_until_s < database_now_s()),
-        (JobRow.state == "queued",),
+        (JobRow.state == "running", JobRow.lease_until_s < database_now_s(), of_kinds),
+        (JobRow.state == "queued", of_kinds),
     )
 
 
@@ -223,29 +220,21 @@ def _claimed(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float)
     return Claimed(job=job, request=request, token=token)
 
 
-def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> Leases:
-    """Lengthen leases, and see which are no longer ours and which jobs are to be cancelled."""
+def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> frozenset[str]:
+    """Lengthen leases; returns those `unwanted`."""
     mine = JobRow.lease_token.in_(tokens)
     connection.execute(update(JobRow).where(mine).values(lease_until_s=database_now_s() + lease_s))
-    found = dict(
-        connection.execute(select(JobRow.lease_token, JobRow.cancel_requested).where(mine))
-        .tuples()
-        .all()
-    )
-    return Leases(
-        lost=frozenset(tokens) - frozenset(found),
-        to_cancel=frozenset(token for token, wanted in found.items() if token and wanted),
-    )
+    return unwanted(connection, tokens)
 
 
-def to_cancel(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
-    """Tokens of the jobs that somebody wants to end."""
-    found = connection.scalars(
+def unwanted(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
+    """Leases that are no longer ours, or on jobs that somebody wants to end."""
+    wanted = connection.scalars(
         select(JobRow.lease_token).where(
-            JobRow.lease_token.in_(tokens), JobRow.cancel_requested.is_(True)
+            JobRow.lease_token.in_(tokens), JobRow.cancel_requested.is_(False)
         )
     )
-    return frozenset(token for token in found if token)
+    return frozenset(tokens) - frozenset(wanted)
 
 
 def owned(connection: Connection, token: str) -> Job | None:

@@ -1,7 +1,7 @@
 """Which tables are there?"""
 
 from datetime import datetime
-from typing import Any, Literal
+from typing import Any
 
 from sqlalchemy import (
     JSON,
@@ -16,12 +16,10 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
+from app.jobs.states import STATES, JobState
 from app.store.columns import UtcDateTime
 
-JobState = Literal["queued", "running", "done", "refused", "failed", "cancelled"]
-OPEN_STATES: tuple[JobState, ...] = ("queued", "running")
-
-_STATES = ", ".join(f"'{state}'" for state in JobState.__args__)  # type: ignore[attr-defined]
+_STATES = ", ".join(f"'{state}'" for state in STATES)
 _ID = String(36)
 
 

@@ -6,20 +6,9 @@ from datetime import datetime
 
 from sqlalchemy import Connection, func, insert, select
 
-from app.store.models import JobState, PlanRow
-
-
-@dataclass(frozen=True, kw_only=True)
-class NewPlan:
-    """What a job made; see `PlanRow`.  document: JSON; table_columns: packed."""
-
-    name: str
-    state: JobState
-    input_sha256: str
-    versions: dict[str, str]
-    document: bytes
-    table_columns: bytes
-    planned_utc: datetime
+from app.jobs.planned import Planned
+from app.jobs.states import JobState
+from app.store.models import PlanRow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +38,7 @@ class Revision:
 
 
 def store(
-    connection: Connection, job_id: str, kind: str, revises: str | None, new: NewPlan
+    connection: Connection, job_id: str, kind: str, revises: str | None, new: Planned
 ) -> None:
     """The plan of a job, as the latest revision of the series of the plan it revises."""
     before = None if revises is None else revision_of(connection, revises)
@@ -70,7 +59,7 @@ def store(
             state=new.state,
             input_sha256=new.input_sha256,
             versions=new.versions,
-            document=zlib.compress(new.document),
+            document=new.document,
             table_columns=new.table_columns,
             planned_utc=new.planned_utc,
         )

@@ -3,6 +3,7 @@
 import io
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,25 @@ from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, carrier
 from planner.export.exporter import Exporter
 from planner.export.flown import axes_turn, continuous
 from planner.frames.time_scales import Instants, utc_text
-from planner.spacecraft.plan import ImagingPlan
+from planner.spacecraft.definition import AgileSpacecraft
+from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S, AttitudeTable
 
 Array = NDArray[np.float64]
 _QUATERNION_DECIMALS = 13
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
+
+
+class FlownImaging(Protocol):
+    """What every format is written from: an `ImagingPlan`, or anything with these parts of one."""
+
+    @property
+    def request(self) -> ImagingPlanRequest: ...
+    @property
+    def spacecraft(self) -> AgileSpacecraft: ...
+    @property
+    def table(self) -> AttitudeTable: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +74,7 @@ def _degrees(name: str, parts: tuple[str, ...], unit: str, values_rad: Array) ->
     return _Column(name=name, parts=parts, unit=unit, values=np.degrees(values_rad) + 0.0)
 
 
-def _notes(plan: ImagingPlan, created_utc: datetime) -> tuple[str, ...]:
+def _notes(plan: FlownImaging, created_utc: datetime) -> tuple[str, ...]:
     return (
         f"slewtrack imaging session {one_line(plan.request.name) or 'without a name'}, "
         f"spacecraft {one_line(plan.spacecraft.name)}, written {utc_text(created_utc)}",
@@ -78,7 +91,7 @@ def _notes(plan: ImagingPlan, created_utc: datetime) -> tuple[str, ...]:
     )
 
 
-def write_csv(plan: ImagingPlan, created_utc: datetime) -> bytes:
+def write_csv(plan: FlownImaging, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
     table = plan.table
     columns = _columns(table)
@@ -93,7 +106,7 @@ def write_csv(plan: ImagingPlan, created_utc: datetime) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def write_netcdf(plan: ImagingPlan, created_utc: datetime) -> bytes:
+def write_netcdf(plan: FlownImaging, created_utc: datetime) -> bytes:
     """Classic format, CF: `time` counts SI seconds since row 0, whose UTC is its reference."""
     table = plan.table
     buffer = io.BytesIO()
@@ -134,7 +147,7 @@ def _describe(thing: netcdf_file | netcdf_variable, **attributes: str) -> None:
         setattr(thing, name, value)
 
 
-def write_aem(plan: ImagingPlan, created_utc: datetime) -> bytes:
+def write_aem(plan: FlownImaging, created_utc: datetime) -> bytes:
     """CCSDS AEM 2.0, KVN: attitude of the body against GCRF and its angular velocity.
 
     Source: CCSDS 504.0-B-2, sections 4 and A3.
@@ -173,7 +186,7 @@ def write_aem(plan: ImagingPlan, created_utc: datetime) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-IMAGING_EXPORTERS: dict[str, Exporter[ImagingPlan]] = {
+IMAGING_EXPORTERS: dict[str, Exporter[FlownImaging]] = {
     "csv": Exporter(
         title="attitude, rates and gimbals", media_type="text/csv", suffix=".csv", write=write_csv
     ),

@@ -96,8 +96,10 @@ def test_every_operation_documents_its_refusals(document):
             for status, answer in answers.items():
                 if int(status) >= 400:
                     assert list(answer["content"]) == ["application/problem+json"]
+                elif status in ("204", "304"):
+                    assert "content" not in answer
                 else:
-                    assert {"application/json", "text/plain"} & set(answer["content"])
+                    assert answer["content"]
 
 
 def test_every_registered_format_is_documented(document):

@@ -6,7 +6,7 @@ import uuid
 import pytest
 from fastapi.testclient import TestClient
 
-from app.api import plans
+from app.api import stored_plans
 from app.api.examples import LAS_VEGAS
 from app.main import create_app
 from app.settings import Settings
@@ -90,10 +90,10 @@ def test_misspelled_parameters(client, query):
 
 
 def test_a_bug_says_nothing_of_itself(client, monkeypatch, caplog):
-    def broken(_scenario):
+    def broken(*_):
         raise RuntimeError("secret /etc/passwd")
 
-    monkeypatch.setattr(plans, "make_plan", broken)
+    monkeypatch.setattr(stored_plans, "whole_answer", broken)
     answer = client.post("/v1/plans", content=BODY, headers=JSON)
     problem = assert_problem(answer, 500)
     assert problem["title"] == "Internal Server Error"

@@ -91,7 +91,7 @@ def files(client):
         )
         assert answer.status_code == 201, answer.text
         assert answer.headers["content-type"].split(";")[0] == exporter.media_type
-        assert f'"session{exporter.suffix}"' in answer.headers["content-disposition"]
+        assert f'"One-strip{exporter.suffix}"' in answer.headers["content-disposition"]
         found[name] = answer.content
     found["table"] = client.post(PLANS, json=request).json()
     return found

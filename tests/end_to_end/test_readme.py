@@ -7,14 +7,13 @@ import re
 import shlex
 import subprocess
 import sys
-import urllib.error
 import urllib.request
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
 import pytest
 from fastapi.testclient import TestClient
+from live_service import live_service
 
 from app.api.opportunity_request import read_opportunity_request
 from app.api.plan_request import read_plan_request
@@ -36,60 +35,79 @@ SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 README = (ROOT / "README.md").read_text()
 
 
-@contextmanager
-def service():
-    """`slewtrack serve` on a free port; yields its address."""
-    process = subprocess.Popen(
-        [SLEWTRACK, "serve", "--port", "0"], stderr=subprocess.PIPE, text=True, cwd=ROOT
-    )
-    try:
-        for line in process.stderr:
-            if found := re.search(r"running on (http://127\.0\.0\.1:\d+)", line):
-                yield found[1]
-                break
-        else:
-            raise AssertionError("the service said no address")
-    finally:
-        process.terminate()
-        process.wait(timeout=20)
-
-
-def curl(command: str, address: str) -> tuple[int, Any]:
-    """Does what the curl command says, so that no curl need be installed."""
+def curl(command: str, address: str, **variables: str) -> tuple[int, str, bytes]:
+    """Status, address in Location and body of what the curl command gets; needs no curl."""
+    for name, value in variables.items():
+        command = command.replace(f"${name}", value)
     words = shlex.split(command.replace("\\\n", " "))
-    options = dict(itertools.pairwise(words))
     [url] = [word for word in words if word.startswith("http")]
-    body = (ROOT / options["--data-binary"].removeprefix("@")).read_bytes()
-    name, value = options["-H"].split(": ")
+    options = list(itertools.pairwise(words))
+    values = {name: value for name, value in options if name in ("-X", "--data-binary")}
+    file = values.get("--data-binary")
+    body = (ROOT / file.removeprefix("@")).read_bytes() if file else None
+    headers = dict(value.split(": ") for name, value in options if name == "-H")
     request = urllib.request.Request(
-        url.replace("http://127.0.0.1:8000", address), body, {name: value}, method=options["-X"]
+        url.replace("http://127.0.0.1:8000", address), body, headers, method=values.get("-X")
     )
     with urllib.request.urlopen(request) as answer:
-        return answer.status, json.load(answer)
+        return answer.status, answer.headers.get("Location", ""), answer.read()
 
 
 def curl_commands(text: str) -> list[str]:
     return [match[0].removeprefix("$ ") for match in re.finditer(r"\$ curl (?:.*\\\n)*.*\n", text)]
 
 
-def test_curl_examples():
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    with live_service(tmp_path_factory.mktemp("service")) as service:
+        yield service.address
+
+
+def commands_of_http_page() -> list[str]:
+    return curl_commands((ROOT / "docs" / "http.md").read_text())
+
+
+def test_the_readmes_curl_example(address):
     [in_readme] = curl_commands(README)
-    dry_run, czml, opportunities = curl_commands((ROOT / "docs" / "http.md").read_text())
-    with service() as address:
-        status, plan = curl(in_readme, address)
-        assert status == 201
-        assert plan["state"] == "done"
-        assert plan["verification"]["passed"]
-        assert len(plan["table"]["alpha_deg"]) == 1151
-        status, answer = curl(dry_run, address)
-        assert status == 200
-        assert answer["valid"] is True
-        status, answer = curl(czml, address)
-        assert status == 201
-        assert answer[0]["id"] == "document"
-        status, answer = curl(opportunities, address)
-        assert status == 200
-        assert answer["windows"]
+    status, _, body = curl(in_readme, address)
+    plan = json.loads(body)
+    assert status == 201
+    assert plan["state"] == "done"
+    assert plan["verification"]["passed"]
+    assert len(plan["table"]["alpha_deg"]) == 1151
+
+
+def test_curl_examples_that_answer_at_once(address):
+    dry_run, czml, *_, opportunities = commands_of_http_page()
+    status, _, answer = curl(dry_run, address)
+    assert status == 200
+    assert json.loads(answer)["valid"] is True
+    status, _, answer = curl(czml, address)
+    assert status == 201
+    assert json.loads(answer)[0]["id"] == "document"
+    status, _, answer = curl(opportunities, address)
+    assert status == 200
+    assert json.loads(answer)["windows"]
+
+
+def test_curl_examples_of_a_plan_that_is_kept(address):
+    _, _, *kept, accepted, events, _ = commands_of_http_page()
+    status, location, answer = curl(accepted, address)
+    assert status == 202
+    plan_id = location.rsplit("/", 1)[1]
+    assert json.loads(answer)["id"] == plan_id
+    status, _, told = curl(events, address, ID=plan_id)
+    assert status == 200
+    assert '"state": "done"' in told.decode()
+    listed, one, table, delete = kept
+    status, _, answer = curl(listed.replace("name=Vegas", "name=Athens"), address)
+    assert plan_id in [plan["id"] for plan in json.loads(answer)["plans"]]
+    status, _, answer = curl(one, address, ID=plan_id)
+    assert json.loads(answer)["state"] == "done"
+    status, _, answer = curl(table, address, ID=plan_id)
+    assert answer.startswith(b"CDF")  # NetCDF's magic number
+    status, _, answer = curl(delete, address, ID=plan_id)
+    assert (status, answer) == (204, b"")
 
 
 FRAGMENTS = [

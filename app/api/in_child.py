@@ -1,0 +1,38 @@
+"""How does a route that answers directly have its work done where it can do no harm?"""
+
+import asyncio
+from collections.abc import Callable
+from typing import TypeVar
+
+import anyio.to_thread
+from fastapi import Request
+from starlette.requests import ClientDisconnect
+
+from app.jobs.disposable import Bounds, Stop, Stopped, run_disposable
+
+T = TypeVar("T")
+
+
+async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
+    """`run_disposable` when its turn has come; stopped when the client goes away.
+
+    Raises ClientDisconnect then, and else what `run_disposable` does.  The request's body must
+    have been read.
+    """
+    stop = Stop()
+    watch = asyncio.create_task(_stop_when_gone(request, stop))
+    try:
+        return await anyio.to_thread.run_sync(
+            lambda: run_disposable(bounds, work, *given, stop=stop),
+            limiter=request.app.state.children,
+        )
+    except Stopped:
+        raise ClientDisconnect from None
+    finally:
+        watch.cancel()
+
+
+async def _stop_when_gone(request: Request, stop: Stop) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+    stop.request()

@@ -1,0 +1,110 @@
+"""How is a stored plan found and answered with, whole or its table by itself?"""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+
+import anyio.to_thread
+from fastapi import HTTPException, Request, Response
+
+from app.api.in_child import in_child
+from app.api.negotiation import JSON
+from app.api.plan_head import PlanHead, whole_answer
+from app.api.plan_resource import PlanResource
+from app.api.table_export import file_name
+from app.jobs.disposable import Bounds
+from app.jobs.refusals import Conflict
+from app.store import jobs, plans
+from app.store.database import Database
+from app.store.jobs import Job
+from app.store.plans import StoredPlan
+from app.versions import VERSION
+
+# A day's table, the longest there is, took TODO s as CZML.
+EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
+# Turning more than this of a packed table into JSON would hold the interpreter for long.
+_PACKED_MAX_BYTES = 200_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """A job of a resource, with its plan where there is one."""
+
+    job: Job
+    plan: StoredPlan | None
+
+
+async def find(request: Request, resource: PlanResource, plan_id: str) -> Found:
+    """Raises 404."""
+    database: Database = request.app.state.database
+
+    def read() -> Found | None:
+        with database.reading() as connection:
+            job = jobs.get(connection, plan_id)
+            if job is None or job.kind != resource.kind.name:
+                return None
+            made = job.state in ("done", "failed")
+            return Found(job=job, plan=plans.get(connection, plan_id) if made else None)
+
+    found = await anyio.to_thread.run_sync(read)
+    if found is None:
+        raise HTTPException(
+            HTTPStatus.NOT_FOUND, f"there is no plan with this id; GET {resource.path} lists them"
+        )
+    return found
+
+
+def immutable_tag(plan: StoredPlan, form: str = "json") -> str:
+    """The ETag of a plan in one form: it never changes, the program that writes it may."""
+    return f'"{plan.id}-{form}-{VERSION}"'
+
+
+async def whole_json(request: Request, resource: PlanResource, plan: StoredPlan) -> bytes:
+    """The answer to the request it was planned for."""
+    head = PlanHead(id=plan.id, state=plan.state, revision=plan.revision, revises=plan.revises)
+    if len(plan.table_columns) > _PACKED_MAX_BYTES:
+        table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
+    else:
+        table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
+    return whole_answer(head, plan.document, table)
+
+
+async def table_answer(
+    request: Request,
+    resource: PlanResource,
+    found: Found,
+    format_name: str | None,
+    status: HTTPStatus,
+    headers: dict[str, str],
+) -> Response:
+    """The table by itself, without a format as the whole answer holds it.
+
+    Raises Conflict when there is none (yet), Unverified, OutsideCoverage.
+    """
+    plan = found.plan
+    if plan is None:
+        raise Conflict(
+            f"there is no table: the plan's state is {found.job.state}; GET "
+            f"{resource.path}/{found.job.id} tells more"
+        )
+    if format_name is None:
+        table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
+        return Response(table, status, headers, JSON)
+    exporter = resource.exporters[format_name]
+    database: Database = request.app.state.database
+
+    def asked() -> bytes:
+        with database.reading() as connection:
+            return jobs.request_of(connection, plan.id) or b""
+
+    content = await in_child(
+        request,
+        EXPORT_BOUNDS,
+        resource.table_file,
+        await anyio.to_thread.run_sync(asked),
+        plan.table_columns,
+        format_name,
+        plan.planned_utc,
+    )
+    name = file_name(plan.name, resource.file_stem, exporter.suffix)
+    told = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(content, status, headers | told, exporter.media_type)

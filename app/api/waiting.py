@@ -1,0 +1,58 @@
+"""How long does a client want to wait for a plan, and how is waited?
+
+Source: RFC 7240 (Prefer).
+"""
+
+import asyncio
+import re
+from dataclasses import dataclass
+
+import anyio.to_thread
+from fastapi import Request
+
+from app.jobs.dispatcher import POLL_S, Dispatcher
+from app.store import jobs
+from app.store.database import Database
+
+WAIT_S, WAIT_MAX_S = 30, 60
+_WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patience:
+    """How long to wait; applied: what to say of the client's wish, None where it has none."""
+
+    wait_s: float
+    applied: str | None
+
+
+def patience(prefer: str | None) -> Patience:
+    """Of a Prefer header; what isn't understood in it is ignored, as the RFC asks."""
+    wishes = [wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")]
+    if "respond-async" in wishes:
+        return Patience(wait_s=0.0, applied="respond-async")
+    for wish in wishes:
+        if found := _WAIT.fullmatch(wish):
+            seconds = min(int(found[1]), WAIT_MAX_S)
+            return Patience(wait_s=seconds, applied=f"wait={seconds}")
+    return Patience(wait_s=WAIT_S, applied=None)
+
+
+async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
+    """Until a job has ended, here or with another service on the database, or time is up."""
+    dispatcher: Dispatcher = request.app.state.dispatcher
+    until_s = asyncio.get_running_loop().time() + wait_s
+    while (left_s := until_s - asyncio.get_running_loop().time()) > 0.0:
+        here = dispatcher.ended(job_id)
+        if here is not None:
+            await asyncio.wait([asyncio.wrap_future(here)], timeout=left_s)
+        if not await anyio.to_thread.run_sync(_is_open, request.app.state.database, job_id):
+            return
+        if here is None:
+            await asyncio.sleep(min(POLL_S, left_s))
+
+
+def _is_open(database: Database, job_id: str) -> bool:
+    with database.reading() as connection:
+        job = jobs.get(connection, job_id)
+    return job is not None and job.is_open

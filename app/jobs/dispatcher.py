@@ -1,0 +1,301 @@
+"""How does accepted work get done, once, whatever dies in between?
+
+The database is the truth; this holds leases on the jobs it works on and can lose them at any
+moment.  One thread takes work up and keeps the leases; results are stored in the executor's.
+"""
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime, timedelta
+from threading import Event, Lock, Thread
+from typing import Any
+
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+
+from app.jobs.disposable import Bounds, Stop
+from app.jobs.executors import SolveExecutor, Task
+from app.jobs.kinds import JOB_KINDS, JobKind
+from app.jobs.progress import Progress
+from app.jobs.refusals import QueueFull
+from app.jobs.settling import settle, take_up_again
+from app.jobs.states import JobState
+from app.observability.logs import log
+from app.store import audit, events, jobs
+from app.store.database import Database
+from app.store.jobs import Claimed, Job, NewJob
+
+POLL_S = 0.25  # for work and cancellations that other services on the database wrote
+PROGRESS_S = 0.5  # least time between two progress events of one job
+_PAUSE_S = 1.0  # when the database doesn't answer
+_STORE_TRIES = 6
+_PRUNE_S = 3600.0
+_PRUNED_AT_ONCE = 200
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rules:
+    """What the operator sets."""
+
+    lease_s: float
+    attempts_max: int
+    queue_max: int
+    retention_days: float | None
+
+
+@dataclass(kw_only=True)
+class _Running:
+    """A job this service works on."""
+
+    job: Job
+    token: str
+    stop: Stop = field(default_factory=Stop)
+    ended: Future[None] = field(default_factory=Future)
+    began_s: float = field(default_factory=time.monotonic)
+    told_s: float = field(default_factory=time.monotonic)
+
+    @property
+    def kind(self) -> JobKind:
+        return JOB_KINDS[self.job.kind]
+
+
+# Told of a job's kind, the state its work ended in, how long it took and the iterations.
+OnEnd = Callable[[str, JobState, float, int | None], None]
+
+
+class Dispatcher:
+    """Accepts jobs, and works on those of the database as far as there is room."""
+
+    def __init__(
+        self, database: Database, executor: SolveExecutor, rules: Rules, on_end: OnEnd
+    ) -> None:
+        self._database = database
+        self._executor = executor
+        self._rules = rules
+        self._on_end = on_end
+        self._lock = Lock()
+        self._free = executor.workers
+        self._running: dict[str, _Running] = {}
+        self._wake = Event()
+        self._closing = False
+        self._thread = Thread(target=self._keep_going, name="dispatcher", daemon=True)
+        self._extended_s = self._pruned_s = time.monotonic()
+
+    def start(self) -> None:
+        """Begin to take work up."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Give what runs back to the queue, for the next service."""
+        self._closing = True
+        self._wake.set()
+        self._thread.join()
+        for running in self._now_running():
+            running.stop.request()
+        self._executor.close()
+
+    def submit(self, new: NewJob) -> Job:
+        """Accept a job, begun at once where there is room; or the one accepted under its key.
+
+        Raises QueueFull.
+        """
+        mine = self._take_place()
+        token = None
+        try:
+            job, token = self._accepted(new, mine)
+        except IntegrityError:  # the same key came in elsewhere at the same time
+            job, token = self._accepted(new, mine)
+        finally:
+            if mine and token is None:
+                self._leave_place()
+        if token is not None:
+            self._begin(_Running(job=job, token=token), new.request)
+        self._wake.set()
+        return job
+
+    def _accepted(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
+        with self._database.writing() as connection:
+            if new.idempotency is not None:
+                known = jobs.find_idempotent(connection, new.idempotency)
+                if known is not None:
+                    return known, None
+            if not mine:
+                self._require_room(jobs.count_waiting(connection))
+            token = jobs.accept(connection, new, self._rules.lease_s if mine else None)
+            audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
+            job = jobs.get(connection, new.id)
+        assert job is not None
+        return job, token
+
+    def _require_room(self, waiting: int) -> None:
+        if waiting >= self._rules.queue_max:
+            raise QueueFull(
+                f"{waiting} requests wait already, the most that may; ask again when some are done"
+            )
+
+    def cancel(self, job_id: str, key_id: str | None) -> Job | None:
+        """End a job; one that another service works on ends within its POLL_S."""
+        with self._database.writing() as connection:
+            job = jobs.cancel(connection, job_id)
+            if job is None:
+                return None
+            audit.record(connection, key_id=key_id, action=f"{job.kind}.cancel", subject=job_id)
+        running = self._running.get(job_id)
+        if running is not None:
+            running.stop.request()
+        return job
+
+    def ended(self, job_id: str) -> Future[None] | None:
+        """Done when the work on a job here has ended and that is stored; None for others."""
+        running = self._running.get(job_id)
+        return None if running is None else running.ended
+
+    def _take_place(self) -> bool:
+        with self._lock:
+            if self._free <= 0 or self._closing:
+                return False
+            self._free -= 1
+            return True
+
+    def _leave_place(self) -> None:
+        with self._lock:
+            self._free += 1
+
+    def _now_running(self) -> list[_Running]:
+        with self._lock:
+            return list(self._running.values())
+
+    # Work on a job
+
+    def _begin(self, running: _Running, request: bytes) -> None:
+        job, kind = running.job, running.kind
+        with self._lock:
+            self._running[job.id] = running
+        bounds = Bounds(deadline_s=job.deadline_s, memory_mib=kind.bounds.memory_mib)
+        future = self._executor.submit(
+            Task(job_id=job.id, bounds=bounds, work=kind.work, request=request),
+            running.stop,
+            lambda progress: self._tell(running, progress),
+        )
+        future.add_done_callback(lambda done: self._end(running, done))
+
+    def _tell(self, running: _Running, progress: Progress) -> None:
+        now_s = time.monotonic()
+        if now_s - running.told_s < PROGRESS_S:
+            return
+        running.told_s = now_s
+        told = {name: value for name, value in asdict(progress).items() if value is not None}
+        try:
+            with self._database.writing() as connection:
+                if jobs.owned(connection, running.token) is not None:
+                    events.record(connection, running.job.id, events.PROGRESS, told)
+        except SQLAlchemyError as error:  # the work matters more than what it says of itself
+            log.warning("progress can't be stored", job=running.job.id, error=repr(error))
+
+    def _end(self, running: _Running, done: Future[Any]) -> None:
+        took_s = time.monotonic() - running.began_s
+        try:
+            state = self._stored(running, done)
+            if state is not None:
+                result = done.result() if done.exception() is None else None
+                iterations = None if result is None else running.kind.iterations(result)
+                self._on_end(running.job.kind, state, took_s, iterations)
+        except Exception as error:  # noqa: BLE001 (its lease runs out, and it is taken up again)
+            log.error("a result couldn't be stored", job=running.job.id, exc_info=error)
+        finally:
+            with self._lock:
+                del self._running[running.job.id]
+            self._leave_place()
+            self._wake.set()
+            running.ended.set_result(None)
+
+    def _stored(self, running: _Running, done: Future[Any]) -> JobState | None:
+        """The state the job has now; None when it is no longer ours."""
+        for attempt in range(_STORE_TRIES):
+            try:
+                with self._database.writing() as connection:
+                    job = jobs.owned(connection, running.token)
+                    if job is None:
+                        log.warning("a lease was lost", job=running.job.id)
+                        return None
+                    return settle(connection, job, running.kind, done, self._rules.attempts_max)
+            except SQLAlchemyError as error:
+                if attempt == _STORE_TRIES - 1:
+                    raise
+                log.warning("a result can't be stored yet", job=running.job.id, error=repr(error))
+                time.sleep(_PAUSE_S * 2**attempt)
+        raise AssertionError
+
+    # The thread
+
+    def _keep_going(self) -> None:
+        while not self._closing:
+            try:
+                self._take_up()
+                self._look_after()
+                self._prune()
+            except SQLAlchemyError as error:
+                log.error("the database doesn't answer", exc_info=error)
+                time.sleep(_PAUSE_S)
+            self._wake.wait(POLL_S)
+            self._wake.clear()
+
+    def _take_up(self) -> None:
+        while self._take_place():
+            claimed = None
+            try:
+                claimed = self._claimed()
+            finally:
+                if claimed is None:
+                    self._leave_place()
+            if claimed is None:
+                return
+            self._begin(_Running(job=claimed.job, token=claimed.token), claimed.request)
+
+    def _claimed(self) -> Claimed | None:
+        """The next job that is to be worked on."""
+        kinds = tuple(JOB_KINDS)
+        with self._database.reading() as connection:
+            if not jobs.is_work_waiting(connection, kinds):
+                return None
+        while True:
+            with self._database.writing() as connection:
+                claimed = jobs.claim(connection, kinds, self._rules.lease_s)
+                if claimed is None:
+                    return None
+                job = claimed.job
+                if job.cancel_requested:
+                    jobs.finish(connection, job, "cancelled")
+                elif job.attempts >= self._rules.attempts_max:
+                    take_up_again(connection, job, self._rules.attempts_max)
+                else:
+                    return claimed
+
+    def _look_after(self) -> None:
+        """Keep the leases; end what somebody cancelled or is no longer ours."""
+        by_token = {running.token: running for running in self._now_running()}
+        if not by_token:
+            return
+        now_s = time.monotonic()
+        if now_s - self._extended_s >= self._rules.lease_s / 4.0:
+            with self._database.writing() as connection:
+                unwanted = jobs.extend(connection, tuple(by_token), self._rules.lease_s)
+            self._extended_s = now_s
+        else:
+            with self._database.reading() as connection:
+                unwanted = jobs.unwanted(connection, tuple(by_token))
+        for token in unwanted:
+            by_token[token].stop.request()
+
+    def _prune(self) -> None:
+        """Delete what the operator doesn't keep."""
+        now_s = time.monotonic()
+        if self._rules.retention_days is None or now_s < self._pruned_s:
+            return
+        before_utc = datetime.now(UTC) - timedelta(days=self._rules.retention_days)
+        with self._database.writing() as connection:
+            gone = jobs.remove_finished(connection, before_utc, _PRUNED_AT_ONCE)
+            for job_id in gone:
+                audit.record(connection, key_id=None, action="retention.delete", subject=job_id)
+        self._pruned_s = now_s + (0.0 if len(gone) == _PRUNED_AT_ONCE else _PRUNE_S)

@@ -1,0 +1,66 @@
+"""Where is work done?"""
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from app.jobs.disposable import Bounds, Stop, run_disposable
+from app.jobs.progress import Progress
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """Work for a child: `work(request)` within bounds; both go through pickle."""
+
+    job_id: str
+    bounds: Bounds
+    work: Callable[[bytes], Any]
+    request: bytes
+
+
+class SolveExecutor(Protocol):
+    """Does `workers` tasks at a time, each in a disposable child, here or elsewhere.
+
+    The future of a task ends as `run_disposable` does: with the work's result, a Refusal,
+    Stopped, ChildFailed or ChildDied.  Any other error is taken for a loss of the machine that
+    was at it, and the task is given to another.
+    """
+
+    @property
+    def workers(self) -> int: ...
+
+    def submit(
+        self, task: Task, stop: Stop, on_progress: Callable[[Progress], None]
+    ) -> Future[Any]:
+        """Begin; `stop` ends it wherever it runs, `on_progress` is called in any thread."""
+        ...
+
+    def close(self) -> None:
+        """All tasks have ended."""
+        ...
+
+
+class LocalExecutor:
+    """In children of this machine, a thread waiting for each."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._threads = ThreadPoolExecutor(workers, thread_name_prefix="solve")
+
+    def submit(
+        self, task: Task, stop: Stop, on_progress: Callable[[Progress], None]
+    ) -> Future[Any]:
+        """As a SolveExecutor does."""
+        return self._threads.submit(
+            run_disposable,
+            task.bounds,
+            task.work,
+            task.request,
+            stop=stop,
+            on_progress=on_progress,
+        )
+
+    def close(self) -> None:
+        """As a SolveExecutor does."""
+        self._threads.shutdown()

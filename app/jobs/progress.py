@@ -1,0 +1,28 @@
+"""How does work say how far it is?  It reports to whoever runs it, or to nobody."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """What is being done now; `done` of `of` parts where that can be said."""
+
+    stage: str
+    done: int | None = None
+    of: int | None = None
+
+
+_reporter: Callable[[Progress], None] | None = None
+
+
+def report_through(reporter: Callable[[Progress], None]) -> None:
+    """From now on, in this process."""
+    global _reporter
+    _reporter = reporter
+
+
+def report(progress: Progress) -> None:
+    """Tell whoever runs this work."""
+    if _reporter is not None:
+        _reporter(progress)

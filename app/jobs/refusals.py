@@ -1,0 +1,33 @@
+"""What can be refused about jobs?"""
+
+from typing import ClassVar
+
+from planner.errors import Refusal
+
+
+class QueueFull(Refusal):
+    """More is waiting than the service promises to get done."""
+
+    slug: ClassVar[str] = "queue-full"
+    title: ClassVar[str] = "Too many requests wait to be worked on"
+
+
+class Interrupted(Refusal):
+    """Whoever worked on it died each time: our failure, or a request that brings solvers down."""
+
+    slug: ClassVar[str] = "interrupted"
+    title: ClassVar[str] = "The work was interrupted too often"
+
+
+class Conflict(Refusal):
+    """What is asked doesn't go with the state the job is in."""
+
+    slug: ClassVar[str] = "conflict"
+    title: ClassVar[str] = "The state of the job doesn't admit this"
+
+
+class KeyReused(Refusal):
+    """An Idempotency-Key that came with another request before."""
+
+    slug: ClassVar[str] = "idempotency-key-reused"
+    title: ClassVar[str] = "The Idempotency-Key belongs to another request"

@@ -1,0 +1,42 @@
+"""What works on jobs while the service runs?"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from app.jobs.dispatcher import Dispatcher, Rules
+from app.jobs.disposable import spare_children
+from app.jobs.executors import LocalExecutor
+from app.jobs.states import JobState
+from app.observability.metrics import Metrics
+from app.settings import Settings
+from app.store import jobs
+from app.store.database import Database
+
+
+@contextmanager
+def dispatching(settings: Settings, database: Database, metrics: Metrics) -> Iterator[Dispatcher]:
+    """A dispatcher at work as the settings say; at the end it gives back what isn't done."""
+
+    def on_end(kind: str, state: JobState, took_s: float, iterations: int | None) -> None:
+        metrics.solve_s.labels(kind, state).observe(took_s)
+        if iterations is not None:
+            metrics.iterations.labels(kind).observe(iterations)
+
+    def counts() -> dict[tuple[str, str], int]:
+        with database.reading() as connection:
+            return jobs.counts(connection)
+
+    metrics.count_jobs_by(counts)
+    rules = Rules(
+        lease_s=settings.lease_s,
+        attempts_max=settings.job_attempts,
+        queue_max=settings.queue_max,
+        retention_days=settings.retention_days,
+    )
+    with spare_children(settings.workers):
+        dispatcher = Dispatcher(database, LocalExecutor(settings.workers), rules, on_end)
+        dispatcher.start()
+        try:
+            yield dispatcher
+        finally:
+            dispatcher.close()

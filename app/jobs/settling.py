@@ -1,0 +1,69 @@
+"""What does a job become when its work has ended, however it ended?"""
+
+from collections.abc import Mapping
+from concurrent.futures import Future
+from typing import Any
+
+from sqlalchemy import Connection
+
+from app.errors import bug, problem_of
+from app.jobs.disposable import ChildFailed, Stopped
+from app.jobs.kinds import JobKind
+from app.jobs.refusals import Interrupted
+from app.jobs.states import JobState
+from app.observability.logs import log
+from app.store import jobs
+from app.store.jobs import Job
+from planner.errors import Refusal
+
+
+def settle(
+    connection: Connection, job: Job, kind: JobKind, done: Future[Any], attempts_max: int
+) -> JobState:
+    """Store the result of a job whose row is locked; returns the state it then has."""
+    error = done.exception()
+    if error is None:
+        state = kind.store(connection, job, done.result())
+        jobs.finish(connection, job, state)
+        return state
+    if isinstance(error, Stopped):
+        return _stopped(connection, job)
+    problem = _problem(job, error)
+    if problem is None:
+        return take_up_again(connection, job, attempts_max)
+    state = "refused" if problem["status"] < 500 else "failed"
+    jobs.finish(connection, job, state, problem)
+    return state
+
+
+def take_up_again(connection: Connection, job: Job, attempts_max: int) -> JobState:
+    """Back into the queue, unless whoever worked on it died too often."""
+    if job.attempts < attempts_max:
+        jobs.give_back(connection, job, counted=True)
+        return "queued"
+    problem = problem_of(
+        Interrupted(
+            f"the process that worked on it ended without a word {job.attempts} times; ask for "
+            "less at a time, or again if the service was killed"
+        )
+    )
+    jobs.finish(connection, job, "failed", problem)
+    return "failed"
+
+
+def _stopped(connection: Connection, job: Job) -> JobState:
+    if job.cancel_requested:
+        jobs.finish(connection, job, "cancelled")
+        return "cancelled"
+    jobs.give_back(connection, job, counted=False)  # the service stops; the next goes on
+    return "queued"
+
+
+def _problem(job: Job, error: BaseException) -> Mapping[str, Any] | None:
+    if isinstance(error, Refusal):
+        return problem_of(error)
+    if isinstance(error, ChildFailed):
+        log.error("bug", job=job.id, traceback=str(error))
+        return bug()
+    log.warning("a child was lost", job=job.id, error=repr(error))
+    return None

@@ -1,0 +1,19 @@
+"""What do children find ready?  Imported once, by the server they are forked from.
+
+Importing it plans the worked example: solvers are built, ephemerides read and tables of Earth
+orientation interpolated before the first fork, so that no child does it again.
+"""
+
+import gc
+import json
+
+import app.api.horizon_prediction
+import app.api.horizon_work
+import app.api.opportunity_work
+import app.api.spacecraft_work  # noqa: F401
+from app.api.examples import LAS_VEGAS
+from app.api.plan_work import planned
+
+planned(json.dumps(LAS_VEGAS).encode())
+gc.collect()
+gc.freeze()  # no collection touches, and so copies, the pages children share
