@@ -12,7 +12,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from planner.errors import Unreachable
 from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
@@ -30,25 +29,27 @@ from planner.spacecraft.requests import (
     StripRequest,
 )
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turn_time import TurnTime
+from planner.spacecraft.turn_time import MovingEnds, TurnTime
 
 Array = NDArray[np.float64]
 GRID_S = 2.0
+PASSING_RAD = math.radians(3.0)  # along the track: abeam
 
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
     """One way to image a request: arcs in order of time, all within the camera's angles.
 
-    entry, exit: eci_from_body at the first arc's start and the last one's end.  part: 0 for
-    a whole request, 1 and 2 for the two looks of a stereo pair (which may have others between).
+    entry, exit: attitude and rate at the first arc's start and the last one's end, n = 1.
+    part: 0 for a whole request, 1 and 2 for the two looks of a stereo pair (which may have
+    others between).
     """
 
     request: int
     part: int
     arcs: tuple[GroundArc, ...]
-    entry: Rotation
-    exit: Rotation
+    entry: MovingEnds
+    exit: MovingEnds
 
     @property
     def start_s(self) -> float:
@@ -83,7 +84,7 @@ def candidates(request: Request, number: int, session: Session) -> list[Candidat
     for chain in chains:
         found += _timed(chain, starts_s, number, request, session)
     if not found:
-        raise _unreachable(request, number, chains, session)
+        raise _unreachable(request, number, session)
     return found
 
 
@@ -91,7 +92,12 @@ def _start_times(request: ImagingRequest, session: Session) -> Array:
     if request.start is not None:
         asked = elapsed_s(request.start, session.epoch_utc)
         return np.array([round(asked / TICK_S) * TICK_S])
-    return np.arange(0.0, session.duration_s, GRID_S)
+    grid = np.arange(0.0, session.duration_s, GRID_S)
+    if request.window_start is None:
+        return grid
+    first_s = elapsed_s(request.window_start, session.epoch_utc)
+    opening_s = math.ceil(first_s / TICK_S - 1e-6) * TICK_S
+    return np.union1d(grid, [opening_s])  # a window as short as the scan is met too
 
 
 def _chains(request: Request, session: Session) -> list[list[GroundArc]]:
@@ -216,22 +222,25 @@ def _timed(
     """The chain at every start time where all its arcs are within the camera's angles."""
     times = starts_s.copy()
     begins: list[Array] = []
-    entries: list[Rotation] = []
-    exits: list[Rotation] = []
+    exits: MovingEnds | None = None
     ok = np.ones(len(times), dtype=bool)
-    for k, arc in enumerate(chain):
-        if k > 0:
-            times = _after_turn(exits[-1], times, arc, session)
+    for arc in chain:
+        if exits is not None:
+            times = _after_turn(exits, times, arc, session)
         begins.append(times)
         span_s = on_ticks(arc) * TICK_S
         inside = (times >= 0.0) & (times + span_s <= session.duration_s)
         times = np.where(inside, times, 0.0)
         ok &= inside & _in_reach(arc, times, span_s, session)
-        entries.append(_scan(arc, 0.0, times, session))
-        exits.append(_scan(arc, span_s / arc.duration_s, times + span_s, session))
         times = times + span_s
+        exits = _scan(arc, span_s / arc.duration_s, times, session)
     first_s, last_s = _bounds(request, session)
     ok &= (begins[0] >= first_s - 1e-6) & (times <= last_s + 1e-6)
+    kept = np.flatnonzero(ok)
+    entries = _scan(chain[0], 0.0, begins[0][kept], session)
+    leaves = _scan(
+        chain[-1], on_ticks(chain[-1]) * TICK_S / chain[-1].duration_s, times[kept], session
+    )
     return [
         Candidate(
             request=number,
@@ -240,10 +249,10 @@ def _timed(
                 replace(arc, start_s=float(begin[i]))
                 for arc, begin in zip(chain, begins, strict=True)
             ),
-            entry=entries[0][i],
-            exit=exits[-1][i],
+            entry=entries[place : place + 1],
+            exit=leaves[place : place + 1],
         )
-        for i in np.flatnonzero(ok)
+        for place, i in enumerate(kept)
     ]
 
 
@@ -256,19 +265,24 @@ def _bounds(request: ImagingRequest, session: Session) -> tuple[float, float]:
     return first, last
 
 
-def _after_turn(exits: Rotation, times: Array, arc: GroundArc, session: Session) -> Array:
+def _after_turn(exits: MovingEnds, times: Array, arc: GroundArc, session: Session) -> Array:
     """Start of the next arc: the turn's time depends on it, so three rounds."""
     starts = times + 10.0
     for _ in range(3):
         safe = np.clip(starts, 0.0, session.duration_s)
-        angle = np.asarray((exits.inv() * _scan(arc, 0.0, safe, session)).magnitude())
-        starts = times + session.turn_time.ticks(angle) * TICK_S
+        entries = _scan(arc, 0.0, safe, session)
+        starts = times + session.turn_time.ticks(exits, entries) * TICK_S
     return np.asarray(starts)
 
 
-def _scan(arc: GroundArc, share: float, times: Array, session: Session) -> Rotation:
-    """eci_from_body with the arc's point at `share` under the slit at each time."""
-    return arc_attitude(arc, np.full(len(times), share), session.ephemeris, session.instants(times))
+def _scan(arc: GroundArc, share: float, times: Array, session: Session) -> MovingEnds:
+    """The arc's point at `share` under the slit at each time, and the scan's rate there (by
+    differences over a tick: 1e-6 rad/s)."""
+    later = session.instants(times + TICK_S)
+    n, ahead = len(times), share + TICK_S / arc.duration_s
+    now = arc_attitude(arc, np.full(n, share), session.ephemeris, session.instants(times))
+    then = arc_attitude(arc, np.full(n, ahead), session.ephemeris, later)
+    return MovingEnds(now.as_quat(), (then * now.inv()).as_rotvec() / TICK_S)
 
 
 def _in_reach(arc: GroundArc, times: Array, span_s: float, session: Session) -> NDArray[np.bool_]:
@@ -284,6 +298,11 @@ def _in_reach(arc: GroundArc, times: Array, span_s: float, session: Session) -> 
 def _angles(arc: GroundArc, share: float, times: Array, session: Session) -> tuple[Array, Array]:
     """Along and across angle of one point of the arc; behind the horizon: pi."""
     point, _ = arc.point_itrf(np.array([share]))
+    return _angles_to(point[0], times, session)
+
+
+def _angles_to(point: Array, times: Array, session: Session) -> tuple[Array, Array]:
+    """Along and across angle of an ITRF point (3,); behind the horizon: pi."""
     instants = session.instants(times)
     along, across = look_angles(
         np.broadcast_to(point, (len(times), 3)), session.ephemeris, instants
@@ -307,26 +326,59 @@ def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candi
         looks = _timed([arc], nudged, number, request, session)
         found += [replace(look, part=part) for look in looks]
     if {c.part for c in found} != {1, 2}:
-        raise _unreachable(request, number, [[arc]], session)
+        raise _unreachable(request, number, session)
     return found
 
 
-def _unreachable(
-    request: Request, number: int, chains: list[list[GroundArc]], session: Session
-) -> Unreachable:
-    """Say by how much, and when it would come closest."""
-    camera = session.spacecraft.camera
-    arc = chains[0][0]
-    scan_s = sum(one.duration_s for one in chains[0])
+def closest_approach(
+    request: Request, session: Session
+) -> tuple[float, tuple[float, float]] | None:
+    """How far over the ground the request's middle lies outside the camera's reach when the
+    track passes it, m, and the way to the track there (east, north); None when it doesn't pass.
+    """
+    middle, _ = _middle(request, session)
+    latitude, longitude, _ = geodetic_from_itrf(middle)
     grid = np.arange(0.0, session.duration_s, 1.0)
-    along, across = _angles(arc, 0.5, grid, session)
-    best = int(np.argmin(np.abs(along) + 1e3 * (np.abs(along) > 3.0)))
+    along, _ = _angles_to(middle, grid, session)
+    best = int(np.argmin(np.abs(along)))
+    if abs(along[best]) > PASSING_RAD:
+        return None
+    instants = session.instants(grid[best : best + 1])
+    states = session.ephemeris.states(instants)
+    r, _ = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
+    up = r[0] / np.linalg.norm(r[0])
+    # On a sphere under the satellite: sin(angle at it) r = sin(angle at the ground point) R.
+    limit = math.radians(session.spacecraft.camera.across_max_deg)
+    earth_m = float(np.linalg.norm(middle))
+    sine = min(math.sin(limit) * float(np.linalg.norm(r[0])) / earth_m, 1.0)
+    reach_m = (math.asin(sine) - limit) * earth_m
+    away_m = math.acos(float(np.clip(up @ middle / earth_m, -1.0, 1.0))) * earth_m
+    east, north, _ = c_enu_from_itrf(float(latitude), float(longitude)) @ (up * earth_m - middle)
+    size = math.hypot(east, north)
+    return max(away_m - reach_m, 0.0), (east / size, north / size)
+
+
+def _middle(request: Request, session: Session) -> tuple[Array, float]:
+    """A point in the middle of a request, ITRF, and the time its scans take."""
+    arcs = _legs(request) if isinstance(request, StereoRequest) else _chains(request, session)[0]
+    ends = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
+    middle = ends.mean(axis=0)
+    return middle, sum(arc.duration_s for arc in arcs)
+
+
+def _unreachable(request: Request, number: int, session: Session) -> Unreachable:
+    """Say when it would come closest, and at what angles."""
+    camera = session.spacecraft.camera
+    middle, scan_s = _middle(request, session)
+    grid = np.arange(0.0, session.duration_s, 1.0)
+    along, across = _angles_to(middle, grid, session)
+    best = int(np.argmin(np.abs(along)))
     at_utc = shifted_utc(session.epoch_utc, float(grid[best]))
     where = (
         f"closest at {utc_text(at_utc, 1)}, {math.degrees(along[best]):.1f} deg along and "
         f"{math.degrees(across[best]):.1f} deg across the track"
-        if abs(along[best]) < 3.0
-        else "it stays below the horizon"
+        if abs(along[best]) < PASSING_RAD
+        else "the track doesn't pass it"
     )
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "

@@ -15,12 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from planner.spacecraft.candidates import Candidate
 from planner.spacecraft.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turn_time import TurnTime
+from planner.spacecraft.turn_time import MovingEnds, TurnTime, joined
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -54,15 +53,15 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """Candidates sorted by start, in whole ticks; turn_ticks(i, j) through quaternions."""
+    """Candidates sorted by start, in whole ticks; the attitudes they begin and end in."""
 
     order: Ints
     start: Ints
     stop: Ints
     request: Ints
     part: Ints
-    entry: Array
-    exit: Array
+    entry: MovingEnds
+    exit: MovingEnds
 
 
 def choose(
@@ -120,8 +119,8 @@ def _nodes(candidates: Sequence[Candidate]) -> _Nodes:
         stop=column([round(c.stop_s / TICK_S) for c in candidates]),
         request=column([c.request for c in candidates]),
         part=column([c.part for c in candidates]),
-        entry=Rotation.concatenate([c.entry for c in candidates]).as_quat()[order],
-        exit=Rotation.concatenate([c.exit for c in candidates]).as_quat()[order],
+        entry=joined([c.entry for c in candidates])[order],
+        exit=joined([c.exit for c in candidates])[order],
     )
 
 
@@ -135,14 +134,9 @@ class _Pairs:
     reach: Ints
 
 
-def _angle(nodes: _Nodes, i: Ints, j: Ints) -> Array:
-    dot = np.abs(np.sum(nodes.exit[i] * nodes.entry[j], axis=-1))
-    return np.asarray(2.0 * np.arccos(np.minimum(dot, 1.0)))
-
-
 def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int], int]) -> _Pairs:
     n = len(nodes.start)
-    widest = int(turn_time.ticks(np.array([np.pi]))[0])
+    widest = turn_time.widest_ticks
     widest = max([widest, *extra_ticks.values()], default=widest)
     reach = np.zeros(n, dtype=np.int64)
     before: list[Ints] = []
@@ -152,7 +146,7 @@ def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int]
     for j in range(n):
         gap = nodes.start[j] - nodes.stop
         i = np.flatnonzero((gap > 0) & (gap <= widest))
-        needed = turn_time.ticks(_angle(nodes, i, np.full(len(i), j)))
+        needed = turn_time.ticks(nodes.exit[i], nodes.entry[j : j + 1])
         if extra:
             needed = np.array([max(t, extra.get((int(a), j), 0)) for a, t in zip(i, needed,
                 strict=True)], dtype=np.int64)  # fmt: skip
@@ -300,7 +294,7 @@ def _fits(
         neighbours.append((k, after[0]))
     for i, j in neighbours:
         gap = nodes.start[j] - nodes.stop[i]
-        needed = int(turn_time.ticks(_angle(nodes, np.array([i]), np.array([j])))[0])
+        needed = int(turn_time.ticks(nodes.exit[i : i + 1], nodes.entry[j : j + 1])[0])
         needed = max(needed, extra_ticks.get((int(nodes.order[i]), int(nodes.order[j])), 0))
         if gap < needed:
             return False

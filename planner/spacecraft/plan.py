@@ -1,8 +1,9 @@
 """How is an imaging session planned?  Candidates, choice, timeline, gimbals, judges."""
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import timedelta
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,21 +18,30 @@ from planner.spacecraft.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.ground_arc import fitted_profile
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.simulation import fly_many
-from planner.spacecraft.stabilisation import ASSUMPTIONS, StabilisationReport, stabilisation
+from planner.spacecraft.stabilisation import (
+    ASSUMPTIONS,
+    StabilisationReport,
+    flown_windows,
+    stabilisation,
+)
 from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.spacecraft.timeline import (
     InertialHold,
+    Misfit,
+    Outcome,
     PlannedTurn,
     Timeline,
-    TurnDoesNotFit,
+    TurnsDoNotFit,
     build_timeline,
     looks_of,
 )
-from planner.spacecraft.turn_problem import Turn
-from planner.spacecraft.turn_time import turn_time
+from planner.spacecraft.turn_time import MovingEnds, turn_time
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
+from planner.spacecraft.way_out import refusal_with_way_out
 
 Array = NDArray[np.float64]
+EASES_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
+EASED_ROUNDS = 3
 ROUNDS = 12  # choices revised when a turn needs more time than estimated
 
 
@@ -70,6 +80,23 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
     InvalidInput for momentum beyond the sphere, VerificationFailed when the judge objects.
     """
+    try:
+        return _planned(request)
+    except (Unreachable, InfeasibleSlew, InvalidInput) as why:
+        refusal = refusal_with_way_out(
+            request, why, lambda other: make_session(other, other.definition()), _works
+        )
+        raise refusal from why
+
+
+def _works(request: ImagingPlanRequest) -> bool:
+    try:
+        return bool(_planned(request).table.windows)
+    except Refusal:
+        return False
+
+
+def _planned(request: ImagingPlanRequest) -> ImagingPlan:
     spacecraft = request.definition()
     _refuse_momentum(request, spacecraft)
     session = make_session(request, spacecraft)
@@ -81,7 +108,7 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
         raise VerificationFailed("; ".join(verification.findings))
     states = session.ephemeris.states(session.instants(table.t_s))
     seeds = range(request.seed, request.seed + request.simulation_runs)
-    logs = fly_many(spacecraft, table, states, list(seeds))
+    keep = partial(flown_windows, spacecraft, table, verification)
     return ImagingPlan(
         request=request,
         spacecraft=spacecraft,
@@ -90,7 +117,7 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
         choice=choice,
         left_out=(*left_out, *_not_chosen(request, options, choice, left_out)),
         verification=verification,
-        stabilisation=stabilisation(spacecraft, table, verification, logs),
+        stabilisation=stabilisation(fly_many(spacecraft, table, states, seeds, keep)),
         assumptions=ASSUMPTIONS,
         warnings=session.ephemeris.warnings,
     )
@@ -144,11 +171,10 @@ def _within_session(options: list[Candidate], number: int, session: Session) -> 
     )
     kept = []
     for option in options:
-        rest, _ = profile.at(np.array([max(option.start_s - 20.0, 0.0), option.stop_s]))
-        angles = np.array(
-            [(rest[0].inv() * option.entry).magnitude(), (option.exit.inv() * rest[1]).magnitude()]
-        )
-        there_s, back_s = session.turn_time.ticks(angles) * TICK_S
+        attitude, motion = profile.at(np.array([max(option.start_s - 20.0, 0.0), option.stop_s]))
+        rest = MovingEnds(attitude.as_quat(), attitude.apply(motion.omega_body_rad_s))
+        there_s = float(session.turn_time.ticks(rest[:1], option.entry)[0]) * TICK_S
+        back_s = float(session.turn_time.ticks(option.exit, rest[1:])[0]) * TICK_S
         if there_s <= option.start_s and option.stop_s + back_s <= session.duration_s:
             kept.append(option)
     if not kept:
@@ -167,52 +193,98 @@ def _within_session(options: list[Candidate], number: int, session: Session) -> 
 def _chosen(
     request: ImagingPlanRequest, session: Session, options: list[Candidate]
 ) -> tuple[Choice, Timeline]:
+    """Choose and fly.  Where all that can be seen fits, the turns share the time left over:
+    a slower turn shakes the structure less."""
+    first = _choice(request, session, options, {}, set())
+    if set(first.requests) == {option.request for option in options}:
+        for ease_s in EASES_S:
+            eased = replace(session, turn_time=session.turn_time.eased(ease_s))
+            found = _flown_eased(request, eased, first)
+            if found is not None:
+                return found
+    return _flown(request, session, options)
+
+
+def _flown_eased(
+    request: ImagingPlanRequest, eased: Session, first: Choice
+) -> tuple[Choice, Timeline] | None:
+    """Everything imaged with the longer turns, or None.  What the choice is measured by stays."""
+    try:
+        options, _ = _options(request, eased)
+        if _choice(request, eased, options, {}, set()).value < first.value:
+            return None
+        choice, timeline = _flown(request, eased, options, EASED_ROUNDS)
+    except (Unreachable, InfeasibleSlew):
+        return None
+    if choice.value < first.value:
+        return None
+    return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
+
+
+def _flown(
+    request: ImagingPlanRequest, session: Session, options: list[Candidate], rounds: int = ROUNDS
+) -> tuple[Choice, Timeline]:
     """Choose and fly; a pair whose turn doesn't fit gets the time it needs, and again."""
     extra: dict[tuple[int, int], int] = {}
     barred: set[int] = set()
-    priorities = [one.priority for one in request.requests]
     momentum = np.array(request.settings.momentum_n_m_s)
     names = [one.name for one in request.requests]
-    initial = _initial(request)
-    known: dict[Hashable, Turn | InfeasibleSlew] = {}
-    failure: TurnDoesNotFit | None = None
-    for _ in range(ROUNDS):
-        open_ones = [k for k in range(len(options)) if k not in barred]
-        if not open_ones:
+    known: dict[Hashable, Outcome] = {}
+    misfits: tuple[Misfit, ...] = ()
+    for _ in range(rounds):
+        if len(barred) == len(options):
             break
-        place = {k: position for position, k in enumerate(open_ones)}
-        choice = choose(
-            [options[k] for k in open_ones],
-            priorities,
-            session.turn_time,
-            {
-                (place[a], place[b]): ticks
-                for (a, b), ticks in extra.items()
-                if a in place and b in place
-            },
-        )
-        chosen = [open_ones[k] for k in choice.chosen]
+        choice = _choice(request, session, options, extra, barred)
         try:
             timeline = build_timeline(
                 session,
-                looks_of(options, chosen),
+                looks_of(options, choice.chosen),
                 names,
                 momentum,
                 request.objective,
-                initial,
+                _initial(request),
                 known,
             )
-        except TurnDoesNotFit as why:
-            failure = why
-            if why.before is None or why.after is None or why.before == why.after:
-                barred.add(next(k for k in (why.after, why.before) if k is not None))
-            else:
-                extra[why.before, why.after] = why.ticks
+        except TurnsDoNotFit as why:
+            misfits = why.misfits
+            _learn(misfits, extra, barred)
             continue
         return choice, timeline
-    assert failure is not None
-    failure.why.field = "requests"
-    raise failure.why
+    refusal = misfits[0].why
+    refusal.field = "requests"
+    raise refusal
+
+
+def _choice(
+    request: ImagingPlanRequest,
+    session: Session,
+    options: list[Candidate],
+    extra: dict[tuple[int, int], int],
+    barred: set[int],
+) -> Choice:
+    """The best choice among those not barred; `chosen` counts all options."""
+    open_ones = [k for k in range(len(options)) if k not in barred]
+    place = {k: position for position, k in enumerate(open_ones)}
+    choice = choose(
+        [options[k] for k in open_ones],
+        [one.priority for one in request.requests],
+        session.turn_time,
+        {
+            (place[a], place[b]): ticks
+            for (a, b), ticks in extra.items()
+            if a in place and b in place
+        },
+    )
+    return replace(choice, chosen=tuple(open_ones[k] for k in choice.chosen))
+
+
+def _learn(misfits: Sequence[Misfit], extra: dict[tuple[int, int], int], barred: set[int]) -> None:
+    """Keep pairs further apart, and bar candidates that don't fit with themselves or the ends."""
+    for one in misfits:
+        if one.before is None or one.after is None or one.before == one.after:
+            barred.add(next(k for k in (one.after, one.before) if k is not None))
+        else:
+            extra[one.before, one.after] = max(one.ticks, extra.get((one.before, one.after), 0))
 
 
 def _initial(request: ImagingPlanRequest) -> InertialHold | None:

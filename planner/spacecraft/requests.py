@@ -2,7 +2,7 @@
 
 import math
 from datetime import datetime
-from itertools import combinations
+from itertools import combinations, pairwise
 from typing import Literal
 
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
@@ -13,6 +13,7 @@ from planner.spec import spec
 
 Position = tuple[float, ...]
 SESSION_MAX_S = 3600.0
+LEG_MAX_KM = 2000.0
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
 
 
@@ -38,18 +39,44 @@ class GeoLineString:
         if not 2 <= len(self.coordinates) <= 64:
             raise ValueError(f"a line has 2 to 64 positions, not {len(self.coordinates)}")
         _check_positions(self.coordinates)
-        for number, (a, b) in enumerate(zip(self.coordinates, self.coordinates[1:], strict=False)):
-            if math.dist(a[:2], b[:2]) < 0.01:
+        for number, (a, b) in enumerate(pairwise(self.coordinates)):
+            apart_km = _apart_km(a, b)
+            if apart_km < 1.0:
                 raise ValueError(f"positions {number} and {number + 1} are less than 1 km apart")
+            if apart_km > LEG_MAX_KM:
+                raise ValueError(
+                    f"positions {number} and {number + 1} are {apart_km:.0f} km apart; a leg has "
+                    f"at most {LEG_MAX_KM:.0f} km: put positions between"
+                )
         self._refuse_crossing()
 
     def _refuse_crossing(self) -> None:
-        legs = list(zip(self.coordinates, self.coordinates[1:], strict=False))
+        last = len(self.coordinates) - 1
+        legs = list(pairwise(_unwrapped(self.coordinates)))
         for (i, (a, b)), (j, (c, d)) in combinations(enumerate(legs), 2):
             if j > i + 1 and _cross(a, b, c, d):
                 raise ValueError(
-                    f"the line crosses itself: leg {i} and leg {j} meet; split it into two requests"
+                    f"the line crosses itself: leg {i} and leg {j} meet; split it into two "
+                    f"requests, positions 0 to {j} and {j} to {last}"
                 )
+
+
+def _apart_km(a: Position, b: Position) -> float:
+    """Great circle on a sphere of 6371 km."""
+    north = math.radians(b[1] - a[1])
+    east = math.radians(b[0] - a[0])
+    cosines = math.cos(math.radians(a[1])) * math.cos(math.radians(b[1]))
+    half = math.sin(north / 2.0) ** 2 + cosines * math.sin(east / 2.0) ** 2
+    return 2.0 * 6371.0 * math.asin(math.sqrt(min(half, 1.0)))
+
+
+def _unwrapped(line: tuple[Position, ...]) -> list[Position]:
+    """The same positions, none more than half a turn of longitude from the one before."""
+    found = [line[0]]
+    for position in line[1:]:
+        turns = round((position[0] - found[-1][0]) / 360.0)
+        found.append((position[0] - 360.0 * turns, position[1]))
+    return found
 
 
 def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:

@@ -5,9 +5,10 @@ Sees the table, the spacecraft and the orbit, never how the table was planned.
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from planner.spacecraft.table import TICK_S, AttitudeTable
 Array = NDArray[np.float64]
 MU_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 STEP_S = 0.005
+Kept = TypeVar("Kept")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -233,13 +235,18 @@ def fly_many(
     table: AttitudeTable,
     states: OrbitStates,
     seeds: Sequence[int],
-    workers: int | None = None,
-) -> list[Log]:
-    """Dispersed runs, one a seed, on as many threads as there are cores."""
-    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+    keep: Callable[[Log], Kept],
+) -> list[Kept]:
+    """Dispersed runs, one a seed, on as many threads as there are cores.
+
+    keep: what is wanted of a run; its log (23 MB for an hour) is given up at once.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
         return list(
             pool.map(
-                lambda seed: fly_table(spacecraft, table, states, dispersed(spacecraft, seed)),
+                lambda seed: keep(
+                    fly_table(spacecraft, table, states, dispersed(spacecraft, seed))
+                ),
                 seeds,
             )
         )

@@ -34,10 +34,10 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True, kw_only=True)
 class FlownWindow:
-    """One imaging interval over all runs.
+    """One imaging interval of one run, or the worst of it over all runs.
 
     rate_error_rad_s: (3,), largest magnitude per body axis at 5 ms steps; rms_rad_s: root mean
-    square of the vector.  steady: within 0.001 deg/s on every axis, in every run.
+    square of the vector.  steady: within 0.001 deg/s on every axis (in every run).
     pointing_error_rad: largest angle between flown and commanded optical axis, what the
     computer can't know included.  settled_s: from the end of the interval before (the
     session's start) until the rate error is within 0.001 deg/s for good; spare_s: from then
@@ -71,27 +71,53 @@ class StabilisationReport:
     worst_rad_s: float | None
 
 
-def stabilisation(
+def flown_windows(
     spacecraft: AgileSpacecraft,
     table: AttitudeTable,
     verification: SpacecraftVerification,
-    logs: Sequence[Log],
-) -> StabilisationReport:
-    """Summarise closed-loop runs of a table."""
-    if not logs or not table.windows:
-        return StabilisationReport(runs=len(logs), windows=(), share_steady=None, worst_rad_s=None)
-    windows, within = [], []
-    before = 0
-    for number, window in enumerate(table.windows):
-        exposure_s = verification.windows[number].line_time_s * spacecraft.camera.tdi_lines
-        windows.append(_flown(spacecraft, logs, window, before, exposure_s))
-        within += [_within(log, window) for log in logs]
-        before = window.last_row
+    log: Log,
+) -> tuple[FlownWindow, ...]:
+    """Every imaging interval of one closed-loop run."""
+    before = [0, *(window.last_row for window in table.windows)]
+    return tuple(
+        _flown(
+            spacecraft,
+            log,
+            window,
+            before[number],
+            verification.windows[number].line_time_s * spacecraft.camera.tdi_lines,
+        )
+        for number, window in enumerate(table.windows)
+    )
+
+
+def stabilisation(runs: Sequence[tuple[FlownWindow, ...]]) -> StabilisationReport:
+    """Summarise closed-loop runs of one table."""
+    windows = tuple(_worst(same) for same in zip(*runs, strict=True))
+    if not windows:
+        return StabilisationReport(runs=len(runs), windows=(), share_steady=None, worst_rad_s=None)
     return StabilisationReport(
-        runs=len(logs),
-        windows=tuple(windows),
-        share_steady=float(np.mean(within)),
+        runs=len(runs),
+        windows=windows,
+        share_steady=float(np.mean([[flown.steady for flown in run] for run in runs])),
         worst_rad_s=float(max(np.max(w.rate_error_rad_s) for w in windows)),
+    )
+
+
+def _worst(same: Sequence[FlownWindow]) -> FlownWindow:
+    """One interval over all runs."""
+    return FlownWindow(
+        window=same[0].window,
+        rate_error_rad_s=np.max([one.rate_error_rad_s for one in same], axis=0),
+        rms_rad_s=math.sqrt(float(np.mean([one.rms_rad_s**2 for one in same]))),
+        steady=all(one.steady for one in same),
+        pointing_error_rad=max(one.pointing_error_rad for one in same),
+        settled_s=max(one.settled_s for one in same),
+        spare_s=min(one.spare_s for one in same),
+        smear_px=max(one.smear_px for one in same),
+        momentum_margin_n_m_s=min(one.momentum_margin_n_m_s for one in same),
+        gimbal_margin=min(one.gimbal_margin for one in same),
+        gimbal_rate_rad_s=max(one.gimbal_rate_rad_s for one in same),
     )
 
 
@@ -99,11 +125,6 @@ def rate_errors(log: Log, first_row: int, last_row: int) -> Array:
     """Rate error at every simulation step between two rows, (m, 3), rad/s."""
     per_tick = len(log.rate_error) // len(log.rate)
     return np.asarray(log.rate_error[first_row * per_tick : last_row * per_tick])
-
-
-def _within(log: Log, window: ImagingWindow) -> bool:
-    errors = rate_errors(log, window.first_row, window.last_row)
-    return bool(np.max(np.abs(errors)) <= RATE_ERROR_MAX_RAD_S)
 
 
 def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
@@ -117,29 +138,28 @@ def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
 
 def _flown(
     spacecraft: AgileSpacecraft,
-    logs: Sequence[Log],
+    log: Log,
     window: ImagingWindow,
     before_row: int,
     exposure_s: float,
 ) -> FlownWindow:
-    inside = slice(window.first_row, window.last_row)
     since = slice(before_row, window.last_row)
-    errors = np.concatenate([rate_errors(log, window.first_row, window.last_row) for log in logs])
-    off_axis = [np.linalg.norm(log.attitude_error[inside][:, [0, 2]], axis=1).max() for log in logs]
-    settled_s = max(settled_after_s(log, before_row, window.last_row) for log in logs)
-    across = np.linalg.norm(errors[:, [0, 2]], axis=1).max()
-    stored = max(np.linalg.norm(log.momentum[since], axis=1).max() for log in logs)
-    margin = min(spacecraft.array.singularity_margin(log.gimbal[since]).min() for log in logs)
+    errors = rate_errors(log, window.first_row, window.last_row)
+    worst = np.max(np.abs(errors), axis=0)
+    aside = log.attitude_error[window.first_row : window.last_row, [0, 2]]
+    settled_s = settled_after_s(log, before_row, window.last_row)
+    across = np.max(np.linalg.norm(errors[:, [0, 2]], axis=1))
+    stored = np.max(np.linalg.norm(log.momentum[since], axis=1))
     return FlownWindow(
         window=window,
-        rate_error_rad_s=np.max(np.abs(errors), axis=0),
+        rate_error_rad_s=worst,
         rms_rad_s=float(np.sqrt(np.mean(np.sum(errors**2, axis=1)))),
-        steady=all(_within(log, window) for log in logs),
-        pointing_error_rad=float(max(off_axis)),
+        steady=bool(np.max(worst) <= RATE_ERROR_MAX_RAD_S),
+        pointing_error_rad=float(np.max(np.linalg.norm(aside, axis=1))),
         settled_s=settled_s,
         spare_s=(window.first_row - before_row) * TICK_S - settled_s,
         smear_px=float(across * exposure_s / spacecraft.camera.pixel_rad),
         momentum_margin_n_m_s=float(spacecraft.slew.momentum_sphere_n_m_s - stored),
-        gimbal_margin=float(margin),
-        gimbal_rate_rad_s=float(max(np.abs(log.gimbal_rate[since]).max() for log in logs)),
+        gimbal_margin=float(np.min(spacecraft.array.singularity_margin(log.gimbal[since]))),
+        gimbal_rate_rad_s=float(np.max(np.abs(log.gimbal_rate[since]))),
     )

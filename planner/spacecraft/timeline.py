@@ -8,23 +8,22 @@ import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from functools import partial
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.errors import InfeasibleSlew
 from planner.frames.time_scales import shifted_utc
 from planner.spacecraft.candidates import Candidate, Session, on_ticks
 from planner.spacecraft.ground_arc import GroundArc, fitted_profile
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.turn_problem import EndState, Objective, Turn, TurnProblem
-from planner.spacecraft.turns import TurnComparison, compare, turn_onto
+from planner.spacecraft.turns import TurnComparison, TurnNeedsTime, compare, turn_onto
 
 Array = NDArray[np.float64]
+LEAST_MORE_TICKS = 3
 REST_AFTER_S = 150.0  # longer pauses are spent in orbital orientation
 
 
@@ -68,17 +67,26 @@ class Timeline:
     windows: tuple[ImagingWindow, ...]
 
 
-class TurnDoesNotFit(Exception):
-    """Between two looks; says how many ticks that pair would need."""
+@dataclass(frozen=True, kw_only=True)
+class Misfit:
+    """A turn with too little time: between which candidates (None: the session's ends), and
+    how many ticks apart they should be."""
 
-    def __init__(
-        self, before: int | None, after: int | None, ticks: int, why: InfeasibleSlew
-    ) -> None:
-        super().__init__(str(why))
-        self.before = before
-        self.after = after
-        self.ticks = ticks
-        self.why = why
+    before: int | None
+    after: int | None
+    ticks: int
+    why: TurnNeedsTime
+
+
+class TurnsDoNotFit(Exception):
+    """Every misfit of a timeline."""
+
+    def __init__(self, misfits: Sequence[Misfit]) -> None:
+        super().__init__("; ".join(one.why.detail for one in misfits))
+        self.misfits = tuple(misfits)
+
+
+Outcome = Turn | TurnNeedsTime
 
 
 def looks_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Look, ...]:
@@ -105,7 +113,7 @@ class _Builder:
         session: Session,
         momentum_eci_n_m_s: Array,
         objective: Objective,
-        known: dict[Hashable, Turn | InfeasibleSlew],
+        known: dict[Hashable, Outcome],
     ) -> None:
         self.known = known
         self.session = session
@@ -113,6 +121,7 @@ class _Builder:
         self.objective = objective
         self.stretches: list[tuple[int, Attitudes]] = []
         self.turns: list[PlannedTurn] = []
+        self.misfits: list[Misfit] = []
         self.now = 0
         self.profile: Attitudes = self.orbital(0, self.last_row)
 
@@ -141,11 +150,17 @@ class _Builder:
         self.now = until_row
 
     def turn(
-        self, goal: Attitudes, latest_row: int, look: int | None, key: Hashable, *, late: bool
+        self,
+        goal: Attitudes,
+        latest_row: int,
+        look: int | None,
+        between: tuple[Look | None, Look | None],
+        *,
+        late: bool,
     ) -> None:
         """Turn onto the goal, leaving now and arriving when done, or (late) arriving at
-        latest_row and leaving as late as that allows.  key: what the turn lies between; solved
-        turns are kept under it for the next attempt at the timeline."""
+        latest_row and leaving as late as that allows.  Solved turns are kept for the next
+        attempt at the timeline; one that doesn't fit is noted and taken for done."""
         available_s = (latest_row - self.now) * TICK_S
 
         def problem_at(duration_s: float) -> TurnProblem:
@@ -153,12 +168,15 @@ class _Builder:
             start_row = latest_row - rows if late else self.now
             return self.problem(goal, start_row, start_row + rows)
 
-        turn = self.known.get((key, self.now, latest_row))
+        key = (between, look, self.now, latest_row)
+        turn = self.known.get(key)
         if turn is None:
             turn = _outcome(problem_at, available_s, self.objective)
-            self.known[key, self.now, latest_row] = turn
-        if isinstance(turn, InfeasibleSlew):
-            raise turn
+            self.known[key] = turn
+        if isinstance(turn, TurnNeedsTime):
+            self.misfits.append(self.misfit(between, turn))
+            self.now, self.profile = latest_row, goal
+            return
         rows = round(turn.duration_s / TICK_S)
         if late:
             self.hold(latest_row - rows)
@@ -176,6 +194,18 @@ class _Builder:
         self.stretches.append((self.now + rows, _Shifted(turn.at, start_s)))
         self.now += rows
         self.profile = goal
+
+    def misfit(self, between: tuple[Look | None, Look | None], why: TurnNeedsTime) -> Misfit:
+        before, after = between
+        start_row = 0 if before is None else before.last_row
+        stop_row = self.last_row if after is None else after.first_row
+        short = math.ceil(why.missing_s / TICK_S - 1e-6)
+        return Misfit(
+            before=None if before is None else before.candidate,
+            after=None if after is None else after.candidate,
+            ticks=stop_row - start_row + max(short, LEAST_MORE_TICKS),
+            why=why,
+        )
 
     def problem(self, goal: Attitudes, start_row: int, end_row: int) -> TurnProblem:
         spacecraft = self.session.spacecraft
@@ -212,10 +242,10 @@ class _Shifted:
 
 def _outcome(
     problem_at: Callable[[float], TurnProblem], available_s: float, objective: Objective
-) -> Turn | InfeasibleSlew:
+) -> Outcome:
     try:
         return turn_onto(problem_at, available_s, objective)
-    except InfeasibleSlew as why:
+    except TurnNeedsTime as why:
         return why
 
 
@@ -235,9 +265,9 @@ def build_timeline(
     gyro_momentum_n_m_s: Array,
     objective: Objective,
     initial: InertialHold | None = None,
-    known: dict[Hashable, Turn | InfeasibleSlew] | None = None,
+    known: dict[Hashable, Outcome] | None = None,
 ) -> Timeline:
-    """Fly the looks in order.  Raises TurnDoesNotFit for the pair that needs more time.
+    """Fly the looks in order.  Raises TurnsDoNotFit with every pair that needs more time.
 
     initial: leave this attitude for orbital orientation at once (None: begin in that).
     known: turns solved in earlier attempts at the same session, kept by the caller.
@@ -251,22 +281,19 @@ def build_timeline(
         orbital = builder.profile
         builder.profile = initial
         until = looks[0].first_row // 2 if looks else builder.last_row
-        _fitted(builder, None, looks[0] if looks else None, lambda: builder.turn(
-            orbital, until, None, "initial", late=False))  # fmt: skip
+        between = (None, looks[0] if looks else None)
+        builder.turn(orbital, until, None, between, late=False)
     before: Look | None = None
     for number, look in enumerate(looks):
-        _fitted(builder, before, look, partial(_onto, builder, before, look, number))
+        _onto(builder, before, look, number)
         builder.hold(look.last_row + 1)
         before = look
     if before is not None:
         back = builder.orbital(builder.now, builder.last_row)
-        _fitted(
-            builder,
-            before,
-            None,
-            lambda: builder.turn(back, builder.last_row, None, (before, None), late=False),
-        )
+        builder.turn(back, builder.last_row, None, (before, None), late=False)
     builder.hold(builder.last_row)
+    if builder.misfits:
+        raise TurnsDoNotFit(builder.misfits)
     return _assembled(builder, looks, names)
 
 
@@ -277,31 +304,13 @@ def _onto(builder: _Builder, before: Look | None, look: Look, number: int) -> No
     pause_s = 0.0 if before is None else (look.first_row - before.last_row) * TICK_S
     if pause_s > REST_AFTER_S:
         rest = builder.orbital(builder.now, look.first_row)
-        builder.turn(
-            rest, builder.now + (arrive_row - builder.now) // 2, None, (before, None), late=False
-        )
+        halfway = builder.now + (arrive_row - builder.now) // 2
+        builder.turn(rest, halfway, None, (before, look), late=False)
     # A scan's profile is continued backwards only so far: beyond, it leaves the ground.
     begin = max(builder.now, look.first_row - round(REST_AFTER_S / TICK_S))
     goal = builder.scan(look.arc, begin, look.last_row + 1)
     resting = before is None or pause_s > REST_AFTER_S
     builder.turn(goal, arrive_row, number, (before, look), late=resting)
-
-
-def _fitted(
-    builder: _Builder, before: Look | None, after: Look | None, turn: Callable[[], None]
-) -> None:
-    """Run a turn; tell who needs how many ticks when it doesn't fit."""
-    try:
-        turn()
-    except InfeasibleSlew as why:
-        start_row = 0 if before is None else before.last_row
-        stop_row = builder.last_row if after is None else after.first_row
-        raise TurnDoesNotFit(
-            None if before is None else before.candidate,
-            None if after is None else after.candidate,
-            stop_row - start_row + 3,
-            why,
-        ) from why
 
 
 def _assembled(builder: _Builder, looks: tuple[Look, ...], names: Sequence[str]) -> Timeline:

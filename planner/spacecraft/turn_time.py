@@ -1,10 +1,13 @@
 """How long does a turn take, at a guess good enough to choose by?
 
-Least time about the hardest axis for the angle, from rest to rest, plus an allowance for
-moving ends, the guard tick after imaging and the settling time before it.
+Least time about the hardest axis for the angle, from rest to rest; what ends that move with
+the turn save and ends that move against it cost; an allowance for ends that move aside, the
+guard tick after imaging and the settling time before it.
 """
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,21 +19,81 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turn_problem import EndState, TurnProblem
 
 Array = NDArray[np.float64]
-MOVING_ENDS_S = 0.8  # rate differences of 0.4 deg/s at 1 deg/s^2, both ends
-ANGLES_DEG = np.array([0.05, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 130.0])
+SMOOTH = 1.03  # what a spline without corners in its torque rate takes
+ALLOWANCE_S = 0.8  # for rates of 0.4 deg/s aside at 1 deg/s^2, both ends
+ANGLES_DEG = np.array(
+    [0.05, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 130.0, 180.0]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class MovingEnds:
+    """Attitudes with how they turn: eci_from_body_xyzw (n, 4), rate_eci_rad_s (n, 3)."""
+
+    eci_from_body_xyzw: Array
+    rate_eci_rad_s: Array
+
+    def __getitem__(self, k: NDArray[np.int64] | slice) -> "MovingEnds":
+        return MovingEnds(self.eci_from_body_xyzw[k], self.rate_eci_rad_s[k])
+
+
+def joined(parts: Sequence[MovingEnds]) -> MovingEnds:
+    """All of them in one."""
+    return MovingEnds(
+        np.concatenate([part.eci_from_body_xyzw for part in parts]),
+        np.concatenate([part.rate_eci_rad_s for part in parts]),
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class TurnTime:
-    """Seconds between two imaging intervals as a function of the angle between them."""
+    """Seconds between two imaging intervals.
+
+    seconds: from rest to rest about one axis through angles_rad, (m,) each, everything else
+    included.  rate, acceleration: about that axis.
+    """
 
     angles_rad: Array
     seconds: Array
+    rate_rad_s: float
+    acceleration_rad_s2: float
 
-    def ticks(self, angle_rad: Array) -> NDArray[np.int64]:
-        """Whole 0.2 s ticks for angles (n,)."""
-        seconds = np.interp(angle_rad, self.angles_rad, self.seconds)
+    def eased(self, more_s: float) -> "TurnTime":
+        """With so much more for every turn."""
+        return replace(self, seconds=self.seconds + more_s)
+
+    @property
+    def widest_ticks(self) -> int:
+        """The most any turn takes: half a revolution with both ends against it at full rate."""
+        against_s = 2.0 * float(self._gained_s(np.array([-np.inf]), np.array([np.pi]))[0])
+        return math.ceil((float(self.seconds[-1]) + against_s) / TICK_S)
+
+    def ticks(self, begin: MovingEnds, end: MovingEnds) -> NDArray[np.int64]:
+        """Whole 0.2 s ticks from each of n ends to its counterpart (or all from one)."""
+        x, y = begin.eci_from_body_xyzw.T, end.eci_from_body_xyzw.T
+        cosine = np.sum(x * y, axis=0)
+        sine = np.stack(
+            [
+                x[3] * y[0] - y[3] * x[0] - y[1] * x[2] + y[2] * x[1],
+                x[3] * y[1] - y[3] * x[1] - y[2] * x[0] + y[0] * x[2],
+                x[3] * y[2] - y[3] * x[2] - y[0] * x[1] + y[1] * x[0],
+            ],
+            axis=-1,
+        )
+        size = np.linalg.norm(sine, axis=-1)
+        axis_eci = sine * (np.where(cosine < 0.0, -1.0, 1.0) / np.maximum(size, 1e-12))[:, None]
+        angle = 2.0 * np.arctan2(size, np.abs(cosine))
+        seconds = np.interp(angle, self.angles_rad, self.seconds)
+        for moving in (begin, end):
+            seconds += self._gained_s(np.sum(axis_eci * moving.rate_eci_rad_s, axis=-1), angle)
         return np.asarray(np.ceil(seconds / TICK_S - 1e-6), dtype=np.int64)
+
+    def _gained_s(self, along_rad_s: Array, angle_rad: Array) -> Array:
+        """What an end's rate along the turn adds to a trapezoid: -w/a + w^2/(2 a peak)."""
+        a = self.acceleration_rad_s2
+        peak = np.minimum(self.rate_rad_s, np.sqrt(a * np.maximum(angle_rad, 1e-6)))
+        w = np.clip(along_rad_s, -peak, peak)
+        return np.asarray((w * w / (2.0 * peak) - w) / a)
 
 
 def turn_time(spacecraft: AgileSpacecraft) -> TurnTime:
@@ -54,5 +117,10 @@ def turn_time(spacecraft: AgileSpacecraft) -> TurnTime:
             limits=spacecraft.slew,
         )
         seconds.append(eigenaxis_turn(problem).duration_s)
-    extra_s = MOVING_ENDS_S + TICK_S + spacecraft.slew.settle_s
-    return TurnTime(angles, np.array(seconds) + extra_s)
+    extra_s = ALLOWANCE_S + TICK_S + spacecraft.slew.settle_s
+    return TurnTime(
+        angles_rad=angles,
+        seconds=SMOOTH * np.array(seconds) + extra_s,
+        rate_rad_s=spacecraft.slew.rate_axis_rad_s,
+        acceleration_rad_s2=spacecraft.slew.torque_n_m / max(spacecraft.inertia_kg_m2),
+    )

@@ -16,6 +16,19 @@ EASY = 2.0  # a smooth turn with time to spare takes this much of the eigenaxis'
 EASY_LEAST_S = 8.0
 
 
+class TurnNeedsTime(InfeasibleSlew):
+    """A turn with too little time; missing_s: how much more it needs, about."""
+
+    def __init__(self, angle_rad: float, least_s: float, available_s: float) -> None:
+        self.missing_s = least_s - available_s
+        super().__init__(
+            f"a turn of {math.degrees(angle_rad):.1f} deg needs about {least_s:.1f} s within "
+            f"the limits of rate, torque and momentum, but only {available_s:.1f} s are left; "
+            f"give it {self.missing_s:.1f} s more, or image less",
+            limit="time",
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class TurnComparison:
     """One turn beside its baselines at the same limits.
@@ -49,7 +62,7 @@ def quickest_turn(problem: TurnProblem) -> Turn:
 def smooth_turn(problem: TurnProblem, duration_s: float) -> Turn:
     """The turn of this duration that shakes the structure least.
 
-    Raises InfeasibleSlew, with the least time found, when it doesn't fit.
+    Raises TurnNeedsTime, with the least time found, when it doesn't fit.
     """
     guess = eigenaxis_turn(problem, duration_s)
     best = solve_turn(problem, guess, "smooth", duration_s)
@@ -58,12 +71,9 @@ def smooth_turn(problem: TurnProblem, duration_s: float) -> Turn:
     if guess.loads.share_of(problem.limits) <= FALLBACK_SHARE:
         return guess
     least_s = math.ceil(quickest_turn(problem).duration_s / TICK_S) * TICK_S
-    raise InfeasibleSlew(
-        f"a turn of {math.degrees(problem.angle_rad()):.1f} deg needs about {least_s:.1f} s within "
-        f"the limits of rate, torque and momentum, but only {duration_s:.1f} s are left; give it "
-        "that much more time, or image less",
-        limit="time",
-    )
+    # The spline of a smooth turn bends less sharply than that of the quickest.
+    least_s = max(least_s, duration_s + TICK_S)
+    raise TurnNeedsTime(problem.angle_rad(), least_s, duration_s)
 
 
 def turn_onto(
@@ -76,7 +86,8 @@ def turn_onto(
     """
     ticks = math.floor(available_s / TICK_S + 1e-6)
     if ticks < 1:
-        raise InfeasibleSlew("no time is left for the turn; leave a gap", limit="time")
+        problem = problem_at(FIRST_GUESS_TICKS * TICK_S)
+        raise TurnNeedsTime(problem.angle_rad(), quickest_turn(problem).duration_s, available_s)
     used = min(ticks, FIRST_GUESS_TICKS)
     for _ in range(3):
         problem = problem_at(used * TICK_S)
@@ -84,11 +95,13 @@ def turn_onto(
             wanted_s = max(EASY * eigenaxis_turn(problem).duration_s, EASY_LEAST_S)
         else:
             wanted_s = quickest_turn(problem).duration_s + 0.5 * TICK_S
-        used = min(ticks, math.ceil(wanted_s / TICK_S))
+        guessed, used = used, min(ticks, math.ceil(wanted_s / TICK_S))
+        if used == guessed:
+            break
     while used < ticks:
         try:
             return smooth_turn(problem_at(used * TICK_S), used * TICK_S)
-        except InfeasibleSlew:
+        except TurnNeedsTime:
             used = min(ticks, used + max(1, used // (4 if objective == "smooth" else 50)))
     return smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S)
 

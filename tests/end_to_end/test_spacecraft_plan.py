@@ -1,6 +1,7 @@
 """Does a session come out whole: four modes planned, judged, flown steadily, bad input refused?"""
 
 import dataclasses
+import re
 import sys
 from datetime import timedelta
 from pathlib import Path
@@ -93,41 +94,60 @@ def test_from_inertial_rest_it_first_turns_to_orbital_orientation():
     assert plan.verification.passed
 
 
-def test_too_far_aside_is_refused_with_where_it_is():
+def test_too_far_aside_is_refused_with_where_it_is_and_where_it_would_do():
     far = StripRequest(name="far", geometry=line(100.0, across_km=900.0))
     with pytest.raises(Unreachable, match=r"4[0-9]\.\d deg across|5[0-9]\.\d deg across") as why:
         plan_imaging(session([far], 240.0))
     assert why.value.field == "requests.0"
     assert why.value.at_utc is not None
+    moved_km = int(re.search(r"moved (\d+) km towards", why.value.detail)[1])
+    nearer = dataclasses.replace(far, geometry=line(100.0, across_km=900.0 - moved_km))
+    assert plan_imaging(session([nearer], 240.0, simulation_runs=0)).verification.passed
 
 
-def test_a_window_too_short_is_refused():
+def test_a_window_too_short_is_refused_with_the_nearest_that_works():
     strip = StripRequest(
         name="strip",
         geometry=line(100.0),
-        window_start=EPOCH + timedelta(seconds=95),
+        window_start=EPOCH + timedelta(seconds=95.4),
         window_stop=EPOCH + timedelta(seconds=100),
     )
-    with pytest.raises(Unreachable, match="window"):
+    with pytest.raises(Unreachable, match="window") as why:
         plan_imaging(session([strip], 240.0))
+    opens, closes = why.value.earliest_feasible_start_utc, why.value.feasible_stop_utc
+    # 60 km at 60/11 km/s, in whole cycles; around the window asked for, on the grid of 2 s.
+    assert (closes - opens).total_seconds() == pytest.approx(11.0, abs=0.2)
+    assert opens <= strip.window_start
+    assert closes >= strip.window_stop
+    strip = dataclasses.replace(strip, window_start=opens, window_stop=closes)
+    assert plan_imaging(session([strip], 240.0, simulation_runs=0)).verification.passed
 
 
-def test_no_time_to_turn_is_refused_with_how_much_is_missing():
+def test_no_time_to_turn_is_refused_with_the_session_it_takes():
     strip = StripRequest(name="strip", geometry=line(10.0), start=EPOCH + timedelta(seconds=3))
-    with pytest.raises((InfeasibleSlew, Unreachable)):
+    with pytest.raises(InfeasibleSlew, match=r"works: 'strip' .* in a session from") as why:
         plan_imaging(session([strip], 240.0))
+    start = why.value.earliest_feasible_start_utc
+    assert abs((start - strip.start).total_seconds()) <= 1.0  # nearest on a grid of 2 s
 
 
-def test_momentum_beyond_the_sphere_is_refused():
+def test_momentum_beyond_the_sphere_is_refused_with_how_much_would_do():
     settings = SpacecraftSettings(momentum_n_m_s=(50.0, 40.0, 0.0))
     request = session([area(100.0)], 240.0, settings=settings)
-    with pytest.raises(InvalidInput, match="unload at least 4"):
+    with pytest.raises(InvalidInput, match=r"unload at least 4.*works: \d+ N m s") as why:
         plan_imaging(request)
+    share = int(re.search(r"works: (\d+) N", why.value.detail)[1]) / np.hypot(50.0, 40.0)
+    settings = SpacecraftSettings(momentum_n_m_s=(50.0 * share, 40.0 * share, 0.0))
+    less = dataclasses.replace(request, settings=settings, simulation_runs=0)
+    assert plan_imaging(less).verification.passed
 
 
 def test_self_crossing_corridors_are_refused():
-    with pytest.raises(ValueError, match="crosses itself: leg 0 and leg 2"):
+    with pytest.raises(ValueError, match=r"leg 0 and leg 2 meet.*0 to 2 and 2 to 3"):
         GeoLineString(coordinates=((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)))
+    with pytest.raises(ValueError, match="crosses itself"):  # over the antimeridian too
+        GeoLineString(coordinates=((179.5, 0.0), (-179.5, 1.0), (-179.5, 0.0), (179.5, 1.0)))
+    GeoLineString(coordinates=((179.5, 0.0), (-179.5, 0.5), (-178.9, 0.0), (-179.5, -0.5)))
 
 
 def test_two_requests_of_one_name_are_refused():
