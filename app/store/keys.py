@@ -41,7 +41,7 @@ class KeyStore:
         with self._database.writing() as connection:
             connection.execute(insert(KeyRow).values(**values))
             told = f"{name} ({', '.join(scopes)})"
-            audit.record(connection, key_id=None, action="key created", subject=key_id, detail=told)
+            audit.record(connection, key_id=None, action="key.create", subject=key_id, detail=told)
         return Key(**values | {"scopes": tuple(scopes)}), secret
 
     def all(self) -> list[Key]:
@@ -80,7 +80,7 @@ class KeyStore:
                     f"no valid key has the id {key_id[:80]!r}; `slewtrack keys list` shows all",
                     field="ID",
                 )
-            audit.record(connection, key_id=None, action="key revoked", subject=key_id)
+            audit.record(connection, key_id=None, action="key.revoke", subject=key_id)
 
 
 def _key(row: RowMapping) -> Key:

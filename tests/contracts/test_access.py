@@ -149,8 +149,8 @@ def test_keys_made_and_revoked_are_in_the_audit_log(there, secrets, keys):
     keys("revoke", key_id)
     log = there.get("/v1/audit", headers=bearer(secrets["admin"])).json()["entries"]
     assert [(one["action"], one["subject"]) for one in log[:2]] == [
-        ("key revoked", key_id),
-        ("key created", key_id),
+        ("key.revoke", key_id),
+        ("key.create", key_id),
     ]
     older = there.get(f"/v1/audit?before={log[0]['id']}&limit=1", headers=bearer(secrets["admin"]))
     assert older.json()["entries"] == [log[1]]

@@ -102,6 +102,28 @@ def test_every_operation_documents_its_refusals(document):
                     assert answer["content"]
 
 
+@pytest.mark.parametrize(
+    ("status", "asked"),
+    [
+        (400, {"url": "/v1/plans/a%00"}),
+        (403, {"headers": {"Origin": "http://example.org"}}),
+        (406, {"headers": {"Accept": "image/png"}}),
+        (413, {"method": "POST", "url": "/v1/opportunities", "content": b" " * (8 * 2**20 + 1)}),
+        (414, {"url": "/" + "a" * 3000}),
+        (415, {"method": "POST", "url": "/v1/opportunities", "content": b"", "type": "text/plain"}),
+        (431, {"headers": {f"X-{k}": "" for k in range(144)}}),
+    ],
+)
+def test_refusals_are_shown_as_they_are_given(client, document, status, asked):
+    method, url = asked.pop("method", "GET"), asked.pop("url", "/v1/platforms")
+    headers = {"Content-Type": asked.pop("type", "application/json")} | asked.pop("headers", {})
+    given = client.request(method, url, headers=headers, **asked).json()
+    path = "/v1/opportunities" if method == "POST" else "/v1/platforms"
+    answers = document["paths"][path][method.lower()]["responses"]
+    shown = answers[str(status)]["content"]["application/problem+json"]["example"]
+    assert given | {"instance": ""} == shown | {"instance": ""}
+
+
 def test_every_registered_format_is_documented(document):
     post = document["paths"]["/v1/plans"]["post"]
     [parameter] = [found for found in post["parameters"] if found["name"] == "format"]
