@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.schedule.master import Proposal, best_together
 from planner.schedule.network import Network
 from planner.schedule.path import Look, best_path, path_bound
 
@@ -20,6 +21,8 @@ STEP_MIN = 1e-3  # of Polyak's: no price moves any more
 PATIENCE = 8  # rounds without a better bound before the step is halved
 FILL_EVERY = 10
 SWEEPS_MAX = 10
+PROPOSALS_MAX = 6000  # the latest, made at the best prices
+COMBINE_S = 20.0  # most time for the integer programme
 GAP_ENOUGH = 1e-3
 WORTHLESS = 1e-9  # of rounding
 
@@ -67,43 +70,115 @@ def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Cho
     Subgradient steps on the prices, and at every few of them a choice that can be flown.
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27.
     """
+    search = _Search(networks, looking)
     free = np.zeros(len(looking.most_looks))
-    greedy = _filled(networks, looking, [()] * len(networks), free)
-    best = _improved(networks, looking, greedy)
-    greedy_value, value = looking.worth_of(greedy), looking.worth_of(best)
-    price, best_price, least_bound = free, free, np.inf
-    step, waited = 1.0, 0
-    for done in range(ROUNDS_MAX):
-        tell("choosing", done, ROUNDS_MAX)
-        bound, passes = _answers(networks, looking, price)
-        if bound < least_bound * (1.0 - 1e-5):
-            least_bound, best_price, waited = bound, price, 0
-        else:
+    greedy = search.filled([()] * len(networks), free)
+    search.improve(greedy)
+    price = search.priced(tell)
+    tell("choosing", ROUNDS_MAX, ROUNDS_MAX)
+    search.combine()
+    return Choice(
+        passes=tuple(search.best),
+        value=search.value,
+        greedy_value=looking.worth_of(greedy),
+        price=price,
+    )
+
+
+class _Search:
+    """The best choice so far, and the paths that were proposed on the way."""
+
+    def __init__(self, networks: Sequence[Network], looking: Looking) -> None:
+        self._networks = networks
+        self._looking = looking
+        self.best: Passes = [()] * len(networks)
+        self.value = 0.0
+        self._bound = float(looking.most_looks @ looking.worth.max(axis=1))
+        self._proposed: dict[tuple[int, tuple[Look, ...]], None] = {}
+
+    def priced(self, tell: Reporter) -> Array:
+        """Prices at which the bound is about least; improves the choice on the way."""
+        looking = self._looking
+        best_price = looking.worth.max(axis=1)  # at which nothing gains: all looks at their best
+        price = np.zeros_like(best_price)
+        step, waited = 1.0, 0
+        for done in range(ROUNDS_MAX):
+            tell("choosing", done, ROUNDS_MAX)
+            bound, passes = self._answers(price)
             waited += 1
-            if waited % PATIENCE == 0:
+            if bound < self._bound * (1.0 - GAP_ENOUGH / 100.0):
+                self._bound, best_price, waited = bound, price, 0
+            elif waited % PATIENCE == 0:
                 step *= 0.5
-        if done % FILL_EVERY == 0:
-            filled = _filled(networks, looking, [()] * len(networks), price)
-            found = _improved(networks, looking, filled)
-            if looking.worth_of(found) > value:
-                best, value = found, looking.worth_of(found)
-        if least_bound - value <= GAP_ENOUGH * least_bound or step < STEP_MIN:
-            break
-        wanted = looking.looks_of(passes) - looking.most_looks
-        wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
-        square = float(wanted @ wanted)
-        if square == 0.0:
-            break
-        price = np.maximum(price + step * (bound - value) / square * wanted, 0.0)
-    return Choice(passes=tuple(best), value=value, greedy_value=greedy_value, price=best_price)
+            if done % FILL_EVERY == 0:
+                self.improve(self.filled([()] * len(self._networks), price))
+            wanted = looking.looks_of(passes) - looking.most_looks
+            wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
+            square = float(wanted @ wanted)
+            if step < STEP_MIN or square == 0.0 or self._is_near():
+                break
+            price = np.maximum(price + step * (bound - self.value) / square * wanted, 0.0)
+        return best_price
 
+    def _is_near(self) -> bool:
+        return self._bound - self.value <= GAP_ENOUGH * self._bound
 
-def _answers(networks: Sequence[Network], looking: Looking, price: Array) -> tuple[float, Passes]:
-    """What the passes would take at these prices, and what the Lagrangian then is."""
-    gain = looking.worth - price[:, None]
-    paths = [best_path(one, looking.length_steps, gain, each_once=True) for one in networks]
-    lagrangian = float(looking.most_looks @ price) + sum(path.value for path in paths)
-    return lagrangian, [path.looks for path in paths]
+    def _answers(self, price: Array) -> tuple[float, Passes]:
+        """What the passes would take at these prices, and what the Lagrangian then is."""
+        gain = self._looking.worth - price[:, None]
+        steps = self._looking.length_steps
+        paths = [best_path(one, steps, gain, each_once=True) for one in self._networks]
+        lagrangian = float(self._looking.most_looks @ price) + sum(path.value for path in paths)
+        self._propose([path.looks for path in paths])
+        return lagrangian, [path.looks for path in paths]
+
+    def _propose(self, passes: Passes) -> None:
+        self._proposed.update({(n, looks): None for n, looks in enumerate(passes) if looks})
+
+    def filled(self, start: Passes, price: Array) -> Passes:
+        """Pass after pass is given its best path at the prices for what the others leave."""
+        looking = self._looking
+        passes = list(start)
+        left = looking.most_looks - looking.looks_of(passes)
+        for number, network in enumerate(self._networks):
+            left += looking.looks_of([passes[number]])
+            gain = np.where((left > 0.0)[:, None], looking.worth - price[:, None], 0.0)
+            path = best_path(network, looking.length_steps, gain, each_once=True)
+            own = sum(gain[look.target, look.length] for look in passes[number])
+            if path.value > own + WORTHLESS:
+                passes[number] = path.looks
+            left -= looking.looks_of([passes[number]])
+        return passes
+
+    def improve(self, passes: Passes) -> None:
+        """Refill without prices until nothing is gained; the best choice is kept."""
+        free = np.zeros(len(self._looking.most_looks))
+        value = self._looking.worth_of(passes)
+        for _ in range(SWEEPS_MAX):
+            better = self.filled(passes, free)
+            gained = self._looking.worth_of(better) - value
+            if gained <= WORTHLESS:
+                break
+            passes, value = better, value + gained
+        self._propose(passes)
+        if value > self.value:
+            self.best, self.value = passes, value
+
+    def combine(self) -> None:
+        """The best of all that was proposed, unless the choice is near the bound already."""
+        if self._is_near():
+            return
+        latest = list(self._proposed)[-PROPOSALS_MAX:]
+        own = [(n, looks) for n, looks in enumerate(self.best) if looks]
+        proposals = [
+            Proposal(pass_number=n, worth_value=self._looking.worth_of([looks]), looks=looks)
+            for n, looks in dict.fromkeys([*own, *latest])
+        ]
+        chosen = best_together(proposals, len(self._networks), self._looking.most_looks, COMBINE_S)
+        passes: Passes = [()] * len(self._networks)
+        for one in chosen:
+            passes[one.pass_number] = one.looks
+        self.improve(passes)
 
 
 def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:
@@ -115,30 +190,3 @@ def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> flo
     return float(looking.most_looks @ price) + sum(
         path_bound(one, looking.length_steps, gain) for one in networks
     )
-
-
-def _filled(networks: Sequence[Network], looking: Looking, start: Passes, price: Array) -> Passes:
-    """Pass after pass is given its best path at the prices for what the others leave."""
-    passes = list(start)
-    left = looking.most_looks - looking.looks_of(passes)
-    for number, network in enumerate(networks):
-        left += looking.looks_of([passes[number]])
-        gain = np.where((left > 0.0)[:, None], looking.worth - price[:, None], 0.0)
-        path = best_path(network, looking.length_steps, gain, each_once=True)
-        own = sum(gain[look.target, look.length] for look in passes[number])
-        if path.value > own + WORTHLESS:
-            passes[number] = path.looks
-        left -= looking.looks_of([passes[number]])
-    return passes
-
-
-def _improved(networks: Sequence[Network], looking: Looking, start: Passes) -> Passes:
-    """Refilled without prices until nothing is gained."""
-    free = np.zeros(len(looking.most_looks))
-    passes = start
-    for _ in range(SWEEPS_MAX):
-        better = _filled(networks, looking, passes, free)
-        if looking.worth_of(better) <= looking.worth_of(passes) + WORTHLESS:
-            break
-        passes = better
-    return passes
