@@ -24,7 +24,9 @@ from planner.slew import (
     cleared,
     earliest_join,
     flown,
+    may_be_joined,
     track_states,
+    verdict,
 )
 from planner.targets import BenchMotionTarget, VisibleTarget
 
@@ -166,6 +168,33 @@ def joined(scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, 
         slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
         join_row=join_row,
         stop_row=way.rows.stop,
+    )
+
+
+def may_be_slewed(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+) -> bool:
+    """Whether closed forms leave open that `joined` succeeds; microseconds, cones aside."""
+    join_row = way.rows.start
+    if join_row <= from_row:
+        return False
+    if not BACKENDS[scenario.slew.method].keeps_limits:
+        return True
+    there = track_states(way.track, join_row / ROWS_PER_S)
+    duration_s = (join_row - from_row) / ROWS_PER_S
+    if all(
+        verdict(*ends, duration_s).limit is None
+        for ends in zip(state, there, scenario.axis_limits, strict=True)
+    ):
+        return True
+    # The durations a slew can take have gaps: an earlier row may be within reach.
+    return scenario.slew.objective == "minimum_time" and may_be_joined(
+        way.track,
+        scenario.axis_limits,
+        state,
+        from_row / ROWS_PER_S,
+        after_s=way.seen_from_s,
+        until_s=join_row / ROWS_PER_S,
     )
 
 

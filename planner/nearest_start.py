@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from datetime import datetime
 from itertools import islice
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from planner.errors import (
     Unreachable,
 )
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.joining import Rows, joined, session_rows, ways_to_hold
+from planner.joining import Rows, Way, joined, may_be_slewed, session_rows, ways_to_hold
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
 from planner.slew import AxisState
@@ -29,8 +29,19 @@ HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60  # each takes some 10 ms; a refusal may take a second, not a minute
 
+ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
+SOLVED_MOST = 9  # each takes some 100 ms
+
 Attempt = Callable[[int], Session | None]
+_Test = Callable[[Scenario, Way, int, tuple[AxisState, ...]], bool]
 R = TypeVar("R", bound=Refusal)
+
+
+class _Tries(NamedTuple):
+    """The session from a start row on, if it may (closed forms) or can (solved) be flown."""
+
+    may: Attempt
+    can: Attempt
 
 
 def refused_with_nearest_start(
@@ -48,7 +59,7 @@ def refused_with_nearest_start(
     moved = _nearest(scenario, number, from_row, state)
     session = scenario.sessions[number]
     if moved is None:
-        way_out = "no start within reach of the orbit data, or within a day, can be flown"
+        way_out = "no start that can be flown was found within a day or reach of the orbit data"
     else:
         kept = (
             "keeping the stop"
@@ -80,29 +91,37 @@ def _nearest(
     seen = _seen(scenario, ephemeris, session, known)
     target = _unbound(session)
 
-    def attempt_with(stop_row: Callable[[int], int], stop: Callable[[int], datetime]) -> Attempt:
-        def attempt(start_row: int) -> Session | None:
+    def tries_with(stop_row: Callable[[int], int], stop: Callable[[int], datetime]) -> _Tries:
+        def moved_to(start_row: int) -> Session | None:
             if not any(run.start <= start_row and stop_row(start_row) <= run.stop for run in seen):
                 return None
             start_utc = shifted_utc(epoch_utc, start_row / ROWS_PER_S)
             if elapsed_s(stop(start_row), start_utc) < COMMAND_STEP_S:
                 return None
-            moved = replace(
+            return replace(
                 session,
                 target=target,
                 start=start_utc,
                 stop=stop(start_row),
                 keyhole="refuse",  # a start that needs no compromise, and no second of solving
             )
-            can_be_flown = _can_be_flown(scenario, ephemeris, number, moved, from_row, state)
-            return moved if can_be_flown else None
 
-        return attempt
+        def attempt(test: _Test) -> Attempt:
+            def tried(start_row: int) -> Session | None:
+                moved = moved_to(start_row)
+                if moved is None or start_row <= from_row:
+                    return None
+                ways = _ways(scenario, ephemeris, number, moved, from_row, state)
+                return moved if any(test(scenario, way, from_row, state) for way in ways) else None
 
-    cut_short = attempt_with(lambda _: wanted.stop, lambda _: session.stop)
+            return tried
+
+        return _Tries(may=attempt(may_be_slewed), can=attempt(_can_be_slewed))
+
+    cut_short = tries_with(lambda _: wanted.stop, lambda _: session.stop)
     length_s = elapsed_s(session.stop, session.start)
     length_rows = wanted.stop - wanted.start
-    shift = attempt_with(
+    shift = tries_with(
         lambda row: row + length_rows,
         lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s),
     )
@@ -122,43 +141,55 @@ def _unbound(session: Session) -> Target:
     return target
 
 
-def _can_be_flown(
+def _ways(
     scenario: Scenario,
     ephemeris: Ephemeris,
     number: int,
     session: Session,
     from_row: int,
     state: tuple[AxisState, ...],
-) -> bool:
+) -> tuple[Way, ...]:
+    """No way where the session can't be held."""
     angle_rad = np.array([axis.angle_rad for axis in state])
     try:
-        ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
+        return ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
     except (NotVisible, Unreachable, TrackBreaksLimit):
+        return ()
+
+
+def _can_be_slewed(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+) -> bool:
+    if not may_be_slewed(scenario, way, from_row, state):
         return False
-    for way in ways:
-        try:
-            joined(scenario, way, from_row, state)
-        except InfeasibleSlew:
-            continue
-        return True
-    return False
+    try:
+        joined(scenario, way, from_row, state)
+    except InfeasibleSlew:
+        return False
+    return True
 
 
-def _search(attempt: Attempt, rows: Iterable[int], wanted_row: int) -> Session | None:
-    """The first row that succeeds, then the nearest to the wanted one that still does."""
+def _search(tries: _Tries, rows: Iterable[int], wanted_row: int) -> Session | None:
+    """The first row that may succeed, then the nearest to the wanted one that does."""
+    solved = 0
     for row in islice(rows, ATTEMPTS):
-        found = attempt(row)
-        if found is None:
+        if tries.may(row) is None:
             continue
-        good, bad = row, row - int(np.sign(row - wanted_row)) * COARSE_ROWS
+        away = 1 if row >= wanted_row else -1
+        good, bad = row, row - away * COARSE_ROWS
         while abs(good - bad) > 1:
             middle = (good + bad) // 2
-            nearer = attempt(middle)
-            if nearer is None:
+            if (middle - wanted_row) * away < 0 or tries.may(middle) is None:
                 bad = middle
             else:
-                good, found = middle, nearer
-        return found
+                good = middle
+        for nearest in range(good, good + away * ROWS_LATER, away):
+            found = tries.can(nearest)
+            if found is not None:
+                return found
+            solved += 1
+            if solved >= SOLVED_MOST:
+                return None
     return None
 
 

@@ -18,18 +18,24 @@ from planner.errors import (
 )
 from planner.frames.time_scales import elapsed_s
 from planner.gimbal.keep_out import keep_out_view
-from planner.joining import GRID_TOLERANCE_S, Join, Way, flown_span, joined, ways_to_hold
+from planner.joining import (
+    GRID_TOLERANCE_S,
+    Join,
+    Way,
+    flown_span,
+    joined,
+    may_be_slewed,
+    ways_to_hold,
+)
 from planner.nearest_start import refused_with_nearest_start
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario
 from planner.slew import (
     BACKENDS,
     AxisState,
-    may_be_joined,
     next_duration_s,
     require_brakable,
     track_states,
-    verdict,
 )
 from planner.targets import BenchMotionTarget
 
@@ -210,24 +216,8 @@ class _Sequence:
             return False
         if not leave_row < join_row or not self._leaves_something(stand, way, leave_row, join_row):
             return False
-        if not BACKENDS[self.scenario.slew.method].keeps_limits:
-            return True
-        there = track_states(way.track, join_row / ROWS_PER_S)
-        duration_s = (join_row - leave_row) / ROWS_PER_S
-        if all(
-            verdict(*ends, duration_s).limit is None
-            for ends in zip(stand.state(leave_row), there, self.scenario.axis_limits, strict=True)
-        ):
-            return True
-        # The durations a slew can take have gaps: an earlier row may be within reach.
-        return self.scenario.slew.objective == "minimum_time" and may_be_joined(
-            way.track,
-            self.scenario.axis_limits,
-            stand.state(leave_row),
-            leave_row / ROWS_PER_S,
-            after_s=way.seen_from_s,
-            until_s=join_row / ROWS_PER_S,
-        )
+        later = replace(way, rows=replace(way.rows, start=join_row))
+        return may_be_slewed(self.scenario, later, leave_row, stand.state(leave_row))
 
     def _leaves_something(self, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
         epoch_utc = self.scenario.initial_state.epoch
