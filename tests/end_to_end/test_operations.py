@@ -1,10 +1,13 @@
-"""Does the operators' page say what the settings, metrics and limits are?"""
+"""Does the operators' page say what there is, and do its ways lead in?"""
 
+import os
 import re
-from pathlib import Path
+import subprocess
+import sys
 
 import pytest
 from fastapi.testclient import TestClient
+from live_service import ROOT, SLEWTRACK, live_service
 from pydantic_core import PydanticUndefined
 
 from app.api.json_bounds import DEPTH_MAX, VALUES_MAX
@@ -13,7 +16,7 @@ from app.main import create_app
 from app.security.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
 from app.settings import Settings
 
-PAGE = (Path(__file__).parents[2] / "docs" / "operations.md").read_text()
+PAGE = (ROOT / "docs" / "operations.md").read_text()
 
 
 def row(name: str) -> str:
@@ -47,3 +50,32 @@ def test_every_metric_is_described(tmp_path):
         text = client.get("/metrics").text
     for name in re.findall(r"^# TYPE (\w+) ", text, re.MULTILINE):
         assert name.endswith("_created") or f"`{name}`" in PAGE, name
+
+
+def test_a_key_as_the_page_makes_it_lets_the_python_example_in(tmp_path):
+    [create] = re.findall(r"\$ slewtrack (keys create .*)\n", PAGE)
+    name, scope = re.fullmatch(r'keys create "(.*)" --scope (\w+)', create).groups()
+    environment = os.environ | {"SLEWTRACK_DATA_DIR": str(tmp_path)}
+    made = subprocess.run(
+        [SLEWTRACK, "keys", "create", name, "--scope", scope],
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
+    said = re.sub("[0-9a-f]{12}", "3f1c9a52b7e0", made.stderr)
+    assert said in PAGE
+    [example] = re.findall(r"```python\n(.*?)```", (ROOT / "docs/http.md").read_text(), re.DOTALL)
+    with live_service(tmp_path, SLEWTRACK_REQUIRE_KEYS="true") as service:
+        known = {"SLEWTRACK_URL": service.address, "SLEWTRACK_KEY": made.stdout.strip()}
+        ran = subprocess.run(
+            [sys.executable, "-c", example],
+            capture_output=True,
+            text=True,
+            cwd=ROOT,
+            env=environment | known,
+        )
+    assert ran.stdout.splitlines() == [
+        "done 1151",
+        "Las Vegas",
+        "422 platform urn:slewtrack:request:las-vegas-7",
+    ], ran.stderr
