@@ -42,7 +42,7 @@ class Candidate:
 
     entry, exit: attitude and rate at the first arc's start and the last one's end, n = 1.
     part: 0 for a whole request, 1 and 2 for the two looks of a stereo pair (which may have
-    others between).
+    others between).  tilt_rad: largest angle along the track.
     """
 
     request: int
@@ -50,6 +50,7 @@ class Candidate:
     arcs: tuple[GroundArc, ...]
     entry: MovingEnds
     exit: MovingEnds
+    tilt_rad: float
 
     @property
     def start_s(self) -> float:
@@ -224,6 +225,7 @@ def _timed(
     begins: list[Array] = []
     exits: MovingEnds | None = None
     ok = np.ones(len(times), dtype=bool)
+    tilt = np.zeros(len(times))
     for arc in chain:
         if exits is not None:
             times = _after_turn(exits, times, arc, session)
@@ -231,7 +233,9 @@ def _timed(
         span_s = on_ticks(arc) * TICK_S
         inside = (times >= 0.0) & (times + span_s <= session.duration_s)
         times = np.where(inside, times, 0.0)
-        ok &= inside & _in_reach(arc, times, span_s, session)
+        in_reach, along = _in_reach(arc, times, span_s, session)
+        ok &= inside & in_reach
+        tilt = np.maximum(tilt, along)
         times = times + span_s
         exits = _scan(arc, span_s / arc.duration_s, times, session)
     first_s, last_s = _bounds(request, session)
@@ -251,6 +255,7 @@ def _timed(
             ),
             entry=entries[place : place + 1],
             exit=leaves[place : place + 1],
+            tilt_rad=float(tilt[i]),
         )
         for place, i in enumerate(kept)
     ]
@@ -285,23 +290,27 @@ def _scan(arc: GroundArc, share: float, times: Array, session: Session) -> Movin
     return MovingEnds(now.as_quat(), (then * now.inv()).as_rotvec() / TICK_S)
 
 
-def _in_reach(arc: GroundArc, times: Array, span_s: float, session: Session) -> NDArray[np.bool_]:
+def _in_reach(
+    arc: GroundArc, times: Array, span_s: float, session: Session
+) -> tuple[NDArray[np.bool_], Array]:
+    """Whether the camera can look at all of the arc, and the largest angle along the track."""
     camera = session.spacecraft.camera
-    ok = np.ones(len(times), dtype=bool)
+    ok, tilt = np.ones(len(times), dtype=bool), np.zeros(len(times))
     for share in (0.0, 0.5, 1.0):
         along, across = _angles(arc, share, times + share * span_s, session)
         ok &= np.abs(along) <= math.radians(camera.along_max_deg)
         ok &= np.abs(across) <= math.radians(camera.across_max_deg)
-    return ok
+        tilt = np.maximum(tilt, np.abs(along))
+    return ok, tilt
 
 
 def _angles(arc: GroundArc, share: float, times: Array, session: Session) -> tuple[Array, Array]:
     """Along and across angle of one point of the arc; behind the horizon: pi."""
     point, _ = arc.point_itrf(np.array([share]))
-    return _angles_to(point[0], times, session)
+    return angles_to(point[0], times, session)
 
 
-def _angles_to(point: Array, times: Array, session: Session) -> tuple[Array, Array]:
+def angles_to(point: Array, times: Array, session: Session) -> tuple[Array, Array]:
     """Along and across angle of an ITRF point (3,); behind the horizon: pi."""
     instants = session.instants(times)
     along, across = look_angles(
@@ -330,35 +339,7 @@ def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candi
     return found
 
 
-def closest_approach(
-    request: Request, session: Session
-) -> tuple[float, tuple[float, float]] | None:
-    """How far over the ground the request's middle lies outside the camera's reach when the
-    track passes it, m, and the way to the track there (east, north); None when it doesn't pass.
-    """
-    middle, _ = _middle(request, session)
-    latitude, longitude, _ = geodetic_from_itrf(middle)
-    grid = np.arange(0.0, session.duration_s, 1.0)
-    along, _ = _angles_to(middle, grid, session)
-    best = int(np.argmin(np.abs(along)))
-    if abs(along[best]) > PASSING_RAD:
-        return None
-    instants = session.instants(grid[best : best + 1])
-    states = session.ephemeris.states(instants)
-    r, _ = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
-    up = r[0] / np.linalg.norm(r[0])
-    # On a sphere under the satellite: sin(angle at it) r = sin(angle at the ground point) R.
-    limit = math.radians(session.spacecraft.camera.across_max_deg)
-    earth_m = float(np.linalg.norm(middle))
-    sine = min(math.sin(limit) * float(np.linalg.norm(r[0])) / earth_m, 1.0)
-    reach_m = (math.asin(sine) - limit) * earth_m
-    away_m = math.acos(float(np.clip(up @ middle / earth_m, -1.0, 1.0))) * earth_m
-    east, north, _ = c_enu_from_itrf(float(latitude), float(longitude)) @ (up * earth_m - middle)
-    size = math.hypot(east, north)
-    return max(away_m - reach_m, 0.0), (east / size, north / size)
-
-
-def _middle(request: Request, session: Session) -> tuple[Array, float]:
+def middle_of(request: Request, session: Session) -> tuple[Array, float]:
     """A point in the middle of a request, ITRF, and the time its scans take."""
     arcs = _legs(request) if isinstance(request, StereoRequest) else _chains(request, session)[0]
     ends = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
@@ -369,9 +350,9 @@ def _middle(request: Request, session: Session) -> tuple[Array, float]:
 def _unreachable(request: Request, number: int, session: Session) -> Unreachable:
     """Say when it would come closest, and at what angles."""
     camera = session.spacecraft.camera
-    middle, scan_s = _middle(request, session)
+    middle, scan_s = middle_of(request, session)
     grid = np.arange(0.0, session.duration_s, 1.0)
-    along, across = _angles_to(middle, grid, session)
+    along, across = angles_to(middle, grid, session)
     best = int(np.argmin(np.abs(along)))
     at_utc = shifted_utc(session.epoch_utc, float(grid[best]))
     where = (

@@ -62,6 +62,7 @@ class _Nodes:
     part: Ints
     entry: MovingEnds
     exit: MovingEnds
+    tilt: Array
 
 
 def choose(
@@ -95,9 +96,10 @@ def choose(
             break
     greedy = _greedy(nodes, priorities, turn_time, extra_ticks)
     best = max(best, greedy, key=lambda item: item[0])
+    path = _less_tilted(nodes, best[1], turn_time, extra_ticks)
     return Choice(
-        chosen=tuple(int(nodes.order[k]) for k in best[1]),
-        requests=tuple(int(nodes.request[k]) for k in best[1]),
+        chosen=tuple(int(nodes.order[k]) for k in path),
+        requests=tuple(int(nodes.request[k]) for k in path),
         value=best[0],
         bound=float(bound),
         greedy_value=greedy[0],
@@ -121,6 +123,7 @@ def _nodes(candidates: Sequence[Candidate]) -> _Nodes:
         part=column([c.part for c in candidates]),
         entry=joined([c.entry for c in candidates])[order],
         exit=joined([c.exit for c in candidates])[order],
+        tilt=np.array([c.tilt_rad for c in candidates])[order],
     )
 
 
@@ -278,6 +281,23 @@ def _greedy(
             if parts:
                 placed, total = trial, total + priorities[request]
     return total, placed
+
+
+def _less_tilted(
+    nodes: _Nodes, path: list[int], turn_time: TurnTime, extra_ticks: dict[tuple[int, int], int]
+) -> list[int]:
+    """The same requests, each moved to where it is seen from nearest overhead among its free
+    neighbours; stereo looks stay."""
+    for k in list(path):
+        if nodes.part[k] != 0:
+            continue
+        others = [other for other in path if other != k]
+        options = np.flatnonzero((nodes.request == nodes.request[k]) & (nodes.tilt < nodes.tilt[k]))
+        for option in options[np.argsort(nodes.tilt[options], kind="stable")].tolist():
+            if _fits(nodes, others, option, turn_time, extra_ticks):
+                path = sorted([*others, option])
+                break
+    return path
 
 
 def _fits(

@@ -4,6 +4,7 @@ Nearest first: another time, another session, the same lines moved towards the t
 momentum in the gyros.  What is told has been planned and judged.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -11,9 +12,17 @@ from datetime import datetime
 import numpy as np
 
 from planner.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
-from planner.frames.geodesy import WGS84_A_M
+from planner.frames.earth_orientation import itrf_from_eci_state
+from planner.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.spacecraft.candidates import Candidate, Session, candidates, closest_approach
+from planner.spacecraft.candidates import (
+    PASSING_RAD,
+    Candidate,
+    Session,
+    angles_to,
+    candidates,
+    middle_of,
+)
 from planner.spacecraft.requests import (
     SESSION_MAX_S,
     GeoLineString,
@@ -191,7 +200,7 @@ def _moved(
     request: ImagingPlanRequest, free: Request, make_session: MakeSession
 ) -> Iterator[Alternative]:
     """The same lines shifted over the ground, straight towards the track."""
-    approach = closest_approach(free, make_session(request))
+    approach = _closest_approach(free, make_session(request))
     if approach is None:
         return
     outside_m, towards = approach
@@ -227,3 +236,31 @@ def _shifted(free: Request, towards: tuple[float, float], shift_km: float) -> Re
         return replace(free, geometry=GeoPolygon(coordinates=(ring,)))
     line = tuple(position(p) for p in free.geometry.coordinates)
     return replace(free, geometry=GeoLineString(coordinates=line))
+
+
+def _closest_approach(
+    request: Request, session: Session
+) -> tuple[float, tuple[float, float]] | None:
+    """How far over the ground the request's middle lies outside the camera's reach when the
+    track passes it, m, and the way to the track there (east, north); None when it doesn't pass.
+    """
+    middle, _ = middle_of(request, session)
+    latitude, longitude, _ = geodetic_from_itrf(middle)
+    grid = np.arange(0.0, session.duration_s, 1.0)
+    along, _ = angles_to(middle, grid, session)
+    best = int(np.argmin(np.abs(along)))
+    if abs(along[best]) > PASSING_RAD:
+        return None
+    instants = session.instants(grid[best : best + 1])
+    states = session.ephemeris.states(instants)
+    r, _ = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
+    up = r[0] / np.linalg.norm(r[0])
+    # On a sphere under the satellite: sin(angle at it) r = sin(angle at the ground point) R.
+    limit = math.radians(session.spacecraft.camera.across_max_deg)
+    earth_m = float(np.linalg.norm(middle))
+    sine = min(math.sin(limit) * float(np.linalg.norm(r[0])) / earth_m, 1.0)
+    reach_m = (math.asin(sine) - limit) * earth_m
+    away_m = math.acos(float(np.clip(up @ middle / earth_m, -1.0, 1.0))) * earth_m
+    east, north, _ = c_enu_from_itrf(float(latitude), float(longitude)) @ (up * earth_m - middle)
+    size = math.hypot(east, north)
+    return max(away_m - reach_m, 0.0), (east / size, north / size)

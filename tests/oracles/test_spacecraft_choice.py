@@ -28,7 +28,9 @@ def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
     tilted = MovingEnds(
         Rotation.from_rotvec([[0.0, 0.0, pitch_rad]]).as_quat(), np.array([[0.0, 0.0, rate_rad_s]])
     )
-    return Candidate(request=request, part=part, arcs=(arc,), entry=tilted, exit=tilted)
+    return Candidate(
+        request=request, part=part, arcs=(arc,), entry=tilted, exit=tilted, tilt_rad=0.0
+    )
 
 
 def random_session(seed, stereo):
