@@ -5,6 +5,8 @@ Pinhole with Brown-Conrady distortion, OpenCV's conventions: +Z out of the lens,
 Source: Brown 1966; the OpenCV camera model.
 """
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -67,6 +69,15 @@ class HorizonCamera:
     def q_camera_from_body(self) -> Rotation:
         return Rotation.from_quat(self.q_camera_from_body_xyzw)
 
+    @cached_property
+    def _c_camera_from_body(self) -> Floats:
+        return np.asarray(self.q_camera_from_body.as_matrix())
+
+    @cached_property
+    def _reach(self) -> float:
+        """Distance from the axis, on the plane at unit depth, of the image's farthest corner."""
+        return float(np.max(np.linalg.norm(_corners(self), axis=1)))
+
     def rays_body(self, pixel: Floats) -> Floats:
         """Unit vectors in body axes that pixels (n, 2) look along, shape (n, 3).
 
@@ -75,16 +86,15 @@ class HorizonCamera:
         plane = _undistorted(self, pixel)
         rays = np.column_stack([plane, np.ones(len(plane))])
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-        return np.asarray(rays @ self.q_camera_from_body.as_matrix())
+        return np.asarray(rays @ self._c_camera_from_body)
 
     def pixels(self, rays_body: Floats) -> Floats:
         """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""
-        ray = rays_body @ self.q_camera_from_body.as_matrix().T
+        ray = rays_body @ self._c_camera_from_body.T
         with np.errstate(divide="ignore", invalid="ignore"):
             plane = np.where(ray[:, 2:] > 1e-3, ray[:, :2] / ray[:, 2:], np.nan)
         # Outside the corner's radius the polynomial may fold back into the image.
-        reach = 1.1 * np.max(np.linalg.norm(_corners(self), axis=1))
-        plane[np.hypot(plane[:, 0], plane[:, 1]) > reach] = np.nan
+        plane[np.hypot(plane[:, 0], plane[:, 1]) > 1.1 * self._reach] = np.nan
         distorted, _ = _distorted(plane, self.distortion)
         return distorted * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
 
@@ -105,7 +115,7 @@ class HorizonCamera:
 
     @property
     def boresight_body(self) -> Floats:
-        return np.asarray(self.q_camera_from_body.as_matrix()[2])
+        return np.asarray(self._c_camera_from_body[2])
 
 
 def _distorted(plane: Floats, distortion: tuple[float, ...]) -> tuple[Floats, Floats]:
