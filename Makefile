@@ -3,7 +3,12 @@ PYTHON ?= python3
 BIN := .venv/bin
 LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-emit-find-links
 
-.PHONY: setup plan serve test lint check format oracles bench requirements clean
+# What stores anything, to be run on PostgreSQL, too.
+STORING := tests/contracts/test_store.py tests/contracts/test_*jobs.py tests/contracts/test_access.py \
+	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
+	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
+
+.PHONY: setup plan serve test test-postgres lint check format oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -21,6 +26,9 @@ serve: setup
 
 test: setup
 	$(BIN)/pytest -n 2
+
+test-postgres: setup
+	.ci/with-postgresql $(BIN)/pytest -n 2 $(STORING)
 
 lint: setup
 	$(BIN)/ruff format --check .
@@ -43,7 +51,7 @@ oracles: setup
 
 bench: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
-	for script in slew plan opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+	for script in slew plan service opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
 
 requirements: setup
 	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml

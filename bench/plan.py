@@ -8,10 +8,13 @@ connection.  Prints p50 and p95 of the answer's time and of each stage inside it
 
 import argparse
 import json
+import os
 import socket
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import httpx2 as httpx
@@ -25,29 +28,37 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--requests", type=int, default=200)
     count = parser.parse_args().requests
+    with running_service() as (client, _):
+        _report(*_measured(client, count))
+
+
+@contextmanager
+def running_service() -> Iterator[tuple[httpx.Client, int]]:
+    """A service on loopback: a client of it and its process id."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     command = Path(sys.executable).with_name("slewtrack")
-    service = subprocess.Popen([command, "serve", "--port", str(port)])
+    quiet = os.environ | {"SLEWTRACK_LOG_LEVEL": "warning"}
+    service = subprocess.Popen([command, "serve", "--port", str(port)], env=quiet)
     try:
         with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60.0) as client:
             _wait_for(client)
-            _report(*_measured(client, count))
+            yield client, service.pid
     finally:
         service.terminate()
-        service.wait(timeout=10)
+        service.wait(timeout=20)
 
 
 def _wait_for(client: httpx.Client) -> None:
-    for _ in range(100):
+    for _ in range(600):
         try:
             client.get("/healthz").raise_for_status()
         except httpx.TransportError:
             time.sleep(0.1)
         else:
             return
-    raise SystemExit("the service did not start within 10 s")
+    raise SystemExit("the service did not start within 60 s")
 
 
 def _measured(

@@ -4,12 +4,15 @@ import atexit
 import os
 import tempfile
 
+from databases import own_postgresql
 from hypothesis import settings
 
 # The user's own data is no business of tests.
 _data = tempfile.TemporaryDirectory(prefix="slewtrack-tests-")
 atexit.register(_data.cleanup)
 os.environ["SLEWTRACK_DATA_DIR"] = _data.name
+# Every service under test, in this process or its own, then stores in PostgreSQL.
+os.environ["SLEWTRACK_DATABASE_URL"] = own_postgresql(os.environ.get("PYTEST_XDIST_WORKER", "one"))
 # Starlette's test client calls itself "testserver".
 os.environ["SLEWTRACK_ALLOWED_HOSTS"] = "localhost,127.0.0.1,[::1],testserver"
 

@@ -242,7 +242,7 @@ class Dispatcher:
             self._wake.clear()
 
     def _take_up(self) -> None:
-        while self._take_place():
+        while self._is_work_waiting() and self._take_place():
             claimed = None
             try:
                 claimed = self._claimed()
@@ -253,15 +253,17 @@ class Dispatcher:
                 return
             self._begin(_Running(job=claimed.job, token=claimed.token), claimed.request)
 
+    def _is_work_waiting(self) -> bool:
+        if self._free <= 0:
+            return False
+        with self._database.reading() as connection:
+            return jobs.is_work_waiting(connection, tuple(JOB_KINDS))
+
     def _claimed(self) -> Claimed | None:
         """The next job that is to be worked on."""
-        kinds = tuple(JOB_KINDS)
-        with self._database.reading() as connection:
-            if not jobs.is_work_waiting(connection, kinds):
-                return None
         while True:
             with self._database.writing() as connection:
-                claimed = jobs.claim(connection, kinds, self._rules.lease_s)
+                claimed = jobs.claim(connection, tuple(JOB_KINDS), self._rules.lease_s)
                 if claimed is None:
                     return None
                 job = claimed.job

@@ -31,10 +31,14 @@ T = TypeVar("T")
 # What the children run: the server imports it, and warms it up, once for all of them.
 _IMPORTED = ["app.jobs.warm"]
 _MEBIBYTE = 2**20
+# A child that nothing is asked of for so long makes the server's pages it will write its own.
+_IDLE_S = 0.1
+# Most time a child may take to begin: the first of all waits until the server is warm.
+_START_S = 120.0
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
-# What a child sends: progress any number of times, then one of the others.
-_PROGRESS, _DONE, _REFUSED, _FAILED = range(4)
+# What a child sends: that it begins, progress any number of times, then one of the others.
+_BEGUN, _PROGRESS, _DONE, _REFUSED, _FAILED = range(5)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,15 +213,19 @@ def run_disposable(
                 raise
             return value
     finally:
-        child.throw_away()
+        child.kill()
+        # Taking a process apart takes milliseconds that nobody need wait for.
+        Thread(target=child.throw_away, name="end of a child", daemon=True).start()
 
 
 def _outcome(
     child: _Child, task: bytes, bounds: Bounds, on_progress: Callable[[Progress], None] | None
 ) -> Any:  # noqa: ANN401 (the work's)
-    until_s = time.monotonic() + bounds.deadline_s
     try:
         child.line.send_bytes(task)
+        if not child.line.poll(_START_S):
+            raise ChildDied(f"it didn't begin within {_START_S:g} s")
+        until_s = time.monotonic() + bounds.deadline_s
         while child.line.poll(max(until_s - time.monotonic(), 0.0)):
             kind, value = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our own child's)
             if kind == _DONE:
@@ -226,7 +234,7 @@ def _outcome(
                 raise value
             if kind == _FAILED:
                 raise ChildFailed(value)
-            if on_progress is not None:
+            if kind == _PROGRESS and on_progress is not None:
                 on_progress(value)
     except (EOFError, ConnectionError):
         raise ChildDied(f"exit code {child.exit_code()}") from None
@@ -237,12 +245,17 @@ def _outcome(
 
 def _do_one(line: Connection) -> None:
     """The child's whole life."""
+    from app.jobs import warm  # here already, since the server imported it
+
     _die_with_service()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
     try:
+        if not line.poll(_IDLE_S):
+            warm.warm_up()
         bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
     except EOFError:
         return
+    line.send_bytes(pickle.dumps((_BEGUN, None)))
     # However long it may hold the interpreter.
     _limit(resource.RLIMIT_CPU, int(bounds.deadline_s) * (os.cpu_count() or 1) + 1)
     _limit(resource.RLIMIT_CORE, 0)

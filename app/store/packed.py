@@ -52,16 +52,16 @@ def unpack(packed: bytes) -> Packed:
 
 
 def _sorted_bytes(values: NDArray[Any]) -> bytes:
-    bits = values.reshape(len(values), -1).view("<i8").T
+    rows = np.ascontiguousarray(values).view("<i8")
+    bits = rows.reshape(len(values), math.prod(values.shape[1:])).T
     for _ in range(_DIFFERENCES):
         bits = np.diff(bits, axis=1, prepend=0)
     return np.ascontiguousarray(bits).view(np.uint8).reshape(-1, 8).T.tobytes()
 
 
 def _values(data: bytes, shape: list[int]) -> Array:
-    columns = math.prod(shape[1:])
-    weights = np.frombuffer(data, np.uint8).reshape(8, -1)
-    bits = np.ascontiguousarray(weights.T).view("<i8").reshape(columns, -1)
+    weights = np.frombuffer(data, np.uint8).reshape(8, math.prod(shape))
+    bits = np.ascontiguousarray(weights.T).view("<i8").reshape(math.prod(shape[1:]), shape[0])
     for _ in range(_DIFFERENCES):
         bits = np.cumsum(bits, axis=1)
     return np.ascontiguousarray(bits.T).view("<f8").astype(np.float64).reshape(shape)

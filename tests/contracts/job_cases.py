@@ -1,0 +1,104 @@
+"""Which kinds of work put the dispatcher to the test?  Children import them from here."""
+
+import os
+import signal
+import time
+import zlib
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from app.jobs.disposable import Bounds
+from app.jobs.kinds import PLAN, JobKind
+from app.jobs.planned import Planned
+from app.store.ids import new_id
+from app.store.jobs import NewJob
+
+
+def made() -> Planned:
+    return Planned(
+        name="",
+        state="done",
+        input_sha256="",
+        versions={},
+        document=zlib.compress(b"{}"),
+        table_columns=b"",
+        planned_utc=datetime.now(UTC),
+    )
+
+
+def note(request: bytes) -> Planned:
+    """Adds its process to a file."""
+    with Path(os.fsdecode(request)).open("a") as file:
+        file.write(f"{os.getpid()}\n")
+    return made()
+
+
+def hang(request: bytes) -> Planned:
+    """Never ends, and uses a whole processor for it."""
+    note(request)
+    while True:
+        pass
+
+
+def die(request: bytes) -> Planned:
+    note(request)
+    os.kill(os.getpid(), signal.SIGKILL)
+    return made()
+
+
+def die_once(request: bytes) -> Planned:
+    return note(request) if Path(os.fsdecode(request)).exists() else die(request)
+
+
+def linger(request: bytes) -> Planned:
+    time.sleep(0.5)
+    return note(request)
+
+
+def fail(_: bytes) -> Planned:
+    raise RuntimeError("secret /etc/passwd")
+
+
+WORKS = (note, hang, die, die_once, linger, fail)
+KINDS = {
+    work.__name__: JobKind(
+        name=work.__name__,
+        bounds=Bounds(deadline_s=60.0, memory_mib=200),
+        work=work,
+        store=PLAN.store,
+    )
+    for work in WORKS
+}
+
+
+@dataclass(frozen=True)
+class Notes:
+    """What the children of one job wrote."""
+
+    file: Path
+
+    def pids(self) -> list[int]:
+        return [int(line) for line in self.file.read_text().split()] if self.file.exists() else []
+
+
+def new_job(kind: str, file: Path, **members: object) -> NewJob:
+    given = {
+        "id": new_id(),
+        "kind": kind,
+        "name": "",
+        "request": os.fsencode(file),
+        "request_sha256": "0" * 64,
+        "deadline_s": 60.0,
+    }
+    return NewJob(**given | members)
+
+
+def eventually(met, within_s: float = 60.0):
+    """The first true value of a condition; a loaded machine is slow, so it may take long."""
+    until_s = time.monotonic() + within_s
+    while time.monotonic() < until_s:
+        if value := met():
+            return value
+        time.sleep(0.02)
+    raise AssertionError("it never came about")

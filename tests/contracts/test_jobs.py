@@ -1,0 +1,247 @@
+"""Is accepted work done once, killed when it must be, and reported whatever dies?"""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import pytest
+from databases import fresh_database
+from job_cases import KINDS, Notes, eventually, new_job
+from sqlalchemy import update
+
+from app.jobs.dispatcher import Dispatcher, Rules
+from app.jobs.executors import LocalExecutor
+from app.jobs.kinds import JOB_KINDS
+from app.jobs.refusals import QueueFull
+from app.store import audit, events, jobs, plans
+from app.store.database import Database
+from app.store.models import JobRow
+
+RULES = {"lease_s": 60.0, "attempts_max": 3, "queue_max": 100, "retention_days": None}
+
+
+@pytest.fixture(autouse=True)
+def kinds(monkeypatch):
+    for name, kind in KINDS.items():
+        monkeypatch.setitem(JOB_KINDS, name, kind)
+
+
+@pytest.fixture
+def database(tmp_path):
+    with fresh_database(tmp_path) as database:
+        yield database
+
+
+@contextmanager
+def dispatching(database, workers=1, **rules):
+    """A service on the database, with connections of its own."""
+    own = Database(database.url)
+    dispatcher = Dispatcher(own, LocalExecutor(workers), Rules(**RULES | rules), lambda *_: None)
+    dispatcher.start()
+    try:
+        yield dispatcher
+    finally:
+        dispatcher.close()
+        own.close()
+
+
+def job_of(database, job_id):
+    with database.reading() as connection:
+        return jobs.get(connection, job_id)
+
+
+def ended(database, job_id):
+    return eventually(lambda: (job := job_of(database, job_id)) and not job.is_open and job)
+
+
+def states(database, job_id):
+    with database.reading() as connection:
+        told = events.after(connection, job_id, 0)
+    return [event.data["state"] for event in told if event.kind == events.STATE]
+
+
+def alive(pid):
+    """Whether the process is more than an entry nobody has read yet."""
+    status = Path(f"/proc/{pid}/status")
+    return status.exists() and "State:\tZ" not in status.read_text()
+
+
+def test_work_is_begun_at_once_where_there_is_room(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("note", notes.file))
+        assert job.state == "running"
+        assert ended(database, job.id).state == "done"
+    assert len(notes.pids()) == 1
+    assert notes.pids() != [os.getpid()]
+    assert states(database, job.id) == ["queued", "running", "done"]
+
+
+def test_cancelling_kills_what_runs(database, tmp_path):
+    """The issue: its processor is free within a second."""
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("hang", notes.file))
+        [pid] = eventually(notes.pids)
+        dispatcher.cancel(job.id, "key")
+        eventually(lambda: not alive(pid), within_s=1.0)
+        assert ended(database, job.id).state == "cancelled"
+        again = dispatcher.submit(new_job("note", notes.file))
+        assert ended(database, again.id).state == "done"  # its place is free
+
+
+def test_another_service_can_cancel(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as one:
+        job = one.submit(new_job("hang", notes.file))
+        [pid] = eventually(notes.pids)
+        with dispatching(database) as other:
+            other.cancel(job.id, None)
+            eventually(lambda: not alive(pid), within_s=5.0)
+        assert ended(database, job.id).state == "cancelled"
+
+
+def test_a_job_in_the_queue_is_cancelled_unbegun(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        running = dispatcher.submit(new_job("hang", tmp_path / "other"))
+        waiting = dispatcher.submit(new_job("note", notes.file))
+        assert waiting.state == "queued"
+        assert dispatcher.cancel(waiting.id, None).state == "cancelled"
+        dispatcher.cancel(running.id, None)
+        ended(database, running.id)
+    assert notes.pids() == []
+
+
+def test_a_hanging_solve_is_killed_at_its_deadline_and_reported(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("hang", notes.file, deadline_s=1.0))
+        found = ended(database, job.id)
+        [pid] = notes.pids()
+        eventually(lambda: not alive(pid), within_s=1.0)
+    assert (found.state, found.attempts) == ("refused", 1)
+    assert found.problem["type"].endswith("too-demanding")
+    assert "1 s" in found.problem["detail"]
+
+
+def test_a_job_whose_process_died_is_begun_again(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("die_once", notes.file))
+        found = ended(database, job.id)
+    assert (found.state, found.attempts) == ("done", 2)
+    assert len(notes.pids()) == 2
+
+
+def test_one_that_kills_each_process_is_given_up(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("die", notes.file))
+        found = ended(database, job.id)
+    assert (found.state, found.attempts) == ("failed", 3)
+    assert found.problem["type"].endswith("interrupted")
+    assert len(notes.pids()) == 3
+
+
+def test_a_bug_is_reported_without_its_text(database, tmp_path, caplog):
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("fail", tmp_path / "notes"))
+        found = ended(database, job.id)
+    assert found.state == "failed"
+    assert found.problem["type"].endswith("internal-error")
+    assert "secret" not in str(found.problem)
+    assert any("secret" in str(record.__dict__) for record in caplog.records)
+
+
+def test_two_services_do_each_job_once(database, tmp_path):
+    files = [tmp_path / f"notes{number}" for number in range(12)]
+    with ExitStack() as services:
+        one = services.enter_context(dispatching(database))
+        services.enter_context(dispatching(database))
+        ids = [one.submit(new_job("note", file)).id for file in files]
+        assert {ended(database, job_id).state for job_id in ids} == {"done"}
+    assert [len(Notes(file).pids()) for file in files] == [1] * len(files)
+    assert {job_of(database, job_id).attempts for job_id in ids} == {1}
+
+
+def test_a_service_that_stops_gives_its_work_to_the_next(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("hang", notes.file, deadline_s=2.0))
+        waiting = dispatcher.submit(new_job("note", tmp_path / "other"))
+        [pid] = eventually(notes.pids)
+    assert not alive(pid)
+    found = job_of(database, job.id)
+    assert (found.state, found.attempts) == ("queued", 0)  # not the job's fault
+    with dispatching(database):
+        assert ended(database, job.id).state == "refused"
+        assert ended(database, waiting.id).state == "done"
+
+
+def test_a_service_that_lost_its_lease_stores_nothing(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("linger", notes.file))
+        with database.writing() as connection:  # as another service does that takes it up
+            connection.execute(
+                update(JobRow).where(JobRow.id == job.id).values(lease_token="another's")
+            )
+        eventually(lambda: dispatcher.ended(job.id) is None)
+    assert job_of(database, job.id).state == "running"
+    with database.reading() as connection:
+        assert plans.get(connection, job.id) is None
+
+
+def test_leases_are_kept_while_the_work_goes_on(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database, lease_s=1.0) as one, dispatching(database, lease_s=1.0):
+        job = one.submit(new_job("hang", notes.file, deadline_s=4.0))
+        assert ended(database, job.id).attempts == 1
+    assert len(notes.pids()) == 1
+
+
+def test_the_queue_is_bounded(database, tmp_path):
+    with dispatching(database, queue_max=2) as dispatcher:
+        running = dispatcher.submit(new_job("hang", tmp_path / "notes"))
+        for _ in range(2):
+            dispatcher.submit(new_job("note", tmp_path / "notes"))
+        with pytest.raises(QueueFull, match="2 requests wait"):
+            dispatcher.submit(new_job("note", tmp_path / "notes"))
+        with database.reading() as connection:
+            assert sum(jobs.counts(connection).values()) == 3
+        dispatcher.cancel(running.id, None)
+
+
+def test_the_same_key_at_the_same_time_is_one_job(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database, workers=2) as one, dispatching(database, workers=2) as other:
+
+        def submit(number):
+            new = new_job("linger", notes.file, idempotency="the key")
+            return (one, other)[number % 2].submit(new).id
+
+        with ThreadPoolExecutor(8) as threads:
+            ids = set(threads.map(submit, range(8)))
+        [job_id] = ids
+        assert ended(database, job_id).state == "done"
+    assert len(notes.pids()) == 1
+
+
+def test_what_is_not_kept_is_deleted(database, tmp_path):
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("note", tmp_path / "notes"))
+        ended(database, job.id)
+    with dispatching(database, retention_days=1e-9):
+        eventually(lambda: job_of(database, job.id) is None)
+
+
+def test_the_audit_trail_says_who_did_what(database, tmp_path):
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("hang", tmp_path / "notes", key_id="alice"))
+        dispatcher.cancel(job.id, "bob")
+        ended(database, job.id)
+    found = audit.entries(database, limit=9, before=10**9)
+    told = [(entry.key_id, entry.action, entry.subject) for entry in found]
+    assert told == [("bob", "hang.cancel", job.id), ("alice", "hang.accept", job.id)]

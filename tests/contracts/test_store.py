@@ -1,0 +1,206 @@
+"""Is what is stored kept to the bit, never changed, and handed to one worker at a time?"""
+
+import io
+from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+from databases import empty_database, fresh_database
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from job_cases import made, new_job
+from sqlalchemy import text, update
+from sqlalchemy.exc import DatabaseError
+
+from app.store import audit, events, jobs, models_security, plans
+from app.store.ids import is_id, new_id
+from app.store.migrate import upgrade
+from app.store.models import JobRow, PlanRow
+from app.store.packed import Packed, pack, unpack
+from planner.errors import InvalidInput
+
+KINDS = ("note",)
+
+
+@pytest.fixture
+def database(tmp_path):
+    with fresh_database(tmp_path) as database:
+        yield database
+
+
+def accepted(database, tmp_path, lease_s=None, **members):
+    new = new_job("note", tmp_path / "notes", **members)
+    with database.writing() as connection:
+        token = jobs.accept(connection, new, lease_s)
+    return new.id, token
+
+
+def test_migrations_lead_to_the_models(tmp_path):
+    with empty_database(tmp_path) as database:
+        upgrade(database)
+        with database.reading() as connection:
+            context = MigrationContext.configure(connection, opts={"compare_type": True})
+            assert compare_metadata(context, models_security.Base.metadata) == []
+
+
+def test_services_that_start_together_migrate_once(tmp_path):
+    with empty_database(tmp_path) as database:
+        with ThreadPoolExecutor(4) as threads:
+            list(threads.map(upgrade, [database] * 4))
+        accepted(database, tmp_path)
+
+
+def test_a_database_of_a_later_version_is_left_alone(database):
+    with database.writing() as connection:
+        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(InvalidInput, match="later version"):
+        upgrade(database)
+
+
+def test_ids_sort_by_time():
+    ids = [new_id() for _ in range(3)]
+    assert all(is_id(one) for one in ids)
+    assert [one[14] for one in ids] == ["7"] * 3  # the version, RFC 9562
+    assert not is_id("../etc/passwd")
+    assert not is_id(ids[0].upper())
+
+
+SHAPES = st.tuples(st.integers(0, 30), st.integers(1, 4))
+ANY_DOUBLE = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True)
+
+
+@given(hnp.arrays(np.float64, SHAPES, elements=ANY_DOUBLE))
+def test_tables_come_back_to_the_bit(values):
+    facts = {"epoch": "2015-02-27T17:34:00Z"}
+    back = unpack(pack(Packed(columns={"a": values, "b": values[:, 0]}, facts=facts)))
+    assert back.facts == facts
+    for name, given_values in (("a", values), ("b", values[:, 0])):
+        assert back.columns[name].shape == given_values.shape
+        assert back.columns[name].tobytes() == np.ascontiguousarray(given_values).tobytes()
+
+
+def test_a_smooth_table_takes_less_than_half_of_npz():
+    t_s = np.arange(1151) / 5.0
+    columns = {"angle_rad": np.sin(t_s[:, None] / [40.0, 55.0]), "rate_rad_s": np.zeros((1151, 2))}
+    npz = io.BytesIO()
+    np.savez_compressed(npz, **columns)
+    assert len(pack(Packed(columns=columns, facts={}))) < len(npz.getvalue()) / 2
+
+
+def test_the_database_refuses_to_change_a_plan(database, tmp_path):
+    job_id, _ = accepted(database, tmp_path, lease_s=60.0)
+    with database.writing() as connection:
+        plans.store(connection, job_id, "note", None, made())
+    with pytest.raises(DatabaseError, match="immutable"), database.writing() as connection:
+        connection.execute(update(PlanRow).values(name="other"))
+
+
+def test_each_job_is_claimed_once(database, tmp_path):
+    ids = {accepted(database, tmp_path)[0] for _ in range(30)}
+
+    def claim_all(_):
+        found = []
+        while True:
+            with database.writing() as connection:
+                claimed = jobs.claim(connection, KINDS, 60.0)
+            if claimed is None:
+                return found
+            found.append(claimed.job.id)
+
+    with ThreadPoolExecutor(4) as threads:
+        claimed = [one for found in threads.map(claim_all, range(4)) for one in found]
+    assert len(claimed) == 30
+    assert set(claimed) == ids
+
+
+def test_the_first_in_rank_goes_first_then_the_oldest(database, tmp_path):
+    later = [accepted(database, tmp_path, rank=5)[0] for _ in range(2)]
+    first = accepted(database, tmp_path, rank=0)[0]
+    with database.writing() as connection:
+        order = [jobs.claim(connection, KINDS, 60.0).job.id for _ in range(3)]
+    assert order[0] == first
+    assert set(order[1:]) == set(later)
+
+
+def test_kinds_nobody_here_knows_are_left_to_others(database, tmp_path):
+    accepted(database, tmp_path)
+    with database.writing() as connection:
+        assert jobs.claim(connection, ("plan",), 60.0) is None
+        assert not jobs.is_work_waiting(connection, ("plan",))
+
+
+def test_a_lease_that_ran_out_is_lost(database, tmp_path):
+    job_id, token = accepted(database, tmp_path, lease_s=-1.0)
+    with database.writing() as connection:
+        claimed = jobs.claim(connection, KINDS, 60.0)
+    assert (claimed.job.id, claimed.job.attempts) == (job_id, 1)
+    assert claimed.request.decode() == str(tmp_path / "notes")
+    with database.writing() as connection:
+        assert jobs.owned(connection, token) is None
+        assert jobs.owned(connection, claimed.token).attempts == 2
+        assert jobs.extend(connection, (token, claimed.token), 60.0) == {token}
+        assert jobs.claim(connection, KINDS, 60.0) is None
+
+
+def test_a_cancelled_lease_is_unwanted(database, tmp_path):
+    job_id, token = accepted(database, tmp_path, lease_s=60.0)
+    with database.writing() as connection:
+        assert jobs.unwanted(connection, (token,)) == frozenset()
+        assert jobs.cancel(connection, job_id).state == "running"
+        assert jobs.unwanted(connection, (token,)) == {token}
+
+
+def test_revisions_count_up_however_many_come_at_once(database, tmp_path):
+    first, _ = accepted(database, tmp_path, lease_s=60.0)
+    with database.writing() as connection:
+        plans.store(connection, first, "note", None, made())
+    ids = [accepted(database, tmp_path, lease_s=60.0)[0] for _ in range(6)]
+
+    def revise(job_id):
+        with database.writing() as connection:
+            plans.store(connection, job_id, "note", first, made())
+
+    with ThreadPoolExecutor(3) as threads:
+        list(threads.map(revise, ids))
+    with database.reading() as connection:
+        found = plans.revisions_of(connection, ids)
+    assert sorted(one.revision for one in found.values()) == [2, 3, 4, 5, 6, 7]
+    assert {(one.series, one.revises) for one in found.values()} == {(first, first)}
+
+
+def test_what_is_old_and_finished_goes_with_all_it_made(database, tmp_path):
+    old, _ = accepted(database, tmp_path, lease_s=60.0)
+    young, _ = accepted(database, tmp_path, lease_s=60.0)
+    waiting, _ = accepted(database, tmp_path)
+    with database.writing() as connection:
+        for job_id in (old, young):
+            plans.store(connection, job_id, "note", None, made())
+            jobs.finish(connection, jobs.get(connection, job_id), "done")
+        long_ago = datetime.now(UTC) - timedelta(days=9)
+        connection.execute(update(JobRow).where(JobRow.id == old).values(finished_utc=long_ago))
+        before = datetime.now(UTC) - timedelta(days=8)
+        assert jobs.remove_finished(connection, before, 100) == [old]
+        assert plans.get(connection, old) is None
+        assert events.after(connection, old, 0) == []
+        assert plans.get(connection, young) is not None
+        assert not jobs.remove(connection, waiting)
+
+
+def test_a_transaction_that_fails_leaves_nothing(database, tmp_path):
+    new = new_job("note", tmp_path / "notes")
+
+    def accept_and_fail():
+        with database.writing() as connection:
+            jobs.accept(connection, new)
+            audit.record(connection, key_id=None, action="x", subject=new.id)
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        accept_and_fail()
+    with database.reading() as connection:
+        assert jobs.get(connection, new.id) is None
+    assert audit.entries(database, limit=1, before=10**9) == []

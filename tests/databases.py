@@ -1,0 +1,46 @@
+"""Which database do tests store in?  SQLite; PostgreSQL where SLEWTRACK_TEST_DATABASE_URL says."""
+
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy import create_engine, make_url, text
+
+from app.store.database import Database, open_database
+from app.store.migrate import upgrade
+
+SERVER = os.environ.get("SLEWTRACK_TEST_DATABASE_URL", "")
+
+
+def own_postgresql(name: str) -> str:
+    """URL of a new database of this name on the server for tests; empty where there is none."""
+    if not SERVER:
+        return ""
+    own = f"slewtrack_test_{name}"
+    engine = create_engine(SERVER, isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        connection.execute(text(f"DROP DATABASE IF EXISTS {own} WITH (FORCE)"))
+        connection.execute(text(f"CREATE DATABASE {own}"))
+    engine.dispose()
+    return make_url(SERVER).set(database=own).render_as_string(hide_password=False)
+
+
+@contextmanager
+def empty_database(folder: Path) -> Iterator[Database]:
+    """A database of its own without tables."""
+    url = own_postgresql(uuid.uuid4().hex)
+    database = open_database(url, folder)
+    try:
+        yield database
+    finally:
+        database.close()
+
+
+@contextmanager
+def fresh_database(folder: Path) -> Iterator[Database]:
+    """A database of its own with all tables, empty."""
+    with empty_database(folder) as database:
+        upgrade(database)
+        yield database
