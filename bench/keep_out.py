@@ -20,24 +20,23 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "properties"))
 from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
 from planner.errors import InfeasibleSlew
-from planner.slew import SlewSolution, detour
+from planner.slew import SlewSolution
 from planner.slew.backends.ipopt import graded_ocp
-from planner.slew.detour import cleared
+from planner.slew.detour import SPANS, cleared
+from planner.slew.detour_search import DetourSearch
 
 
 def best_of_restarts(case: Case, count: int, rng: np.random.Generator) -> float:
     """The least cost from guesses that wander through the angles at random; infinite: none."""
-    spline = graded_ocp(detour.SPANS)
+    spline = graded_ocp(SPANS)
     tau = spline.greville
     costs = []
     for _ in range(count):
         waves = sum(
             np.outer(rng.normal(size=2) * 1.5 / k, np.sin(np.pi * k * tau)) for k in (1, 2, 3)
         )
-        problem, view = case.problem, case.problem.keep_out
-        costs.append(
-            detour._solved(problem, view, case.straight, spline, problem.limits, waves).cost
-        )
+        search = DetourSearch(case.straight, case.problem.keep_out, spline)
+        costs += [found.cost for found in search.near((waves,))]
     return min(costs)
 
 

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,9 @@ from planner.gimbal.angles import boresight_platform
 from planner.orbits import Ephemeris
 from planner.platforms import TwoAxisPlatform
 from planner.scenario import Scenario
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 Array = NDArray[np.float64]
 NODE_STEP_S = 10.0  # a carrier turning at 0.1 deg/s: cubics between nodes err by 0.005 arcsec
@@ -36,13 +41,16 @@ class MovingCone:
     axis_platform: Array
     counts_rad: Array
 
-    def at(self, t_s: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Axes, unit vectors (n, 3), and whether the cone counts, (n,)."""
+    @cached_property
+    def _curve(self) -> "CubicSpline":
         # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
         from scipy.interpolate import CubicSpline
 
-        both = np.column_stack([self.axis_platform, self.counts_rad])
-        found = CubicSpline(self.t_s, both)(t_s)
+        return CubicSpline(self.t_s, np.column_stack([self.axis_platform, self.counts_rad]))
+
+    def at(self, t_s: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Axes, unit vectors (n, 3), and whether the cone counts, (n,)."""
+        found = self._curve(t_s)
         axis = found[:, :3] / np.linalg.norm(found[:, :3], axis=1, keepdims=True)
         return axis, found[:, 3] > 0.0
 

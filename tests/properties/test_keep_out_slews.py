@@ -74,6 +74,24 @@ def test_a_cone_about_the_outer_axis_cuts_the_angles_in_two():
     assert refusal.value.limit == "keep_out"
 
 
+def test_the_refusal_names_the_cone_that_leaves_no_way():
+    """Another cone, in the middle of the straight slew and entered deeper, could be passed."""
+    straight = rest_to_rest(0.0, 150.0, 20.0, 600.0)
+    (cone,) = straight.problem.keep_out.cones
+    on_path = straight.problem.keep_out.boresight(straight.motion(np.array([230.0]))[0])
+    other = replace(
+        cone,
+        about="a lamp",
+        half_angle_rad=math.radians(25.0),
+        axis_platform=np.tile(on_path, (5, 1)),
+    )
+    for cones in ((other, cone), (cone, other)):
+        view = KeepOutView(platform=ISS_HRC, cones=cones)
+        problem = replace(straight.problem, keep_out=view)
+        with pytest.raises(InfeasibleSlew, match="leads around the cone about the outer axis"):
+            cleared(replace(straight, problem=problem))
+
+
 def test_a_straight_slew_that_stays_outside_is_left_alone():
     straight = rest_to_rest(0.0, 64.0, 20.0)
     assert cleared(straight) is straight

@@ -17,35 +17,38 @@ from planner.slew.backends.spline_ocp import IPOPT, PosedAxis, SplineOcp
 from planner.slew.solution import AxisProfile
 
 Array = NDArray[np.float64]
-POINTS = 120
+COARSE_POINTS, FINE_POINTS = 60, 240
 NOT_COUNTING = 1e3  # beyond any scaled cosine
 OPTIONS = {
     name: value
     for name, value in IPOPT.items()
     if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
 } | {"tol": 1e-6, "max_iter": 120}  # the margin beside a cone is a thousand times that
+NEAR: dict[str, str | float | int] = {"mu_init": 1e-3, "max_iter": 60}
 
 
 class DetourOcp:
-    """Least integral of squared jerk of both axes, cones kept at `POINTS` instants.
+    """Least integral of squared jerk of both axes, cones kept at some instants.
 
     spline: the basis of each axis.  cones: how many.  calm: whether modes are spared.
+    fine: to be begun from a coarse solution, which fewer instants and far guesses suit.
     """
 
-    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool) -> None:
+    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> None:
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
 
         self._spline, self._calm = spline, calm
-        self.tau = np.linspace(0.0, 1.0, POINTS + 2)[1:-1]
+        points = FINE_POINTS if fine else COARSE_POINTS
+        self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
         self._values = spline.values(self.tau)
         n = spline.free_count
         y = [casadi.SX.sym(f"y{axis}", n) for axis in range(2)]
         p_gradient = [casadi.SX.sym(f"gradient{axis}", n) for axis in range(2)]
         p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 if calm else 0)]
-        p_base = [casadi.SX.sym(f"base{axis}", POINTS) for axis in range(2)]
+        p_base = [casadi.SX.sym(f"base{axis}", points) for axis in range(2)]
         p_scale = casadi.SX.sym("scale")
-        p_cosine = casadi.SX.sym("cosine", POINTS * cones, 9)
+        p_cosine = casadi.SX.sym("cosine", points * cones, 9)
 
         own = casadi.sparsify(casadi.DM(spline.hessian))
         cost = casadi.SX(0)
@@ -55,13 +58,13 @@ class DetourOcp:
             cost += casadi.dot(p_gradient[axis], y[axis])
         free = casadi.sparsify(casadi.DM(self._values.free))
         angle = [p_base[axis] + p_scale * casadi.mtimes(free, y[axis]) for axis in range(2)]
-        one = casadi.SX.ones(POINTS, 1)
+        one = casadi.SX.ones(points, 1)
         trig = [[one, casadi.cos(q), casadi.sin(q)] for q in angle]
         jacobian = casadi.sparsify(casadi.DM(spline.jacobian))
         rows = [casadi.mtimes(jacobian, part) for part in y]
         for cone in range(cones):
-            part = p_cosine[cone * POINTS : (cone + 1) * POINTS, :]
-            cosine = casadi.SX(POINTS, 1)
+            part = p_cosine[cone * points : (cone + 1) * points, :]
+            cosine = casadi.SX(points, 1)
             for i, by_outer in enumerate(trig[0]):
                 for j, by_inner in enumerate(trig[1]):
                     cosine += part[:, 3 * i + j] * by_outer * by_inner
@@ -76,7 +79,7 @@ class DetourOcp:
                 "f": cost,
                 "g": casadi.vertcat(*rows),
             },
-            {"print_time": False, "ipopt": OPTIONS},
+            {"print_time": False, "ipopt": {**OPTIONS, **(NEAR if fine else {})}},
         )
 
     def solve(
@@ -89,7 +92,7 @@ class DetourOcp:
     ) -> tuple[tuple[AxisProfile, AxisProfile], int]:
         """Both profiles and the iterations; to be judged by what they are.
 
-        axes: posed with one scale.  margin_rad: (cones, POINTS), kept beside each half angle.
+        axes: posed with one scale.  margin_rad: (cones, len(tau)), kept beside each half angle.
         guess: (2, k), the free coefficients to begin from.
         """
         T = axes[0].duration_s
@@ -147,6 +150,6 @@ def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Arra
 
 
 @lru_cache(maxsize=3)  # each keeps its basis, and on rows takes 20 MB
-def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool) -> DetourOcp:
+def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> DetourOcp:
     """Made once per process and basis."""
-    return DetourOcp(spline, cones, calm=calm)
+    return DetourOcp(spline, cones, calm=calm, fine=fine)

@@ -1,0 +1,175 @@
+"""What is the smoothest detour near a given guess, flown from rows and checked?
+
+First the cones are kept at few instants, which far guesses suit; from there at many, which
+leaves no play between them for a dozen optima that differ only in how they straddle instants.
+"""
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.gimbal.keep_out import Entry, KeepOutView, deepest_entry
+from planner.slew.backends.detour_ocp import DetourOcp, detour_ocp
+from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.grid import reproduces, rows_in
+from planner.slew.solution import AxisProfile, SlewSolution, obeys
+
+Array = NDArray[np.float64]
+Profiles = tuple[AxisProfile, AxisProfile]
+TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
+ROUGH_MARGIN_RAD = math.radians(0.1)
+MARGIN_RAD = math.radians(0.02)
+MARGIN_GROWTH_RAD = math.radians(0.02)
+MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
+PASSES = 4
+HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
+DEARER = 1.1  # than the best one found: not worth a second look
+ALIKE = 1e-3  # in cost: the same optimum again
+REFINED_MAX = 4  # of the guesses tried at once
+
+
+class Detour(NamedTuple):
+    """cost: infinite where the result is not good.  off_rows: good but for flying it from rows.
+
+    play: share by which many instants cost more or less than few; where it is large, so was
+    the play between these, and other optima may be near.
+    """
+
+    profiles: Profiles
+    cost: float
+    off_rows: bool
+    iterations: int
+    play: float = 0.0
+
+
+class DetourSearch:
+    """Detours of one slew on one basis of splines.
+
+    share: of the acceleration limit they may use.
+    """
+
+    def __init__(
+        self, straight: SlewSolution, view: KeepOutView, spline: SplineOcp, share: float = 1.0
+    ) -> None:
+        self._straight, self._view, self._spline = straight, view, spline
+        self._problem = problem = straight.problem
+        T = straight.duration_s
+        self._states = list(zip(problem.start, problem.end, strict=True))
+        moves = [abs(end.angle_rad - start.angle_rad) for start, end in self._states]
+        scale_rad = max(*moves, *(cone.half_angle_rad for cone in view.cones), 0.1)
+        limits = [
+            replace(axis, acceleration_max_rad_s2=share * axis.acceleration_max_rad_s2)
+            for axis in problem.limits
+        ]
+        posed = [
+            spline.pose(*ends, limit, T, scale_rad=scale_rad, avoid_modes=problem.avoid_modes)
+            for ends, limit in zip(self._states, limits, strict=True)
+        ]
+        self._axes = (posed[0], posed[1])
+
+    def near(self, asides: tuple[Array, ...]) -> list[Detour]:
+        """The best of those that guesses lead to, and what else was refined, not in order.
+
+        asides: (2, k) each, how far a guess lies off the straight slew at the `greville`
+        instants.
+        """
+        rough = sorted((self._rough(aside) for aside in asides), key=lambda one: one.cost)
+        refined: list[float] = []
+        found: list[Detour] = []
+        for one in rough:
+            best = min((detour.cost for detour in found), default=math.inf)
+            again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in refined)
+            enough = len(refined) == REFINED_MAX or one.cost > DEARER * best
+            if not math.isfinite(one.cost) or enough or again:
+                found.append(one._replace(cost=math.inf))
+                continue
+            refined.append(one.cost)
+            found.append(self._refined(one))
+        return found
+
+    def _rough(self, aside: Array) -> Detour:
+        ocp = self._ocp(fine=False)
+        guess = self._guess(self._straight.profiles, aside)
+        profiles, iterations = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
+        hopeless = entered(profiles, self._view).depth_rad > HOPELESS_RAD
+        return Detour(
+            profiles=profiles,
+            cost=math.inf if hopeless else _cost(profiles),
+            off_rows=False,
+            iterations=iterations,
+        )
+
+    def _refined(self, rough: Detour) -> Detour:
+        ocp = self._ocp(fine=True)
+        profiles, iterations, margin_rad = rough.profiles, rough.iterations, MARGIN_RAD
+        for _ in range(PASSES):
+            guess = self._guess(profiles, np.zeros((2, self._spline.free_count)))
+            profiles, used = self._solve(ocp, guess, margin_rad)
+            iterations += used
+            depth_rad = entered(profiles, self._view).depth_rad
+            if depth_rad <= -TOUCH_RAD or depth_rad > HOPELESS_RAD:
+                break
+            margin_rad += max(depth_rad, 0.0) + MARGIN_GROWTH_RAD
+        limits, rows = self._problem.limits, rows_in(self._straight.duration_s)
+        keeps = depth_rad <= -TOUCH_RAD and all(
+            obeys(profile, *ends, limit)
+            for profile, ends, limit in zip(profiles, self._states, limits, strict=True)
+        )
+        fits = keeps and all(
+            reproduces(profile, rows, limit)
+            for profile, limit in zip(profiles, limits, strict=True)
+        )
+        return Detour(
+            profiles=profiles,
+            cost=_cost(profiles) if fits else math.inf,
+            off_rows=keeps and not fits,
+            iterations=iterations,
+            play=abs(_cost(profiles) / rough.cost - 1.0),
+        )
+
+    def _ocp(self, *, fine: bool) -> DetourOcp:
+        calm = bool(self._problem.avoid_modes)
+        return detour_ocp(self._spline, len(self._view.cones), calm=calm, fine=fine)
+
+    def _solve(self, ocp: DetourOcp, guess: Array, margin_rad: float) -> tuple[Profiles, int]:
+        margins = self._margins(ocp.tau, margin_rad)
+        return ocp.solve(self._view.platform, self._axes, self._view.cones, margins, guess)
+
+    def _guess(self, profiles: tuple[AxisProfile, ...], aside: Array) -> Array:
+        return np.stack(
+            [
+                self._spline.guess(axis, profile, off)
+                for axis, profile, off in zip(self._axes, profiles, aside, strict=True)
+            ]
+        )
+
+    def _margins(self, tau: Array, margin_rad: float) -> Array:
+        """Beside each cone at each instant, less near an end that is nearer to the cone itself."""
+        problem, T = self._problem, self._straight.duration_s
+        angle = np.array(
+            [[axis.angle_rad for axis in side] for side in (problem.start, problem.end)]
+        )
+        gap = -self._view.depths_rad(np.array([0.0, T]), angle) / 2.0
+        rising = gap[:, :1] + margin_rad / MARGIN_RISE * tau
+        falling = gap[:, 1:] + margin_rad / MARGIN_RISE * (1.0 - tau)
+        return np.minimum(margin_rad, np.minimum(rising, falling))
+
+
+def entered(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> Entry:
+    """How deep a slew goes into the cones."""
+
+    def motion(t_s: Array) -> tuple[Array, Array]:
+        values = [profile.evaluate(t_s) for profile in profiles]
+        return (
+            np.stack([value[0] for value in values], axis=1),
+            np.stack([value[1] for value in values], axis=1),
+        )
+
+    return deepest_entry(view, motion, 0.0, profiles[0].duration_s)
+
+
+def _cost(profiles: Profiles) -> float:
+    return sum(profile.jerk_squared_integral for profile in profiles)
