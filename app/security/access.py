@@ -50,9 +50,8 @@ class Access:
         if secret is not None:
             return Caller(name=f"key {(key := await self._key(secret, scope)).id}", key=key)
         anonymous = Caller(name=f"address {address}", key=None)
-        if is_page(scope) and (self._require_keys or not _within_this_machine(scope)):
-            return anonymous
-        self._require_open(scope, headers)
+        if not is_page(scope):
+            self._require_open(scope, headers)
         return anonymous
 
     async def _key(self, secret: str, scope: Scope) -> Key:

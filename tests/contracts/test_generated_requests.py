@@ -42,7 +42,7 @@ BOUNDED = {
     "derandomize": EXAMPLES == BRIEF,
     "suppress_health_check": list(HealthCheck),
     "database": None,
-    "phases": [Phase.generate],
+    "phases": [Phase.generate] if EXAMPLES == BRIEF else [Phase.explicit, Phase.generate],
 }
 STATEFUL = BOUNDED | {"max_examples": EXAMPLES // 3, "stateful_step_count": 8}
 
