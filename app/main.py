@@ -10,7 +10,17 @@ import anyio.to_thread
 from fastapi import FastAPI
 
 from app import errors
-from app.api import audit, horizon, opportunities, pages, plans, platforms, spacecraft, system
+from app.api import (
+    audit,
+    campaigns,
+    horizon,
+    opportunities,
+    pages,
+    plans,
+    platforms,
+    spacecraft,
+    system,
+)
 from app.jobs.disposable import start_server
 from app.jobs.running import dispatching
 from app.observability.metrics import Metrics
@@ -72,7 +82,17 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for resource in (plans, opportunities, horizon, spacecraft, platforms, system, audit, pages):
+    for resource in (
+        plans,
+        opportunities,
+        campaigns,
+        horizon,
+        spacecraft,
+        platforms,
+        system,
+        audit,
+        pages,
+    ):
         app.include_router(resource.router)
     pages.serve_files(app)
     errors.install(app)

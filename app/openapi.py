@@ -4,6 +4,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from app.api.campaign_request import campaign_request_json_schema
 from app.api.horizon_request import horizon_request_json_schemas
 from app.api.opportunity_request import opportunity_request_json_schema
 from app.api.plan_request import plan_request_json_schema
@@ -17,6 +18,7 @@ REF = "#/components/schemas/{model}"
 KEY_SCHEME = "key"
 _REQUESTS = {
     "PlanRequest": plan_request_json_schema,
+    "CampaignQuery": campaign_request_json_schema,
     "OpportunityQuery": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
 }

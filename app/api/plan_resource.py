@@ -38,6 +38,11 @@ class PlanResource:
     file_stem: str
 
     @property
+    def singular(self) -> str:
+        """What one of them is called."""
+        return "plan"
+
+    @property
     def format_by_media_type(self) -> dict[str, str]:
         """Formats an Accept header can ask for beside JSON."""
         return {

@@ -10,11 +10,10 @@ from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
-from fastapi.responses import StreamingResponse
 from pydantic import TypeAdapter
 
-from app.api.event_stream import EVENT_EXAMPLE, EVENT_STREAM, last_seq, told
 from app.api.job_response import JobResponse, PlanList, job_json, list_json
+from app.api.job_routes import PREFER, accepted, add_delete, add_events, no_such
 from app.api.negotiation import JSON, accepts_json, is_known_already, json_body, preferred
 from app.api.plan_queries import (
     ListQuery,
@@ -22,7 +21,6 @@ from app.api.plan_queries import (
     PostQuery,
     TableQuery,
     idempotency_key,
-    last_event_id,
     with_formats,
 )
 from app.api.plan_resource import PlanResource
@@ -30,16 +28,13 @@ from app.api.provenance import provenance
 from app.api.stored_plans import Found, find, immutable_tag, table_answer, whole_json
 from app.api.waiting import Patience, patience, wait_for_end
 from app.errors import problem_answer
-from app.jobs.dispatcher import Dispatcher
-from app.jobs.refusals import Conflict, KeyReused
+from app.jobs.refusals import Conflict
 from app.openapi import request_body
-from app.store import audit, jobs
+from app.store import jobs
 from app.store.database import Database
-from app.store.ids import new_id
-from app.store.jobs import Job, NewJob
+from app.store.jobs import Job
 from planner.errors import InvalidInput
 
-CANCEL_WAIT_S = 5.0
 _VARY = {"Vary": "Accept, Prefer"}
 _REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
 
@@ -51,7 +46,8 @@ def plan_routes(resource: PlanResource) -> APIRouter:
     _add_list(router, resource)
     _add_one(router, resource)
     _add_table(router, resource)
-    _add_events(router, resource)
+    add_delete(router, resource)
+    add_events(router, resource)
     return router
 
 
@@ -63,7 +59,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         body: Annotated[bytes, Depends(json_body)],
         query: Annotated[PostQuery, Query()],
         key: Annotated[str | None, Depends(idempotency_key)],
-        prefer: Annotated[str | None, Header(description=_PREFER)] = None,
+        prefer: Annotated[str | None, Header(description=PREFER)] = None,
     ) -> Response:
         form = _form(request, resource, query)
         asked = await anyio.to_thread.run_sync(resource.read, body)
@@ -87,12 +83,6 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         responses=_answers_to_post(resource),
         openapi_extra=request_body(resource.request_schema, resource.examples),
     )(post)
-
-
-_PREFER = (
-    "`wait=N`: answer 202 when the plan isn't made within N seconds (30 unless said, at most 60); "
-    "`respond-async`: answer 202 at once."
-)
 
 
 def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
@@ -134,35 +124,10 @@ def _accepted(
     key: str | None,
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    state = request.app.state
-    dispatcher: Dispatcher = state.dispatcher
-    key_id = getattr(request.state, "key_id", None)
-    kind = resource.kind
     if query.revises is not None:
-        _require_made(state.database, resource, query.revises)
-    new = NewJob(
-        id=new_id(),
-        kind=kind.name,
-        name=name,
-        request=body,
-        request_sha256=hashlib.sha256(body).hexdigest(),
-        deadline_s=min(kind.bounds.deadline_s, state.settings.job_deadline_s),
-        options={} if query.revises is None else {"revises": query.revises},
-        key_id=key_id,
-        idempotency=None if key is None else _digest(key_id or "", kind.name, key),
-    )
-    job = dispatcher.submit(new)
-    if (job.request_sha256, job.options) != (new.request_sha256, new.options):
-        raise KeyReused(
-            "this Idempotency-Key came with another request before; send a new key with a new "
-            "request",
-            field="header.Idempotency-Key",
-        )
-    return job
-
-
-def _digest(*parts: str) -> str:
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+        _require_made(request.app.state.database, resource, query.revises)
+    options = {} if query.revises is None else {"revises": query.revises}
+    return accepted(request, resource.kind, name, body, key, options)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
@@ -228,7 +193,7 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         "/{plan_id}",
         summary="A plan, or where the work on it stands",
         response_model=resource.response | JobResponse,
-        responses={304: _UNCHANGED, 404: _NO_SUCH},
+        responses={304: _UNCHANGED, 404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
     )
     async def get_plan(request: Request, plan_id: PlanId) -> Response:
@@ -246,46 +211,12 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
                 return _unchanged(tag)
         return Response(answer, HTTPStatus.OK, _REVALIDATE | {"ETag": tag}, JSON)
 
-    @router.delete(
-        "/{plan_id}",
-        summary="Cancel a plan, or delete one that is finished",
-        response_model=JobResponse,
-        responses={
-            200: {"description": "What waited or ran has ended; `state` tells how"},
-            202: {"model": JobResponse, "description": "It will end soon, elsewhere"},
-            204: {"description": "Deleted; nothing but the audit trail remembers it"},
-            404: _NO_SUCH,
-        },
-        dependencies=[Depends(accepts_json)],
-    )
-    async def delete_plan(request: Request, plan_id: PlanId) -> Response:
-        """A solve that runs is killed; its processor is free within a second."""
-        found = await find(request, resource, plan_id)
-        key_id = getattr(request.state, "key_id", None)
-        if not found.job.is_open:
-            await anyio.to_thread.run_sync(_remove, request, found.job, key_id)
-            return Response(status_code=HTTPStatus.NO_CONTENT)
-        dispatcher: Dispatcher = request.app.state.dispatcher
-        await anyio.to_thread.run_sync(dispatcher.cancel, plan_id, key_id)
-        await wait_for_end(request, plan_id, CANCEL_WAIT_S)
-        job = (await find(request, resource, plan_id)).job
-        status = HTTPStatus.ACCEPTED if job.is_open else HTTPStatus.OK
-        return Response(job_json(job), status, media_type=JSON)
-
 
 _UNCHANGED = {"description": "If-None-Match names what the plan still is"}
-_NO_SUCH = {"description": "There is no such plan"}
 
 
 def _unchanged(tag: str) -> Response:
     return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=_REVALIDATE | {"ETag": tag})
-
-
-def _remove(request: Request, job: Job, key_id: str | None) -> None:
-    database: Database = request.app.state.database
-    with database.writing() as connection:
-        if jobs.remove(connection, job.id):
-            audit.record(connection, key_id=key_id, action=f"{job.kind}.delete", subject=job.id)
 
 
 def _add_table(router: APIRouter, resource: PlanResource) -> None:
@@ -315,39 +246,8 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
                 "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
             },
             304: _UNCHANGED,
-            404: _NO_SUCH,
+            404: no_such(resource),
             409: {"description": "There is no table, or not yet"},
             422: {"description": "A table the judge rejects is in the whole plan only"},
         },
     )(get_table)
-
-
-def _add_events(router: APIRouter, resource: PlanResource) -> None:
-    @router.get(
-        "/{plan_id}/events",
-        summary="What happens to a plan, as it happens",
-        response_class=StreamingResponse,
-        responses={
-            200: {
-                "description": "Server-sent events `state` and `progress`, until the plan is made",
-                "content": {EVENT_STREAM: {"example": EVENT_EXAMPLE}},
-            },
-            204: {"description": "Nothing comes after Last-Event-ID: don't reconnect"},
-            404: _NO_SUCH,
-        },
-    )
-    async def get_events(
-        request: Request, plan_id: PlanId, seq: Annotated[int, Depends(last_event_id)]
-    ) -> Response:
-        """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done` and `of`."""
-        preferred(request, (EVENT_STREAM,))
-        found = await find(request, resource, plan_id)
-        if not found.job.is_open and seq >= await anyio.to_thread.run_sync(
-            last_seq, request.app.state.database, plan_id
-        ):
-            return Response(status_code=HTTPStatus.NO_CONTENT)
-        return StreamingResponse(
-            told(request, plan_id, seq),
-            media_type=EVENT_STREAM,
-            headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
-        )

@@ -9,12 +9,14 @@ from typing import Any
 
 from sqlalchemy import Connection
 
+from app.api.campaign_work import Chosen, choose
 from app.api.plan_work import planned
 from app.api.spacecraft_work import session_planned
 from app.jobs.disposable import Bounds
+from app.jobs.parts import add_part
 from app.jobs.planned import Planned
 from app.jobs.states import JobState
-from app.store import plans
+from app.store import campaigns, plans
 from app.store.jobs import Job
 
 
@@ -24,7 +26,7 @@ class JobKind:
 
     work: in a child, from the request's bytes; what it returns and raises goes through pickle.
     store: puts that into the database, in the transaction that finishes the job, whose row it
-    holds; returns the state the job then has.
+    holds; returns the state the job then has: `running` while it waits for parts.
     iterations: of a solver, counted in the metrics.
     """
 
@@ -61,4 +63,22 @@ SPACECRAFT_PLAN = JobKind(
     store=_store_plan,
 )
 
-JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN)}
+
+def _store_campaign(connection: Connection, job: Job, made: Chosen) -> JobState:
+    if job.cancel_requested:
+        return "cancelled"
+    campaigns.store(connection, job.id, made.document)
+    for part in made.parts:
+        add_part(connection, job, part, min(PLAN.bounds.deadline_s, job.deadline_s))
+    return "running" if made.parts else "done"
+
+
+CAMPAIGN = JobKind(
+    name="campaign",
+    # 1,000 targets over 7 days, the most one request may ask for, took 48 s of a core, 1.5 GB.
+    bounds=Bounds(deadline_s=600.0, memory_mib=4000),
+    work=choose,
+    store=_store_campaign,
+)
+
+JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN)}

@@ -9,6 +9,7 @@ from sqlalchemy import Connection
 from app.errors import bug, problem_of
 from app.jobs.disposable import ChildFailed, Stopped
 from app.jobs.kinds import JobKind
+from app.jobs.parts import replace_refused
 from app.jobs.refusals import Interrupted
 from app.jobs.states import JobState
 from app.observability.logs import log
@@ -24,7 +25,10 @@ def settle(
     error = done.exception()
     if error is None:
         state = kind.store(connection, job, done.result())
-        jobs.finish(connection, job, state)
+        if state == "running":
+            jobs.wait_for_parts(connection, job)
+        else:
+            jobs.finish(connection, job, state)
         return state
     if isinstance(error, Stopped):
         return _stopped(connection, job)
@@ -32,6 +36,8 @@ def settle(
     if problem is None:
         return take_up_again(connection, job, attempts_max)
     state = "refused" if problem["status"] < 500 else "failed"
+    if state == "refused" and job.parent_id is not None and not job.cancel_requested:
+        replace_refused(connection, job, problem)
     jobs.finish(connection, job, state, problem)
     return state
 

@@ -11,7 +11,20 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, delete, func, insert, select, update
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    delete,
+    exists,
+    func,
+    insert,
+    not_,
+    or_,
+    select,
+    update,
+)
+from sqlalchemy.orm import aliased
 
 from app.jobs.states import OPEN_STATES, JobState
 from app.store import events
@@ -38,7 +51,10 @@ class NewJob:
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """A job as it stands, without its request."""
+    """A job as it stands, without its request.
+
+    cancel_requested: of itself, or of the job it is a part of.
+    """
 
     id: str
     kind: str
@@ -71,7 +87,15 @@ class Claimed:
     token: str
 
 
-_COLUMNS = tuple(getattr(JobRow, name) for name in Job.__dataclass_fields__)
+_WHOLE = aliased(JobRow)
+_UNWANTED: ColumnElement[bool] = or_(
+    JobRow.cancel_requested,
+    exists().where(_WHOLE.id == JobRow.parent_id, _WHOLE.cancel_requested),
+)
+_COLUMNS = tuple(
+    _UNWANTED.label(name) if name == "cancel_requested" else getattr(JobRow, name)
+    for name in Job.__dataclass_fields__
+)
 
 
 def accept(connection: Connection, new: NewJob, lease_s: float | None = None) -> str | None:
@@ -230,9 +254,7 @@ def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> f
 def unwanted(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
     """Leases that are no longer ours, or on jobs that somebody wants to end."""
     wanted = connection.scalars(
-        select(JobRow.lease_token).where(
-            JobRow.lease_token.in_(tokens), JobRow.cancel_requested.is_(False)
-        )
+        select(JobRow.lease_token).where(JobRow.lease_token.in_(tokens), not_(_UNWANTED))
     )
     return frozenset(tokens) - frozenset(wanted)
 
@@ -257,6 +279,40 @@ def finish(
         finished_utc=datetime.now(UTC),
         problem=None if problem is None else dict(problem),
     )
+    if job.parent_id is not None:
+        _part_ended(connection, job.parent_id)
+
+
+def wait_for_parts(connection: Connection, job: Job) -> None:
+    """Nobody works on a locked job any more; the last of its parts to finish finishes it."""
+    _change(connection, job, "running", {"state": "running", "waits_for": "parts"})
+
+
+def parts_of(connection: Connection, job_id: str) -> list[Job]:
+    """Jobs that are parts of this one, the oldest first."""
+    found = connection.execute(
+        select(*_COLUMNS).where(JobRow.parent_id == job_id).order_by(JobRow.id)
+    )
+    return [_job(row) for row in found]
+
+
+def _part_ended(connection: Connection, whole_id: str) -> None:
+    # Locked before its parts are counted: of two that end together one sees the other.
+    row = connection.execute(
+        select(*_COLUMNS).where(JobRow.id == whole_id).with_for_update(of=JobRow)
+    ).one()
+    whole = _job(row)
+    grouped = connection.execute(
+        select(JobRow.state.in_(OPEN_STATES), func.count())
+        .where(JobRow.parent_id == whole_id)
+        .group_by(JobRow.state.in_(OPEN_STATES))
+    )
+    counted = {bool(is_open): count for is_open, count in grouped}
+    done, left = counted.get(False, 0), counted.get(True, 0)
+    told = {"stage": "plans", "done": done, "of": done + left}
+    events.record(connection, whole_id, events.PROGRESS, told)
+    if not left:
+        finish(connection, whole, "cancelled" if whole.cancel_requested else "done")
 
 
 def give_back(connection: Connection, job: Job, *, counted: bool) -> None:

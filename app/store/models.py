@@ -116,3 +116,15 @@ class EventRow(Base):
     at_utc: Mapped[datetime] = mapped_column(UtcDateTime)
     kind: Mapped[str] = mapped_column(String(32))
     data: Mapped[dict[str, Any]] = mapped_column(JSON)
+
+
+class CampaignRow(Base):
+    """What a campaign's job chose; its passes are jobs with it for a parent.
+
+    document: the choice as a whole, JSON, zlib.
+    """
+
+    __tablename__ = "campaigns"
+
+    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    document: Mapped[bytes] = mapped_column(LargeBinary)

@@ -41,7 +41,7 @@ def best_together(
     shape = (passes + len(most_looks), len(proposals))
     solved = milp(
         np.array([-one.worth_value for one in proposals]),
-        integrality=np.ones(len(proposals)),
+        integrality=np.ones(len(proposals), np.intp),
         bounds=Bounds(0.0, 1.0),
         constraints=LinearConstraint(
             csr_array((np.ones(len(row)), (row, place)), shape=shape),

@@ -1,0 +1,160 @@
+"""How are campaigns asked for, followed and ended over HTTP?"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Annotated, TypeVar
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+from sqlalchemy import Connection
+
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
+from app.api.campaign_request import read_campaign_request
+from app.api.campaign_response import (
+    DRY_RUN,
+    CampaignDryRun,
+    CampaignList,
+    CampaignResponse,
+    campaign_json,
+    campaign_list_json,
+)
+from app.api.job_routes import PREFER, accepted, add_delete, add_events, find_job, no_such
+from app.api.negotiation import JSON, accepts_json, json_body
+from app.api.plan_queries import ListQuery, PlanId, idempotency_key
+from app.api.waiting import patience, wait_for_end
+from app.errors import problem_answer
+from app.jobs.kinds import CAMPAIGN, JobKind
+from app.openapi import request_body
+from app.store import campaigns, jobs
+from app.store.database import Database
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _Campaigns:
+    """The resource."""
+
+    kind: JobKind = CAMPAIGN
+    path: str = "/v1/campaigns"
+    singular: str = "campaign"
+
+
+RESOURCE = _Campaigns()
+router = APIRouter(tags=["campaigns"], prefix=RESOURCE.path)
+
+
+class CampaignPost(BaseModel):
+    """Parameters of the POST; a misspelled one is refused."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+
+
+@router.post(
+    "",
+    summary="Many targets over days: choose, order and plan the sessions",
+    status_code=HTTPStatus.ACCEPTED,
+    response_model=CampaignResponse,
+    responses={
+        200: {"model": CampaignDryRun, "description": "`dry_run`: the request is sound"},
+        201: {"model": CampaignResponse, "description": "All passes are planned already"},
+        202: {
+            "description": "Accepted; GET Location tells how far it is, and each pass's plan",
+            "headers": {"Location": {"schema": {"type": "string"}}},
+        },
+    },
+    openapi_extra=request_body("CampaignQuery", CAMPAIGN_EXAMPLES),
+    dependencies=[Depends(accepts_json)],
+)
+async def post_campaign(
+    request: Request,
+    body: Annotated[bytes, Depends(json_body)],
+    query: Annotated[CampaignPost, Query()],
+    key: Annotated[str | None, Depends(idempotency_key)],
+    prefer: Annotated[str | None, Header(description=PREFER)] = None,
+) -> Response:
+    """Opportunities of all targets, the looks worth most together, and a verified plan per pass.
+
+    Answered at once with 202 unless `Prefer: wait` asks to wait.
+    """
+    asked = await anyio.to_thread.run_sync(read_campaign_request, body)
+    if query.dry_run:
+        sound = CampaignDryRun(valid=True, name=asked.name, targets=len(asked.targets))
+        return Response(DRY_RUN.dump_json(sound), media_type=JSON)
+    job = await anyio.to_thread.run_sync(accepted, request, CAMPAIGN, asked.name, body, key, {})
+    waits = patience(prefer)
+    if waits.applied is not None:
+        await wait_for_end(request, job.id, waits.wait_s)
+    job = await find_job(request, RESOURCE, job.id)
+    headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer"}
+    if waits.applied is not None:
+        headers["Preference-Applied"] = waits.applied
+    if job.problem is not None:
+        return problem_answer(request, job.problem, headers)
+    status = HTTPStatus.CREATED if job.state == "done" else HTTPStatus.ACCEPTED
+    return Response(await _told(request, job.id), status, headers, JSON)
+
+
+@router.get(
+    "",
+    summary="Which campaigns are there?",
+    response_model=CampaignList,
+    dependencies=[Depends(accepts_json)],
+)
+async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
+    """The latest first."""
+    found = await _read(
+        request,
+        lambda connection: jobs.latest(
+            connection,
+            CAMPAIGN.name,
+            query.limit + 1,
+            before=query.cursor,
+            state=query.state,
+            name=query.name,
+        ),
+    )
+    return Response(campaign_list_json(found, query.limit), media_type=JSON)
+
+
+@router.get(
+    "/{plan_id}",
+    summary="A campaign as far as it is",
+    response_model=CampaignResponse,
+    responses={404: no_such(RESOURCE)},
+    dependencies=[Depends(accepts_json)],
+)
+async def get_campaign(request: Request, plan_id: PlanId) -> Response:
+    """What was chosen and how far from the best that can be; each pass with its plan's state."""
+    job = await find_job(request, RESOURCE, plan_id)
+    return Response(
+        await _told(request, job.id), media_type=JSON, headers={"Cache-Control": "no-cache"}
+    )
+
+
+add_delete(router, RESOURCE)
+add_events(router, RESOURCE)
+
+
+async def _told(request: Request, job_id: str) -> bytes:
+    def told(connection: Connection) -> bytes:
+        job = jobs.get(connection, job_id)
+        assert job is not None
+        choice = campaigns.choice_of(connection, job_id)
+        return campaign_json(job, choice, jobs.parts_of(connection, job_id))
+
+    return await _read(request, told)
+
+
+async def _read(request: Request, read: Callable[[Connection], T]) -> T:
+    database: Database = request.app.state.database
+
+    def reading() -> T:
+        with database.reading() as connection:
+            return read(connection)
+
+    return await anyio.to_thread.run_sync(reading)

@@ -1,0 +1,167 @@
+"""Does a campaign end with its last pass, once, whatever becomes of the passes?"""
+
+import hashlib
+import json
+import zlib
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import pytest
+from databases import fresh_database
+from job_cases import made
+
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
+from app.api.campaign_response import campaign_json
+from app.api.campaign_work import choose, without_refused
+from app.api.plan_work import planned
+from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
+from app.jobs.settling import settle
+from app.store import campaigns, events, jobs
+from app.store.ids import new_id
+from app.store.jobs import NewJob
+from planner.errors import Unreachable
+
+BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
+
+
+@pytest.fixture(scope="module")
+def chosen():
+    return choose(BODY)
+
+
+@pytest.fixture
+def database(tmp_path):
+    with fresh_database(tmp_path) as database:
+        yield database
+
+
+@pytest.fixture
+def campaign_id(database, chosen):
+    """A campaign whose passes wait to be planned."""
+    digest = hashlib.sha256(BODY).hexdigest()
+    new = NewJob(
+        id=new_id(),
+        kind="campaign",
+        name="Cities",
+        request=BODY,
+        request_sha256=digest,
+        deadline_s=60.0,
+    )
+    with database.writing() as connection:
+        token = jobs.accept(connection, new, 60.0)
+    ended_with(database, CAMPAIGN, token, chosen)
+    return new.id
+
+
+def ended_with(database, kind, token, result):
+    """As the dispatcher stores it."""
+    done = Future()
+    done.set_exception(result) if isinstance(result, Exception) else done.set_result(result)
+    with database.writing() as connection:
+        return settle(connection, jobs.owned(connection, token), kind, done, 3)
+
+
+def claimed(database):
+    with database.writing() as connection:
+        return jobs.claim(connection, tuple(JOB_KINDS), 60.0)
+
+
+def told(database, campaign_id):
+    with database.reading() as connection:
+        job = jobs.get(connection, campaign_id)
+        parts = jobs.parts_of(connection, campaign_id)
+        return json.loads(campaign_json(job, campaigns.choice_of(connection, campaign_id), parts))
+
+
+def test_passes_that_were_chosen_can_be_flown_as_they_are(chosen):
+    for part in chosen.parts:
+        plan = planned(part.request)
+        assert plan.state == "done"
+        answer = json.loads(zlib.decompress(plan.document))
+        assert not [told for told in answer["warnings"] if "than asked" in told]  # none cut short
+    looks = [look["target"] for part in chosen.parts for look in part.told["looks"]]
+    assert len(looks) == len(set(looks)) == 5
+
+
+def test_campaign_ends_with_its_last_pass(database, campaign_id, chosen):
+    seen = []
+    while (part := claimed(database)) is not None:
+        assert told(database, campaign_id)["state"] == "running"
+        ended_with(database, PLAN, part.token, made())
+        seen.append(part.job.id)
+    answer = told(database, campaign_id)
+    assert answer["state"] == "done"
+    assert answer["planned"]["done"] == len(seen) == len(chosen.parts) > 1
+    assert answer["planned"]["value"] == pytest.approx(answer["choice"]["value"])
+    with database.reading() as connection:
+        states = [e.data for e in events.after(connection, campaign_id, 0) if e.kind == "state"]
+    assert [state["state"] for state in states] == ["queued", "running", "running", "done"]
+
+
+def test_passes_that_end_together_end_the_campaign_once(database, campaign_id, chosen):
+    parts = [claimed(database) for _ in chosen.parts]
+    with ThreadPoolExecutor(len(parts)) as threads:
+        list(threads.map(lambda part: ended_with(database, PLAN, part.token, made()), parts))
+    assert told(database, campaign_id)["state"] == "done"
+
+
+def test_refused_pass_is_planned_again_without_the_look_at_fault(database, campaign_id):
+    refusal = Unreachable("alpha's stop", field="sessions.1.start")
+    replaced = 0
+    while (part := claimed(database)) is not None:
+        looks = part.job.options["campaign"]["looks"]
+        if len(looks) > 3:
+            assert ended_with(database, PLAN, part.token, refusal) == "refused"
+            lost, replaced = looks[1]["target"], replaced + 1
+        else:
+            ended_with(database, PLAN, part.token, made())
+    answer = told(database, campaign_id)
+    assert (answer["state"], replaced) == ("done", 1)
+    left_out = [one for part in answer["passes"] for one in part["left_out"]]
+    assert left_out == [{"target": lost, "because": "alpha's stop"}]
+    assert lost not in {look["target"] for part in answer["passes"] for look in part["looks"]}
+
+
+def test_least_worth_goes_when_no_look_is_named(chosen):
+    part = max(chosen.parts, key=lambda one: len(one.told["looks"]))
+    least = min(part.told["looks"], key=lambda look: look["value"])
+    rest = len(part.told["looks"])
+    for field in (None, f"sessions.{rest}.start"):
+        repaired = without_refused(part, field, "why")
+        assert repaired.told["left_out"] == [{"target": least["target"], "because": "why"}]
+        assert len(json.loads(repaired.request)["sessions"]) == rest  # and the one at rest
+
+
+def test_single_look_that_is_refused_stays_so(database, campaign_id):
+    while (part := claimed(database)) is not None:
+        ended_with(database, PLAN, part.token, Unreachable("never"))
+    answer = told(database, campaign_id)
+    assert answer["state"] == "done"
+    assert answer["planned"]["refused"] == len(answer["passes"])
+    assert answer["planned"]["value"] == 0.0
+
+
+def test_cancelled_campaign_takes_its_passes_along(database, campaign_id):
+    running = claimed(database)
+    with database.writing() as connection:
+        jobs.cancel(connection, campaign_id)
+        assert jobs.unwanted(connection, [running.token]) == {running.token}
+    ended_with(database, PLAN, running.token, made())  # it was done before it could be stopped
+    while (part := claimed(database)) is not None:
+        assert part.job.cancel_requested
+        with database.writing() as connection:
+            jobs.finish(connection, jobs.owned(connection, part.token), "cancelled")
+    answer = told(database, campaign_id)
+    assert answer["state"] == "cancelled"
+    assert answer["planned"]["done"] == 1
+    assert answer["planned"]["open"] == 0
+
+
+def test_campaign_cancelled_while_choosing_plans_nothing(database, chosen):
+    new = NewJob(
+        id=new_id(), kind="campaign", name="", request=BODY, request_sha256="", deadline_s=60.0
+    )
+    with database.writing() as connection:
+        token = jobs.accept(connection, new, 60.0)
+        jobs.cancel(connection, new.id)
+    assert ended_with(database, CAMPAIGN, token, chosen) == "cancelled"
+    assert claimed(database) is None
