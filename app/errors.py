@@ -139,8 +139,15 @@ def http_error(request: Request, error: Exception) -> Response:
     return problem_answer(
         request,
         {"type": "about:blank", "title": status.phrase, "status": status.value, "detail": detail},
-        error.headers,
+        _allowed(request) if status == HTTPStatus.METHOD_NOT_ALLOWED else error.headers,
     )
+
+
+def _allowed(request: Request) -> dict[str, str]:
+    """All methods of the address; Starlette names those of its first route only."""
+    path = getattr(request.scope.get("route"), "path", "")
+    methods = request.app.openapi()["paths"].get(path, {"get": {}})  # else one of our pages
+    return {"Allow": ", ".join(sorted(method.upper() for method in methods))}
 
 
 _WAY_OUT = {
