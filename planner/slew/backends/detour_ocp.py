@@ -17,14 +17,14 @@ from planner.slew.backends.spline_ocp import IPOPT, PosedAxis, SplineOcp
 from planner.slew.solution import AxisProfile
 
 Array = NDArray[np.float64]
-COARSE_POINTS, FINE_POINTS = 60, 240
+COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
 OPTIONS = {
     name: value
     for name, value in IPOPT.items()
     if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
 } | {"tol": 1e-6, "max_iter": 120}  # the margin beside a cone is a thousand times that
-NEAR: dict[str, str | float | int] = {"mu_init": 1e-3, "max_iter": 60}
+NEAR: dict[str, str | float | int] = {"mu_init": 1e-4, "max_iter": 60}
 
 
 class DetourOcp:
