@@ -35,7 +35,7 @@ KINDS = [
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app()) as client:
+    with TestClient(create_app(), headers={"Prefer": "wait=60"}) as client:
         yield client
 
 

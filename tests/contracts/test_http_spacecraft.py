@@ -20,7 +20,9 @@ STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app(), raise_server_exceptions=False) as client:
+    app = create_app()
+    patience = {"Prefer": "wait=60"}
+    with TestClient(app, raise_server_exceptions=False, headers=patience) as client:
         yield client
 
 
