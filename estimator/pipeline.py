@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
+from estimator.explain import explained
 from estimator.images import Pixels, blue_is_sharp, prepare
 from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
@@ -96,7 +97,8 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
         c_predicted=c_predicted,
     )
     views = [look(frame, camera) for frame, camera in zip(frames, request.cameras, strict=True)]
-    return _answer(find_horizon(views, search), request, around, c_predicted)
+    horizon = explained(find_horizon(views, search), views, search)
+    return _answer(horizon, request, around, c_predicted)
 
 
 def _answer(

@@ -66,7 +66,6 @@ def predict_horizon(
     if daylight and len(azimuth):
         lit = well_lit(limb, direction, prior.height_m, around.sun_itrf)
     sun_body = c_body_from_itrf @ around.sun_itrf
-    sun_in_frame = bool(camera.sees(camera.pixels(sun_body[None]))[0]) and not _hidden(around)
     lit_arc_rad = step_rad * float(np.sum(lit))
     reason = darkness(limb, around.sun_itrf) if daylight else None
     if len(azimuth) == 0:
@@ -87,10 +86,16 @@ def predict_horizon(
         arc_rad=step_rad * len(azimuth),
         lit_arc_rad=lit_arc_rad,
         sun_angle_rad=float(np.arccos(np.clip(sun_body @ camera.boresight_body, -1.0, 1.0))),
-        sun_in_frame=sun_in_frame,
+        sun_in_frame=sun_in_frame(camera, around, c_body_from_itrf),
         limb_px=pixel,
         sigma_rad=sigma_rad,
     )
+
+
+def sun_in_frame(camera: HorizonCamera, around: Surroundings, c_body_from_itrf: Floats) -> bool:
+    """Whether the Sun's middle shines into the frame, not hidden by the Earth."""
+    pixel = camera.pixels((c_body_from_itrf @ around.sun_itrf)[None])
+    return bool(camera.sees(pixel)[0]) and not _hidden(around)
 
 
 def _hidden(around: Surroundings) -> bool:

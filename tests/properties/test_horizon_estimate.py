@@ -170,7 +170,22 @@ def test_images_without_a_horizon_are_refused(kind):
     image, request = negative(kind, np.random.default_rng(3030))
     answer = estimate_vertical([image], request)
     assert answer.verdict is Verdict.NOT_OBSERVABLE
-    assert answer.reason is not None
+    plain = {"black": Reason.ALL_BLACK, "white": Reason.SATURATED, "airglow": Reason.GLOWING_LAYER}
+    plain |= dict.fromkeys(("ground", "cloud deck"), Reason.NO_SKY)
+    assert answer.reason is plain.get(kind, answer.reason) is not None
+
+
+def test_the_sun_in_the_frame_is_blamed(pair):
+    around = Surroundings(pair.request.epoch, pair.request.position, pair.request.body)
+    sun_eci = around.c_itrf_from_eci.T @ around.sun_itrf
+    camera = pair.request.cameras[0]
+    q = Rotation.align_vectors([camera.boresight_body], [sun_eci])[0]
+    told = PredictedAttitude(q_body_from_eci_xyzw=tuple(q.as_quat().tolist()), sigma_deg=1.0)
+    y, x = np.mgrid[0:480, 0:640]
+    veil = 255.0 * np.exp(-np.hypot(x - 320.0, y - 240.0) / 150.0)
+    request = replace(pair.request, cameras=(camera,), predicted=told)
+    answer = estimate_vertical([veil.astype(np.uint8)], request)
+    assert answer.reason is Reason.SUN_IN_FRAME
 
 
 def test_low_sun_is_right_or_refused():
