@@ -161,6 +161,37 @@ def windows(
 
 
 @main.command()
+def campaign(
+    file: RequestFile,
+    plans: Annotated[
+        Path | None, typer.Option(help="Write each pass's plan and its request into this folder.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write one line per look here.")] = None,
+    json: Annotated[
+        Path | None, typer.Option(help="Write what was chosen, and how good it is, here.")
+    ] = None,
+) -> None:
+    """Choose, order and plan sessions for many targets over days."""
+    with one_line_for_what_goes_wrong():
+        asked = _read(file)
+
+        import zlib
+        from json import loads
+
+        from app.campaign_command import campaign_csv, print_campaign, run_campaign, write_plans
+
+        chosen, flown = run_campaign(asked.body)
+        told = zlib.decompress(chosen.document)
+        print_campaign(loads(told), flown)
+        if plans:
+            write_plans(plans, flown)
+        if csv:
+            _write(csv, campaign_csv(flown).encode())
+        if json:
+            _write(json, told)
+
+
+@main.command()
 def horizon(
     request: Annotated[
         Path, typer.Argument(help="The request for an estimate, a list of them, or a session.")
@@ -248,6 +279,21 @@ def serve(
         from app.settings import Settings
 
         serve_on(host, port, Settings())
+
+
+@main.command()
+def worker(
+    scheduler: Annotated[str, typer.Option(help="The Dask scheduler: tcp://HOST:PORT or tls://.")],
+    solves: Annotated[
+        int | None, typer.Option(min=1, help="Solves at a time; default: the processors.")
+    ] = None,
+) -> None:
+    """Solve for services that are set to the same Dask scheduler."""
+    with one_line_for_what_goes_wrong():
+        from app.jobs.dask_worker import work_for
+        from app.settings import Settings
+
+        work_for(scheduler, solves or Settings().workers)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,11 @@ class Settings(BaseSettings):
         gt=0,
         description="Solves at a time, each in a process of its own; default: the processors",
     )
+    dask_scheduler: str = Field(
+        default="",
+        description="tcp://HOST:PORT or tls://HOST:PORT of a Dask scheduler: then `workers` solves "
+        "at a time run on its workers, not here",
+    )
     queue_max: int = Field(
         default=1000, ge=0, description="Most plans that wait to be worked on; 503 beyond"
     )

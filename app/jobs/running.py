@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from app.jobs.dispatcher import Dispatcher, Rules
 from app.jobs.disposable import spare_children
-from app.jobs.executors import LocalExecutor
+from app.jobs.executors import LocalExecutor, SolveExecutor
 from app.jobs.states import JobState
 from app.observability.metrics import Metrics
 from app.settings import Settings
@@ -34,9 +34,17 @@ def dispatching(settings: Settings, database: Database, metrics: Metrics) -> Ite
         retention_days=settings.retention_days,
     )
     with spare_children(settings.workers):
-        dispatcher = Dispatcher(database, LocalExecutor(settings.workers), rules, on_end)
+        dispatcher = Dispatcher(database, _executor(settings), rules, on_end)
         dispatcher.start()
         try:
             yield dispatcher
         finally:
             dispatcher.close()
+
+
+def _executor(settings: Settings) -> SolveExecutor:
+    if not settings.dask_scheduler:
+        return LocalExecutor(settings.workers)
+    from app.jobs.dask_executor import DaskExecutor  # half a second that others needn't wait
+
+    return DaskExecutor(settings.dask_scheduler, settings.workers)

@@ -1,0 +1,115 @@
+"""How is work done on other machines?  By workers of a dask.distributed scheduler.
+
+Imported only where SLEWTRACK_DASK_SCHEDULER is set.  What Dask loses, a worker, its scheduler
+or the connection, is begun again; a result counts once, for the lease it was made under.
+"""
+
+import secrets
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from typing import Any
+
+from distributed import Client
+from distributed import Future as DaskFuture
+from distributed.comm.core import CommClosedError
+
+from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
+from app.jobs.disposable import Stop, Stopped
+from app.jobs.executors import Task
+from app.jobs.progress import Progress
+from app.observability.logs import log
+
+_CONNECT_S = 5.0
+_PAUSE_S = 1.0
+_STOP_TRIES = 3
+_LOST = (CancelledError, CommClosedError, TimeoutError, OSError)
+
+OnProgress = Callable[[Progress], None]
+
+
+class DaskExecutor:
+    """Hands `workers` tasks at a time to the cluster, a thread waiting for each."""
+
+    def __init__(self, scheduler: str, workers: int) -> None:
+        self.workers = workers
+        self._scheduler = scheduler
+        self._threads = ThreadPoolExecutor(workers, thread_name_prefix="cluster")
+        self._lock = threading.Lock()
+        self._client: Client | None = None
+        self._listeners: dict[str, OnProgress] = {}
+
+    def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
+        """As a SolveExecutor does; without a scheduler it waits for one."""
+        return self._threads.submit(self._run, task, stop, on_progress)
+
+    def close(self) -> None:
+        """As a SolveExecutor does."""
+        self._threads.shutdown()
+        if self._client is not None:
+            self._client.close()
+
+    def _run(self, task: Task, stop: Stop, on_progress: OnProgress) -> Any:  # noqa: ANN401 (the work's)
+        key = f"slewtrack-{task.job_id}-{secrets.token_hex(4)}"
+        self._listeners[key] = on_progress
+        wake = threading.Event()
+        try:
+            with stop.ending_by(wake.set):
+                while not stop.requested:
+                    try:
+                        return self._done(key, task, stop, wake)
+                    except _LOST as error:
+                        log.warning("the cluster was lost", job=task.job_id, error=repr(error))
+                        wake.clear()
+                        wake.wait(_PAUSE_S)
+                raise Stopped
+        finally:
+            del self._listeners[key]
+
+    def _done(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401
+        client = self._connected()
+        future = client.submit(run_here, key, task, key=key, resources={SLOT: 1}, pure=False)
+        future.add_done_callback(lambda _: wake.set())
+        wake.wait()
+        if stop.requested:
+            self._stop(client, future, key)
+            raise Stopped
+        wake.clear()
+        succeeded, value = future.result()
+        if not succeeded:
+            raise value
+        return value
+
+    def _stop(self, client: Client, future: DaskFuture[Any], key: str) -> None:
+        """A task that waits is forgotten; the child of one that runs is killed."""
+        try:
+            future.cancel()
+            for _ in range(_STOP_TRIES):  # it may just be beginning
+                if any(client.run(stop_here, key, on_error="ignore").values()):
+                    return
+                time.sleep(0.1)
+        except _LOST as error:
+            log.warning("the cluster was lost", error=repr(error))
+
+    def _connected(self) -> Client:
+        """A client of the scheduler, a new one where the last has lost it; raises TimeoutError."""
+        with self._lock:
+            if self._client is None or self._client.status != "running":
+                self._client = Client(
+                    self._scheduler, timeout=_CONNECT_S, set_as_default=False, name="slewtrack"
+                )
+                self._client.subscribe_topic(PROGRESS_TOPIC, self._tell)
+                self._warn_without_workers(self._client)
+            return self._client
+
+    def _warn_without_workers(self, client: Client) -> None:
+        workers = client.scheduler_info(n_workers=-1)["workers"].values()
+        if not any(SLOT in worker["resources"] for worker in workers):
+            log.warning("no worker of this version is connected; work waits for one", slot=SLOT)
+
+    def _tell(self, event: tuple[float, dict[str, Any]]) -> None:
+        _, told = event
+        listener = self._listeners.get(told["key"])
+        if listener is not None:
+            listener(Progress(**told["progress"]))

@@ -1,0 +1,102 @@
+"""What does a machine of the cluster do with a task?  The same as the service: a child each."""
+
+import asyncio
+import signal
+from dataclasses import asdict
+from typing import Any
+
+from distributed import Worker, get_worker
+
+from app.jobs.disposable import (
+    ChildDied,
+    ChildFailed,
+    Stop,
+    Stopped,
+    run_disposable,
+    spare_children,
+    start_server,
+)
+from app.jobs.executors import Task
+from app.jobs.progress import Progress
+from app.observability.logs import log
+from app.versions import VERSION
+from planner.errors import Refusal
+
+PROGRESS_TOPIC = "slewtrack-progress"
+# A worker of another version never gets a task: its plans would say the wrong version.
+SLOT = f"slewtrack-{VERSION}"
+
+_PAUSE_S = 1.0
+
+Outcome = tuple[bool, Any]
+_stops: dict[str, Stop] = {}
+
+
+def run_here(key: str, task: Task) -> Outcome:
+    """(True, result), or (False, what the work raised), which Dask needn't know about."""
+    worker = get_worker()
+
+    def tell(progress: Progress) -> None:
+        worker.log_event(PROGRESS_TOPIC, {"key": key, "progress": asdict(progress)})
+
+    try:
+        result = run_disposable(
+            task.bounds,
+            task.work,
+            task.request,
+            stop=_stops.setdefault(key, Stop()),
+            on_progress=tell,
+        )
+    except (Refusal, Stopped, ChildFailed, ChildDied) as error:
+        return False, error
+    finally:
+        _stops.pop(key, None)
+    return True, result
+
+
+def stop_here(key: str) -> bool:
+    """End the task if it runs on this worker, and say so; called on all of them."""
+    stop = _stops.get(key)
+    if stop is None:
+        return False
+    stop.request()
+    return True
+
+
+def work_for(scheduler: str, solves: int) -> None:
+    """Do tasks of the scheduler at this address, so many at a time, until told to end."""
+    import app.jobs.kinds  # noqa: F401 (what tasks refer to: seconds in which it wouldn't answer)
+
+    start_server()
+    with spare_children(solves):
+        asyncio.run(_work_for(scheduler, solves))
+
+
+async def _work_for(scheduler: str, solves: int) -> None:
+    told_to_end = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        loop.add_signal_handler(number, told_to_end.set)
+    while not told_to_end.is_set():
+        try:
+            await _until_lost(scheduler, solves, told_to_end)
+        except (OSError, TimeoutError) as error:
+            log.warning("the scheduler doesn't answer", scheduler=scheduler, error=repr(error))
+            await asyncio.sleep(_PAUSE_S)
+
+
+async def _until_lost(scheduler: str, solves: int, told_to_end: asyncio.Event) -> None:
+    worker = Worker(
+        scheduler,
+        nthreads=solves,
+        resources={SLOT: solves},
+        memory_limit=0,  # each child has its own
+        dashboard=False,
+    )
+    async with worker:
+        log.info("at work", scheduler=scheduler, solves=solves, version=VERSION)
+        lost = asyncio.create_task(worker.finished())
+        ended = asyncio.create_task(told_to_end.wait())
+        await asyncio.wait((lost, ended), return_when=asyncio.FIRST_COMPLETED)
+        lost.cancel()
+        ended.cancel()
