@@ -323,7 +323,8 @@ def angles_to(point: Array, times: Array, session: Session) -> tuple[Array, Arra
 
 
 def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candidate]:
-    """Two looks: where the strip's middle is look_angle_deg ahead, and the same behind."""
+    """Two looks: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
+    behind."""
     arc = _along_flight(_legs(request)[0], session)
     grid = np.arange(0.0, session.duration_s, TICK_S)
     along, _ = _angles(arc, 0.5, grid, session)
@@ -332,6 +333,8 @@ def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candi
         middle = float(grid[np.argmin(np.abs(along - math.radians(angle)))])
         start = round((middle - 0.5 * arc.duration_s) / TICK_S) * TICK_S
         nudged = np.asarray(start + np.arange(-5.0, 6.0) * TICK_S * 2)
+        if part == 1 and request.start is not None:
+            nudged = _start_times(request, session)
         looks = _timed([arc], nudged, number, request, session)
         found += [replace(look, part=part) for look in looks]
     if {c.part for c in found} != {1, 2}:

@@ -41,7 +41,8 @@ from planner.spacecraft.way_out import refusal_with_way_out
 
 Array = NDArray[np.float64]
 EASES_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
-EASED_ROUNDS = 3
+EASED_ROUNDS = 2
+HOPELESS_S = 10.0  # missing: no other moment to image the same will do
 ROUNDS = 12  # choices revised when a turn needs more time than estimated
 
 
@@ -199,7 +200,10 @@ def _chosen(
     if set(first.requests) == {option.request for option in options}:
         for ease_s in EASES_S:
             eased = replace(session, turn_time=session.turn_time.eased(ease_s))
-            found = _flown_eased(request, eased, first)
+            try:
+                found = _flown_eased(request, eased, first)
+            except InfeasibleSlew:  # the turns are as short as they can be already
+                break
             if found is not None:
                 return found
     return _flown(request, session, options)
@@ -211,11 +215,11 @@ def _flown_eased(
     """Everything imaged with the longer turns, or None.  What the choice is measured by stays."""
     try:
         options, _ = _options(request, eased)
-        if _choice(request, eased, options, {}, set()).value < first.value:
-            return None
-        choice, timeline = _flown(request, eased, options, EASED_ROUNDS)
     except (Unreachable, InfeasibleSlew):
         return None
+    if _choice(request, eased, options, {}, set()).value < first.value:
+        return None
+    choice, timeline = _flown(request, eased, options, EASED_ROUNDS)
     if choice.value < first.value:
         return None
     return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
@@ -247,7 +251,7 @@ def _flown(
             )
         except TurnsDoNotFit as why:
             misfits = why.misfits
-            _learn(misfits, extra, barred)
+            _learn(misfits, options, extra, barred)
             continue
         return choice, timeline
     refusal = misfits[0].why
@@ -278,11 +282,20 @@ def _choice(
     return replace(choice, chosen=tuple(open_ones[k] for k in choice.chosen))
 
 
-def _learn(misfits: Sequence[Misfit], extra: dict[tuple[int, int], int], barred: set[int]) -> None:
+def _learn(
+    misfits: Sequence[Misfit],
+    options: Sequence[Candidate],
+    extra: dict[tuple[int, int], int],
+    barred: set[int],
+) -> None:
     """Keep pairs further apart, and bar candidates that don't fit with themselves or the ends."""
     for one in misfits:
         if one.before is None or one.after is None or one.before == one.after:
-            barred.add(next(k for k in (one.after, one.before) if k is not None))
+            culprit = next(k for k in (one.after, one.before) if k is not None)
+            barred.add(culprit)
+            if one.why.missing_s > HOPELESS_S:
+                request = options[culprit].request
+                barred.update(k for k, other in enumerate(options) if other.request == request)
         else:
             extra[one.before, one.after] = max(one.ticks, extra.get((one.before, one.after), 0))
 

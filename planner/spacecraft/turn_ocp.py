@@ -42,6 +42,7 @@ SHAPES: dict[Objective, Shape] = {
     "minimum_time": Shape(degree=3, spans=18, points=2),
 }
 PASSES = 3
+HOPELESS = 1.05  # no pass mends a failure that far out
 OVERCORRECTED = 1.5  # tightened by just the bulge, the next pass bulges again
 END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
 TIGHTENED = 0.997  # limits at the collocation points; between them the loads bulge by up to 0.3 %
@@ -184,7 +185,7 @@ def solve_turn(
         over = turn.loads.share_of(problem.limits)
         if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < END_TOLERANCE:
             return turn
-        if turn.status == "Infeasible_Problem_Detected":
+        if over > HOPELESS and turn.status != "Solve_Succeeded":
             break
         tightened /= 1.0 + OVERCORRECTED * (min(over, 1.1) - 1.0)
     return None

@@ -1,7 +1,7 @@
 """What is a turn?  From one moving attitude to another, within limits of rate, torque, momentum."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -53,6 +53,24 @@ class TurnProblem:
             sigma = relative_mrp(middle, end.attitude)
             result += [sigma, *mrp_rates(sigma, end.omega_body_rad_s, end.alpha_body_rad_s2)]
         return tuple(result)
+
+    def from_rest_to_rest(self) -> "TurnProblem":
+        """The same turn between ends that stand still."""
+        still = np.zeros(3)
+        start, end = (
+            EndState(attitude=e.attitude, omega_body_rad_s=still, alpha_body_rad_s2=still)
+            for e in (self.start, self.end)
+        )
+        return replace(self, start=start, end=end)
+
+    def ends_momentum_n_m_s(self) -> float:
+        """The most the gyros hold at start and end."""
+        held = [
+            end.attitude.inv().apply(self.momentum_eci_n_m_s)
+            - self.inertia_kg_m2 * end.omega_body_rad_s
+            for end in (self.start, self.end)
+        ]
+        return float(np.max(np.linalg.norm(held, axis=1)))
 
     def angle_rad(self) -> float:
         """Angle of the rotation start -> end."""

@@ -11,9 +11,12 @@ from planner.spacecraft.turn_ocp import solve_turn
 from planner.spacecraft.turn_problem import Objective, Turn, TurnProblem
 
 FIRST_GUESS_TICKS = 200
+NEVER_S = 1e4
+RUNAWAY = 2.5  # moving ends continued for longer than that swing a blend too far
 FALLBACK_SHARE = 0.9  # jerk steps inside a 0.2 s row make the table's torque bulge by 5 %
 EASY = 2.0  # a smooth turn with time to spare takes this much of the eigenaxis's least time
 EASY_LEAST_S = 8.0
+ATTEMPTS = 3  # each a little longer; then all the time there is
 
 
 class TurnNeedsTime(InfeasibleSlew):
@@ -26,6 +29,20 @@ class TurnNeedsTime(InfeasibleSlew):
             f"the limits of rate, torque and momentum, but only {available_s:.1f} s are left; "
             f"give it {self.missing_s:.1f} s more, or image less",
             limit="time",
+        )
+
+
+class GyrosTooFull(TurnNeedsTime):
+    """A turn to or from a rate at which the gyros would hold more than the sphere."""
+
+    def __init__(self, stored_n_m_s: float, sphere_n_m_s: float) -> None:
+        self.missing_s = NEVER_S
+        InfeasibleSlew.__init__(
+            self,
+            f"at the rate of the scan the gyros would hold {stored_n_m_s:.1f} N m s, beyond the "
+            f"{sphere_n_m_s:.0f} N m s sphere they are steered in, however slow the turn; unload "
+            "momentum first",
+            limit="momentum",
         )
 
 
@@ -53,7 +70,11 @@ class TurnComparison:
 def quickest_turn(problem: TurnProblem) -> Turn:
     """The least-time turn found: never longer than the eigenaxis turn at the same limits."""
     baseline = eigenaxis_turn(problem)
-    best = solve_turn(problem, baseline, "minimum_time", None)
+    at_rest_s = eigenaxis_turn(problem.from_rest_to_rest()).duration_s
+    guess = baseline
+    if baseline.duration_s > RUNAWAY * at_rest_s:
+        guess = eigenaxis_turn(problem, RUNAWAY * at_rest_s)
+    best = solve_turn(problem, guess, "minimum_time", None)
     if best is None or best.duration_s >= baseline.duration_s:
         return baseline
     return best
@@ -64,16 +85,21 @@ def smooth_turn(problem: TurnProblem, duration_s: float) -> Turn:
 
     Raises TurnNeedsTime, with the least time found, when it doesn't fit.
     """
-    guess = eigenaxis_turn(problem, duration_s)
-    best = solve_turn(problem, guess, "smooth", duration_s)
-    if best is not None:
-        return best
-    if guess.loads.share_of(problem.limits) <= FALLBACK_SHARE:
-        return guess
+    found = _smooth(problem, duration_s)
+    if found is not None:
+        return found
     least_s = math.ceil(quickest_turn(problem).duration_s / TICK_S) * TICK_S
     # The spline of a smooth turn bends less sharply than that of the quickest.
     least_s = max(least_s, duration_s + TICK_S)
     raise TurnNeedsTime(problem.angle_rad(), least_s, duration_s)
+
+
+def _smooth(problem: TurnProblem, duration_s: float) -> Turn | None:
+    guess = eigenaxis_turn(problem, duration_s)
+    best = solve_turn(problem, guess, "smooth", duration_s)
+    if best is not None:
+        return best
+    return guess if guess.loads.share_of(problem.limits) <= FALLBACK_SHARE else None
 
 
 def turn_onto(
@@ -91,6 +117,9 @@ def turn_onto(
     used = min(ticks, FIRST_GUESS_TICKS)
     for _ in range(3):
         problem = problem_at(used * TICK_S)
+        stored, sphere = problem.ends_momentum_n_m_s(), problem.limits.momentum_sphere_n_m_s
+        if stored > sphere:
+            raise GyrosTooFull(stored, sphere)
         if objective == "smooth":
             wanted_s = max(EASY * eigenaxis_turn(problem).duration_s, EASY_LEAST_S)
         else:
@@ -98,11 +127,13 @@ def turn_onto(
         guessed, used = used, min(ticks, math.ceil(wanted_s / TICK_S))
         if used == guessed:
             break
-    while used < ticks:
-        try:
-            return smooth_turn(problem_at(used * TICK_S), used * TICK_S)
-        except TurnNeedsTime:
-            used = min(ticks, used + max(1, used // (4 if objective == "smooth" else 50)))
+    for _ in range(ATTEMPTS):
+        if used >= ticks:
+            break
+        found = _smooth(problem_at(used * TICK_S), used * TICK_S)
+        if found is not None:
+            return found
+        used += max(1, used // (4 if objective == "smooth" else 50))
     return smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S)
 
 

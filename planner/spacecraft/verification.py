@@ -129,8 +129,20 @@ def _needed_momentum(
     return np.asarray(attitude.inv().apply(total) - inertia * table.omega_body_rad_s)
 
 
+def _columns(table: AttitudeTable) -> tuple[Array, ...]:
+    return (
+        table.eci_from_body_xyzw,
+        table.omega_body_rad_s,
+        table.alpha_body_rad_s2,
+        table.gimbal_rad,
+        table.gimbal_rate_rad_s,
+    )
+
+
 def _structure(table: AttitudeTable) -> Sequence[str]:
     found = []
+    if not all(np.isfinite(column).all() for column in _columns(table)):
+        found.append("a value is no number")
     if np.max(np.abs(np.linalg.norm(table.eci_from_body_xyzw, axis=1) - 1.0)) > 1e-9:
         found.append("a quaternion is not of unit length")
     attitude = Rotation.from_quat(table.eci_from_body_xyzw)

@@ -36,6 +36,7 @@ from planner.spacecraft.table import TICK_S
 TRIED_MAX = 4
 BEFORE_S, AFTER_S = 90.0, 60.0  # to turn onto the first look and back after the last
 ORBIT_S = 6000.0
+MUCH = 0.6  # of the sphere: then it is the momentum that makes turns slow
 MOMENTUM_SHARES = (0.9, 0.75, 0.5, 0.25, 0.0)
 MOVED_MORE_KM = (5.0, 25.0, 75.0)  # the line's ends stand further out than its middle
 
@@ -61,7 +62,9 @@ def refusal_with_way_out(
     """The refusal with the nearest alternative that works; as it is when none of those tried
     does."""
     options: Iterator[Alternative]
-    if why.limit == "momentum":
+    stored = float(np.linalg.norm(request.settings.momentum_n_m_s))
+    much = MUCH * request.definition().slew.momentum_sphere_n_m_s
+    if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and stored > much):
         options = _less_momentum(request)
     elif isinstance(why, InvalidInput):
         return why
@@ -92,6 +95,8 @@ def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
     stored = float(np.linalg.norm(momentum))
     sphere = request.definition().slew.momentum_sphere_n_m_s
     for share in MOMENTUM_SHARES:
+        if share * sphere >= stored:
+            continue
         x, y, z = (momentum * (share * sphere / stored)).tolist()
         settings = replace(request.settings, momentum_n_m_s=(x, y, z))
         yield Alternative(

@@ -76,6 +76,9 @@ def test_the_judge_catches_what_was_not_asked(plan):
     assert not tampered(plan, omega_body_rad_s=faster).passed
     gimbal = table.gimbal_rad + np.array([1e-3, 0.0, 0.0, 0.0])
     assert not tampered(plan, gimbal_rad=gimbal).passed
+    unknown = table.gimbal_rate_rad_s.copy()
+    unknown[7, 2] = np.nan
+    assert not tampered(plan, gimbal_rate_rad_s=unknown).passed
     turned = table.eci_from_body_xyzw.copy()
     turned[:, 0] += 1e-4
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
@@ -129,6 +132,27 @@ def test_no_time_to_turn_is_refused_with_the_session_it_takes():
         plan_imaging(session([strip], 240.0))
     start = why.value.earliest_feasible_start_utc
     assert abs((start - strip.start).total_seconds()) <= 1.0  # nearest on a grid of 2 s
+
+
+def test_momentum_that_scanning_would_push_beyond_the_sphere_is_refused():
+    """59 N m s along the pitch axis and 800 kg m^2 turned back at 0.2 deg/s are over 60."""
+    settings = SpacecraftSettings(momentum_n_m_s=(0.0, 0.0, 59.0))
+    strip = StripRequest(name="strip", geometry=line(100.0))
+    with pytest.raises(InfeasibleSlew, match=r"hold 6\d\.\d N m s.*works: 54 N m s"):
+        plan_imaging(session([strip], 240.0, settings=settings))
+
+
+def test_a_stereo_pair_begins_when_asked():
+    start = EPOCH + timedelta(seconds=180.4)
+    pair = dataclasses.replace(four_modes()[1], start=start)
+    plan = plan_imaging(session([pair], 420.0, simulation_runs=0))
+    assert plan.table.windows[0].first_row == 902
+    assert plan.verification.passed
+
+
+def test_one_look_is_taken_from_nearest_overhead():
+    plan = plan_imaging(session([StripRequest(name="s", geometry=line(150.0))], 300.0))
+    assert plan.verification.windows[0].along_deg < 2.0  # candidates stand 2 s, 1.3 deg, apart
 
 
 def test_momentum_beyond_the_sphere_is_refused_with_how_much_would_do():
