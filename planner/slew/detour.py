@@ -114,7 +114,7 @@ def _more(
 ) -> list[Detour]:
     """From guesses near a way that has neighbours, and from any where it is dear or none."""
     found: list[Detour] = []
-    if math.isfinite(best.cost) and best.play > LARGE_PLAY:
+    if math.isfinite(best.cost) and best.play_share > LARGE_PLAY:
         at_s = spline.greville * straight.duration_s
         path = np.stack([profile.evaluate(at_s)[0] for profile in best.profiles], axis=1)
         aside = _off(straight, spline, at_s, path)

@@ -34,7 +34,7 @@ REFINED_MAX = 4  # of the guesses tried at once
 class Detour(NamedTuple):
     """cost: infinite where the result is not good.  off_rows: good but for flying it from rows.
 
-    play: share by which many instants cost more or less than few; where it is large, so was
+    play_share: share by which many instants cost more or less than few; where it is large, so was
     the play between these, and other optima may be near.
     """
 
@@ -42,7 +42,7 @@ class Detour(NamedTuple):
     cost: float
     off_rows: bool
     iterations: int
-    play: float = 0.0
+    play_share: float = 0.0
 
 
 class DetourSearch:
@@ -127,7 +127,7 @@ class DetourSearch:
             cost=_cost(profiles) if fits else math.inf,
             off_rows=keeps and not fits,
             iterations=iterations,
-            play=abs(_cost(profiles) / rough.cost - 1.0),
+            play_share=abs(_cost(profiles) / rough.cost - 1.0),
         )
 
     def _ocp(self, *, fine: bool) -> DetourOcp:
