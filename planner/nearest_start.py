@@ -30,7 +30,7 @@ COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60  # each takes some 10 ms; a refusal may take a second, not a minute
 
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
-SOLVED_MOST = 9  # each takes some 100 ms
+SOLVED_MOST = 3  # each takes some 100 ms, near the stops a second
 
 Attempt = Callable[[int], Session | None]
 _Test = Callable[[Scenario, Way, int, tuple[AxisState, ...]], bool]

@@ -145,20 +145,15 @@ class _Sequence:
         self.scenario = scenario
         self.sessions = sessions
         self._barred: dict[Pair, set[tuple[int, int]]] = {}
+        self._joins: dict[tuple[Pair, int, int], Join] = {}
 
     def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
         """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
         while (steps := self.cheapest(CONFLICTS[mode], count)) is not None:
             joins: list[Join] = []
             for number, step in enumerate(steps):
-                stand = self.stand(steps[:number])
-                way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
-                try:
-                    join = joined(self.scenario, way, step.leave_row, stand.state(step.leave_row))
-                except InfeasibleSlew:
-                    # Undecided by closed form, then found impossible by the solver.
-                    pair = id(stand.way), id(step.way)
-                    self._barred.setdefault(pair, set()).add((step.leave_row, step.join_row))
+                join = self._joined(self.stand(steps[:number]), step)
+                if join is None:
                     break
                 if joins:
                     joins[-1] = replace(joins[-1], stop_row=step.leave_row)
@@ -166,6 +161,19 @@ class _Sequence:
             else:
                 return steps, joins
         return None
+
+    def _joined(self, stand: _Stand, step: _Step) -> Join | None:
+        """Solved once, whichever mode asks; None: undecided by closed form, then impossible."""
+        pair, rows = (id(stand.way), id(step.way)), (step.leave_row, step.join_row)
+        if (pair, *rows) not in self._joins:
+            way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
+            state = stand.state(step.leave_row)
+            try:
+                self._joins[pair, *rows] = joined(self.scenario, way, step.leave_row, state)
+            except InfeasibleSlew:
+                self._barred.setdefault(pair, set()).add(rows)
+                return None
+        return self._joins[pair, *rows]
 
     def stand(self, steps: Steps) -> _Stand:
         """Where the next slew begins."""

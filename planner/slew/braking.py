@@ -72,8 +72,8 @@ def _braking(state: AxisState, limits: AxisLimits, near_share: float) -> AxisPro
     rows = math.floor(2.0 * room / acceleration / COMMAND_STEP_S + ROUNDING)
     jerk = acceleration / (rows * COMMAND_STEP_S) if rows else math.inf
     if jerk > jerk_max * (1.0 + ROUNDING):
-        rows = math.ceil(acceleration / (jerk_max * COMMAND_STEP_S) - ROUNDING)
-        jerk = jerk_max
+        jerk = min(acceleration**2 / (2.0 * room), jerk_max) if room > 0.0 else jerk_max
+        rows = math.ceil(acceleration / (jerk * COMMAND_STEP_S) - ROUNDING)
     return profile_from_jerk(state, [(rows * COMMAND_STEP_S, -sign * jerk)])
 
 

@@ -3,13 +3,14 @@
 import math
 from dataclasses import dataclass
 
+from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits
 from planner.slew.least_jerk import least_jerk_profile
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.quickest import DURATION_TOLERANCE, profile_lasting, quickest_profile
 from planner.slew.solution import AxisProfile, obeys
-from planner.slew.stops import rate_margin_rad_s, stop_margin_rad
+from planner.slew.stops import margins_on_rows, rate_margin_rad_s, stop_margin_rad
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,11 +87,15 @@ def dead_end(start: AxisState, end: AxisState, limits: AxisLimits) -> str | None
 def require_brakable(
     axis_names: tuple[str, ...], state: tuple[AxisState, ...], limits: tuple[AxisLimits, ...]
 ) -> None:
-    """Raises InfeasibleSlew where the platform's own motion can't be braked before a limit."""
+    """Raises InfeasibleSlew where the platform's own motion can't be braked before a limit.
+
+    Braked in rows of the command table, as it is flown: that costs up to 0.1 deg, or in rate
+    nothing, beside braking whose jerk changes at any time.
+    """
     doomed = [
         (name, limit, _unbrakable_because(name, limit, motion, bound))
         for name, motion, bound in zip(axis_names, state, limits, strict=True)
-        if (limit := dead_end(motion, motion.at_rest(), bound)) is not None
+        if (limit := _broken_on_rows(motion, bound)) is not None
     ]
     if doomed:
         raise InfeasibleSlew(
@@ -102,17 +107,27 @@ def require_brakable(
         )
 
 
+def _broken_on_rows(state: AxisState, limits: AxisLimits) -> str | None:
+    angle_rad, rate_rad_s = margins_on_rows(state, limits)
+    if rate_rad_s < -DURATION_TOLERANCE * limits.rate_max_rad_s:
+        return "rate"
+    if angle_rad < -DURATION_TOLERANCE * (limits.angle_max_rad - limits.angle_min_rad):
+        return "angle"
+    return None
+
+
 def _unbrakable_because(name: str, limit: str, state: AxisState, limits: AxisLimits) -> str:
     rate, acceleration = math.degrees(state.rate_rad_s), math.degrees(state.acceleration_rad_s2)
     begins = f"{name} begins with {rate:.4g} deg/s and {acceleration:.4g} deg/s2"
+    angle_rad, rate_rad_s = margins_on_rows(state, limits)
     if limit == "rate":
         bound = f"{math.degrees(limits.rate_max_rad_s):.6g} deg/s"
-        passes = f"its rate passes {bound} by {_degrees(-rate_margin_rad_s(state, limits))} deg/s"
+        passes = f"its rate passes {bound} by {_degrees(-rate_rad_s)} deg/s"
     else:
         stops = math.degrees(limits.angle_min_rad), math.degrees(limits.angle_max_rad)
         bound = f"its stops at {stops[0]:.6g} and {stops[1]:.6g} deg"
-        passes = f"it passes {bound} by {_degrees(-stop_margin_rad(state, limits))} deg"
-    return f"{begins}, and however hard it brakes {passes}"
+        passes = f"it passes {bound} by {_degrees(-angle_rad)} deg"
+    return f"{begins}, and however hard it brakes, in rows {COMMAND_STEP_S} s apart, {passes}"
 
 
 def _degrees(value_rad: float) -> str:

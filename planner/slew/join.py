@@ -21,6 +21,7 @@ from planner.slew.solution import SlewSolution
 
 NEAR_S = 4.0  # closer than this to feasibility every row is tried
 ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
+FAILURES_MOST = 8  # then the track is not joined early; each may take half a second
 DETOUR_ROWS = 10  # a detour takes a second longer or ten: rows tried between, then halved
 CAUTION = 4.0  # a receding or approaching track changes the time needed by a second per second
 
@@ -53,7 +54,7 @@ def earliest_join(
     until_s: float = math.inf,
     keep_out: KeepOutView | None = None,
 ) -> Join | None:
-    """The first command row at which the slew can join the track; None: on no row of it.
+    """The first command row at which the slew can join the track; None: on no row tried.
 
     start: state at start_s.  All times count on the track's clock, whose whole multiples of
     0.2 s are command rows.  after_s, until_s: other joins are of no use.  keep_out: its time
@@ -93,6 +94,8 @@ def earliest_join(
         if solution is not None:
             return _earlier(joined_at, row - 1 if bad is None else bad, row, solution)
         bad, failures = row, failures + 1
+        if failures >= FAILURES_MOST:
+            break
     return None
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from planner.commands import COMMAND_STEP_S
 from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
 
@@ -13,12 +14,7 @@ def stop_margin_rad(state: AxisState, limits: AxisLimits) -> float:
     No other motion within the limits reaches less far.
     """
     above = limits.angle_max_rad - state.angle_rad - _overshoot_rad(state, limits)
-    mirrored = AxisState(
-        angle_rad=-state.angle_rad,
-        rate_rad_s=-state.rate_rad_s,
-        acceleration_rad_s2=-state.acceleration_rad_s2,
-    )
-    below = state.angle_rad - limits.angle_min_rad - _overshoot_rad(mirrored, limits)
+    below = state.angle_rad - limits.angle_min_rad - _overshoot_rad(_mirrored(state), limits)
     return min(above, below)
 
 
@@ -28,6 +24,50 @@ def rate_margin_rad_s(state: AxisState, limits: AxisLimits) -> float:
     signed /= 2.0 * limits.jerk_max_rad_s3
     worst = max(abs(state.rate_rad_s), abs(state.rate_rad_s + signed))
     return limits.rate_max_rad_s - worst
+
+
+def margins_on_rows(state: AxisState, limits: AxisLimits) -> tuple[float, float]:
+    """Angle left to the stop and rate left to its limit when the jerk changes on rows only.
+
+    The hardest braking takes from each row to the next as much acceleration as its jerk and its
+    limit allow: no other motion on rows is slower, or less far, at any instant.
+    """
+    up = _hardest_on_rows(state, limits)
+    down = _hardest_on_rows(_mirrored(state), limits)
+    return (
+        min(limits.angle_max_rad - up[0], -down[0] - limits.angle_min_rad),
+        limits.rate_max_rad_s - max(up[1], down[1]),
+    )
+
+
+def _hardest_on_rows(state: AxisState, limits: AxisLimits) -> tuple[float, float]:
+    """The greatest angle and rate of an axis that brakes its way upwards in whole rows."""
+    h, jerk_max = COMMAND_STEP_S, limits.jerk_max_rad_s3
+    q, v, a = state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2
+    farthest, fastest = q, v
+    while v > 0.0 or a > 0.0:
+        jerk = max(-jerk_max, (-limits.acceleration_max_rad_s2 - a) / h)
+        if a > 0.0:
+            peak = min(h, -a / jerk)
+            fastest = max(fastest, v + peak * (a + peak * jerk / 2.0))
+        q_end = q + h * (v + h * (a / 2.0 + h * jerk / 6.0))
+        v_end = v + h * (a + h * jerk / 2.0)
+        if v_end <= 0.0 < fastest:
+            # The rate is concave: after its peak it has one root, here without cancellation.
+            root = math.sqrt(max(a * a - 2.0 * jerk * v, 0.0))
+            rest = (a + root) / -jerk if a > 0.0 else 2.0 * v / (root - a)
+            farthest = max(farthest, q + rest * (v + rest * (a / 2.0 + rest * jerk / 6.0)))
+        q, v, a = q_end, v_end, a + h * jerk
+        farthest = max(farthest, q)
+    return farthest, fastest
+
+
+def _mirrored(state: AxisState) -> AxisState:
+    return AxisState(
+        angle_rad=-state.angle_rad,
+        rate_rad_s=-state.rate_rad_s,
+        acceleration_rad_s2=-state.acceleration_rad_s2,
+    )
 
 
 def _overshoot_rad(state: AxisState, limits: AxisLimits) -> float:
