@@ -51,6 +51,10 @@ def die_once(request: bytes) -> Planned:
     return note(request) if Path(os.fsdecode(request)).exists() else die(request)
 
 
+def hang_once(request: bytes) -> Planned:
+    return note(request) if Path(os.fsdecode(request)).exists() else hang(request)
+
+
 def linger(request: bytes) -> Planned:
     time.sleep(0.5)
     return note(request)
@@ -60,7 +64,7 @@ def fail(_: bytes) -> Planned:
     raise RuntimeError("secret /etc/passwd")
 
 
-WORKS = (note, hang, die, die_once, linger, fail)
+WORKS = (note, hang, die, die_once, hang_once, linger, fail)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,

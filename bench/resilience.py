@@ -1,0 +1,285 @@
+"""Is every accepted job finished or reported, once, whatever is killed in the middle?
+
+Rounds of one campaign each.  While it is chosen and planned, the service, one of its solver
+children or (--cluster) a Dask worker is killed with SIGKILL at random moments, and what a
+machine's supervisor would start again is started again.  Then the database is audited: the
+campaign is done; every pass has one last plan, every plan that is done is stored once and
+ended once; no look is lost: each is in a last plan or told as left out.
+
+    OMP_NUM_THREADS=1 python bench/resilience.py [--rounds 20] [--targets 200] [--days 0.5]
+        [--kills 3] [--cluster] [--database postgresql+psycopg://USER@HOST/NAME] [--seed 1]
+
+The database must be this script's own.
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.store import campaigns, events, jobs, plans
+from app.store.database import Database, open_database
+
+ROOT = Path(__file__).parent.parent
+BIN = Path(sys.executable).parent
+PATIENCE_S = 240.0
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=20)
+    parser.add_argument("--targets", type=int, default=200)
+    parser.add_argument("--days", type=float, default=0.5)
+    parser.add_argument("--kills", type=int, default=3)
+    parser.add_argument("--cluster", action="store_true")
+    parser.add_argument("--database", default="")
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args()
+    rng = random.Random(asked.seed)
+    killed: Counter[str] = Counter()
+    totals: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory(prefix="slewtrack-resilience-") as folder:
+        house = _House(folder=Path(folder), database_url=asked.database, cluster=asked.cluster)
+        house.start()
+        try:
+            for number in range(asked.rounds):
+                body = _campaign(asked.targets, asked.days, number)
+                began_s = time.monotonic()
+                victims = _round(house, body, asked.kills, rng, f"round-{asked.seed}-{number}")
+                found = _audited(house, f"round {number}")
+                killed.update(victims)
+                totals.update(found)
+                print(
+                    f"round {number}: killed {', '.join(victims)}; {found['plans']} plans, "
+                    f"{found['begun']} times begun, {found['refused']} refused; "
+                    f"{time.monotonic() - began_s:.0f} s",
+                    flush=True,
+                )
+        finally:
+            house.end()
+    print(
+        f"{asked.rounds} campaigns, {sum(killed.values())} kills ({dict(killed)}): "
+        f"{totals['plans']} plans, {totals['looks']} looks, none lost, none doubled; begun "
+        f"{totals['begun']} times, {totals['refused']} refused, {totals['failed']} failed"
+    )
+
+
+@dataclass
+class _House:
+    """The service and, with a cluster, its scheduler and two workers."""
+
+    folder: Path
+    database_url: str
+    cluster: bool
+    port: int = 0
+    scheduler_port: int = 0
+    running: dict[str, "subprocess.Popen[bytes]"] = field(default_factory=dict)
+    campaign_id: str = ""
+
+    def start(self) -> None:
+        self.port, self.scheduler_port = _free_port(), _free_port()
+        if self.cluster:
+            self._run("scheduler")
+            self._run("worker 0")
+            self._run("worker 1")
+        self._run("service")
+
+    def _run(self, name: str) -> None:
+        scheduler = f"tcp://127.0.0.1:{self.scheduler_port}"
+        address = ["--host", "127.0.0.1", "--port", str(self.scheduler_port)]
+        commands = {
+            "scheduler": ["dask", "scheduler", "--no-dashboard", *address],
+            "worker": ["slewtrack", "worker", "--scheduler", scheduler, "--solves", "1"],
+            "service": ["slewtrack", "serve", "--port", str(self.port)],
+        }
+        program, *arguments = commands[name.split()[0]]
+        environment = os.environ | {
+            "OMP_NUM_THREADS": "1",
+            "SLEWTRACK_DATA_DIR": str(self.folder),
+            "SLEWTRACK_DATABASE_URL": self.database_url,
+            "SLEWTRACK_DASK_SCHEDULER": scheduler if self.cluster else "",
+            "SLEWTRACK_WORKERS": "2",
+            "SLEWTRACK_LEASE_S": "3",
+            "SLEWTRACK_JOB_ATTEMPTS": "20",
+        }
+        with (self.folder / f"{name}.log").open("ab") as log:
+            self.running[name] = subprocess.Popen(
+                [str(BIN / program), *arguments], env=environment, stdout=log, stderr=log
+            )
+
+    def kill_one(self, rng: random.Random) -> str | None:
+        """SIGKILL, and start again what a supervisor would; None where there was no child."""
+        kinds = ["service", "child", "worker"] if self.cluster else ["service", "child"]
+        kind = rng.choice(kinds)
+        if kind == "child":
+            holders = [one for name, one in self.running.items() if name != "scheduler"]
+            children = [pid for holder in holders for pid in _grandchildren(holder.pid)]
+            if not children:
+                return None
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(rng.choice(children), signal.SIGKILL)
+            return "child"
+        name = rng.choice([name for name in self.running if name.startswith(kind)])
+        self.running[name].kill()
+        self.running[name].wait()
+        self._run(name)
+        return kind
+
+    def end(self) -> None:
+        for process in reversed(self.running.values()):
+            process.terminate()
+        for process in self.running.values():
+            process.wait(timeout=30)
+
+    def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Any:  # noqa: ANN401
+        """The answer's JSON; tried again while the service is down."""
+        until_s = time.monotonic() + PATIENCE_S
+        while True:
+            request = urllib.request.Request(
+                f"http://127.0.0.1:{self.port}{path}", body, headers, method=method
+            )
+            try:
+                with urllib.request.urlopen(request, timeout=30) as answer:
+                    return json.load(answer)
+            except urllib.error.HTTPError as error:
+                raise RuntimeError(f"{error.code}: {error.read()[:500]!r}") from error
+            except (OSError, ValueError):
+                if time.monotonic() > until_s:
+                    raise
+                time.sleep(0.2)
+
+    @contextlib.contextmanager
+    def database(self) -> Any:  # noqa: ANN401 (a generator)
+        database: Database = open_database(self.database_url, self.folder)
+        try:
+            yield database
+        finally:
+            database.close()
+
+
+def _round(house: _House, body: bytes, kills: int, rng: random.Random, key: str) -> list[str]:
+    """One campaign to its end; whom it lost on the way."""
+    headers = {"Content-Type": "application/json", "Idempotency-Key": key}
+    accepted = house.ask("POST", "/v1/campaigns", body, **headers)
+    house.campaign_id = accepted["id"]
+    victims = []
+    until_s = time.monotonic() + PATIENCE_S
+    while True:
+        time.sleep(rng.uniform(0.2, 2.5))
+        told = house.ask("GET", f"/v1/campaigns/{house.campaign_id}")
+        if told["state"] not in ("queued", "running"):
+            break
+        if len(victims) < kills:
+            victim = house.kill_one(rng)
+            victims += [victim] if victim is not None else []
+        if time.monotonic() > until_s:
+            raise AssertionError(f"not done after {PATIENCE_S:g} s: {json.dumps(told)[:2000]}")
+    # Asked again under its key it is the same one, not another.
+    assert house.ask("POST", "/v1/campaigns", body, **headers)["id"] == house.campaign_id
+    return victims
+
+
+def _audited(house: _House, name: str) -> dict[str, int]:
+    """What the database holds of the campaign; raises AssertionError where it is wrong."""
+    with house.database() as database, database.reading() as connection:
+        whole = jobs.get(connection, house.campaign_id)
+        choice = campaigns.choice_of(connection, house.campaign_id)
+        parts = jobs.parts_of(connection, house.campaign_id)
+        assert whole is not None, name
+        assert whole.state == "done", (name, whole)
+        assert choice is not None, name
+        last = {part.options["campaign"]["pass"]: part for part in parts}
+        assert len(last) == choice["passes"], (name, len(last), choice["passes"])
+        for one in (whole, *parts):
+            ends = [
+                event.data["state"]
+                for event in events.after(connection, one.id, 0)
+                if event.kind == events.STATE and event.data["state"] not in ("queued", "running")
+            ]
+            assert ends == [one.state], (name, one.id, ends)
+            assert one.state == "done" or one.problem is not None, (name, one)
+        replaced = [part for part in parts if part.id != last[part.options["campaign"]["pass"]].id]
+        assert all(part.state == "refused" for part in replaced), name
+        for part in parts:
+            stored = plans.get(connection, part.id) is not None
+            assert stored == (part.state == "done"), (name, part.id, part.state)
+        told = [part.options["campaign"] for part in last.values()]
+        looks = sum(len(one["looks"]) + len(one["left_out"]) for one in told)
+        assert looks == choice["looks"], (name, looks, choice["looks"])
+    states = Counter(part.state for part in parts)
+    return {
+        "plans": states["done"],
+        "looks": looks,
+        "begun": whole.attempts + sum(part.attempts for part in parts),
+        "refused": states["refused"],
+        "failed": states["failed"],
+    }
+
+
+def _campaign(targets: int, days: float, number: int) -> bytes:
+    """Real OCO-3 targets, another part of them each round."""
+    listed = json.loads((ROOT / "tests" / "data" / "oco3_targets.json").read_text())["targets"]
+    orbit = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())["orbit"]
+    first = 37 * number % len(listed)
+    chosen = (listed + listed)[first : first + targets]
+    stop_s = 43200 + round(86400 * days)
+    asked = {
+        "name": f"round {number}",
+        "platform": "iss-hrc",
+        "orbit": orbit,
+        "targets": [
+            {
+                "id": identity,
+                "priority": 1.0 + row % 5,
+                "session_s": 30.0,
+                "min_session_s": 15.0,
+                "target": {"mode": "ground", "latitude_deg": latitude, "longitude_deg": longitude},
+            }
+            for row, (identity, _, latitude, longitude) in enumerate(chosen)
+        ],
+        "start": "2015-02-27T12:00:00Z",
+        "stop": time.strftime(
+            "%Y-%m-%dT%H:%M:%SZ",
+            time.gmtime(1424995200 + stop_s),  # midnight of that day
+        ),
+        "conditions": {"min_elevation_deg": 30.0},
+    }
+    return json.dumps(asked).encode()
+
+
+def _grandchildren(pid: int) -> list[int]:
+    """Processes that the forkservers below a process have made."""
+    return [grandchild for child in _children(pid) for grandchild in _children(child)]
+
+
+def _children(pid: int) -> list[int]:
+    try:
+        tasks = list(Path(f"/proc/{pid}/task").iterdir())
+        texts = [(task / "children").read_text() for task in tasks]
+    except OSError:
+        return []
+    return [int(child) for text in texts for child in text.split()]
+
+
+def _free_port() -> int:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        port: int = one.getsockname()[1]
+        return port
+
+
+if __name__ == "__main__":
+    main()

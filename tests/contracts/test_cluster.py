@@ -1,0 +1,130 @@
+"""Is work on other machines done, stopped, bounded and, when a machine dies, done again?"""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from distributed import Client
+from job_cases import KINDS, eventually
+
+from app.jobs.dask_executor import DaskExecutor
+from app.jobs.dask_worker import SLOT
+from app.jobs.disposable import Bounds, ChildDied, ChildFailed, Stop, Stopped, TooDemanding
+from app.jobs.executors import Task
+
+BIN = Path(sys.executable).parent
+HERE = Path(__file__).parent
+WITHIN_S = 200.0  # a loaded machine takes long to start a worker
+
+
+@contextmanager
+def running(*command):
+    environment = os.environ | {"PYTHONPATH": str(HERE), "OMP_NUM_THREADS": "1"}
+    process = subprocess.Popen(
+        [str(BIN / command[0]), *command[1:]], env=environment, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture(scope="module")
+def scheduler():
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    with running("dask", "scheduler", "--no-dashboard", "--host", "127.0.0.1", "--port", port):
+        yield f"tcp://127.0.0.1:{port}"
+
+
+@pytest.fixture(scope="module")
+def executor(scheduler):
+    executor = DaskExecutor(scheduler, 4)
+    yield executor
+    executor.close()
+
+
+def worker(scheduler):
+    return running("slewtrack", "worker", "--scheduler", scheduler, "--solves", "2")
+
+
+@pytest.fixture(scope="module")
+def a_worker(scheduler):
+    with worker(scheduler) as process:
+        yield process
+
+
+def submitted(executor, work, notes, stop=None, bounds=None):
+    task = Task(
+        job_id=work,
+        bounds=bounds or KINDS[work].bounds,
+        work=KINDS[work].work,
+        request=os.fsencode(notes),
+    )
+    return executor.submit(task, stop or Stop(), lambda _: None)
+
+
+def pids(notes):
+    return notes.read_text().split() if notes.exists() else []
+
+
+def gone(pid):
+    status = Path(f"/proc/{pid}/status")
+    return not status.exists() or "State:\tZ" in status.read_text()
+
+
+def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path):
+    name = ["--name", "other", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    other = ["--resources", f"{SLOT}.dev=1", *name]
+    stop = Stop()
+    with running("dask", "worker", scheduler, *other), Client(scheduler) as client:
+        client.wait_for_workers(1, timeout=WITHIN_S)
+        future = submitted(executor, "note", tmp_path / "notes", stop)
+        time.sleep(1.0)  # long enough for a worker that would take it
+        stop.request()
+    with pytest.raises(Stopped):
+        future.result(WITHIN_S)
+    assert pids(tmp_path / "notes") == []
+
+
+def test_work_is_done_in_a_child_of_the_worker(executor, a_worker, tmp_path):
+    assert submitted(executor, "note", tmp_path / "notes").result(WITHIN_S).state == "done"
+    assert len(pids(tmp_path / "notes")) == 1
+
+
+def test_errors_come_back_as_they_were(executor, a_worker, tmp_path):
+    with pytest.raises(ChildFailed, match="RuntimeError"):
+        submitted(executor, "fail", tmp_path / "notes").result(WITHIN_S)
+    with pytest.raises(ChildDied):
+        submitted(executor, "die", tmp_path / "notes").result(WITHIN_S)
+    half_a_second = Bounds(deadline_s=0.5, memory_mib=200)
+    with pytest.raises(TooDemanding):
+        submitted(executor, "hang", tmp_path / "hung", bounds=half_a_second).result(WITHIN_S)
+
+
+def test_stopped_work_frees_the_worker(executor, a_worker, tmp_path):
+    stop = Stop()
+    future = submitted(executor, "hang", tmp_path / "notes", stop)
+    (pid,) = eventually(lambda: pids(tmp_path / "notes"))
+    stop.request()
+    with pytest.raises(Stopped):
+        future.result(WITHIN_S)
+    eventually(lambda: gone(pid))
+
+
+def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_worker, tmp_path):
+    """The first hangs and is killed with its machine; the second finds that it was begun."""
+    future = submitted(executor, "hang_once", tmp_path / "notes")
+    (pid,) = eventually(lambda: pids(tmp_path / "notes"))
+    a_worker.kill()
+    with worker(scheduler):
+        assert future.result(WITHIN_S).state == "done"
+    assert gone(pid)
+    assert len(pids(tmp_path / "notes")) == 2

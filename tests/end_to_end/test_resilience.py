@@ -1,0 +1,25 @@
+"""Is an accepted campaign finished, once, when the service or a solver is killed in the middle?"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_kill_9_in_the_middle_of_a_campaign_loses_and_doubles_nothing():
+    """One round of bench/resilience.py, which audits the database and fails where it is wrong."""
+    small = ["--rounds", "1", "--kills", "2", "--targets", "40", "--days", "0.1"]
+    database = ["--database", os.environ["SLEWTRACK_DATABASE_URL"]]
+    done = subprocess.run(
+        [sys.executable, str(ROOT / "bench" / "resilience.py"), *small, *database],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=280,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "none lost, none doubled" in done.stdout
