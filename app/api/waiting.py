@@ -46,6 +46,8 @@ async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
         here = dispatcher.ended(job_id)
         if here is not None:
             await asyncio.wait([asyncio.wrap_future(here)], timeout=left_s)
+            if here.done() and here.result():
+                return
         if not await anyio.to_thread.run_sync(_is_open, request.app.state.database, job_id):
             return
         if here is None:

@@ -20,7 +20,7 @@ from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.progress import Progress
 from app.jobs.refusals import QueueFull
 from app.jobs.settling import settle, take_up_again
-from app.jobs.states import JobState
+from app.jobs.states import OPEN_STATES, JobState
 from app.observability.logs import log
 from app.store import audit, events, jobs
 from app.store.database import Database
@@ -51,7 +51,7 @@ class _Running:
     job: Job
     token: str
     stop: Stop = field(default_factory=Stop)
-    ended: Future[None] = field(default_factory=Future)
+    ended: Future[bool] = field(default_factory=Future)
     began_s: float = field(default_factory=time.monotonic)
     told_s: float = field(default_factory=time.monotonic)
 
@@ -146,8 +146,11 @@ class Dispatcher:
             running.stop.request()
         return job
 
-    def ended(self, job_id: str) -> Future[None] | None:
-        """Done when the work on a job here has ended and that is stored; None for others."""
+    def ended(self, job_id: str) -> Future[bool] | None:
+        """Done when the work on a job here has ended and that is stored; None for others.
+
+        True when it is the end of the job, too.
+        """
         running = self._running.get(job_id)
         return None if running is None else running.ended
 
@@ -195,6 +198,7 @@ class Dispatcher:
 
     def _end(self, running: _Running, done: Future[Any]) -> None:
         took_s = time.monotonic() - running.began_s
+        state = None
         try:
             state = self._stored(running, done)
             if state is not None:
@@ -208,7 +212,7 @@ class Dispatcher:
                 del self._running[running.job.id]
             self._leave_place()
             self._wake.set()
-            running.ended.set_result(None)
+            running.ended.set_result(state is not None and state not in OPEN_STATES)
 
     def _stored(self, running: _Running, done: Future[Any]) -> JobState | None:
         """The state the job has now; None when it is no longer ours."""

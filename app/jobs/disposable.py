@@ -32,7 +32,7 @@ T = TypeVar("T")
 _IMPORTED = ["app.jobs.warm"]
 _MEBIBYTE = 2**20
 # A child that nothing is asked of for so long makes the server's pages it will write its own.
-_IDLE_S = 0.1
+_IDLE_S = 0.02
 # Most time a child may take to begin: the first of all waits until the server is warm.
 _START_S = 120.0
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
@@ -143,10 +143,11 @@ class _Spares:
         """So many from now on; with 0 those that wait are thrown away."""
         self._count = count
         if count:
-            Thread(target=self._fill, name="spare children", daemon=True).start()
+            self.refill()
             return
-        while self._ready:
-            self._ready.popleft().throw_away()
+        with self._lock:
+            while self._ready:
+                self._ready.popleft().throw_away()
 
     def take(self) -> _Child:
         """One that waits, or a new one."""
@@ -155,10 +156,13 @@ class _Spares:
                 child = self._ready.popleft()
             except IndexError:
                 return _Child()
-            Thread(target=self._fill, name="spare children", daemon=True).start()
             if not child.line.poll():
                 return child
             child.throw_away()  # it says something unasked: that it was killed
+
+    def refill(self) -> None:
+        """In the background."""
+        Thread(target=self._fill, name="spare children", daemon=True).start()
 
     def _fill(self) -> None:
         with self._lock:
@@ -226,6 +230,7 @@ def _outcome(
         if not child.line.poll(_START_S):
             raise ChildDied(f"it didn't begin within {_START_S:g} s")
         until_s = time.monotonic() + bounds.deadline_s
+        _spares.refill()  # now that there is nothing to do here but to wait
         while child.line.poll(max(until_s - time.monotonic(), 0.0)):
             kind, value = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our own child's)
             if kind == _DONE:

@@ -22,6 +22,18 @@ class Event:
     data: Mapping[str, Any]
 
 
+def begin(connection: Connection, job_id: str, *states: Mapping[str, Any]) -> None:
+    """The first events of a new job."""
+    now_utc = datetime.now(UTC)
+    connection.execute(
+        insert(EventRow),
+        [
+            {"job_id": job_id, "seq": seq, "at_utc": now_utc, "kind": STATE, "data": dict(state)}
+            for seq, state in enumerate(states, start=1)
+        ],
+    )
+
+
 def record(connection: Connection, job_id: str, kind: str, data: Mapping[str, Any]) -> None:
     """The next event of a job, whose row the transaction must have locked."""
     last = connection.scalar(select(func.max(EventRow.seq)).where(EventRow.job_id == job_id))

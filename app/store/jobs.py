@@ -124,9 +124,8 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
             cancel_requested=False,
         )
     )
-    events.record(connection, new.id, events.STATE, {"state": "queued"})
-    if token is not None:
-        events.record(connection, new.id, events.STATE, {"state": "running", "attempt": 1})
+    began = () if token is None else ({"state": "running", "attempt": 1},)
+    events.begin(connection, new.id, {"state": "queued"}, *began)
     return token
 
 
