@@ -58,7 +58,9 @@ def _bar() -> Iterator[Progress]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    off = not console.is_terminal  # where it would leave an empty line
+    with Progress(*columns, console=console, transient=True, disable=off) as bar:
         yield bar
 
 

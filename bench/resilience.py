@@ -52,11 +52,11 @@ def main() -> None:
     killed: Counter[str] = Counter()
     totals: Counter[str] = Counter()
     with tempfile.TemporaryDirectory(prefix="slewtrack-resilience-") as folder:
-        house = _House(folder=Path(folder), database_url=asked.database, cluster=asked.cluster)
+        house = House(folder=Path(folder), database_url=asked.database, cluster=asked.cluster)
         house.start()
         try:
             for number in range(asked.rounds):
-                body = _campaign(asked.targets, asked.days, number)
+                body = campaign_body(asked.targets, asked.days, number)
                 began_s = time.monotonic()
                 victims = _round(house, body, asked.kills, rng, f"round-{asked.seed}-{number}")
                 found = _audited(house, f"round {number}")
@@ -78,12 +78,13 @@ def main() -> None:
 
 
 @dataclass
-class _House:
-    """The service and, with a cluster, its scheduler and two workers."""
+class House:
+    """The service, `solves` at a time, and with a cluster its scheduler and two workers."""
 
     folder: Path
     database_url: str
     cluster: bool
+    solves: int = 2
     port: int = 0
     scheduler_port: int = 0
     running: dict[str, "subprocess.Popen[bytes]"] = field(default_factory=dict)
@@ -111,7 +112,7 @@ class _House:
             "SLEWTRACK_DATA_DIR": str(self.folder),
             "SLEWTRACK_DATABASE_URL": self.database_url,
             "SLEWTRACK_DASK_SCHEDULER": scheduler if self.cluster else "",
-            "SLEWTRACK_WORKERS": "2",
+            "SLEWTRACK_WORKERS": str(self.solves),
             "SLEWTRACK_LEASE_S": "3",
             "SLEWTRACK_JOB_ATTEMPTS": "20",
         }
@@ -170,7 +171,7 @@ class _House:
             database.close()
 
 
-def _round(house: _House, body: bytes, kills: int, rng: random.Random, key: str) -> list[str]:
+def _round(house: House, body: bytes, kills: int, rng: random.Random, key: str) -> list[str]:
     """One campaign to its end; whom it lost on the way."""
     headers = {"Content-Type": "application/json", "Idempotency-Key": key}
     accepted = house.ask("POST", "/v1/campaigns", body, **headers)
@@ -192,7 +193,7 @@ def _round(house: _House, body: bytes, kills: int, rng: random.Random, key: str)
     return victims
 
 
-def _audited(house: _House, name: str) -> dict[str, int]:
+def _audited(house: House, name: str) -> dict[str, int]:
     """What the database holds of the campaign; raises AssertionError where it is wrong."""
     with house.database() as database, database.reading() as connection:
         whole = jobs.get(connection, house.campaign_id)
@@ -229,7 +230,7 @@ def _audited(house: _House, name: str) -> dict[str, int]:
     }
 
 
-def _campaign(targets: int, days: float, number: int) -> bytes:
+def campaign_body(targets: int, days: float, number: int) -> bytes:
     """Real OCO-3 targets, another part of them each round."""
     listed = json.loads((ROOT / "tests" / "data" / "oco3_targets.json").read_text())["targets"]
     orbit = json.loads((ROOT / "examples" / "las_vegas_2015.json").read_text())["orbit"]

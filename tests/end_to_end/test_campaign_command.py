@@ -1,0 +1,74 @@
+"""Does `slewtrack campaign` choose, plan, report, write files, and refuse in one line?"""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
+from app.api.plan_request import read_plan_request
+from app.cli import main
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "campaign_cities.json"
+CITIES = CAMPAIGN_EXAMPLES["cities"][1]
+
+
+def campaign(request, *words):
+    return CliRunner().invoke(main, ["campaign", "-", *map(str, words)], input=json.dumps(request))
+
+
+def test_report_and_files(tmp_path):
+    asked = json.loads(EXAMPLE.read_text())
+    assert asked == CITIES  # the example of the pages is the one in the folder
+    plans, csv, told = tmp_path / "plans", tmp_path / "looks.csv", tmp_path / "told.json"
+    result = campaign(asked, "--plans", plans, "--csv", csv, "--json", told)
+    assert result.exit_code == 0, result.stderr
+    assert "5 looks in 2 passes" in result.stdout
+    rows = [line.split(",") for line in csv.read_text().splitlines()[1:]]
+    assert {row[1] for row in rows} == {wanted["id"] for wanted in asked["targets"]}
+    choice = json.loads(told.read_text())
+    assert sum(float(row[4]) for row in rows) == pytest.approx(choice["value"])
+    assert choice["greedy_value"] <= choice["value"] <= choice["bound"]
+    for number in range(2):
+        plan = json.loads((plans / f"pass-{number}.json").read_text())
+        assert plan["verification"]["passed"]
+        resting = [plan["table"][f"{axis}_deg"] for axis in ("alpha", "beta")]
+        assert all(abs(angles[row]) < 1e-9 for angles in resting for row in (0, -1))
+        scenario = read_plan_request((plans / f"pass-{number}-request.json").read_bytes())
+        looks = [row for row in rows if int(row[0]) == number]
+        assert len(scenario.sessions) == len(looks) + 1
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "way_out"),
+    [
+        ({"step_s": 0.5}, "step_s", "0.2"),
+        ({"rest_angles_deg": {"alpha": 0.0}}, "rest_angles_deg", "alpha, beta"),
+        ({"rest_angles_deg": {"alpha": 200.0, "beta": 0.0}}, "rest_angles_deg", "-175..175"),
+        ({"slew": {"method": "spline"}}, "slew.method", "must be ocp"),
+        ({"stop": "2015-04-30T00:00:00Z"}, "stop", "31 days"),
+        ({"targets": []}, "targets", "at least one"),
+        ({"targets": CITIES["targets"] * 2}, "targets", "taken already"),
+    ],
+)
+def test_refusals_are_one_line(change, field, way_out):
+    result = campaign(CITIES | change)
+    assert result.exit_code == 2
+    [line] = result.stderr.splitlines()
+    assert field in line
+    assert way_out in line
+
+
+def test_least_length_over_the_wanted_one_is_refused():
+    target = CITIES["targets"][0] | {"min_session_s": 50.0}
+    result = campaign(CITIES | {"targets": [target]})
+    assert result.exit_code == 2
+    assert "min_session_s: must lie in 1..40" in result.stderr
+
+
+def test_nothing_in_sight_is_no_error():
+    pole = {"mode": "ground", "latitude_deg": -89.0, "longitude_deg": 0.0}
+    result = campaign(CITIES | {"targets": [{"id": "Pole", "target": pole, "session_s": 10.0}]})
+    assert result.exit_code == 0, result.stderr
+    assert "can't be seen: Pole" in result.stdout
