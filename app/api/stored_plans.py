@@ -19,7 +19,7 @@ from app.store.jobs import Job
 from app.store.plans import StoredPlan
 from app.versions import VERSION
 
-# A day's table, the longest there is, took TODO s as CZML.
+# Enough for many times a pass; the longest table there is covers a day.
 EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 # Turning more than this of a packed table into JSON would hold the interpreter for long.
 _PACKED_MAX_BYTES = 200_000

@@ -48,7 +48,7 @@ def _iterations(made: Planned) -> int | None:
 
 PLAN = JobKind(
     name="plan",
-    # 200 sessions over a day, the most one request may ask for, took TODO.
+    # As SLEWTRACK_JOB_DEADLINE_S has it unless set, so that the operator decides.
     bounds=Bounds(deadline_s=300.0, memory_mib=2000),
     work=planned,
     store=_store_plan,
