@@ -302,12 +302,13 @@ def _part_ended(connection: Connection, whole_id: str) -> None:
     ).one()
     whole = _job(row)
     grouped = connection.execute(
-        select(JobRow.state.in_(OPEN_STATES), func.count())
+        select(JobRow.state, func.count())
         .where(JobRow.parent_id == whole_id)
-        .group_by(JobRow.state.in_(OPEN_STATES))
+        .group_by(JobRow.state)
     )
-    counted = {bool(is_open): count for is_open, count in grouped}
-    done, left = counted.get(False, 0), counted.get(True, 0)
+    counted = {state: int(count) for state, count in grouped}
+    left = sum(counted.get(state, 0) for state in OPEN_STATES)
+    done = sum(counted.values()) - left
     told = {"stage": "plans", "done": done, "of": done + left}
     events.record(connection, whole_id, events.PROGRESS, told)
     if not left:
