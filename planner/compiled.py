@@ -1,18 +1,35 @@
-"""How is a numerical kernel compiled without losing its type?"""
+"""How is a numerical kernel compiled without losing its type, or the last edit?"""
 
+import hashlib
+import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import TypeVar, cast
 
 import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
+_ROOMS = ("spacecraft", "schedule")  # which have kernels
+
+
+def _digest(planner: Path) -> str:
+    sources = [planner / "compiled.py"]
+    for room in _ROOMS:
+        sources += sorted((planner / room).glob("*.py"))
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
+
+
+# Numba compiles anew what was edited but not its callers in other files, which would go on
+# flying the old code: each state of the sources has a cache of its own.
+_HERE = Path(__file__).parent
+_CACHE = Path(os.environ.get("NUMBA_CACHE_DIR", _HERE / "__pycache__"))
+numba.config.CACHE_DIR = str(_CACHE / _digest(_HERE))
+
 
 def compiled(function: F) -> F:
     """Compile to machine code at the first call, cached on disk, free of the interpreter lock.
 
-    Numba recompiles what was edited, not its callers in other files: after editing a kernel,
-    remove the caches (`__pycache__`).  Divisions follow IEEE 754
-    (Python's check of each divisor costs a sixth of a flight's time).
+    Divisions follow IEEE 754 (Python's check of each divisor costs a sixth of a flight's time).
     """
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
