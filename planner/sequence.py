@@ -222,7 +222,9 @@ class _Sequence:
         barred = self._barred.get((id(stand.way), id(way)), set())
         if (leave_row, join_row) in barred or len(barred) >= TRIES_PER_PAIR:
             return False
-        if not leave_row < join_row or not self._leaves_something(stand, way, leave_row, join_row):
+        if not stand.join_row <= leave_row < join_row or not self._leaves_something(
+            stand, way, leave_row, join_row
+        ):
             return False
         later = replace(way, rows=replace(way.rows, start=join_row))
         return may_be_slewed(self.scenario, later, leave_row, stand.state(leave_row))

@@ -147,6 +147,14 @@ def test_a_session_that_would_lose_everything_is_refused_with_the_reason(first, 
     assert mode not in {offer.on_conflict for offer in refused.value.give_up}
 
 
+def test_before_the_first_session_there_is_nothing_to_shorten():
+    asked = scenario(session(LAS_VEGAS, 140.0, 170.0), epoch_s=135, on_conflict="shorten_earlier")
+    with pytest.raises(InfeasibleSlew) as refused:
+        make_plan(asked)
+    assert replanned(asked, refused.value).verification.passed
+    assert "shorten_earlier" not in {offer.on_conflict for offer in refused.value.give_up}
+
+
 def test_what_a_refused_sequence_offers_is_what_planning_so_loses():
     with pytest.raises(InfeasibleSlew) as refused:
         make_plan(scenario(*TIGHT[:2]))
