@@ -75,7 +75,7 @@ def _store_campaign(connection: Connection, job: Job, made: Chosen) -> JobState:
 
 CAMPAIGN = JobKind(
     name="campaign",
-    # 1,000 targets over 7 days, the most one request may ask for, took 48 s of a core, 1.5 GB.
+    # 1,000 targets over 7 days, the most one request may ask for, took 48 s of a core and 0.8 GB.
     bounds=Bounds(deadline_s=600.0, memory_mib=4000),
     work=choose,
     store=_store_campaign,
