@@ -24,7 +24,7 @@ def _digest(planner: Path) -> str:
 # flying the old code: each state of the sources has a cache of its own.
 _HERE = Path(__file__).parent
 _CACHE = Path(os.environ.get("NUMBA_CACHE_DIR", _HERE / "__pycache__"))
-numba.config.CACHE_DIR = str(_CACHE / _digest(_HERE))
+numba.config.CACHE_DIR = str(_CACHE / _digest(_HERE))  # type: ignore[attr-defined]  # set as it is loaded
 
 
 def compiled(function: F) -> F:
