@@ -1,19 +1,24 @@
-"""What must an axis do first, and last, because its rate is about to pass its limit?
+"""What must an axis do first, and last, because it is about to pass its rate limit or a stop?
 
 An acceleration towards the rate limit leaves an axis that is near it no choice: the jerk must
-take the acceleration back.  Doing so in whole rows of the command table leaves a slew between
-two ordinary states, and all three parts can be flown from rows exactly.
+take the acceleration back; nor does a rate towards a stop, which must be braked.  Doing so in
+whole rows of the command table leaves a slew between two ordinary states, and all three parts
+can be flown from rows exactly.
 """
 
 import math
 from dataclasses import dataclass
+
+import numpy as np
 
 from planner.commands import COMMAND_STEP_S
 from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
 from planner.slew.quickest import profile_from_jerk
 from planner.slew.solution import AxisProfile, chained
+from planner.slew.stops import hardest_jerks, mirrored, stop_margin_rad
 
+NEAR_STOP_S = 5.0  # at the rate limit: with more way in hand the axis is free
 NEAR_SHARE = 0.1  # of the rate limit: with more in hand the axis is free
 ROUNDING = 1e-9
 
@@ -68,7 +73,7 @@ def _braking(state: AxisState, limits: AxisLimits, near_share: float) -> AxisPro
     jerk_max = limits.jerk_max_rad_s3
     spare = room - acceleration**2 / (2.0 * jerk_max)
     if acceleration == 0.0 or spare > near_share * limits.rate_max_rad_s:
-        return None
+        return _stopping(state, limits, near_share)
     rows = math.floor(2.0 * room / acceleration / COMMAND_STEP_S + ROUNDING)
     jerk = acceleration / (rows * COMMAND_STEP_S) if rows else math.inf
     if jerk > jerk_max * (1.0 + ROUNDING):
@@ -77,12 +82,25 @@ def _braking(state: AxisState, limits: AxisLimits, near_share: float) -> AxisPro
     return profile_from_jerk(state, [(rows * COMMAND_STEP_S, -sign * jerk)])
 
 
+def _stopping(state: AxisState, limits: AxisLimits, near_share: float) -> AxisProfile | None:
+    """As hard as it can, until the axis no longer moves towards the stop; None: it is far."""
+    near_rad = near_share * NEAR_STOP_S * limits.rate_max_rad_s
+    if stop_margin_rad(state, limits) > near_rad:
+        return None
+    sign = math.copysign(1.0, state.rate_rad_s)
+    towards = state if sign > 0.0 else mirrored(state)
+    jerks = [sign * jerk for _, jerk in hardest_jerks(towards, limits)]
+    return profile_from_jerk(state, [(COMMAND_STEP_S, jerk) for jerk in jerks])
+
+
 def _end_state(profile: AxisProfile) -> AxisState:
     angle, rate, acceleration, _ = profile.end_values[1].tolist()
     return AxisState(angle_rad=angle, rate_rad_s=rate, acceleration_rad_s2=acceleration)
 
 
 def _backwards(profile: AxisProfile) -> AxisProfile | None:
-    """One piece of constant jerk with time running backwards."""
-    jerk = float(profile.end_values[0, 3])
-    return profile_from_jerk(_end_state(profile).reversed(), [(profile.duration_s, -jerk)])
+    """Pieces of constant jerk with time running backwards."""
+    jerks = profile.coefficients[::-1, 3] * -6.0
+    widths = np.diff(profile.breakpoints_s)[::-1]
+    phases = list(zip(widths.tolist(), jerks.tolist(), strict=True))
+    return profile_from_jerk(_end_state(profile).reversed(), phases)

@@ -1,6 +1,7 @@
 """Can an axis in a given state still keep its hard stops and its rate limit?"""
 
 import math
+from collections.abc import Iterator
 
 from planner.commands import COMMAND_STEP_S
 from planner.platforms import AxisLimits
@@ -14,7 +15,7 @@ def stop_margin_rad(state: AxisState, limits: AxisLimits) -> float:
     No other motion within the limits reaches less far.
     """
     above = limits.angle_max_rad - state.angle_rad - _overshoot_rad(state, limits)
-    below = state.angle_rad - limits.angle_min_rad - _overshoot_rad(_mirrored(state), limits)
+    below = state.angle_rad - limits.angle_min_rad - _overshoot_rad(mirrored(state), limits)
     return min(above, below)
 
 
@@ -33,36 +34,45 @@ def margins_on_rows(state: AxisState, limits: AxisLimits) -> tuple[float, float]
     limit allow: no other motion on rows is slower, or less far, at any instant.
     """
     up = _hardest_on_rows(state, limits)
-    down = _hardest_on_rows(_mirrored(state), limits)
+    down = _hardest_on_rows(mirrored(state), limits)
     return (
         min(limits.angle_max_rad - up[0], -down[0] - limits.angle_min_rad),
         limits.rate_max_rad_s - max(up[1], down[1]),
     )
 
 
+def hardest_jerks(state: AxisState, limits: AxisLimits) -> Iterator[tuple[AxisState, float]]:
+    """Row by row, the state and the jerk that brakes a way upwards hardest, until it is over."""
+    h = COMMAND_STEP_S
+    q, v, a = state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2
+    while v > 0.0 or a > 0.0:
+        jerk = max(-limits.jerk_max_rad_s3, (-limits.acceleration_max_rad_s2 - a) / h)
+        yield AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a), jerk
+        q += h * (v + h * (a / 2.0 + h * jerk / 6.0))
+        v += h * (a + h * jerk / 2.0)
+        a += h * jerk
+
+
 def _hardest_on_rows(state: AxisState, limits: AxisLimits) -> tuple[float, float]:
     """The greatest angle and rate of an axis that brakes its way upwards in whole rows."""
-    h, jerk_max = COMMAND_STEP_S, limits.jerk_max_rad_s3
-    q, v, a = state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2
-    farthest, fastest = q, v
-    while v > 0.0 or a > 0.0:
-        jerk = max(-jerk_max, (-limits.acceleration_max_rad_s2 - a) / h)
+    h = COMMAND_STEP_S
+    farthest, fastest = state.angle_rad, state.rate_rad_s
+    for row, jerk in hardest_jerks(state, limits):
+        q, v, a = row.angle_rad, row.rate_rad_s, row.acceleration_rad_s2
         if a > 0.0:
             peak = min(h, -a / jerk)
             fastest = max(fastest, v + peak * (a + peak * jerk / 2.0))
-        q_end = q + h * (v + h * (a / 2.0 + h * jerk / 6.0))
-        v_end = v + h * (a + h * jerk / 2.0)
-        if v_end <= 0.0 < fastest:
+        stop = h
+        if v + h * (a + h * jerk / 2.0) <= 0.0 < fastest:
             # The rate is concave: after its peak it has one root, here without cancellation.
             root = math.sqrt(max(a * a - 2.0 * jerk * v, 0.0))
-            rest = (a + root) / -jerk if a > 0.0 else 2.0 * v / (root - a)
-            farthest = max(farthest, q + rest * (v + rest * (a / 2.0 + rest * jerk / 6.0)))
-        q, v, a = q_end, v_end, a + h * jerk
-        farthest = max(farthest, q)
+            stop = (a + root) / -jerk if a > 0.0 else 2.0 * v / (root - a)
+        farthest = max(farthest, q + stop * (v + stop * (a / 2.0 + stop * jerk / 6.0)))
     return farthest, fastest
 
 
-def _mirrored(state: AxisState) -> AxisState:
+def mirrored(state: AxisState) -> AxisState:
+    """The same with the axis turned round."""
     return AxisState(
         angle_rad=-state.angle_rad,
         rate_rad_s=-state.rate_rad_s,

@@ -66,6 +66,25 @@ def test_what_cannot_be_braked_is_refused_before_anything_else(state, limit):
     assert "alpha" not in refused.value.detail
 
 
+@pytest.mark.parametrize("spare_deg", [1e-6, 1e-3, 3e-3, 0.03, 0.3])
+@pytest.mark.parametrize(("jerk_deg_s3", "rate_deg_s"), [(1.0, 2.0), (2.3, -1.2), (9.0, 0.3)])
+@pytest.mark.parametrize("leads", [True, False])
+def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, leads):
+    limits = replace(LIMITS, jerk_max_rad_s3=np.radians(jerk_deg_s3))
+    still = deg_state(0.0, abs(rate_deg_s))
+    way_deg, _ = stepped_deg(still, limits)
+    sign = np.sign(rate_deg_s)
+    moving = deg_state(sign * (175.0 - way_deg - spare_deg), rate_deg_s)
+    start, end = (moving, deg_state(35.0)) if leads else (deg_state(35.0), moving.reversed())
+    problem = SlewProblem(
+        axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=140.0
+    )
+    [profile] = flown(BACKENDS["ocp"].solve(problem, SlewOptions())).profiles
+    for values, (low, high) in zip(sampled(profile), bounds(limits), strict=True):
+        assert values.min() >= low - ROUNDING * (high - low)
+        assert values.max() <= high + ROUNDING * (high - low)
+
+
 def stepped_deg(state, limits):
     """The greatest angle and rate upwards, from samples of 0.1 ms of each row."""
     jerk_max = np.degrees(limits.jerk_max_rad_s3)
