@@ -99,7 +99,8 @@ class _Search:
     def priced(self, tell: Reporter) -> Array:
         """Prices at which the bound is about least; improves the choice on the way."""
         looking = self._looking
-        best_price: Array = looking.worth.max(axis=1)  # at which nothing gains: all looks at their best
+        # At these nothing gains: all looks at their best.
+        best_price: Array = looking.worth.max(axis=1)
         price = np.zeros_like(best_price)
         step, waited = 1.0, 0
         for done in range(ROUNDS_MAX):
