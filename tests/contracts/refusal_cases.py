@@ -156,7 +156,7 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
     ("below the elevation asked for", lambda: request((f"{TARGET}.min_elevation_deg", 89.0)),
      "not-visible", "sessions.0.start", "89 deg"),
     ("out of reach", lambda: request(("platform", _stiff_platform())), "unreachable",
-     "sessions.0.start", "-2.00 deg"),
+     "sessions.0.start", "its stop at -2 deg"),
     ("a sliver of time", lambda: request(("initial_state.epoch", "2015-02-27T17:36:19.4Z")),
      "infeasible-slew", "sessions.0.start", "earliest"),
 ]  # fmt: skip
