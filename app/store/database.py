@@ -68,7 +68,14 @@ def open_database(database_url: str, data_dir: Path) -> Database:
 
 def _engine(url: URL) -> Engine:
     if url.drivername != "sqlite":
-        return create_engine(url, pool_size=_POOLED, max_overflow=_POOLED_MORE, pool_pre_ping=True)
+        return create_engine(
+            url,
+            pool_size=_POOLED,
+            max_overflow=_POOLED_MORE,
+            pool_pre_ping=True,
+            # Else a database made as SQL_ASCII answers in bytes.
+            connect_args={"client_encoding": "utf8"},
+        )
     engine = create_engine(
         url,
         pool_size=_POOLED,
