@@ -113,7 +113,14 @@ def plan(
             )
             _write(json, answer)
         if plot:
-            from app.figure import draw_plan
+            try:
+                from app.figure import draw_plan
+            except ModuleNotFoundError as missing:
+                raise InvalidInput(
+                    f"drawing needs {missing.name}, which isn't installed: install "
+                    "slewtrack[plot], or leave it out",
+                    field="--plot",
+                ) from None
 
             _write(plot, draw_plan(made, plot.suffix.lstrip(".") or "png"))
 

@@ -7,6 +7,7 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
+from sqlalchemy.exc import OperationalError
 
 from app.store.database import Database
 from planner.errors import InvalidInput
@@ -18,12 +19,17 @@ _LOCK = 0x736C6577  # "slew": any number that nobody else locks
 def upgrade(database: Database) -> None:
     """Bring it up to date; services that start together do so one after the other.
 
-    Raises InvalidInput for a database of a later version.
+    Raises InvalidInput for a database of a later version, or that doesn't answer.
     """
-    with database.writing() as connection:
-        if connection.dialect.name == "postgresql":
-            connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})
-        _upgrade(connection)
+    try:
+        with database.writing() as connection:
+            if connection.dialect.name == "postgresql":
+                connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})
+            _upgrade(connection)
+    except OperationalError as error:
+        raise InvalidInput(
+            f"the database can't be used: {error.orig}", field="SLEWTRACK_DATABASE_URL"
+        ) from error
 
 
 def _upgrade(connection: Connection) -> None:

@@ -17,6 +17,7 @@ from sqlalchemy import text, update
 from sqlalchemy.exc import DatabaseError
 
 from app.store import audit, events, jobs, models_security, plans
+from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.migrate import upgrade
 from app.store.models import JobRow, PlanRow
@@ -59,6 +60,12 @@ def test_a_database_of_a_later_version_is_left_alone(database):
         connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(InvalidInput, match="later version"):
         upgrade(database)
+
+
+def test_a_database_that_doesnt_answer_is_named(tmp_path):
+    nobody = open_database("postgresql+psycopg://nobody@127.0.0.1:1/none", tmp_path)
+    with pytest.raises(InvalidInput, match="can't be used"):
+        upgrade(nobody)
 
 
 def test_ids_sort_by_time():
