@@ -18,6 +18,9 @@ Polygon = tuple[tuple[float, float], ...]
 
 MAX_SIDE_PX = 16384
 _NEWTON_STEPS = 12
+# Within 1 %, evenly.
+_PHOTOGRAPHED_SIGMA = 0.01 / np.sqrt(3.0)
+_LEAST_KNOWN_SIGMA = 0.05
 _CONVERGED = 1e-9  # of the focal length: 1e-5 px at most
 
 
@@ -25,7 +28,10 @@ _CONVERGED = 1e-9  # of the focal length: 1e-5 px at most
 class HorizonCamera:
     """One camera as calibrated, and how it sits on the body.
 
-    mask: polygons in pixels that hide the craft's own structure.
+    mask: polygons in pixels that hide the craft's own structure.  lens_sigma: how well the lens is
+    known, the 1-sigma of its focal length, and of its distortion at the image's corner, as
+    fractions.  None: perfectly, but for frames stored as photographs, whose lenses are taken as
+    known to within 1 %.
     """
 
     name: str
@@ -38,6 +44,7 @@ class HorizonCamera:
     distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
     q_camera_from_body_xyzw: tuple[float, float, float, float]
     mask: tuple[Polygon, ...] = ()
+    lens_sigma: float | None = None
 
     def __post_init__(self) -> None:
         for field in ("width_px", "height_px"):
@@ -58,12 +65,7 @@ class HorizonCamera:
             )
         if any(len(polygon) < 3 or not np.all(np.isfinite(polygon)) for polygon in self.mask):
             raise ValueError("mask: each polygon needs at least three finite [x, y] corners")
-        border = _border_px(self.width_px, self.height_px)
-        if not np.all(np.isfinite(_undistorted(self, border))):
-            raise ValueError(
-                f"distortion {list(self.distortion)} folds the image over before its edge; "
-                "give coefficients that stay monotone out to the corners"
-            )
+        _check_lens(self)
 
     @property
     def q_camera_from_body(self) -> Rotation:
@@ -88,15 +90,30 @@ class HorizonCamera:
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
         return np.asarray(rays @ self._c_camera_from_body)
 
+    def bends_body(self, rays_body: Floats, photographed: bool) -> Floats:
+        """How rays (n, 3) change with 1-sigma of focal length and distortion, (n, 3, 2)."""
+        sigma = self.lens_sigma
+        if sigma is None:
+            sigma = _PHOTOGRAPHED_SIGMA if photographed else 0.0
+        ray = rays_body @ self._c_camera_from_body.T
+        if sigma == 0.0:
+            return np.zeros((len(ray), 3, 2))
+        # Along the image plane, for points of the frame: r at unit depth, times r or r^3.
+        outward = np.column_stack([ray[:, :2], np.zeros(len(ray))]) * -sigma
+        far2 = (np.hypot(ray[:, 0], ray[:, 1]) / (ray[:, 2] * self._reach)) ** 2
+        bent = np.stack([outward, far2[:, None] * outward], axis=2)
+        return np.asarray(np.einsum("ij,nik->njk", self._c_camera_from_body, bent))
+
     def pixels(self, rays_body: Floats) -> Floats:
         """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""
         ray = rays_body @ self._c_camera_from_body.T
         with np.errstate(divide="ignore", invalid="ignore"):
             plane = np.where(ray[:, 2:] > 1e-3, ray[:, :2] / ray[:, 2:], np.nan)
         # Outside the corner's radius the polynomial may fold back into the image.
-        plane[np.hypot(plane[:, 0], plane[:, 1]) > 1.1 * self._reach] = np.nan
-        distorted, _ = _distorted(plane, self.distortion)
-        return distorted * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
+        plane[np.sum(plane**2, axis=1) > (1.1 * self._reach) ** 2] = np.nan
+        if any(self.distortion):
+            plane = _distorted(plane, self.distortion)[0]
+        return plane * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
 
     def sees(self, pixel: Floats, margin_px: float = 0.0) -> NDArray[np.bool_]:
         """Which pixels (n, 2) lie in the image, at least the margin from its edge."""
@@ -116,6 +133,19 @@ class HorizonCamera:
     @property
     def boresight_body(self) -> Floats:
         return np.asarray(self._c_camera_from_body[2])
+
+
+def _check_lens(camera: HorizonCamera) -> None:
+    if camera.lens_sigma is not None and not 0.0 <= camera.lens_sigma <= _LEAST_KNOWN_SIGMA:
+        raise ValueError(
+            f"lens_sigma must lie in 0..{_LEAST_KNOWN_SIGMA:g}, not {camera.lens_sigma}"
+        )
+    border = _border_px(camera.width_px, camera.height_px)
+    if not np.all(np.isfinite(_undistorted(camera, border))):
+        raise ValueError(
+            f"distortion {list(camera.distortion)} folds the image over before its edge; "
+            "give coefficients that stay monotone out to the corners"
+        )
 
 
 def _distorted(plane: Floats, distortion: tuple[float, ...]) -> tuple[Floats, Floats]:

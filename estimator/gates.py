@@ -17,11 +17,13 @@ Floats = NDArray[np.float64]
 
 MIN_ARC_RAD = np.deg2rad(5.0)
 MIN_ARC_OF_ALL_RAD = np.deg2rad(10.0)
-_INLIER_SIGMA = 3.0
+# Less than this any blurred ellipse can match; only a predicted attitude vouches for less.
+MIN_ARC_UNPREDICTED_RAD = np.deg2rad(30.0)
+_INLIER_SIGMA = 3.4
 _MIN_SHARE_OF_ARC = 0.35
 _MIN_INLIERS = 0.60
 # Rms residual over what the limb's roughness and the noise make: a wrong shape has more.
-_MAX_MISFIT = 1.2
+_MAX_MISFIT = 1.35
 _MIN_CONTRAST = 0.35
 _MAX_WIDTH_M = 28e3
 _MAX_WIDTH_PX = 4.0

@@ -26,12 +26,12 @@ from estimator.nadir import columns_per_patch
 
 Floats = NDArray[np.float64]
 
-_SCATTER = 0.05  # of brightness from one 5 deg of limb to the next: dust, thin cloud
+_SCATTER = 0.035  # of brightness from one 5 deg of limb to the next: dust, thin cloud
 _EVENED, _EVENED_SIGMA = 0.75, 0.25  # contrast left of single scattering
 _DARKENED, _DARKENED_SIGMA = 0.25, 0.3  # of cos^4: lenses are flat-fielded, or nearly, or not
 _FORWARD = 0.65  # mean cosine of dust's scattering
 _DUST, _DUST_SIGMA = 0.15, 0.15  # its light against the air's, if it scattered evenly
-_DECODED_SHARE = 0.1  # the curve that is undone is rarely the whole of what a camera did
+_DECODED_SHARE = 0.05  # the curve that is undone is rarely the whole of what a camera did
 _FREE_EXPOSURE = 3.0
 _OUTLIER = 3.0
 _FEWEST = 16

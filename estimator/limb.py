@@ -37,7 +37,8 @@ class LimbPoints:
     """The limb as one camera shows it, along the columns where it should be visible.
 
     found (n,): columns with an edge; the other arrays have an entry for every column, and
-    mean something only where found.  ray_body (n, 3): towards the limb.  sigma_rad (n,): noise
+    mean something only where found.  ray_body (n, 3): towards the limb.  bent_body (n, 3, 2): how
+    it changes with 1-sigma of the lens's focal length and distortion.  sigma_rad (n,): noise
     of the edge alone.  width_m (n,): 1-sigma width of the edge at the limb.  contrast (n,):
     (within - beyond) / (within + beyond).  behind (n,): brightness 45 km further in, or at the
     window's end, against the brightest on the way.  step_rad: azimuth per column.
@@ -47,6 +48,7 @@ class LimbPoints:
     """
 
     ray_body: Floats
+    bent_body: Floats
     pixel: Floats
     azimuth_rad: Floats
     found: NDArray[np.bool_]
@@ -166,6 +168,7 @@ def find_limb(
     sigma_px = np.hypot(noise / smooth_px / curve, 0.03)
     return LimbPoints(
         ray_body=ray,
+        bent_body=camera.bends_body(ray, frame.decoded),
         pixel=pixel,
         azimuth_rad=azimuth,
         found=found & np.isfinite(ray[:, 0]),
@@ -263,6 +266,7 @@ def _nothing(step_rad: float) -> LimbPoints:
     no = np.zeros(0, dtype=bool)
     return LimbPoints(
         ray_body=np.zeros((0, 3)),
+        bent_body=np.zeros((0, 3, 2)),
         pixel=np.zeros((0, 2)),
         azimuth_rad=none,
         found=no,

@@ -53,14 +53,14 @@ class Limb:
     def directions_itrf(self, azimuth_rad: Floats, height_m: float) -> Floats:
         """The limb at azimuths (n,), shape (n, 3)."""
         cone = self.cone(height_m)
-        across = np.cos(azimuth_rad)[:, None] * self.axes_itrf[0]
-        across = across + np.sin(azimuth_rad)[:, None] * self.axes_itrf[1]
+        across = np.column_stack([np.cos(azimuth_rad), np.sin(azimuth_rad)]) @ self.axes_itrf
         nn = self.nadir_itrf @ cone @ self.nadir_itrf
         ne = across @ cone @ self.nadir_itrf
-        ee = np.einsum("ni,ij,nj->n", across, cone, across)
+        ee = np.sum((across @ cone) * across, axis=1)
         tangent = (-ne - np.sqrt(ne**2 - nn * ee)) / ee
         direction = self.nadir_itrf + tangent[:, None] * across
-        return np.asarray(direction / np.linalg.norm(direction, axis=1, keepdims=True))
+        # Nadir and the level direction are square to each other.
+        return np.asarray(direction / np.sqrt(1.0 + tangent**2)[:, None])
 
     def azimuth_rad(self, direction_itrf: Floats) -> Floats:
         """Azimuths of directions (n, 3), shape (n,)."""

@@ -3,7 +3,8 @@
 Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb, with
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb
 hardly shows it), the limb's height, how strongly it rises under a low Sun, how it leans along
-the Sun's azimuth and bends across it, and the same of each overexposed camera by itself.
+the Sun's azimuth and bends across it, the same of each overexposed camera by itself, and each
+camera's focal length and distortion where nobody measured them.
 The limb's roughness is common to neighbouring columns: n columns within 5 deg of azimuth
 carry the information of one.
 Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
@@ -20,12 +21,13 @@ from estimator.limb_height import sun_rise_m
 
 Floats = NDArray[np.float64]
 
-ROUGHNESS_M = 0.9e3
+ROUGHNESS_M = 0.8e3
 CORRELATED_RAD = np.deg2rad(5.0)
 _TUKEY = 4.685
 _STEPS = 8
 _CONVERGED_RAD = 2e-6  # 0.4 arcsec
 _SETTLED = 1e-3  # of what was known beforehand
+_SLICE, _SLICES = 0.75, 2  # width in sigmas, and how many to each side
 _STILL_RAD = 1e-3  # a step that moves no lift by more than a few metres
 
 # How far the limb's rise under a low Sun may differ from its model: as a whole, which the
@@ -60,10 +62,10 @@ class Prior:
 
 @dataclass(frozen=True)
 class Fit:
-    """c_body_from_itrf (3, 3), limb height, and the covariance (7 + 3 k, 7 + 3 k) of tilt about
-    the limb's east and north axes, turn about nadir (rad), height (m), the rise under a low Sun
-    over its model, the limb's lean and bend by the Sun's azimuth (m), and by how much k
-    overexposed cameras' limbs are higher, lean and bend (m).
+    """c_body_from_itrf (3, 3), limb height, and the covariance of tilt about the limb's east and
+    north axes, turn about nadir (rad), height (m), the rise under a low Sun over its model, the
+    limb's lean and bend by the Sun's azimuth (m), by how much overexposed cameras' limbs are
+    higher, lean and bend (m), and unmeasured lenses' focal lengths and distortions.
 
     residual_rad: per camera, over its columns, NaN where nothing was found.
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood.
@@ -112,12 +114,13 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
     crowd = np.concatenate([columns_per_patch(p)[p.found] for p in used])
     clipped = _clipped_columns(used)
+    bent_body = _bent(used)
     axes = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
     by_m = (limb.cone(prior.height_m + 50.0) - limb.cone(prior.height_m - 50.0)) / 100.0
     c = c_body_from_itrf.copy()
     # Besides the tilts: turn, height, and what lifts the limb from place to place.
-    expected, sigma = _expected(prior, clipped.shape[1])
+    expected, sigma = _expected(prior, clipped.shape[1], bent_body.shape[2])
     free = expected.copy()
     known = sigma**-2
     # Out of this range it will be refused; within it, there is a limb to compare with.
@@ -127,8 +130,11 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
         d = ray_body @ c
         if moved > _STILL_RAD:
             lifts, rough_m = _lifts(d, clipped, limb, prior, float(free[1]))
-        residual, by_turn, by_height = _residuals(limb, by_m, d, float(free[1]), lifts @ free[2:])
-        jacobian = np.column_stack([by_turn @ axes.T, by_height, by_height[:, None] * lifts])
+        inside, by_ray, by_height = _inside(limb, by_m, d, float(free[1]))
+        by_lens = np.einsum("ni,nik->nk", by_ray @ c.T, bent_body)
+        own = np.column_stack([by_height[:, None] * lifts, by_lens])
+        jacobian = np.column_stack([np.cross(d, by_ray) @ axes.T, by_height, own])
+        residual = inside + own @ free[2:]
         one = np.hypot(edge_rad, rough_m / reach_m)
         weight = _tukey(residual, one, scale)
         scale = max(1.0, 1.4826 * float(np.median(np.abs(residual) / one)))
@@ -161,9 +167,35 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: P
     )
 
 
-def _expected(prior: Prior, overexposed: int) -> tuple[Floats, Floats]:
-    """Turn, height, rise, lean, bend and those of overexposed cameras beforehand, and 1-sigma."""
+def turned_within(result: Fit, limb: Limb) -> list[Fit]:
+    """A fit cut into slices of its own uncertainty about nadir, so that each may be judged.
+
+    Every slice has its share of that uncertainty left; its cost holds how far out it lies.
+    """
+    sigma_rad = float(np.sqrt(result.covariance[2, 2]))
+    gain = result.covariance[:, 2] / sigma_rad**2
+    across = result.covariance - np.outer(gain, gain) * sigma_rad**2
+    across += np.outer(gain, gain) * (_SLICE * sigma_rad) ** 2 / 12.0
+    axes = np.stack([*limb.axes_itrf, limb.nadir_itrf])
+    slices = []
+    for out in _SLICE * np.arange(-_SLICES, _SLICES + 1):
+        step = gain * out * sigma_rad
+        slices.append(
+            replace(
+                result,
+                c_body_from_itrf=result.c_body_from_itrf @ _rotation(axes.T @ step[:3]).T,
+                height_m=result.height_m + float(step[3]),
+                covariance=across,
+                cost=result.cost + float(out**2),
+            )
+        )
+    return slices
+
+
+def _expected(prior: Prior, overexposed: int, bends: int) -> tuple[Floats, Floats]:
+    """All unknowns but the tilts beforehand, and their 1-sigma; lenses' in units of theirs."""
     expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
+    expected += [0.0] * bends
     sigma = [
         prior.heading_sigma_rad,
         max(prior.height_sigma_m, 1.0),
@@ -171,6 +203,7 @@ def _expected(prior: Prior, overexposed: int) -> tuple[Floats, Floats]:
         prior.lean_sigma_m,
         prior.bend_sigma_m,
         *[_CLIPPED_M, _CLIPPED_LEAN_M, _CLIPPED_BEND_M] * overexposed,
+        *[1.0] * bends,
     ]
     return np.array(expected), np.array(sigma)
 
@@ -200,10 +233,19 @@ def _clipped_columns(used: list[LimbPoints]) -> Floats:
     return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 
-def _residuals(
-    limb: Limb, by_m: Floats, d: Floats, height: float, rise: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Angle of rays (n, 3) inside the limb, its derivatives by a turn (n, 3) and height (n,).
+def _bent(used: list[LimbPoints]) -> Floats:
+    """How found rays change with each unmeasured lens's unknowns, (n, 3, 2 k)."""
+    spread = []
+    for k, p in enumerate(used):
+        own = np.zeros((int(np.sum(p.found)), 3, 2 * len(used)))
+        own[:, :, 2 * k : 2 * k + 2] = p.bent_body[p.found]
+        spread.append(own)
+    bent = np.concatenate(spread)
+    return bent[:, :, np.any(bent, axis=(0, 1))]
+
+
+def _inside(limb: Limb, by_m: Floats, d: Floats, height: float) -> tuple[Floats, Floats, Floats]:
+    """Angle of rays (n, 3) inside the limb, its derivatives by the ray (n, 3) and height (n,).
 
     by_m: the cone's derivative by height, which changes by a thousandth over the limb's heights.
     """
@@ -211,10 +253,7 @@ def _residuals(
     value = np.sum(md * d, axis=1)
     slope = 2.0 * np.linalg.norm(md - value[:, None] * d, axis=1)
     by_height = np.sum((d @ by_m) * d, axis=1) / slope
-    (x, y, z), (u, v, w) = d.T, md.T
-    by_turn = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
-    by_turn *= 2.0 / slope[:, None]
-    return value / slope + by_height * rise, by_turn, by_height
+    return value / slope, md * (2.0 / slope)[:, None], by_height
 
 
 def columns_per_patch(points: LimbPoints) -> Floats:

@@ -118,6 +118,7 @@ def _ideal_points(
     no = np.zeros(len(azimuth), dtype=bool)
     return LimbPoints(
         ray_body=ray_body,
+        bent_body=camera.bends_body(ray_body, False),
         pixel=pixel,
         azimuth_rad=azimuth,
         found=lit,

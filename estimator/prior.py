@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 DAYLIGHT_LIMB_M = 17.5e3
 DAYLIGHT_LIMB_SIGMA_M = 4.0e3
 _BLUE_RISE_M = 3.5e3
-_BLUE_LIMB_SIGMA_M = 2.7e3
+_BLUE_LIMB_SIGMA_M = 2.4e3
 # Dust and ozone scatter and absorb differently towards the Sun and away from it: the limb's
 # height leans along the Sun's azimuth, which no image can tell from a tilt.  In grey, where dust
 # counts, it leans with the level part of the Sun's direction against the upright one; in blue,

@@ -10,6 +10,7 @@ from estimator.candidates import Edges, find_edges
 from estimator.errors import Reason
 from estimator.gates import (
     MIN_ARC_OF_ALL_RAD,
+    MIN_ARC_UNPREDICTED_RAD,
     CameraFit,
     darkness,
     is_dark_within,
@@ -25,7 +26,7 @@ from estimator.gates import (
 from estimator.heading import Sunlight, limb_brightness, limb_colour
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
-from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to
+from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to, turned_within
 from estimator.prior import air_scale_m
 from estimator.request import Surroundings
 from estimator.tone import fade_ratio, linear
@@ -262,7 +263,7 @@ def _all_headings(
     clues = _sunlight(views, points, search, nadir_body)
     costs = np.array([clues.cost(c, prior.height_m) for c in facing])
     facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
-    fits = [fit(points, limb, c, prior) for c in facing]
+    fits = [one for c in facing for one in turned_within(fit(points, limb, c, prior), limb)]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     cost = cost + [clues.cost(f.c_body_from_itrf, f.height_m) for f in fits]
     weight = np.exp(-0.5 * (cost - cost.min()))
@@ -327,7 +328,9 @@ def _verdict(horizon: Horizon, search: Search) -> Reason | None:
     good = [c for c in horizon.cameras if c.reason is None]
     if not good:
         return next(c.reason for c in horizon.cameras)
-    if sum(c.arc_rad for c in good) < MIN_ARC_OF_ALL_RAD:
+    predicted = search.heading_known or not search.daylight
+    least_rad = MIN_ARC_OF_ALL_RAD if predicted else MIN_ARC_UNPREDICTED_RAD
+    if sum(c.arc_rad for c in good) < least_rad:
         return Reason.SHORT_ARC
     if search.daylight:
         vague = judge_low_sun(horizon.best, search.around)
