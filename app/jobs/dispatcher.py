@@ -12,14 +12,15 @@ from datetime import UTC, datetime, timedelta
 from threading import Event, Lock, Thread
 from typing import Any
 
-from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+from sqlalchemy import Connection
+from sqlalchemy.exc import IntegrityError, OperationalError, SQLAlchemyError
 
 from app.jobs.disposable import Bounds, Stop
 from app.jobs.executors import SolveExecutor, Task
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.progress import Progress
 from app.jobs.refusals import QueueFull
-from app.jobs.settling import settle, take_up_again
+from app.jobs.settling import give_up, settle, take_up_again
 from app.jobs.states import OPEN_STATES, JobState
 from app.observability.logs import log
 from app.store import audit, events, jobs
@@ -29,7 +30,7 @@ from app.store.jobs import Claimed, Job, NewJob
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote
 PROGRESS_S = 0.5  # least time between two progress events of one job
 _PAUSE_S = 1.0  # when the database doesn't answer
-_STORE_TRIES = 6
+_STORE_PAUSES_S = (1.0, 2.0, 4.0, 8.0, 16.0)
 _PRUNE_S = 3600.0
 _PRUNED_AT_ONCE = 200
 
@@ -78,6 +79,7 @@ class Dispatcher:
         self._free = executor.workers
         self._running: dict[str, _Running] = {}
         self._wake = Event()
+        self._may_wait = True  # whether a look at the queue could find anything
         self._closing = False
         self._thread = Thread(target=self._keep_going, name="dispatcher", daemon=True)
         self._extended_s = self._pruned_s = time.monotonic()
@@ -111,7 +113,8 @@ class Dispatcher:
                 self._leave_place()
         if token is not None:
             self._begin(_Running(job=job, token=token), new.request)
-        self._wake.set()
+        elif not mine:
+            self._look_again()
         return job
 
     def _accepted(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
@@ -153,6 +156,10 @@ class Dispatcher:
         """
         running = self._running.get(job_id)
         return None if running is None else running.ended
+
+    def _look_again(self) -> None:
+        self._may_wait = True
+        self._wake.set()
 
     def _take_place(self) -> bool:
         with self._lock:
@@ -206,29 +213,47 @@ class Dispatcher:
                 iterations = None if result is None else running.kind.iterations(result)
                 self._on_end(running.job.kind, state, took_s, iterations)
         except Exception as error:  # noqa: BLE001 (its lease runs out, and it is taken up again)
-            log.error("a result couldn't be stored", job=running.job.id, exc_info=error)
+            log.error("the end couldn't be stored", job=running.job.id, exc_info=error)
         finally:
             with self._lock:
                 del self._running[running.job.id]
             self._leave_place()
-            self._wake.set()
             running.ended.set_result(state is not None and state not in OPEN_STATES)
+            # A look that finds nothing would only keep the answer waiting for the interpreter.
+            if self._may_wait or state in OPEN_STATES or running.job.parent_id is not None:
+                self._look_again()
 
     def _stored(self, running: _Running, done: Future[Any]) -> JobState | None:
-        """The state the job has now; None when it is no longer ours."""
-        for attempt in range(_STORE_TRIES):
+        """The state the job has now; None when it is no longer ours.
+
+        What no database takes would fail again at every attempt: it is given up at once.
+        """
+        most = self._rules.attempts_max
+        try:
+            return self._change(
+                running, lambda connection, job: settle(connection, job, running.kind, done, most)
+            )
+        except Exception as error:  # noqa: BLE001 (whatever it is, the job must end)
+            log.error("a result can't be stored", job=running.job.id, exc_info=error)
+            return self._change(running, give_up)
+
+    def _change(
+        self, running: _Running, change: Callable[[Connection, Job], JobState]
+    ) -> JobState | None:
+        """What `change` makes of a job that is still ours, the database willing in the end."""
+        for pause_s in (*_STORE_PAUSES_S, None):
             try:
                 with self._database.writing() as connection:
                     job = jobs.owned(connection, running.token)
                     if job is None:
                         log.warning("a lease was lost", job=running.job.id)
                         return None
-                    return settle(connection, job, running.kind, done, self._rules.attempts_max)
-            except SQLAlchemyError as error:
-                if attempt == _STORE_TRIES - 1:
+                    return change(connection, job)
+            except OperationalError as error:
+                if pause_s is None:
                     raise
                 log.warning("a result can't be stored yet", job=running.job.id, error=repr(error))
-                time.sleep(_PAUSE_S * 2**attempt)
+                time.sleep(pause_s)
         raise AssertionError
 
     # The thread
@@ -239,8 +264,8 @@ class Dispatcher:
                 self._take_up()
                 self._look_after()
                 self._prune()
-            except SQLAlchemyError as error:
-                log.error("the database doesn't answer", exc_info=error)
+            except Exception as error:  # noqa: BLE001 (nothing is worked on without this thread)
+                log.error("jobs can't be looked after", exc_info=error)
                 time.sleep(_PAUSE_S)
             self._wake.wait(POLL_S)
             self._wake.clear()
@@ -258,10 +283,12 @@ class Dispatcher:
             self._begin(_Running(job=claimed.job, token=claimed.token), claimed.request)
 
     def _is_work_waiting(self) -> bool:
+        self._may_wait = True
         if self._free <= 0:
             return False
         with self._database.reading() as connection:
-            return jobs.is_work_waiting(connection, tuple(JOB_KINDS))
+            self._may_wait = jobs.is_work_waiting(connection, tuple(JOB_KINDS))
+        return self._may_wait
 
     def _claimed(self) -> Claimed | None:
         """The next job that is to be worked on."""

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from multiprocessing import connection, forkserver
 from multiprocessing.connection import Connection
 from pathlib import Path
-from threading import Lock, Thread
+from threading import Lock, Timer
 from typing import Any, ClassVar, TypeVar
 
 from app.jobs.progress import Progress, report_through
@@ -33,6 +33,9 @@ _IMPORTED = ["app.jobs.warm"]
 _MEBIBYTE = 2**20
 # A child that nothing is asked of for so long makes the server's pages it will write its own.
 _IDLE_S = 0.02
+# A spare is forked and warmed up, 60 ms of a processor, when the answer is out so that it takes
+# nothing from that; work as long as this leaves time enough meanwhile.
+_ANSWER_S, _LONG_S = 0.05, 0.25
 # Most time a child may take to begin: the first of all waits until the server is warm.
 _START_S = 120.0
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
@@ -143,7 +146,7 @@ class _Spares:
         """So many from now on; with 0 those that wait are thrown away."""
         self._count = count
         if count:
-            self.refill()
+            self.refill_after(0.0)
             return
         with self._lock:
             while self._ready:
@@ -160,11 +163,25 @@ class _Spares:
                 return child
             child.throw_away()  # it says something unasked: that it was killed
 
-    def refill(self) -> None:
-        """In the background."""
-        Thread(target=self._fill, name="spare children", daemon=True).start()
+    def refill_after(self, wait_s: float) -> Timer:
+        """In the background, unless cancelled before."""
+        timer = Timer(wait_s, self.refill)
+        timer.daemon = True
+        timer.start()
+        return timer
 
-    def _fill(self) -> None:
+    def replace(self, gone: _Child) -> None:
+        """In the background, when what was made of the child's answer is out, too."""
+        timer = Timer(_ANSWER_S, self._replace, (gone,))
+        timer.daemon = True
+        timer.start()
+
+    def _replace(self, gone: _Child) -> None:
+        gone.throw_away()
+        self.refill()
+
+    def refill(self) -> None:
+        """Fork what is missing."""
         with self._lock:
             while len(self._ready) < self._count:
                 self._ready.append(_Child())
@@ -207,6 +224,7 @@ def run_disposable(
     task = pickle.dumps((bounds, work, given))
     stop = stop or Stop()
     child = _spares.take()
+    refill = _spares.refill_after(_LONG_S)
     try:
         with stop.ending_by(child.kill):
             try:
@@ -218,8 +236,8 @@ def run_disposable(
             return value
     finally:
         child.kill()
-        # Taking a process apart takes milliseconds that nobody need wait for.
-        Thread(target=child.throw_away, name="end of a child", daemon=True).start()
+        refill.cancel()
+        _spares.replace(child)
 
 
 def _outcome(
@@ -230,7 +248,6 @@ def _outcome(
         if not child.line.poll(_START_S):
             raise ChildDied(f"it didn't begin within {_START_S:g} s")
         until_s = time.monotonic() + bounds.deadline_s
-        _spares.refill()  # now that there is nothing to do here but to wait
         while child.line.poll(max(until_s - time.monotonic(), 0.0)):
             kind, value = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our own child's)
             if kind == _DONE:

@@ -33,7 +33,7 @@ def dispatching(settings: Settings, database: Database, metrics: Metrics) -> Ite
         queue_max=settings.queue_max,
         retention_days=settings.retention_days,
     )
-    with spare_children(settings.workers + 0):
+    with spare_children(settings.workers):
         dispatcher = Dispatcher(database, _executor(settings), rules, on_end)
         dispatcher.start()
         try:

@@ -57,6 +57,12 @@ def take_up_again(connection: Connection, job: Job, attempts_max: int) -> JobSta
     return "failed"
 
 
+def give_up(connection: Connection, job: Job) -> JobState:
+    """Our failure, which no other attempt would mend."""
+    jobs.finish(connection, job, "failed", bug())
+    return "failed"
+
+
 def _stopped(connection: Connection, job: Job) -> JobState:
     if job.cancel_requested:
         jobs.finish(connection, job, "cancelled")

@@ -25,11 +25,8 @@ def record(
     connection: Connection, *, key_id: str | None, action: str, subject: str, detail: str = ""
 ) -> None:
     """In the transaction of the deed itself, so that there is neither without the other."""
-    connection.execute(
-        insert(AuditRow).values(
-            at_utc=datetime.now(UTC), key_id=key_id, action=action, subject=subject, detail=detail
-        )
-    )
+    row = {"key_id": key_id, "action": action, "subject": subject, "detail": detail}
+    connection.execute(insert(AuditRow), row | {"at_utc": datetime.now(UTC)})
 
 
 def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:

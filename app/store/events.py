@@ -5,11 +5,15 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import Connection, func, insert, select
+from sqlalchemy import Connection, bindparam, func, insert, select
 
 from app.store.models import EventRow
 
 STATE, PROGRESS = "state", "progress"
+_LAST = select(func.coalesce(func.max(EventRow.seq), 0)).where(
+    EventRow.job_id == bindparam("of_job")
+)
+_NEXT = insert(EventRow).values(seq=_LAST.scalar_subquery() + 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,16 +40,8 @@ def begin(connection: Connection, job_id: str, *states: Mapping[str, Any]) -> No
 
 def record(connection: Connection, job_id: str, kind: str, data: Mapping[str, Any]) -> None:
     """The next event of a job, whose row the transaction must have locked."""
-    last = connection.scalar(select(func.max(EventRow.seq)).where(EventRow.job_id == job_id))
-    connection.execute(
-        insert(EventRow).values(
-            job_id=job_id,
-            seq=(last or 0) + 1,
-            at_utc=datetime.now(UTC),
-            kind=kind,
-            data=dict(data),
-        )
-    )
+    row = {"job_id": job_id, "at_utc": datetime.now(UTC), "kind": kind, "data": dict(data)}
+    connection.execute(_NEXT, row | {"of_job": job_id})
 
 
 def after(connection: Connection, job_id: str, seq: int) -> list[Event]:

@@ -96,6 +96,7 @@ _COLUMNS = tuple(
     _UNWANTED.label(name) if name == "cancel_requested" else getattr(JobRow, name)
     for name in Job.__dataclass_fields__
 )
+_JOBS = select(*_COLUMNS)  # built once: that takes longer than SQLite needs to answer it
 
 
 def accept(connection: Connection, new: NewJob, lease_s: float | None = None) -> str | None:
@@ -131,15 +132,13 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
 
 def get(connection: Connection, job_id: str) -> Job | None:
     """By its id."""
-    row = connection.execute(select(*_COLUMNS).where(JobRow.id == job_id)).one_or_none()
+    row = connection.execute(_JOBS.where(JobRow.id == job_id)).one_or_none()
     return None if row is None else _job(row)
 
 
 def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
     """The job accepted under this key before."""
-    row = connection.execute(
-        select(*_COLUMNS).where(JobRow.idempotency == idempotency)
-    ).one_or_none()
+    row = connection.execute(_JOBS.where(JobRow.idempotency == idempotency)).one_or_none()
     return None if row is None else _job(row)
 
 
@@ -166,9 +165,7 @@ def latest(
         wanted.append(JobRow.state == state)
     if name is not None:
         wanted.append(JobRow.name.contains(name, autoescape=True))
-    found = connection.execute(
-        select(*_COLUMNS).where(*wanted).order_by(JobRow.id.desc()).limit(limit)
-    )
+    found = connection.execute(_JOBS.where(*wanted).order_by(JobRow.id.desc()).limit(limit))
     return [_job(row) for row in found]
 
 
@@ -190,10 +187,8 @@ def counts(connection: Connection) -> dict[tuple[str, str], int]:
 
 def is_work_waiting(connection: Connection, kinds: Collection[str]) -> bool:
     """Whether `claim` would find anything."""
-    return any(
-        connection.scalar(select(JobRow.id).where(*wanted).limit(1)) is not None
-        for wanted in _claimable(kinds)
-    )
+    either = or_(*(exists().where(*wanted) for wanted in _claimable(kinds)))
+    return bool(connection.scalar(select(either)))
 
 
 def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claimed | None:
@@ -261,7 +256,7 @@ def unwanted(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
 def owned(connection: Connection, token: str) -> Job | None:
     """The job of a lease that is still ours, locked until the transaction ends."""
     row = connection.execute(
-        select(*_COLUMNS).where(JobRow.lease_token == token).with_for_update()
+        _JOBS.where(JobRow.lease_token == token).with_for_update()
     ).one_or_none()
     return None if row is None else _job(row)
 
@@ -289,17 +284,13 @@ def wait_for_parts(connection: Connection, job: Job) -> None:
 
 def parts_of(connection: Connection, job_id: str) -> list[Job]:
     """Jobs that are parts of this one, the oldest first."""
-    found = connection.execute(
-        select(*_COLUMNS).where(JobRow.parent_id == job_id).order_by(JobRow.id)
-    )
+    found = connection.execute(_JOBS.where(JobRow.parent_id == job_id).order_by(JobRow.id))
     return [_job(row) for row in found]
 
 
 def _part_ended(connection: Connection, whole_id: str) -> None:
     # Locked before its parts are counted: of two that end together one sees the other.
-    row = connection.execute(
-        select(*_COLUMNS).where(JobRow.id == whole_id).with_for_update(of=JobRow)
-    ).one()
+    row = connection.execute(_JOBS.where(JobRow.id == whole_id).with_for_update(of=JobRow)).one()
     whole = _job(row)
     grouped = connection.execute(
         select(JobRow.state, func.count())
@@ -334,9 +325,7 @@ def _change(
 
 def cancel(connection: Connection, job_id: str) -> Job | None:
     """End a job in the queue; one that runs is marked for whoever works on it."""
-    row = connection.execute(
-        select(*_COLUMNS).where(JobRow.id == job_id).with_for_update()
-    ).one_or_none()
+    row = connection.execute(_JOBS.where(JobRow.id == job_id).with_for_update()).one_or_none()
     if row is None:
         return None
     job = _job(row)

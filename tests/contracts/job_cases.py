@@ -4,15 +4,18 @@ import os
 import signal
 import time
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+
+from sqlalchemy import Connection
 
 from app.jobs.disposable import Bounds
 from app.jobs.kinds import PLAN, JobKind
 from app.jobs.planned import Planned
+from app.jobs.states import JobState
 from app.store.ids import new_id
-from app.store.jobs import NewJob
+from app.store.jobs import Job, NewJob
 
 
 def made() -> Planned:
@@ -64,6 +67,12 @@ def fail(_: bytes) -> Planned:
     raise RuntimeError("secret /etc/passwd")
 
 
+def _store_twice(connection: Connection, job: Job, result: Planned) -> JobState:
+    """What no database takes."""
+    PLAN.store(connection, job, result)
+    return PLAN.store(connection, job, result)
+
+
 WORKS = (note, hang, die, die_once, hang_once, linger, fail)
 KINDS = {
     work.__name__: JobKind(
@@ -74,6 +83,7 @@ KINDS = {
     )
     for work in WORKS
 }
+KINDS["unstorable"] = replace(KINDS["note"], name="unstorable", store=_store_twice)
 
 
 @dataclass(frozen=True)

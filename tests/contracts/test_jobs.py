@@ -155,6 +155,19 @@ def test_a_bug_is_reported_without_its_text(database, tmp_path, caplog):
     assert any("secret" in str(record.__dict__) for record in caplog.records)
 
 
+def test_a_result_no_database_takes_ends_its_job(database, tmp_path, caplog):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("unstorable", notes.file))
+        found = ended(database, job.id)
+    assert found.state == "failed"
+    assert found.problem["type"].endswith("internal-error")
+    assert len(notes.pids()) == 1  # the next attempt would fail as this one did
+    with database.reading() as connection:
+        assert plans.get(connection, job.id) is None
+    assert any("can't be stored" in str(record.__dict__) for record in caplog.records)
+
+
 def test_two_services_do_each_job_once(database, tmp_path):
     files = [tmp_path / f"notes{number}" for number in range(12)]
     with ExitStack() as services:
