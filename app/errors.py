@@ -97,12 +97,19 @@ def _refusal(request: Request, refusal: Exception) -> Response:
     return problem_answer(request, problem_of(refusal))
 
 
+def _status(refusal: errors.Refusal) -> HTTPStatus:
+    """Of its kind, or of the kind it is a special case of."""
+    return next(
+        STATUS_OF_REFUSAL[kind] for kind in type(refusal).__mro__ if kind in STATUS_OF_REFUSAL
+    )
+
+
 def problem_of(refusal: errors.Refusal) -> dict[str, Any]:
     """A problem's members, but for the instance."""
     members = {
         "type": TYPE_PREFIX + refusal.slug,
         "title": refusal.title,
-        "status": STATUS_OF_REFUSAL[type(refusal)].value,
+        "status": _status(refusal).value,
         "detail": refusal.detail,
         "field": refusal.field,
         "axis": refusal.axis,

@@ -61,7 +61,7 @@ _OF_ALL = {
     ),
     431: Shown(
         when="The head of the request is too long",
-        detail=f"a request may have {HEADERS_MAX} header fields, not {HEADERS_MAX + 50}",
+        detail=f"a request may have {HEADERS_MAX} header fields; send fewer",
     ),
     500: Shown(
         when="The service failed; the request is not at fault",

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
-from pydantic import TypeAdapter
+from pydantic import BaseModel, TypeAdapter
 
 from app.api.job_response import JobResponse, PlanList, job_json, list_json
 from app.api.job_routes import PREFER, accepted, add_delete, add_events, no_such
@@ -79,10 +79,24 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         "",
         summary=f"Plan {resource.what}",
         status_code=HTTPStatus.CREATED,
-        response_model=resource.response,
+        response_model=_answer_in_json(resource),
         responses=_answers_to_post(resource),
         openapi_extra=request_body(resource.request_schema, resource.examples),
     )(post)
+
+
+class TableAlone(BaseModel, extra="allow"):
+    """The table by itself, as `format=json` asks: a list per column, and what they mean."""
+
+    name: str
+    epoch: str
+    step_s: float
+    t_s: list[float]
+    description: dict[str, Any]
+
+
+def _answer_in_json(resource: PlanResource) -> Any:  # noqa: ANN401 (a type, as FastAPI takes it)
+    return resource.response | TableAlone if "json" in resource.exporters else resource.response
 
 
 def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:

@@ -21,7 +21,7 @@ def require_sound_head(scope: Scope) -> None:
     if len(headers) > HEADERS_MAX:
         raise HTTPException(
             HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE,
-            f"a request may have {HEADERS_MAX} header fields, not {len(headers)}",
+            f"a request may have {HEADERS_MAX} header fields; send fewer",
         )
     if sum(len(name) + len(value) for name, value in headers) > HEAD_BYTES_MAX:
         raise HTTPException(

@@ -102,6 +102,7 @@ def _kinds_of_refusal(kind: type[Refusal]) -> set[type[Refusal]]:
 
 
 def test_every_refusal_has_a_status():
-    assert _kinds_of_refusal(Refusal) == set(STATUS_OF_REFUSAL)
+    told_apart = {kind for kind in _kinds_of_refusal(Refusal) if "slug" in vars(kind)}
+    assert told_apart == set(STATUS_OF_REFUSAL)
     slugs = [kind.slug for kind in STATUS_OF_REFUSAL]
     assert len(set(slugs)) == len(slugs)

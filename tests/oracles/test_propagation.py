@@ -125,7 +125,7 @@ def test_a_satellite_about_to_fall_is_refused():
         position_km=(6515.0, 0.0, 0.0),
         velocity_km_s=(0.0, 5.05, 5.99),
         mass_kg=1.0,
-        drag_area_m2=1.0,
+        drag_area_m2=0.45,
     )
     with pytest.raises(OutsideCoverage, match="falls below 100 km"):
         orbit.ephemeris(orbit.epoch, orbit.epoch + timedelta(hours=3))
