@@ -25,8 +25,9 @@ _MIN_INLIERS = 0.60
 # Rms residual over what the limb's roughness and the noise make: a wrong shape has more.
 _MAX_MISFIT = 1.35
 _MIN_CONTRAST = 0.35
-_MAX_WIDTH_M = 28e3
-_MAX_WIDTH_PX = 4.0
+# Daylight limbs, lens and smoothing included, make 7-14 km, also under a low Sun.
+_MAX_WIDTH_M = 20e3
+_MAX_WIDTH_PX = 3.0
 _BLACK = 0.02
 _LIT_BEHIND = 0.78
 _SATURATED_SHARE = 0.85

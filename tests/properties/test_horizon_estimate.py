@@ -99,30 +99,6 @@ def test_tone_curves_are_undone():
     assert coded.limb_height_m - light.limb_height_m < 2e3
 
 
-def below_limb_px(one):
-    """How far each pixel of the first camera's frame lies below the limb."""
-    around = Surroundings(one.request.epoch, one.request.position, one.request.body)
-    q = Rotation.from_quat(one.request.predicted.q_body_from_eci_xyzw)
-    limb_px = predict_horizon(one.request.cameras[0], around, q).limb_px
-    order = np.argsort(limb_px[:, 0])
-    y, x = np.mgrid[0:480, 0:640]
-    return y - np.interp(x, *limb_px[order].T)
-
-
-def test_a_disc_with_the_night_behind_is_no_earth(pair):
-    request = replace(pair.request, cameras=pair.request.cameras[:1])
-    # 60 px, 250 km of light: no airglow, but no Earth either.
-    crescent = np.where(below_limb_px(pair)[..., None] > 60.0, 3, pair.images[0])
-    answer = estimate_vertical([crescent.astype(np.uint8)], request)
-    assert answer.reason is Reason.GLOWING_LAYER
-
-
-def test_an_edge_sharper_than_air_is_no_limb(pair):
-    request = replace(pair.request, cameras=pair.request.cameras[:1])
-    drawn = np.where(below_limb_px(pair) > 0.0, 200, 5).astype(np.uint8)
-    assert estimate_vertical([drawn], request).reason is Reason.SHARP
-
-
 def test_one_camera_is_enough_and_says_so(pair):
     request = replace(pair.request, cameras=pair.request.cameras[:1])
     one = estimate_vertical(pair.images[:1], request)
