@@ -5,7 +5,7 @@
 against cone and limits on a 10 ms grid by other code than the planner's; its cost is held
 against the best of many restarts from random guesses.
 
-    python bench/keep_out.py [--count 200] [--restarts 12]
+    python bench/keep_out.py [--cases 0:200] [--restarts 12]
 """
 
 import argparse
@@ -25,9 +25,16 @@ from planner.slew.backends.ipopt import graded_ocp
 from planner.slew.detour import SPANS, cleared
 from planner.slew.detour_search import DetourSearch
 
+WITHIN = 1.01
+REPORT_EVERY = 10
 
-def best_of_restarts(case: Case, count: int, rng: np.random.Generator) -> float:
-    """The least cost from guesses that wander through the angles at random; infinite: none."""
+
+def best_of_restarts(case: Case, count: int, number: int) -> float:
+    """The least cost from guesses that wander through the angles at random; infinite: none.
+
+    number: of the case, so that a part of the cases sees the same guesses as all.
+    """
+    rng = np.random.default_rng([1, number])
     spline = graded_ocp(SPANS)
     tau = spline.greville
     costs = []
@@ -57,53 +64,77 @@ def flown_within(case: Case, solution: SlewSolution) -> tuple[float, float]:
     return outside, max(shares)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=200)
-    parser.add_argument("--restarts", type=int, default=12)
-    asked = parser.parse_args()
-    rng = np.random.default_rng(1)
-    solved_ms, refused_ms, outside_rad, shares, ratios = [], [], [], [], []
-    proven = undecided = found_by_restart = 0
-    cases = draw_cases(7, asked.count)
-    for case in draw_cases(8, 3):  # CasADi loads and the solver is set up once per process
-        with contextlib.suppress(InfeasibleSlew):
-            cleared(case.straight)
-    for case in cases:
+class Tally:
+    """What was seen so far."""
+
+    def __init__(self) -> None:
+        self.solved_ms: list[float] = []
+        self.refused_ms: list[float] = []
+        self.outside_rad: list[float] = []
+        self.shares: list[float] = []
+        self.ratios: list[float] = []
+        self.proven = self.undecided = self.found_by_restart = 0
+
+    def add(self, number: int, case: Case, restarts: int) -> None:
         began_s = time.process_time()
         try:
             solution = cleared(case.straight)
         except InfeasibleSlew as refusal:
-            refused_ms.append(1e3 * (time.process_time() - began_s))
+            self.refused_ms.append(1e3 * (time.process_time() - began_s))
             is_proven = refusal.detail.startswith("no motion")
-            proven += is_proven
-            undecided += not is_proven
-            found_by_restart += np.isfinite(best_of_restarts(case, asked.restarts, rng))
-            continue
-        solved_ms.append(1e3 * (time.process_time() - began_s))
+            self.proven += is_proven
+            self.undecided += not is_proven
+            self.found_by_restart += np.isfinite(best_of_restarts(case, restarts, number))
+            return
+        self.solved_ms.append(1e3 * (time.process_time() - began_s))
         outside, share = flown_within(case, solution)
-        outside_rad.append(outside)
-        shares.append(share)
-        ratios.append(solution.jerk_squared_integral / best_of_restarts(case, asked.restarts, rng))
-    ratios = np.array(ratios)
-    print(
-        f"{asked.count} slews: {len(solved_ms)} led around, {proven} proven impossible, "
-        f"{undecided} undecided (restarts solve {found_by_restart} of the last two)"
-    )
-    print(
-        f"CPU per solved slew: median {np.median(solved_ms):.0f} ms (target 60), "
-        f"95 % {np.quantile(solved_ms, 0.95):.0f} ms; per refusal "
-        f"{np.median(refused_ms) if refused_ms else 0:.0f} ms"
-    )
-    print(
-        f"flown, 10 ms grid: inside the cone {np.sum(np.array(outside_rad) < 0.0)}, least "
-        f"distance outside {np.degrees(min(outside_rad)):.4f} deg; "
-        f"greatest share of a limit {max(shares):.6f}"
-    )
-    print(
-        f"cost against the best of {asked.restarts} restarts: median {np.median(ratios):.4f}, "
-        f"within 1 % {np.mean(ratios <= 1.01):.1%}, worst {ratios.max():.3f}"
-    )
+        self.outside_rad.append(outside)
+        self.shares.append(share)
+        self.ratios.append(
+            solution.jerk_squared_integral / best_of_restarts(case, restarts, number)
+        )
+        if self.ratios[-1] > WITHIN:
+            print(f"  slew {number}: cost {self.ratios[-1]:.4f} of the best restart's", flush=True)
+
+    def report(self) -> None:
+        ratios = np.array(self.ratios)
+        print(
+            f"{len(self.solved_ms) + len(self.refused_ms)} slews: {len(self.solved_ms)} led "
+            f"around, {self.proven} proven impossible, {self.undecided} undecided (restarts solve "
+            f"{self.found_by_restart} of the last two)\n"
+            f"CPU per solved slew: median {np.median(self.solved_ms):.0f} ms (target 60), "
+            f"95 % {np.quantile(self.solved_ms, 0.95):.0f} ms; per refusal "
+            f"{np.median(self.refused_ms) if self.refused_ms else 0:.0f} ms\n"
+            f"flown, 10 ms grid: inside the cone {np.sum(np.array(self.outside_rad) < 0.0)}, least "
+            f"distance outside {np.degrees(min(self.outside_rad)):.4f} deg; "
+            f"greatest share of a limit {max(self.shares):.6f}\n"
+            f"cost against the best restart: median {np.median(ratios):.4f}, "
+            f"within 1 % {np.mean(ratios <= WITHIN):.1%}, worst {ratios.max():.3f}",
+            flush=True,
+        )
+
+
+def span(text: str) -> range:
+    first, last = text.split(":")
+    return range(int(first), int(last))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cases", type=span, default="0:200")
+    parser.add_argument("--restarts", type=int, default=12)
+    asked = parser.parse_args()
+    for case in draw_cases(8, 3):  # CasADi loads and the solver is set up once per process
+        with contextlib.suppress(InfeasibleSlew):
+            cleared(case.straight)
+    tally = Tally()
+    for number, case in enumerate(draw_cases(7, asked.cases.stop)):
+        if number not in asked.cases:
+            continue
+        tally.add(number, case, asked.restarts)
+        seen = number - asked.cases.start + 1
+        if seen % REPORT_EVERY == 0 or seen == len(asked.cases):
+            tally.report()
 
 
 if __name__ == "__main__":

@@ -22,13 +22,15 @@ Profiles = tuple[AxisProfile, AxisProfile]
 TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
 ROUGH_MARGIN_RAD = math.radians(0.1)
 MARGIN_RAD = math.radians(0.02)
-MARGIN_GROWTH_RAD = math.radians(0.02)
+MARGIN_GROWTHS_RAD = np.radians([0.002, 0.01, 0.05, 0.1])  # in a gap 0.02 at once costs 5 %
 MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
-PASSES = 4
 HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
 DEARER = 1.1  # than the best one found: not worth a second look
 ALIKE = 1e-3  # in cost: the same optimum again
 REFINED_MAX = 4  # of the guesses tried at once
+SHALLOW_RAD = math.radians(0.02)  # may need a wider margin only near an end, where it is cut
+SUNK_RAD = math.radians(1.0)  # half of it is deeper than a path can sink between many instants
+STUCK = 0.5  # share of a depth that a margin wider by it leaves only to a path through the cone
 
 
 class Detour(NamedTuple):
@@ -82,7 +84,8 @@ class DetourSearch:
         for one in rough:
             best = min((detour.cost for detour in found), default=math.inf)
             again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in refined)
-            enough = len(refined) == REFINED_MAX or one.cost > DEARER * best
+            good = sum(math.isfinite(detour.cost) for detour in found)
+            enough = good == REFINED_MAX or one.cost > DEARER * best
             if not math.isfinite(one.cost) or enough or again:
                 found.append(one._replace(cost=math.inf))
                 continue
@@ -105,14 +108,15 @@ class DetourSearch:
     def _refined(self, rough: Detour) -> Detour:
         ocp = self._ocp(fine=True)
         profiles, iterations, margin_rad = rough.profiles, rough.iterations, MARGIN_RAD
-        for _ in range(PASSES):
+        depth_rad = SUNK_RAD
+        for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess(profiles, np.zeros((2, self._spline.free_count)))
             profiles, used = self._solve(ocp, guess, margin_rad)
             iterations += used
-            depth_rad = entered(profiles, self._view).depth_rad
-            if depth_rad <= -TOUCH_RAD or depth_rad > HOPELESS_RAD:
+            before_rad, depth_rad = depth_rad, entered(profiles, self._view).depth_rad
+            if depth_rad <= -TOUCH_RAD or depth_rad > max(STUCK * before_rad, SHALLOW_RAD):
                 break
-            margin_rad += max(depth_rad, 0.0) + MARGIN_GROWTH_RAD
+            margin_rad += max(depth_rad, 0.0) + growth_rad
         limits, rows = self._problem.limits, rows_in(self._straight.duration_s)
         keeps = depth_rad <= -TOUCH_RAD and all(
             obeys(profile, *ends, limit)

@@ -14,36 +14,68 @@ from numpy.typing import NDArray
 from planner.platforms import StructuralMode
 
 Array = NDArray[np.float64]
+DETUNED = (0.96, 1.0, 1.04)  # each mode is weighted at its frequency and 4 % beside it
 # The squared jerk of a move is 1/2; of the cubic's vibration these shares would cost as much.
-WEIGHTS = ((0.96, 1e4), (1.0, 1e5), (1.04, 1e4))  # detuned by so much, with such weight
+WEIGHTS = (1e4, 1e5, 1e4)
+WANTED = (0.1, 0.01, 0.1)  # of what the cubic leaves
 CUBIC_RESIDUAL = 6.0 * math.sqrt(2.0)  # of a unit move in unit time: its two steps of acceleration
 GAUSS_PHASE_MAX_RAD = 12.0  # over one span: twenty points are exact to rounding
 _NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-def modal_cost(
+def modal_rows(
     spans: Array,
     pieces: Array,
     living: NDArray[np.intp],
     duration_s: float,
     modes: tuple[StructuralMode, ...],
-) -> Array:
-    """Matrix (n, n) of the modes' cost c^T P c / 2 of n spline coefficients.
+) -> NDArray[np.complex128]:
+    """What a unit of each of n spline coefficients leaves of the detuned modes, (3 modes, n).
 
     spans: breakpoints in normalised time.  pieces: (len(spans) - 1, degree + 1, degree + 1),
     power coefficients from the spline coefficients that live on a span, numbered by living
-    (len(spans) - 1, degree + 1).  Each mode is weighted at its frequency and 4 % beside it, in
-    units of what the paper's cubic would leave.
+    (len(spans) - 1, degree + 1).  In units of what the paper's cubic would leave of a unit move.
+    """
+    return np.stack(
+        [
+            _residual(spans, pieces, living, eigenvalue) / CUBIC_RESIDUAL
+            for eigenvalue in _eigenvalues(duration_s, modes)
+        ]
+    )
+
+
+def modal_cost(rows: NDArray[np.complex128], emphasis: Array | None = None) -> Array:
+    """Matrix (n, n) of the cost c^T P c / 2 of the rows' squares.
+
+    emphasis: (len(rows),), multiplies their usual weights.
     Source: Singer, Seering 1990, residual vibration as a constraint on the command; here soft.
     """
-    n = int(living.max()) + 1
-    cost = np.zeros((n, n))
-    for mode in modes:
-        for detuned, weight in WEIGHTS:
-            left = _residual(spans, pieces, living, duration_s * detuned * mode.eigenvalue_rad_s)
-            left /= CUBIC_RESIDUAL
-            cost += weight * (np.outer(left.real, left.real) + np.outer(left.imag, left.imag))
-    return cost
+    weights = np.resize(WEIGHTS, len(rows)) * (1.0 if emphasis is None else emphasis)
+    return np.asarray(sum((part.T * weights) @ part for part in (rows.real, rows.imag)))
+
+
+def wanted_residuals(ends: Array, duration_s: float, modes: tuple[StructuralMode, ...]) -> Array:
+    """What may be left, in units of `modal_rows`: shares of what the cubic between ends leaves.
+
+    ends: normalised angle, rate, acceleration at the start; acceleration, rate, angle at the end.
+    """
+    angle, rate, acceleration, last_acceleration, last_rate, last_angle = ends
+    step = 6.0 * (last_angle - angle)
+    begins = step - 4.0 * rate - 2.0 * last_rate
+    stops = 2.0 * rate + 4.0 * last_rate - step
+    left = [
+        (begins - acceleration) * np.exp(eigenvalue)
+        + (stops - begins) * np.expm1(eigenvalue) / eigenvalue
+        + last_acceleration
+        - stops
+        for eigenvalue in _eigenvalues(duration_s, modes)
+    ]
+    return np.asarray(np.resize(WANTED, len(left)) * np.abs(left) / CUBIC_RESIDUAL)
+
+
+def _eigenvalues(duration_s: float, modes: tuple[StructuralMode, ...]) -> list[complex]:
+    """In normalised time."""
+    return [duration_s * share * mode.eigenvalue_rad_s for mode in modes for share in DETUNED]
 
 
 def _residual(

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.platforms import AxisLimits, StructuralMode
+from planner.slew.backends.spline_basis import derivative_matrices, jerk_cost, spline_basis
 from planner.slew.problem import AxisState
-from planner.slew.solution import AxisProfile, bounds
-from planner.slew.vibration import modal_cost
+from planner.slew.solution import AxisProfile, bounds, obeys
+from planner.slew.vibration import modal_cost, modal_rows, wanted_residuals
 
 if TYPE_CHECKING:
     import casadi
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
 INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
-ENDS = 3  # angle, rate and acceleration at an end fix so many coefficients there
-GAUSS_POINTS = 3  # exact to degree 5; squared third derivatives of a quintic have degree 4
 IPOPT: dict[str, str | float | int] = {
     "print_level": 0,
     "sb": "yes",
@@ -39,6 +38,14 @@ IPOPT: dict[str, str | float | int] = {
     "jac_d_constant": "yes",
     "hessian_constant": "yes",
 }
+
+
+UNCONSTRAINED = "unconstrained"
+SOLVED = (UNCONSTRAINED, "Solve_Succeeded")
+WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
+CALM = 0.95  # of the residual that is wanted, so that rows don't exceed it
+FAINT, LOUD = 0.3, 3.0  # of it: so much less or more a mode weighs next
+HOPELESS = 20.0  # of it: no weights have been seen to gain a tenfold
 
 
 class OcpResult(NamedTuple):
@@ -77,29 +84,6 @@ class Values(NamedTuple):
     fixed: Array
 
 
-@dataclass(frozen=True)
-class _Basis:
-    """Everything the knots determine; n coefficients, the first and last three fixed.
-
-    fixed_from_ends: (6, 6) from the normalised angle, rate, acceleration at both ends.
-    pieces: (spans, degree + 1, degree + 1), power coefficients from the coefficients that live
-    on a span; the others are nought, and hundreds of spans would make them 100 MB.
-    """
-
-    knots: Array
-    spans: Array
-    fixed: NDArray[np.intp]
-    free: NDArray[np.intp]
-    fixed_from_ends: Array
-    pieces: Array
-
-    @property
-    def living(self) -> NDArray[np.intp]:
-        """Which coefficients live on each span, shape (spans, degree + 1)."""
-        spans, powers, _ = self.pieces.shape
-        return np.asarray(np.arange(spans)[:, None] + np.arange(powers))
-
-
 class SplineOcp:
     """Least integral of squared jerk over clamped B-splines on fixed knots.
 
@@ -109,16 +93,16 @@ class SplineOcp:
     """
 
     def __init__(self, breakpoints: Array, degree: int) -> None:
-        self._basis = basis = _basis(breakpoints, degree)
+        self._basis = basis = spline_basis(breakpoints, degree)
         n = len(basis.free) + len(basis.fixed)
-        cost = _jerk_cost(basis, n) / JERK_COST
+        cost = jerk_cost(basis, n) / JERK_COST
         cost_free = cost[np.ix_(basis.free, basis.free)]
         # Short spans make costs of 1e11 beside 1: in c the gradient drowns in rounding.
         self._unit = 1.0 / np.sqrt(JERK_COST * np.diag(cost_free))
         self.hessian = cost_free * np.outer(self._unit, self._unit)
         self._gradient = cost[np.ix_(basis.free, basis.fixed)] * self._unit[:, None]
         self._unconstrained = -np.linalg.solve(self.hessian, self._gradient)
-        derivatives = _derivatives(basis.knots, degree)[1:]
+        derivatives = derivative_matrices(basis.knots, degree)[1:]
         self._limited = [
             np.flatnonzero(np.any(matrix[:, basis.free] != 0.0, axis=1)) for matrix in derivatives
         ]
@@ -170,7 +154,49 @@ class SplineOcp:
 
         avoid_modes: left as calm as the limits allow; see `planner.slew.vibration`.
         """
-        posed = self.pose(start, end, limits, duration_s, avoid_modes=avoid_modes)
+        if avoid_modes:
+            return self._calmest(start, end, limits, duration_s, avoid_modes)
+        posed = self.pose(start, end, limits, duration_s)
+        y, iterations, status = self._solved(posed)
+        return OcpResult(self.profile(posed, y), iterations, status)
+
+    def _calmest(
+        self,
+        start: AxisState,
+        end: AxisState,
+        limits: AxisLimits,
+        duration_s: float,
+        modes: tuple[StructuralMode, ...],
+    ) -> OcpResult:
+        """With weights shifted towards what rings too much, until none does or tries run out.
+
+        Source: Lawson 1961, the least greatest residual by least squares weighed anew.
+        """
+        basis = self._basis
+        rows = modal_rows(basis.spans, basis.pieces, basis.living, duration_s, modes)
+        emphasis = np.ones(len(rows))
+        iterations, least_share = 0, np.inf
+        best: OcpResult | None = None
+        for _ in range(WEIGHINGS):
+            posed = self.pose(start, end, limits, duration_s, avoid_modes=modes, emphasis=emphasis)
+            y, used, status = self._solved(posed)
+            iterations += used
+            ends = _normalised_ends(start, end, duration_s, posed.scale_rad)
+            left = np.abs(rows @ self._coefficients(posed, y))
+            shares = left / (CALM * wanted_residuals(ends, duration_s, modes))
+            profile = self.profile(posed, y)
+            good = status in SOLVED and obeys(profile, start, end, limits)
+            if best is None or (good and shares.max() < least_share):
+                least_share = float(shares.max())
+                best = OcpResult(profile, iterations, status)
+            if not good or not 1.0 < least_share < HOPELESS:
+                break
+            emphasis = emphasis * np.clip(shares, FAINT, LOUD)
+        assert best is not None
+        return best._replace(iterations=iterations)
+
+    def _solved(self, posed: PosedAxis) -> tuple[Array, int, str]:
+        """y, iterations and what the solver says."""
         if posed.hessian is None:
             solver, parameters = self._solver, posed.gradient
             optimum = self._unconstrained @ posed.fixed
@@ -182,7 +208,7 @@ class SplineOcp:
             least = np.concatenate([posed.low, posed.rows_low])
             greatest = np.concatenate([posed.high, posed.rows_high])
             if ((least <= bounded) & (bounded <= greatest)).all():
-                return OcpResult(self.profile(posed, optimum), 0, "unconstrained")
+                return optimum, 0, UNCONSTRAINED
         found = solver(
             x0=np.clip(optimum, posed.low, posed.high),
             p=parameters,
@@ -192,8 +218,8 @@ class SplineOcp:
             ubg=posed.rows_high,
         )
         stats = solver.stats()
-        profile = self.profile(posed, np.asarray(found["x"]).ravel())
-        return OcpResult(profile, int(stats["iter_count"]), str(stats["return_status"]))
+        y = np.asarray(found["x"]).ravel()
+        return y, int(stats["iter_count"]), str(stats["return_status"])
 
     @property
     def free_count(self) -> int:
@@ -234,8 +260,12 @@ class SplineOcp:
         *,
         scale_rad: float | None = None,
         avoid_modes: tuple[StructuralMode, ...] = (),
+        emphasis: Array | None = None,
     ) -> PosedAxis:
-        """The numbers that make this family of problems one problem."""
+        """The numbers that make this family of problems one problem.
+
+        emphasis: of the modes' rows, see `modal_cost`.
+        """
         basis, T = self._basis, duration_s
         scale = _distance_scale_rad(start, end, T) if scale_rad is None else scale_rad
         fixed = basis.fixed_from_ends @ _normalised_ends(start, end, T, scale)
@@ -255,7 +285,10 @@ class SplineOcp:
         known = self._jacobian_fixed @ fixed
         gradient, hessian = self._gradient @ fixed, None
         if avoid_modes:
-            calm = modal_cost(basis.spans, basis.pieces, basis.living, duration_s, avoid_modes)
+            calm = modal_cost(
+                modal_rows(basis.spans, basis.pieces, basis.living, duration_s, avoid_modes),
+                emphasis,
+            )
             free = calm[np.ix_(basis.free, basis.free)]
             hessian = self.hessian + free * np.outer(self._unit, self._unit)
             gradient = gradient + self._unit * (calm[np.ix_(basis.free, basis.fixed)] @ fixed)
@@ -274,15 +307,19 @@ class SplineOcp:
 
     def profile(self, posed: PosedAxis, y: Array) -> AxisProfile:
         """The motion whose free coefficients are y."""
-        basis = self._basis
-        c = np.empty(len(basis.fixed) + len(basis.free))
-        c[basis.fixed] = posed.fixed
-        c[basis.free] = y * self._unit
+        basis, c = self._basis, self._coefficients(posed, y)
         powers = np.arange(basis.pieces.shape[1])
         coefficients = np.einsum("kjn,kn->kj", basis.pieces, c[basis.living])
         coefficients = coefficients * posed.scale_rad / posed.duration_s**powers
         coefficients[:, 0] += posed.start_angle_rad
         return AxisProfile(breakpoints_s=basis.spans * posed.duration_s, coefficients=coefficients)
+
+    def _coefficients(self, posed: PosedAxis, y: Array) -> Array:
+        basis = self._basis
+        c = np.empty(len(basis.fixed) + len(basis.free))
+        c[basis.fixed] = posed.fixed
+        c[basis.free] = y * self._unit
+        return c
 
 
 def _distance_scale_rad(start: AxisState, end: AxisState, T: float) -> float:
@@ -306,86 +343,3 @@ def _normalised_ends(start: AxisState, end: AxisState, T: float, scale: float) -
         )
         / scale
     )
-
-
-def _basis(breakpoints: Array, degree: int) -> _Basis:
-    knots = np.concatenate([np.zeros(degree), breakpoints, np.ones(degree)])
-    n = len(knots) - degree - 1
-    derivatives = _derivatives(knots, degree)
-    fixed = np.r_[0:ENDS, n - ENDS : n]
-    ends = np.stack(
-        [
-            *(derivatives[order][0] for order in range(ENDS)),
-            *(derivatives[order][-1] for order in reversed(range(ENDS))),
-        ]
-    )
-    return _Basis(
-        knots=knots,
-        spans=breakpoints,
-        fixed=fixed,
-        free=np.arange(ENDS, n - ENDS),
-        fixed_from_ends=np.linalg.inv(ends[:, fixed]),
-        pieces=_power_pieces(breakpoints, knots, degree),
-    )
-
-
-def _derivatives(knots: Array, degree: int) -> list[Array]:
-    """D_0 = 1 to D_3: coefficients of each derivative from the spline's own, (n - order, n)."""
-    n = len(knots) - degree - 1
-    chain = [np.eye(n)]
-    for order in range(1, ENDS + 1):
-        weight = _difference_weights(knots, n, degree, order)
-        chain.append(weight[:, None] * np.diff(chain[-1], axis=0))
-    return chain
-
-
-def _difference_weights(knots: Array, n: int, degree: int, order: int) -> Array:
-    """What the differences of the coefficients of derivative order - 1 count, (n - order,)."""
-    count, p = n - order, degree - order + 1
-    inner = knots[order:-order]
-    return np.asarray(p / (inner[p : p + count] - inner[:count]))
-
-
-def _power_pieces(breakpoints: Array, knots: Array, degree: int) -> Array:
-    """Taylor coefficients at each span's start, from the coefficients that live on it."""
-    n, spans = len(knots) - degree - 1, len(breakpoints) - 1
-    local = np.tile(np.eye(degree + 1), (spans, 1, 1))
-    pieces, factorial = np.empty((spans, degree + 1, degree + 1)), 1.0
-    for power in range(degree + 1):
-        if power:
-            weight = _difference_weights(knots, n, degree, power)
-            here = weight[np.arange(spans)[:, None] + np.arange(degree + 1 - power)]
-            local = here[:, :, None] * np.diff(local, axis=1)
-            factorial *= power
-        reduced = knots[power : len(knots) - power]
-        values = _values_at_starts(reduced, degree - power, breakpoints[:-1])
-        pieces[:, power] = np.einsum("kl,kln->kn", values, local) / factorial
-    return pieces
-
-
-def _values_at_starts(knots: Array, degree: int, starts: Array) -> Array:
-    """The degree + 1 B-splines that live on each span, at its start (Cox-de Boor), (k, d + 1)."""
-    left = np.arange(len(starts))[:, None] + degree
-    at = starts[:, None]
-    values = np.ones((len(starts), 1))
-    for p in range(1, degree + 1):
-        low, high = knots[left + np.arange(1 - p, 1)], knots[left + np.arange(1, p + 1)]
-        share = values / (high - low)
-        values = np.pad((high - at) * share, ((0, 0), (0, 1)))
-        values[:, 1:] += (at - low) * share
-    return values
-
-
-def _jerk_cost(basis: _Basis, n: int) -> Array:
-    """Integral over [0, 1] of the outer product of third derivatives, shape (n, n)."""
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-    width, living = np.diff(basis.spans), basis.living
-    total = np.zeros((n, n))
-    powers = np.arange(3, basis.pieces.shape[1])
-    factor = powers * (powers - 1) * (powers - 2)
-    for node, weight in zip(nodes, weights, strict=True):
-        x = width * (node + 1.0) / 2.0
-        third = np.einsum("kj,kjn->kn", factor * x[:, None] ** (powers - 3), basis.pieces[:, 3:])
-        squares = (weight * width / 2.0)[:, None, None] * third[:, :, None] * third[:, None, :]
-        np.add.at(total, (living[:, :, None], living[:, None, :]), squares)
-    return total
