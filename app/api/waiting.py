@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import anyio.to_thread
 from fastapi import Request
 
-from app.jobs.dispatcher import POLL_S, Dispatcher
+from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
 from app.store.database import Database
 
 WAIT_S, WAIT_MAX_S = 30, 60
+_LOOK_S = 1.0  # between looks at a job that another service may work on
 _WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
 
 
@@ -43,15 +44,14 @@ async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
     dispatcher: Dispatcher = request.app.state.dispatcher
     until_s = asyncio.get_running_loop().time() + wait_s
     while (left_s := until_s - asyncio.get_running_loop().time()) > 0.0:
-        here = dispatcher.ended(job_id)
-        if here is not None:
-            await asyncio.wait([asyncio.wrap_future(here)], timeout=left_s)
-            if here.done() and here.result():
+        with dispatcher.watching(job_id) as (ended, is_here):
+            if not is_here:
+                if not await anyio.to_thread.run_sync(_is_open, request.app.state.database, job_id):
+                    return
+                left_s = min(left_s, _LOOK_S)
+            await asyncio.wait([asyncio.wrap_future(ended)], timeout=left_s)
+            if ended.done() and ended.result():
                 return
-        if not await anyio.to_thread.run_sync(_is_open, request.app.state.database, job_id):
-            return
-        if here is None:
-            await asyncio.sleep(min(POLL_S, left_s))
 
 
 def _is_open(database: Database, job_id: str) -> bool:

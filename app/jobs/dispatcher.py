@@ -5,8 +5,9 @@ moment.  One thread takes work up and keeps the leases; results are stored in th
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime, timedelta
 from threading import Event, Lock, Thread
@@ -52,7 +53,6 @@ class _Running:
     job: Job
     token: str
     stop: Stop = field(default_factory=Stop)
-    ended: Future[bool] = field(default_factory=Future)
     began_s: float = field(default_factory=time.monotonic)
     told_s: float = field(default_factory=time.monotonic)
 
@@ -78,6 +78,7 @@ class Dispatcher:
         self._lock = Lock()
         self._free = executor.workers
         self._running: dict[str, _Running] = {}
+        self._watchers: dict[str, list[Future[bool]]] = {}
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
         self._closing = False
@@ -147,15 +148,37 @@ class Dispatcher:
         running = self._running.get(job_id)
         if running is not None:
             running.stop.request()
+        elif not job.is_open:
+            self._tell_watchers(job_id, True)
         return job
 
-    def ended(self, job_id: str) -> Future[bool] | None:
-        """Done when the work on a job here has ended and that is stored; None for others.
+    @contextmanager
+    def watching(self, job_id: str) -> Iterator[tuple[Future[bool], bool]]:
+        """A future, and whether the job is worked on here now.
 
-        True when it is the end of the job, too.
+        Done when work on the job here has ended and that is stored, whenever it began; True
+        when it is the end of the job, too.
         """
-        running = self._running.get(job_id)
-        return None if running is None else running.ended
+        ended: Future[bool] = Future()
+        with self._lock:
+            self._watchers.setdefault(job_id, []).append(ended)
+            is_here = job_id in self._running
+        try:
+            yield ended, is_here
+        finally:
+            with self._lock:
+                watchers = self._watchers.get(job_id, [])
+                if ended in watchers:
+                    watchers.remove(ended)
+                if not watchers:
+                    self._watchers.pop(job_id, None)
+
+    def _tell_watchers(self, job_id: str, is_end: bool) -> None:
+        with self._lock:
+            self._running.pop(job_id, None)
+            watchers = self._watchers.pop(job_id, [])
+        for ended in watchers:
+            ended.set_result(is_end)
 
     def _look_again(self) -> None:
         self._may_wait = True
@@ -215,10 +238,9 @@ class Dispatcher:
         except Exception as error:  # noqa: BLE001 (its lease runs out, and it is taken up again)
             log.error("the end couldn't be stored", job=running.job.id, exc_info=error)
         finally:
-            with self._lock:
-                del self._running[running.job.id]
             self._leave_place()
-            running.ended.set_result(state is not None and state not in OPEN_STATES)
+            is_end = state is not None and state not in OPEN_STATES
+            self._tell_watchers(running.job.id, is_end)
             # A look that finds nothing would only keep the answer waiting for the interpreter.
             if self._may_wait or state in OPEN_STATES or running.job.parent_id is not None:
                 self._look_again()

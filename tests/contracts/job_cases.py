@@ -37,11 +37,16 @@ def note(request: bytes) -> Planned:
     return made()
 
 
+def spin(_: bytes) -> Planned:
+    while True:
+        pass
+
+
 def hang(request: bytes) -> Planned:
     """Never ends, and uses a whole processor for it."""
     note(request)
-    while True:
-        pass
+    spin(request)
+    return made()
 
 
 def die(request: bytes) -> Planned:
@@ -73,7 +78,7 @@ def _store_twice(connection: Connection, job: Job, result: Planned) -> JobState:
     return PLAN.store(connection, job, result)
 
 
-WORKS = (note, hang, die, die_once, hang_once, linger, fail)
+WORKS = (note, spin, hang, die, die_once, hang_once, linger, fail)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,

@@ -47,12 +47,11 @@ def busy(tmp_path, monkeypatch):
     Its data are its own: a plan that never ends would keep the others' places.
     """
     file = tmp_path / "notes"
-    work = KINDS["hang"].work
+    work = KINDS["spin"].work
     hanging = JobKind(
-        name="plan", bounds=KINDS["hang"].bounds, work=work, store=JOB_KINDS["plan"].store
+        name="plan", bounds=KINDS["spin"].bounds, work=work, store=JOB_KINDS["plan"].store
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
-    monkeypatch.chdir(tmp_path)  # the work takes the request for a path
     settings = Settings(data_dir=tmp_path, workers=1, queue_max=1)
     with TestClient(create_app(settings)) as client:
         yield client, Notes(file)

@@ -201,7 +201,8 @@ def test_a_service_that_lost_its_lease_stores_nothing(database, tmp_path):
             connection.execute(
                 update(JobRow).where(JobRow.id == job.id).values(lease_token="another's")
             )
-        eventually(lambda: dispatcher.ended(job.id) is None)
+        with dispatcher.watching(job.id) as (work_ended, is_here):
+            assert not is_here or not work_ended.result(timeout=60.0)
     assert job_of(database, job.id).state == "running"
     with database.reading() as connection:
         assert plans.get(connection, job.id) is None
