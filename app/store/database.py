@@ -2,9 +2,8 @@
 
 SQLite in the data folder without any set-up, PostgreSQL by SLEWTRACK_DATABASE_URL.
 
-What SQLite committed outlives any death of the service. A power failure can take the latest
-transactions with it, whole, and leaves the file sound: waiting for the disk twice a plan would
-take longer than all the rest of storing it. PostgreSQL waits unless its operator says otherwise.
+What was accepted outlives a power failure, too: SQLite waits for the disk at every commit, which
+takes some 4 ms twice a plan.
 """
 
 from collections.abc import Iterator
@@ -94,7 +93,7 @@ def _engine(url: URL) -> Engine:
 def _set_up_sqlite(connection: DBAPIConnection, _: ConnectionPoolEntry) -> None:
     connection.isolation_level = None  # transactions begin as `_begin_sqlite` says
     cursor = connection.cursor()
-    for pragma in ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON"):
+    for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):
         cursor.execute(f"PRAGMA {pragma}")
     cursor.close()
 
