@@ -48,9 +48,7 @@ def keyhole_scenario(roll_deg, off_deg, *, before_s=150.0, after_s=150.0, platfo
         orbit=TLE,
         attitude=LvlhAttitude(roll_deg=roll_deg),
         platform=platform,
-        initial_state=InitialState(
-            epoch=EPOCH, angles_deg=dict.fromkeys(platform.axis_names, 0.0)
-        ),
+        initial_state=InitialState(epoch=EPOCH, angles_deg=dict.fromkeys(platform.axis_names, 0.0)),
         sessions=(session,),
     )
 
