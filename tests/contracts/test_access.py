@@ -2,16 +2,16 @@
 
 import hashlib
 import re
-import sqlite3
 
 import pytest
 from fastapi.testclient import TestClient
+from sqlalchemy import inspect, text
 from typer.testing import CliRunner
 
 from app.cli import main
 from app.main import create_app
 from app.settings import Settings
-from app.store.database import FILE
+from app.store.database import open_database
 
 ELSEWHERE = ("192.0.2.7", 40000)  # RFC 5737: nobody's
 READ, WRITE = ("GET", "/v1/platforms"), ("POST", "/v1/plans")
@@ -134,8 +134,11 @@ def test_a_revoked_key_is_refused_at_once(there, keys):
 
 
 def test_secrets_are_kept_as_digests_only(folder, secrets, keys):
-    with sqlite3.connect(folder / FILE) as database:
-        kept = "\n".join(database.iterdump())
+    database = open_database(Settings().database_url, folder)
+    with database.reading() as connection:
+        tables = inspect(connection).get_table_names()
+        kept = repr([connection.execute(text(f"SELECT * FROM {name}")).all() for name in tables])
+    database.close()
     for secret in secrets.values():
         assert secret not in kept
         assert secret.rsplit("_", 1)[1] not in kept
@@ -227,7 +230,7 @@ def test_no_cookies(here):
 
 
 def test_beyond_loopback_only_with_a_key(tmp_path):
-    environment = {"SLEWTRACK_DATA_DIR": str(tmp_path)}
+    environment = {"SLEWTRACK_DATA_DIR": str(tmp_path), "SLEWTRACK_DATABASE_URL": ""}
     result = CliRunner().invoke(main, ["serve", "--host", "0.0.0.0"], env=environment)
     assert result.exit_code == 2
     assert "slewtrack keys create" in result.stderr
