@@ -20,7 +20,7 @@ from planner.schedule import (
 )
 from planner.targets import BenchMotionTarget
 
-CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
+_CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 
 
@@ -46,14 +46,14 @@ class Chosen:
 def choose(body: bytes) -> Chosen:
     """Read, choose and write down; raises a Refusal."""
     request = read_campaign_request(body)
+    asked = json.loads(body)
     campaign = chosen_campaign(
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
     return Chosen(
         document=zlib.compress(json.dumps(_told(request, campaign)).encode()),
         parts=tuple(
-            _part(json.loads(body), request, number, flight)
-            for number, flight in enumerate(campaign.passes)
+            _part(asked, request, number, flight) for number, flight in enumerate(campaign.passes)
         ),
     )
 
@@ -87,9 +87,7 @@ def _part(
     assert isinstance(rest.target, BenchMotionTarget)
     written = {
         "name": scenario.name,
-        **{
-            name: asked[name] for name in ("platform", "orbit", "attitude", "slew") if name in asked
-        },
+        **{name: asked[name] for name in _CARRIED_OVER if name in asked},
         "initial_state": {
             "epoch": utc_text(scenario.initial_state.epoch, 6),
             "angles_deg": dict(scenario.initial_state.angles_deg),
