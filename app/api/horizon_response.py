@@ -101,7 +101,7 @@ def estimate_out(
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
     return EstimateResponse(
         verdict=estimate.verdict,
-        reason=_word(estimate.reason),
+        reason=word(estimate.reason),
         explanation=_text(estimate.reason),
         nadir_body=geocentric.nadir_body,
         nadir_geodetic_body=geodetic.nadir_body,
@@ -130,7 +130,7 @@ def view_out(view: HorizonPrediction, at: str) -> ViewOut:
         at=at,
         camera=view.camera,
         usable=view.reason is None,
-        reason=_word(view.reason),
+        reason=word(view.reason),
         explanation=_text(view.reason),
         limb_in_frame=view.arc_rad > 0.0,
         arc_deg=degrees(view.arc_rad),
@@ -147,7 +147,7 @@ def _camera(report: CameraReport, overlay_png: str | None) -> CameraOut:
     return CameraOut(
         name=report.name,
         used=report.used,
-        reason=_word(report.reason),
+        reason=word(report.reason),
         explanation=_text(report.reason),
         arc_deg=round(report.arc_deg, DECIMALS),
         residual_px=None if math.isnan(report.residual_px) else round(report.residual_px, 4),
@@ -183,7 +183,8 @@ def _told(nadir: Nadir | None) -> _Told:
     )
 
 
-def _word(reason: Reason | None) -> str | None:
+def word(reason: Reason | None) -> str | None:
+    """As the answers name it."""
     return None if reason is None else reason.name.lower()
 
 

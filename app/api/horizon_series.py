@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from app.api.horizon_cameras import require_cameras
-from app.api.horizon_response import DECIMALS, degrees, rounded, rows
+from app.api.horizon_response import degrees, rounded, rows, word
 from app.api.horizon_views import ATTITUDE_SIGMA_DEG, flown_attitudes, surroundings
 from app.api.json_reader import JsonReader
 from app.api.provenance import ProvenanceOut
@@ -238,9 +238,9 @@ def frame_out(request: HorizonRequest, estimate: VerticalEstimate) -> FrameOut:
     return FrameOut(
         at=utc_text(request.epoch),
         verdict=estimate.verdict,
-        reason=None if estimate.reason is None else estimate.reason.name.lower(),
+        reason=word(estimate.reason),
         nadir_body=None if nadir is None else rounded(nadir.nadir_body),
         sigma_deg=None if nadir is None else degrees(nadir.sigma_rad),
-        along_deg=None if check is None else round(math.degrees(check.along_rad), DECIMALS),
-        across_deg=None if check is None else round(math.degrees(check.across_rad), DECIMALS),
+        along_deg=None if check is None else degrees(check.along_rad),
+        across_deg=None if check is None else degrees(check.across_rad),
     )
