@@ -139,7 +139,7 @@ def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is 
     """
     class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
 
-    def told_apart(node: Any) -> Any:  # noqa: ANN401
+    def told_apart(node: Any) -> Any:  # noqa: ANN401 (as above)
         if isinstance(node, list | tuple):
             return type(node)(told_apart(item) for item in node)
         if not isinstance(node, dict):

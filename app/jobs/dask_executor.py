@@ -67,7 +67,7 @@ class DaskExecutor:
         finally:
             del self._listeners[key]
 
-    def _done(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401
+    def _done(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
         client = self._connected()
         future = client.submit(run_here, key, task, key=key, resources={SLOT: 1}, pure=False)
         future.add_done_callback(lambda _: wake.set())

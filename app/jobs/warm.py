@@ -10,7 +10,7 @@ import json
 import app.api.horizon_prediction
 import app.api.horizon_work
 import app.api.opportunity_work
-import app.api.spacecraft_work  # noqa: F401
+import app.api.spacecraft_work  # noqa: F401 (for the children to find)
 from app.api.examples import LAS_VEGAS
 from app.api.plan_work import planned
 
