@@ -17,6 +17,7 @@ from app.api.campaign_work import Chosen, Part, choose, without_refused
 from app.api.plan_work import planned, stored_table_json
 from app.jobs import progress
 from app.jobs.planned import Planned
+from app.report_parts import print_warnings
 from planner.errors import Refusal
 
 SHOWN_MAX = 100
@@ -96,19 +97,20 @@ def print_campaign(told: dict[str, object], flown: list[FlownPass]) -> None:
         if ids:
             console.print(Text(f"{meaning}: {', '.join(ids[:SHOWN_MAX])}"))
     for one in flown:
-        for left_out in one.part.told["left_out"]:
-            _warn(console, f"pass {one.part.told['pass']}: {left_out['target']} was left out, "
-                  f"{left_out['because']}")  # fmt: skip
-        if one.refusal is not None:
-            _warn(console, f"pass {one.part.told['pass']} can't be flown: {one.refusal}")
+        print_warnings(console, _not_flown(one))
     warnings = told["warnings"]
     assert isinstance(warnings, list)
-    for warning in warnings:
-        _warn(console, warning)
+    print_warnings(console, warnings)
 
 
-def _warn(console: Console, text: str) -> None:
-    console.print(Text(f"warning: {text}", style="yellow"))
+def _not_flown(one: FlownPass) -> Iterator[str]:
+    for left_out in one.part.told["left_out"]:
+        yield (
+            f"pass {one.part.told['pass']}: {left_out['target']} was left out, "
+            f"{left_out['because']}"
+        )
+    if one.refusal is not None:
+        yield f"pass {one.part.told['pass']} can't be flown: {one.refusal}"
 
 
 def _table(flown: list[FlownPass]) -> Table:

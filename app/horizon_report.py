@@ -3,10 +3,10 @@
 import math
 
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from app.api.horizon_series import Series, frame_out
+from app.report_parts import or_dash, print_warnings, report_table
 from estimator.check import Verdict
 from estimator.pipeline import Nadir, VerticalEstimate
 
@@ -33,29 +33,27 @@ def print_estimate(estimate: VerticalEstimate) -> None:
             f"{math.degrees(check.across_rad):+.4f} across), probability {check.probability:.2g}",
             soft_wrap=True,
         )
-    table = _table("<camera", "arc deg", "residual px", "<used")
+    table = report_table(None, "<camera", "arc deg", "residual px", "<used", no_wrap=False)
     for camera in estimate.cameras:
         residual = "-" if math.isnan(camera.residual_px) else f"{camera.residual_px:.2f}"
         used = "yes" if camera.used else f"no: {camera.reason or estimate.reason}"
         table.add_row(Text(camera.name), f"{camera.arc_deg:.1f}", residual, used)
     console.print(table)
-    for warning in estimate.warnings:
-        console.print(Text(f"warning: {warning}", style="yellow"))
+    print_warnings(console, estimate.warnings)
 
 
 def print_series(series: Series) -> None:
     """One line per frame, then the bias."""
     console = Console(highlight=False)
-    table = _table("<UTC", "<verdict", "sigma deg", "along deg", "across deg", "<reason")
+    table = report_table(
+        None, "<UTC", "<verdict", "sigma deg", "along deg", "across deg", "<reason", no_wrap=False
+    )
     for request, estimate in zip(series.requests, series.estimates, strict=True):
         line = frame_out(request, estimate)
         table.add_row(
             line.at,
             line.verdict,
-            *(
-                "-" if value is None else f"{value:.4f}"
-                for value in (line.sigma_deg, line.along_deg, line.across_deg)
-            ),
+            *(or_dash(value, ".4f") for value in (line.sigma_deg, line.along_deg, line.across_deg)),
             line.reason or "",
         )
     console.print(table)
@@ -88,12 +86,3 @@ def _nadir(name: str, nadir: Nadir) -> str:
     x, y, z = nadir.nadir_body
     sigma_deg = math.degrees(nadir.sigma_rad)
     return f"{name} nadir in body axes [{x:.6f}, {y:.6f}, {z:.6f}], 1 sigma {sigma_deg:.4f} deg"
-
-
-def _table(*columns: str) -> Table:
-    """Columns of text start with `<` in their heading, the rest are numbers."""
-    table = Table(box=None, pad_edge=False)
-    for column in columns:
-        heading = column.removeprefix("<")
-        table.add_column(heading, justify="right" if heading == column else "left")
-    return table

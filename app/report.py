@@ -7,6 +7,7 @@ from rich.text import Text
 from app.api.comparison import comparison_out
 from app.api.plan_response import keep_out_margin_out, margins_out
 from app.api.pointing import ARCSEC_PER_RAD, PointingOut, pointing_out
+from app.report_parts import or_dash, print_warnings, report_table
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.plan import Plan
 
@@ -36,25 +37,15 @@ def print_report(plan: Plan) -> None:
     for part in parts:
         if part.row_count:
             console.print(part)
-    for warning in plan.warnings:
-        console.print(Text(f"warning: {warning}", style="yellow"))
+    print_warnings(console, plan.warnings)
     verdict = "passed" if plan.verification.passed else "FAILED"
     console.print(
         Text(f"verification {verdict}", style="green" if plan.verification.passed else "red")
     )
 
 
-def _table(title: str, *columns: str) -> Table:
-    """Columns of text start with `<` in their heading, the rest are numbers."""
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for column in columns:
-        heading = column.removeprefix("<")
-        table.add_column(heading, justify="right" if heading == column else "left", no_wrap=True)
-    return table
-
-
 def _segments(plan: Plan) -> Table:
-    table = _table("segments", "<kind", "session", "<start", "<stop", "seconds")
+    table = report_table("segments", "<kind", "session", "<start", "<stop", "seconds")
     for segment in plan.segments:
         table.add_row(
             segment.kind,
@@ -71,22 +62,22 @@ def _pointing(pointing: list[PointingOut]) -> Table:
         "session": [str(session.session) for session in pointing],
         "max arcsec": [f"{session.max_arcsec:.3g}" for session in pointing],
         "rms arcsec": [f"{session.rms_arcsec:.3g}" for session in pointing],
-        "ground m": [_or_dash(session.ground_max_m, ".2g") for session in pointing],
-        "least elevation deg": [_or_dash(session.elevation_min_deg, ".2f") for session in pointing],
-        "least range km": [_or_dash(session.range_min_km, ".6g") for session in pointing],
+        "ground m": [or_dash(session.ground_max_m, ".2g") for session in pointing],
+        "least elevation deg": [or_dash(session.elevation_min_deg, ".2f") for session in pointing],
+        "least range km": [or_dash(session.range_min_km, ".6g") for session in pointing],
         "above the limb deg": [
-            _or_dash(session.limb_clearance_min_deg, ".2f") for session in pointing
+            or_dash(session.limb_clearance_min_deg, ".2f") for session in pointing
         ],
     }
     told = {heading: said for heading, said in columns.items() if set(said) != {"-"}}
-    table = _table("pointing error", *told)
+    table = report_table("pointing error", *told)
     for row in zip(*told.values(), strict=True):
         table.add_row(*row)
     return table
 
 
 def _uncertainty(plan: Plan) -> Table:
-    table = _table(
+    table = report_table(
         "pointing budget, 1 sigma",
         "session",
         "arcsec",
@@ -101,7 +92,7 @@ def _uncertainty(plan: Plan) -> Table:
         table.add_row(
             str(number),
             f"{budget.sigma_arcsec:.0f}",
-            _or_dash(budget.ground_m, ".0f"),
+            or_dash(budget.ground_m, ".0f"),
             f"{budget.probability_in_frame:.1%}",
             worst.cause,
         )
@@ -109,7 +100,7 @@ def _uncertainty(plan: Plan) -> Table:
 
 
 def _margins(plan: Plan) -> Table:
-    table = _table(
+    table = report_table(
         "least margins", "<axis", "<limit of", "limit", "closest", "margin", "<unit", "<at UTC"
     )
     for axis, margins in margins_out(plan.verification.limits).items():
@@ -128,12 +119,14 @@ def _margins(plan: Plan) -> Table:
 
 
 def _keep_out(plan: Plan) -> Table:
-    table = _table("cones to keep out of", "<about", "half angle deg", "closest deg", "<at UTC")
+    table = report_table(
+        "cones to keep out of", "<about", "half angle deg", "closest deg", "<at UTC"
+    )
     for cone in map(keep_out_margin_out, plan.verification.keep_out):
         table.add_row(
             Text(cone.about),
             f"{cone.half_angle_deg:g}",
-            _or_dash(cone.away_min_deg, ".3f"),
+            or_dash(cone.away_min_deg, ".3f"),
             "-" if cone.at is None else cone.at[11:-3],
             style="red" if cone.margin_deg is not None and cone.margin_deg < 0.0 else None,
         )
@@ -141,7 +134,7 @@ def _keep_out(plan: Plan) -> Table:
 
 
 def _comparison(plan: Plan) -> Table:
-    table = _table(
+    table = report_table(
         "optimal slew against the spline",
         "<slew",
         "<axis",
@@ -173,7 +166,7 @@ def _comparison(plan: Plan) -> Table:
 
 
 def _vibration(plan: Plan) -> Table:
-    table = _table(
+    table = report_table(
         "vibration left after the slew", "slew", "<axis", "mode Hz", "ocp arcsec", "spline arcsec"
     )
     for run in plan.slews:
@@ -190,10 +183,6 @@ def _vibration(plan: Plan) -> Table:
                     f"{spline_rad * ARCSEC_PER_RAD:.2g}",
                 )
     return table
-
-
-def _or_dash(value: float | None, form: str) -> str:
-    return "-" if value is None else format(value, form)
 
 
 def _or_jump(value: float | None) -> str:

@@ -7,6 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from app.api.spacecraft_response import row_text
+from app.report_parts import print_warnings, report_table
 from planner.spacecraft.plan import ImagingPlan
 
 
@@ -38,13 +39,12 @@ def print_session(plan: ImagingPlan) -> None:
             f"steady within 0.001 deg/s in {plan.stabilisation.share_steady:.0%} of the intervals "
             f"of {plan.stabilisation.runs} closed-loop runs"
         )
-    for warning in plan.warnings:
-        console.print(Text(f"warning: {warning}", style="yellow"))
+    print_warnings(console, plan.warnings)
     console.print(Text("verification passed", style="green"))
 
 
 def _windows(plan: ImagingPlan) -> Table:
-    table = _table(
+    table = report_table(
         "imaging", "<request", "look", "<start", "<stop", "across", "along", "deg/s off", "smear px"
     )
     flown = plan.stabilisation.windows or [None] * len(plan.verification.windows)
@@ -64,7 +64,9 @@ def _windows(plan: ImagingPlan) -> Table:
 
 
 def _turns(plan: ImagingPlan) -> Table:
-    table = _table("turns", "<start", "deg", "seconds", "eigenaxis", "<by", "Nm/s", "eigenaxis")
+    table = report_table(
+        "turns", "<start", "deg", "seconds", "eigenaxis", "<by", "Nm/s", "eigenaxis"
+    )
     for turn in plan.turns:
         compared = turn.comparison
         table.add_row(
@@ -76,13 +78,4 @@ def _turns(plan: ImagingPlan) -> Table:
             f"{compared.torque_rate_peak_n_m_s:.1f}",
             f"{compared.eigenaxis_torque_rate_peak_n_m_s:.1f}",
         )
-    return table
-
-
-def _table(title: str, *columns: str) -> Table:
-    """Columns of text start with `<` in their heading, the rest are numbers."""
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for column in columns:
-        heading = column.removeprefix("<")
-        table.add_column(heading, justify="right" if heading == column else "left", no_wrap=True)
     return table

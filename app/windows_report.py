@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from app.api.opportunity_response import WindowOut
+from app.report_parts import or_dash, print_warnings
 from planner.opportunities import Opportunities
 
 SHOWN_MAX = 100
@@ -24,8 +25,7 @@ def print_windows(found: Opportunities, windows: list[WindowOut]) -> None:
         console.print(_table(found.axis_names, windows[:SHOWN_MAX]))
     if len(windows) > SHOWN_MAX:
         console.print(f"and {len(windows) - SHOWN_MAX} more: see --csv or --json")
-    for warning in found.warnings:
-        console.print(Text(f"warning: {warning}", style="yellow"))
+    print_warnings(console, found.warnings)
 
 
 def _table(axis_names: tuple[str, str], windows: list[WindowOut]) -> Table:
@@ -43,10 +43,10 @@ def _table(axis_names: tuple[str, str], windows: list[WindowOut]) -> Table:
             window.rise[:10] + " " + window.rise[11:-5],
             window.set[11:-5],
             f"{seen.elevation_deg:.1f}",
-            _or_dash(seen.range_km, ".3g" if (seen.range_km or 0.0) > FAR_KM else ".0f"),
-            _or_dash(seen.ground_sample_across_m, ".2f"),
-            _or_dash(seen.sun_elevation_deg, ".0f"),
-            *(_or_dash(seen.angles_deg[axis], ".1f") for axis in axis_names),
+            or_dash(seen.range_km, ".3g" if (seen.range_km or 0.0) > FAR_KM else ".0f"),
+            or_dash(seen.ground_sample_across_m, ".2f"),
+            or_dash(seen.sun_elevation_deg, ".0f"),
+            *(or_dash(seen.angles_deg[axis], ".1f") for axis in axis_names),
         )
     return table
 
@@ -81,7 +81,3 @@ def windows_csv(axis_names: tuple[str, str], windows: list[WindowOut]) -> str:
             ]
         )
     return text.getvalue()
-
-
-def _or_dash(value: float | None, form: str) -> str:
-    return "-" if value is None else format(value, form)
