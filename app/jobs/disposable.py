@@ -1,8 +1,9 @@
-"""How does work that may run wild stay harmless?  In a process of its own, thrown away after.
+"""How does work that may run wild stay harmless?  In a process that can be thrown away.
 
 Children are forked from a small server that has imported, and once done, what they are for, and
 holds nothing of the service: they can be killed at any moment and take no lock with them.
-Some wait ready, so that work needn't wait for a fork.  Their memory is limited by RLIMIT_DATA,
+One that answered soundly and didn't grow waits for more work, which then needn't wait for a fork;
+any other is killed.  Each piece of work has its own bounds; memory is limited by RLIMIT_DATA,
 which Linux applies to heaps and private mappings.
 """
 
@@ -14,7 +15,6 @@ import resource
 import signal
 import time
 import traceback
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -34,13 +34,19 @@ _MEBIBYTE = 2**20
 # A child that nothing is asked of for so long makes the server's pages it will write its own.
 _IDLE_S = 0.02
 # A spare is forked and warmed up, 60 ms of a processor, when the answer is out so that it takes
-# nothing from that; work as long as this leaves time enough meanwhile.
-_ANSWER_S, _LONG_S = 0.05, 0.25
+# nothing from that.
+_ANSWER_S = 0.05
+# A child that holds so much more than when it was born is thrown away: all kinds of plan one after
+# the other take 64 MiB.
+_GROWN_BYTES = 150 * _MEBIBYTE
 # Most time a child may take to begin: the first of all waits until the server is warm.
 _START_S = 120.0
+# What RLIMIT_DATA counts, used or not; and what is really held.
+_LIMITED, _HELD = "VmData:", "RssAnon:"
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
-# What a child sends: that it begins, progress any number of times, then one of the others.
+# What a child sends of a piece of work: that it begins, progress any number of times, then one of
+# the others.
 _BEGUN, _PROGRESS, _DONE, _REFUSED, _FAILED = range(5)
 
 
@@ -101,7 +107,7 @@ class Stop:
 
 
 class _Child:
-    """A process that does one piece of work when it is given any."""
+    """A process that does the work it is given, one piece after the other."""
 
     # multiprocessing's bookkeeping of children isn't made for threads.
     _books = Lock()
@@ -109,7 +115,7 @@ class _Child:
     def __init__(self) -> None:
         context = multiprocessing.get_context("forkserver")
         self.line, childs_end = context.Pipe(duplex=True)
-        self._process = context.Process(target=_do_one, args=(childs_end,), daemon=True)
+        self._process = context.Process(target=_do_all, args=(childs_end,), daemon=True)
         with self._books:
             start_server()
             self._process.start()
@@ -127,67 +133,71 @@ class _Child:
 
     def throw_away(self) -> None:
         """Dead when this returns, and nothing of it is left."""
-        self.line.close()
         self.kill()
         self.exit_code()
+        self.line.close()
         with self._books:
             self._process.close()
 
 
-class _Spares:
-    """Children that wait for work."""
+class _Children:
+    """Those that work, and those that wait for work."""
 
     def __init__(self) -> None:
-        self._ready: deque[_Child] = deque()
-        self._count = 0
+        self._waiting: list[_Child] = []
+        self._working = 0
+        self._kept = 0
         self._lock = Lock()
+        self._forking = Lock()
 
     def keep(self, count: int) -> None:
-        """So many from now on; with 0 those that wait are thrown away."""
-        self._count = count
-        if count:
-            self.refill_after(0.0)
-            return
+        """So many from now on when there is nothing to do; with 0 they end with their work."""
         with self._lock:
-            while self._ready:
-                self._ready.popleft().throw_away()
+            self._kept = count
+            unwanted, self._waiting[count:] = self._waiting[count:], []
+        for child in unwanted:
+            child.throw_away()
+        self._refill_after(0.0)
 
     def take(self) -> _Child:
-        """One that waits, or a new one."""
+        """The one that worked last of those that wait, or a new one."""
+        with self._lock:
+            self._working += 1
         while True:
             try:
-                child = self._ready.popleft()
+                child = self._waiting.pop()
             except IndexError:
                 return _Child()
             if not child.line.poll():
                 return child
             child.throw_away()  # it says something unasked: that it was killed
 
-    def refill_after(self, wait_s: float) -> Timer:
-        """In the background, unless cancelled before."""
-        timer = Timer(wait_s, self.refill)
-        timer.daemon = True
-        timer.start()
-        return timer
-
-    def replace(self, gone: _Child) -> None:
-        """In the background, when what was made of the child's answer is out, too."""
-        timer = Timer(_ANSWER_S, self._replace, (gone,))
-        timer.daemon = True
-        timer.start()
-
-    def _replace(self, gone: _Child) -> None:
-        gone.throw_away()
-        self.refill()
-
-    def refill(self) -> None:
-        """Fork what is missing."""
+    def give_back(self, child: _Child, may_do_more: bool) -> None:
+        """What is thrown away is replaced when what was made of its answer is out, too."""
         with self._lock:
-            while len(self._ready) < self._count:
-                self._ready.append(_Child())
+            self._working -= 1
+            if may_do_more and len(self._waiting) < self._kept:
+                self._waiting.append(child)
+                return
+        child.kill()
+        self._refill_after(_ANSWER_S, child)
+
+    def _refill_after(self, wait_s: float, gone: _Child | None = None) -> None:
+        timer = Timer(wait_s, self._refill, (gone,))
+        timer.daemon = True
+        timer.start()
+
+    def _refill(self, gone: _Child | None) -> None:
+        if gone is not None:
+            gone.throw_away()
+        with self._forking:
+            while self._working + len(self._waiting) < self._kept:
+                with self._lock:
+                    self._working += 1
+                self.give_back(_Child(), may_do_more=True)
 
 
-_spares = _Spares()
+_children = _Children()
 
 
 def start_server() -> None:
@@ -201,11 +211,11 @@ def start_server() -> None:
 @contextmanager
 def spare_children(count: int) -> Iterator[None]:
     """Inside, so many children wait ready."""
-    _spares.keep(count)
+    _children.keep(count)
     try:
         yield
     finally:
-        _spares.keep(0)
+        _children.keep(0)
 
 
 def run_disposable(
@@ -223,39 +233,38 @@ def run_disposable(
     """
     task = pickle.dumps((bounds, work, given))
     stop = stop or Stop()
-    child = _spares.take()
-    refill = _spares.refill_after(_LONG_S)
+    child = _children.take()
+    may_do_more = False
     try:
         with stop.ending_by(child.kill):
-            try:
-                value: T = _outcome(child, task, bounds, on_progress)
-            except ChildDied:
-                if stop.requested:
-                    raise Stopped from None
-                raise
-            return value
+            kind, value, may_do_more = _outcome(child, task, bounds, on_progress)
+    except ChildDied:
+        if stop.requested:
+            raise Stopped from None
+        raise
     finally:
-        child.kill()
-        refill.cancel()
-        _spares.replace(child)
+        _children.give_back(child, may_do_more and not stop.requested)
+    if kind == _REFUSED:
+        raise value
+    if kind == _FAILED:
+        raise ChildFailed(value)
+    done: T = value
+    return done
 
 
 def _outcome(
     child: _Child, task: bytes, bounds: Bounds, on_progress: Callable[[Progress], None] | None
-) -> Any:  # noqa: ANN401 (the work's)
+) -> tuple[int, Any, bool]:
+    """How it ended, with what, and whether the child may do more."""
     try:
         child.line.send_bytes(task)
         if not child.line.poll(_START_S):
             raise ChildDied(f"it didn't begin within {_START_S:g} s")
         until_s = time.monotonic() + bounds.deadline_s
         while child.line.poll(max(until_s - time.monotonic(), 0.0)):
-            kind, value = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our own child's)
-            if kind == _DONE:
-                return value
-            if kind == _REFUSED:
-                raise value
-            if kind == _FAILED:
-                raise ChildFailed(value)
+            kind, value, may_do_more = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our child's)
+            if kind in (_DONE, _REFUSED, _FAILED):
+                return kind, value, may_do_more
             if kind == _PROGRESS and on_progress is not None:
                 on_progress(value)
     except (EOFError, ConnectionError):
@@ -265,40 +274,55 @@ def _outcome(
     )
 
 
-def _do_one(line: Connection) -> None:
+def _do_all(line: Connection) -> None:
     """The child's whole life."""
     from app.jobs import warm  # here already, since the server imported it
 
     _die_with_service()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
-    try:
-        if not line.poll(_IDLE_S):
-            warm.warm_up()
-        bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
-    except EOFError:
-        return
-    line.send_bytes(pickle.dumps((_BEGUN, None)))
-    # However long it may hold the interpreter.
-    _limit(resource.RLIMIT_CPU, int(bounds.deadline_s) * (os.cpu_count() or 1) + 1)
     _limit(resource.RLIMIT_CORE, 0)
-    _limit(resource.RLIMIT_DATA, _data_bytes() + bounds.memory_mib * _MEBIBYTE)
-    report_through(lambda progress: line.send_bytes(pickle.dumps((_PROGRESS, progress))))
-    line.send_bytes(_answer(bounds, work, given))
+    report_through(lambda progress: line.send_bytes(_packed(_PROGRESS, progress)))
+    if not line.poll(_IDLE_S):
+        warm.warm_up()
+    grown_bytes = _bytes(_HELD) + _GROWN_BYTES
+    while True:
+        try:
+            task = line.recv_bytes()
+        except EOFError:
+            return
+        line.send_bytes(_packed(_BEGUN, None))
+        line.send_bytes(_answer(task, grown_bytes))
 
 
-def _answer(bounds: Bounds, work: Callable[..., object], given: tuple[object, ...]) -> bytes:
+def _answer(task: bytes, grown_bytes: int) -> bytes:
+    bounds, work, given = pickle.loads(task)  # noqa: S301 (our own service's)
+    _bind(bounds)
     try:
-        return pickle.dumps((_DONE, work(*given)))
-    except Refusal as refusal:
-        return pickle.dumps((_REFUSED, refusal))
+        try:
+            return _packed(_DONE, work(*given), _bytes(_HELD) < grown_bytes)
+        except Refusal as refusal:
+            return _packed(_REFUSED, refusal, _bytes(_HELD) < grown_bytes)
     except MemoryError:
         too_much = TooDemanding(
             f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
             "a time"
         )
-        return pickle.dumps((_REFUSED, too_much))
+        return _packed(_REFUSED, too_much)
     except Exception:  # noqa: BLE001 (told to the parent, which raises it)
-        return pickle.dumps((_FAILED, traceback.format_exc()))
+        return _packed(_FAILED, traceback.format_exc())
+
+
+def _packed(kind: int, value: object, may_do_more: bool = False) -> bytes:
+    return pickle.dumps((kind, value, may_do_more))
+
+
+def _bind(bounds: Bounds) -> None:
+    """From here on, beyond what was used and is held already."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    may_use_s = bounds.deadline_s * (os.cpu_count() or 1)
+    # However long it may hold the interpreter.
+    _limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime + may_use_s) + 1)
+    _limit(resource.RLIMIT_DATA, _bytes(_LIMITED) + bounds.memory_mib * _MEBIBYTE)
 
 
 def _die_with_service() -> None:
@@ -312,12 +336,12 @@ def _die_with_service() -> None:
 
 
 def _limit(which: int, most: int) -> None:
-    resource.setrlimit(which, (most, most))
+    resource.setrlimit(which, (most, resource.RLIM_INFINITY))
 
 
-def _data_bytes() -> int:
-    """What the process already has of what RLIMIT_DATA counts."""
+def _bytes(kind: str) -> int:
+    """What this process has of a kind of memory, a line of Linux's proc_pid_status."""
     for line in Path("/proc/self/status").read_text().splitlines():
-        if line.startswith("VmData:"):
+        if line.startswith(kind):
             return int(line.split()[1]) * 1024
-    raise RuntimeError("the kernel doesn't say VmData")
+    raise RuntimeError(f"the kernel doesn't say {kind}")

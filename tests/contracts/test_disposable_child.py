@@ -1,12 +1,30 @@
 """Can work that runs wild hurt the service?"""
 
+import json
 import operator
 import os
+import resource
+import signal
 import time
+from contextlib import contextmanager, suppress
+from functools import partial
+from pathlib import Path
+from threading import Timer
 
 import pytest
 
-from app.jobs.disposable import Bounds, ChildDied, ChildFailed, TooDemanding, run_disposable
+from app.api.examples import PLAN_EXAMPLES
+from app.api.plan_work import planned
+from app.jobs.disposable import (
+    Bounds,
+    ChildDied,
+    ChildFailed,
+    Stop,
+    Stopped,
+    TooDemanding,
+    run_disposable,
+    spare_children,
+)
 from planner.errors import InvalidInput
 
 BOUNDS = Bounds(deadline_s=30.0, memory_mib=200)
@@ -51,3 +69,86 @@ def test_a_crash_is_noticed():
 def test_a_bug_is_told_with_its_traceback():
     with pytest.raises(ChildFailed, match="ZeroDivisionError"):
         run_disposable(BOUNDS, operator.truediv, 1.0, 0.0)
+
+
+@contextmanager
+def one_child():
+    """Inside, one and the same does all."""
+    with spare_children(1):
+        one, other = 0, 1
+        while one != other:
+            one, other = other, run_disposable(BOUNDS, os.getpid)
+        yield one
+
+
+def used_to_end():
+    """The process, and the processor time it may have used when it is killed."""
+    return os.getpid(), resource.getrlimit(resource.RLIMIT_CPU)[0]
+
+
+def test_sound_work_leaves_its_child_for_more():
+    with one_child() as same:
+        with pytest.raises(InvalidInput):
+            run_disposable(BOUNDS, refuse, "not so")
+        assert run_disposable(BOUNDS, os.getpid) == same
+
+
+def allocate(size):
+    return len(bytes(size))
+
+
+def test_each_work_has_bounds_of_its_own():
+    with one_child() as same:
+        may_use_s = []
+        for deadline_s, memory_mib in ((5.0, 50), (60.0, 200), (10.0, 100)):
+            bounds = Bounds(deadline_s=deadline_s, memory_mib=memory_mib)
+            child, most_s = run_disposable(bounds, used_to_end)
+            assert child == same
+            may_use_s.append(most_s)
+        assert may_use_s[0] < may_use_s[2] < may_use_s[1]
+        with pytest.raises(TooDemanding, match="100 MiB"):
+            run_disposable(bounds, allocate, 150 * 2**20)
+        assert run_disposable(BOUNDS, allocate, 150 * 2**20) == 150 * 2**20
+
+
+def keep_much():
+    kept.append(b"." * (180 * 2**20))
+    return os.getpid()
+
+
+kept = []
+
+
+@pytest.mark.parametrize("work", [keep_much, os.abort, partial(operator.truediv, 1.0, 0.0)])
+def test_a_child_that_grew_or_failed_does_nothing_more(work):
+    with one_child() as first:
+        with suppress(ChildDied, ChildFailed):
+            run_disposable(BOUNDS, work)
+        assert run_disposable(BOUNDS, os.getpid) != first
+
+
+def test_a_child_killed_while_it_waits_is_not_noticed():
+    with one_child() as first:
+        os.kill(first, signal.SIGKILL)
+        time.sleep(0.2)  # until its end of the line is closed
+        assert run_disposable(BOUNDS, os.getpid) != first
+
+
+def test_a_child_that_is_stopped_ends():
+    stop = Stop()
+    with one_child() as stopped:
+        Timer(0.2, stop.request).start()
+        with pytest.raises(Stopped):
+            run_disposable(BOUNDS, time.sleep, 3600.0, stop=stop)
+        while Path(f"/proc/{stopped}").exists():
+            time.sleep(0.05)
+
+
+def test_a_plan_does_not_depend_on_what_its_child_planned_before():
+    requests = [json.dumps(PLAN_EXAMPLES[name][1]).encode() for name in ("tle", "sequence")]
+    bounds = Bounds(deadline_s=60.0, memory_mib=1000)
+    fresh = [run_disposable(bounds, planned, request).table_columns for request in requests]
+    with one_child() as same:
+        again = [run_disposable(bounds, planned, request) for request in (*requests, *requests)]
+        assert run_disposable(bounds, os.getpid) == same
+    assert [made.table_columns for made in again] == [*fresh, *fresh]
