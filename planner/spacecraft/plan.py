@@ -116,7 +116,7 @@ def _planned(request: ImagingPlanRequest) -> ImagingPlan:
         table=table,
         turns=timeline.turns,
         choice=choice,
-        left_out=(*left_out, *_not_chosen(request, options, choice, left_out)),
+        left_out=(*left_out, *_not_chosen(request, choice, left_out)),
         verification=verification,
         stabilisation=stabilisation(fly_many(spacecraft, table, states, seeds, keep)),
         assumptions=ASSUMPTIONS,
@@ -206,7 +206,7 @@ def _chosen(
                 break
             if found is not None:
                 return found
-    return _flown(request, session, options)
+    return _flown(request, session, options, first, ROUNDS)
 
 
 def _flown_eased(
@@ -217,28 +217,34 @@ def _flown_eased(
         options, _ = _options(request, eased)
     except (Unreachable, InfeasibleSlew):
         return None
-    if _choice(request, eased, options, {}, set()).value < first.value:
+    choice = _choice(request, eased, options, {}, set())
+    if choice.value < first.value:
         return None
-    choice, timeline = _flown(request, eased, options, EASED_ROUNDS)
+    choice, timeline = _flown(request, eased, options, choice, EASED_ROUNDS)
     if choice.value < first.value:
         return None
     return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
 
 
 def _flown(
-    request: ImagingPlanRequest, session: Session, options: list[Candidate], rounds: int = ROUNDS
+    request: ImagingPlanRequest,
+    session: Session,
+    options: list[Candidate],
+    choice: Choice,
+    rounds: int,
 ) -> tuple[Choice, Timeline]:
-    """Choose and fly; a pair whose turn doesn't fit gets the time it needs, and again."""
+    """Fly the choice; a pair whose turn doesn't fit gets the time it needs, and another is made."""
     extra: dict[tuple[int, int], int] = {}
     barred: set[int] = set()
     momentum = np.array(request.settings.momentum_n_m_s)
     names = [one.name for one in request.requests]
     known: dict[Hashable, Outcome] = {}
     misfits: tuple[Misfit, ...] = ()
-    for _ in range(rounds):
+    for revised in range(rounds):
         if len(barred) == len(options):
             break
-        choice = _choice(request, session, options, extra, barred)
+        if revised:
+            choice = _choice(request, session, options, extra, barred)
         try:
             timeline = build_timeline(
                 session,
@@ -341,10 +347,7 @@ def make_table(request: ImagingPlanRequest, session: Session, timeline: Timeline
 
 
 def _not_chosen(
-    request: ImagingPlanRequest,
-    options: Sequence[Candidate],
-    choice: Choice,
-    left_out: tuple[LeftOut, ...],
+    request: ImagingPlanRequest, choice: Choice, left_out: tuple[LeftOut, ...]
 ) -> tuple[LeftOut, ...]:
     """Requests with candidates that the best choice has no time for."""
     done = set(choice.requests)
