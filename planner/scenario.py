@@ -132,6 +132,15 @@ class SlewOptions:
             if count > most:
                 raise ValueError(f"{name} must hold at most {most} entries, not {count}")
 
+    def axis_limits(self, platform: TwoAxisPlatform) -> tuple[AxisLimits, ...]:
+        """The platform's limits with the jerk limit asked for, in the order of its axes."""
+        if self.jerk_max_deg_s3 is None:
+            return platform.axis_limits
+        jerk_max_rad_s3 = math.radians(self.jerk_max_deg_s3)
+        return tuple(
+            replace(limits, jerk_max_rad_s3=jerk_max_rad_s3) for limits in platform.axis_limits
+        )
+
 
 @spec
 class Scenario:
@@ -192,12 +201,7 @@ class Scenario:
     @property
     def axis_limits(self) -> tuple[AxisLimits, ...]:
         """The platform's limits with the jerk limit asked for, in the order of its axes."""
-        if self.slew.jerk_max_deg_s3 is None:
-            return self.platform.axis_limits
-        jerk_max_rad_s3 = math.radians(self.slew.jerk_max_deg_s3)
-        return tuple(
-            replace(limits, jerk_max_rad_s3=jerk_max_rad_s3) for limits in self.platform.axis_limits
-        )
+        return self.slew.axis_limits(self.platform)
 
     def initial_motion(self, axis: str) -> NDArray[np.float64]:
         """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
@@ -87,7 +87,7 @@ def chosen_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     Raises OutsideCoverage.
     """
     tell("opportunities", 0, 1)
-    limits = _axis_limits(request)
+    limits = request.slew.axis_limits(request.platform)
     grid_s = _first_row_s(request)
     found = find_opportunities(request.opportunities())
     rest_s = _rest_s(request, limits)
@@ -150,18 +150,6 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         ),
         slew=request.slew,
         on_conflict="least_loss",
-    )
-
-
-def _axis_limits(request: CampaignRequest) -> tuple[AxisLimits, AxisLimits]:
-    jerk_max_deg_s3 = request.slew.jerk_max_deg_s3
-    outer, inner = request.platform.axis_limits
-    if jerk_max_deg_s3 is None:
-        return outer, inner
-    jerk_max_rad_s3 = math.radians(jerk_max_deg_s3)
-    return (
-        replace(outer, jerk_max_rad_s3=jerk_max_rad_s3),
-        replace(inner, jerk_max_rad_s3=jerk_max_rad_s3),
     )
 
 
