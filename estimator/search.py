@@ -150,7 +150,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
             points, result = _first_fit(views, search, result.c_body_from_itrf, active)
     cameras = _judged(views, points, result, search)
     if all(c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)):
-        return _failed(views, points, result, cameras)
+        return _failed(points, result, cameras)
     if search.daylight:
         cameras = [
             replace(c, reason=_no_lit_earth(view, p, search, result)) if on else c
@@ -158,7 +158,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
         ]
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
     if not any(active):
-        return _failed(views, points, result, cameras)
+        return _failed(points, result, cameras)
     for window in _WINDOWS_RAD:
         c, height = result.c_body_from_itrf, result.height_m
         points = _all_points(views, search, c, height, window, active)
@@ -167,7 +167,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
         cameras = _kept_reasons(judged, cameras, active)
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
         if not any(active):
-            return _failed(views, points, result, cameras)
+            return _failed(points, result, cameras)
     if not all(active):
         points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
     fits = _all_headings(views, points, result.c_body_from_itrf, search, *_HEADINGS)
@@ -370,9 +370,7 @@ def _emptied(points: LimbPoints) -> LimbPoints:
     return replace(points, found=np.zeros(len(points), dtype=bool))
 
 
-def _failed(
-    views: list[View], points: list[LimbPoints], result: Fit, cameras: list[CameraFit]
-) -> Horizon:
+def _failed(points: list[LimbPoints], result: Fit, cameras: list[CameraFit]) -> Horizon:
     reasons = [c.reason for c in cameras if c.reason is not None]
     longest = max(cameras, key=lambda c: c.arc_rad)
     return Horizon(

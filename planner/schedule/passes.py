@@ -27,11 +27,6 @@ class Looks:
     to_s: Array
     pass_number: Indices
 
-    @property
-    def passes(self) -> int:
-        """How many there are."""
-        return int(self.pass_number[-1]) + 1 if len(self.pass_number) else 0
-
 
 def longest_slew_s(limits: tuple[AxisLimits, ...]) -> float:
     """No slew between two tracks needs longer: stop to stop, both rates in the way."""

@@ -36,7 +36,6 @@ class Ways:
     step_s: float
     target: Indices
     pass_number: Indices
-    branch: Indices
     first_step: Indices
     steps: Indices
     offset: Indices
@@ -48,7 +47,6 @@ class _Run:
     """Ways found in one batch of samples, each array of shape (w,) or (n, ...)."""
 
     look: Indices
-    branch: Indices
     first_step: Indices
     steps: Indices
     state: Array
@@ -126,13 +124,13 @@ def _runs(
     )
     los_rate_s = (after - before) / (2.0 * DELTA_S)
     los_acceleration_s2 = (after - 2.0 * los + before) / DELTA_S**2
-    for branch, angle_rad in enumerate(axis_angles(platform, los).angle_rad):
+    for angle_rad in axis_angles(platform, los).angle_rad:
         motion = axis_motion(platform, angle_rad, los, los_rate_s, los_acceleration_s2)
         sound = singular_margin_rad(platform, angle_rad, los) > SINGULAR_RAD
         for turned_rad in _turns(platform, angle_rad):
             state = np.stack([turned_rad, *motion], axis=1)
             usable = sound & _within(state, platform.axis_limits)
-            yield _split(look, step, branch, state, usable)
+            yield _split(look, step, state, usable)
 
 
 def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
@@ -160,9 +158,7 @@ def _within(state: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
     return np.asarray((kept & (np.abs(acceleration_rad_s2) <= acceleration)).all(axis=1))
 
 
-def _split(
-    look: Indices, step: Indices, branch: int, state: Array, usable: NDArray[np.bool_]
-) -> _Run:
+def _split(look: Indices, step: Indices, state: Array, usable: NDArray[np.bool_]) -> _Run:
     """Runs of usable samples: of one look, step after step, without a turn over."""
     here = np.flatnonzero(usable)
     look, step, state = look[here], step[here], state[here]
@@ -171,7 +167,6 @@ def _split(
     begins = np.flatnonzero(np.append(True, ~goes_on)[: len(look)])
     return _Run(
         look=look[begins],
-        branch=np.full(len(begins), branch),
         first_step=step[begins],
         steps=np.diff(np.append(begins, len(look))),
         state=state,
@@ -188,7 +183,6 @@ def _gathered(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
         step_s=step_s,
         target=looks.target[look],
         pass_number=looks.pass_number[look],
-        branch=joined("branch", none).astype(np.intp),
         first_step=joined("first_step", none).astype(np.intp),
         steps=steps,
         offset=np.cumsum(steps) - steps,
@@ -207,7 +201,6 @@ def _kept(ways: Ways, rows: NDArray[np.bool_]) -> Ways:
         step_s=ways.step_s,
         target=ways.target[order],
         pass_number=ways.pass_number[order],
-        branch=ways.branch[order],
         first_step=ways.first_step[order],
         steps=steps,
         offset=offset,
