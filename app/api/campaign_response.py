@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from app.api.job_response import JobProblem, JobResponse, job_out
+from app.api.job_response import JobProblem, JobResponse, ListedJobs, job_out
 from app.jobs.states import JobState
 from app.store.jobs import Job
 
@@ -164,8 +164,6 @@ def _planned(passes: Sequence[CampaignPassOut]) -> PlannedOut:
     )
 
 
-def campaign_list_json(jobs: Sequence[Job], limit: int) -> bytes:
-    """A CampaignList of jobs, of which one more than the limit was asked for."""
-    shown = jobs[:limit]
-    after = shown[-1].id if len(jobs) > limit else None
-    return _LIST.dump_json(CampaignList(campaigns=[job_out(job) for job in shown], next=after))
+def campaign_list_json(listed: ListedJobs) -> bytes:
+    """A CampaignList."""
+    return _LIST.dump_json(CampaignList(campaigns=listed.jobs, next=listed.next))

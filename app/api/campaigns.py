@@ -1,9 +1,8 @@
 """How are campaigns asked for, followed and ended over HTTP?"""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
@@ -20,17 +19,16 @@ from app.api.campaign_response import (
     campaign_json,
     campaign_list_json,
 )
-from app.api.job_routes import PREFER, accepted, add_delete, add_events, find_job, no_such
+from app.api.job_routes import PREFER, accepted, add_delete, add_events, job_of, listed, no_such
 from app.api.negotiation import JSON, accepts_json, json_body
 from app.api.plan_queries import ListQuery, PlanId, idempotency_key
+from app.api.reading import read
 from app.api.waiting import patience, wait_for_end
 from app.errors import problem_answer
 from app.jobs.kinds import CAMPAIGN, JobKind
 from app.openapi import request_body
 from app.store import campaigns, jobs
-from app.store.database import Database
-
-T = TypeVar("T")
+from app.store.jobs import Job
 
 
 @dataclass(frozen=True)
@@ -89,14 +87,14 @@ async def post_campaign(
     waits = patience(prefer)
     if waits.applied is not None:
         await wait_for_end(request, job.id, waits.wait_s)
-    job = await find_job(request, RESOURCE, job.id)
+    job, told = await _found(request, job.id)
     headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer"}
     if waits.applied is not None:
         headers["Preference-Applied"] = waits.applied
     if job.problem is not None:
         return problem_answer(request, job.problem, headers)
     status = HTTPStatus.CREATED if job.state == "done" else HTTPStatus.ACCEPTED
-    return Response(await _told(request, job.id), status, headers, JSON)
+    return Response(told, status, headers, JSON)
 
 
 @router.get(
@@ -107,18 +105,7 @@ async def post_campaign(
 )
 async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
     """The latest first."""
-    found = await _read(
-        request,
-        lambda connection: jobs.latest(
-            connection,
-            CAMPAIGN.name,
-            query.limit + 1,
-            before=query.cursor,
-            state=query.state,
-            name=query.name,
-        ),
-    )
-    return Response(campaign_list_json(found, query.limit), media_type=JSON)
+    return Response(campaign_list_json(await listed(request, RESOURCE, query)), media_type=JSON)
 
 
 @router.get(
@@ -130,31 +117,20 @@ async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) 
 )
 async def get_campaign(request: Request, plan_id: PlanId) -> Response:
     """What was chosen and how far from the best that can be; each pass with its plan's state."""
-    job = await find_job(request, RESOURCE, plan_id)
-    return Response(
-        await _told(request, job.id), media_type=JSON, headers={"Cache-Control": "no-cache"}
-    )
+    _, told = await _found(request, plan_id)
+    return Response(told, media_type=JSON, headers={"Cache-Control": "no-cache"})
 
 
 add_delete(router, RESOURCE)
 add_events(router, RESOURCE)
 
 
-async def _told(request: Request, job_id: str) -> bytes:
-    def told(connection: Connection) -> bytes:
-        job = jobs.get(connection, job_id)
-        assert job is not None
+async def _found(request: Request, job_id: str) -> tuple[Job, bytes]:
+    """The job, and the answer that tells of it; raises 404."""
+
+    def reading(connection: Connection) -> tuple[Job, bytes]:
+        job = job_of(connection, RESOURCE, job_id)
         choice = campaigns.choice_of(connection, job_id)
-        return campaign_json(job, choice, jobs.parts_of(connection, job_id))
+        return job, campaign_json(job, choice, jobs.parts_of(connection, job_id))
 
-    return await _read(request, told)
-
-
-async def _read(request: Request, read: Callable[[Connection], T]) -> T:
-    database: Database = request.app.state.database
-
-    def reading() -> T:
-        with database.reading() as connection:
-            return read(connection)
-
-    return await anyio.to_thread.run_sync(reading)
+    return await read(request, reading)

@@ -1,6 +1,6 @@
 """What is told of a plan that isn't made, or not yet?"""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,6 +35,14 @@ class JobResponse:
     finished: str | None
     attempts: int
     problem: JobProblem | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ListedJobs:
+    """A piece of a list; `next`: the id to go on from, None at the end."""
+
+    jobs: list[JobResponse]
+    next: str | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,12 +84,14 @@ def job_json(job: Job) -> bytes:
     return _JOB.dump_json(job_out(job))
 
 
-def list_json(jobs: list[Job], limit: int) -> bytes:
-    """A PlanList of jobs, of which one more than the limit was asked for."""
+def listed_jobs(jobs: Sequence[Job], limit: int) -> ListedJobs:
+    """Of jobs of which one more than the limit was asked for."""
     shown = jobs[:limit]
-    return _LIST.dump_json(
-        PlanList(
-            plans=[job_out(job) for job in shown],
-            next=shown[-1].id if len(jobs) > limit else None,
-        )
+    return ListedJobs(
+        jobs=[job_out(job) for job in shown], next=shown[-1].id if len(jobs) > limit else None
     )
+
+
+def list_json(listed: ListedJobs) -> bytes:
+    """A PlanList."""
+    return _LIST.dump_json(PlanList(plans=listed.jobs, next=listed.next))

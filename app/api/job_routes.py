@@ -8,11 +8,13 @@ from typing import Annotated, Any, Protocol
 import anyio.to_thread
 from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.responses import StreamingResponse
+from sqlalchemy import Connection
 
-from app.api.event_stream import EVENT_EXAMPLE, EVENT_STREAM, last_seq, told
-from app.api.job_response import JobResponse, job_json
+from app.api.event_stream import EVENT_STREAM, last_seq, told
+from app.api.job_response import JobResponse, ListedJobs, job_json, listed_jobs
 from app.api.negotiation import JSON, accepts_json, preferred
-from app.api.plan_queries import PlanId, last_event_id
+from app.api.plan_queries import ListQuery, PlanId, last_event_id
+from app.api.reading import read
 from app.api.waiting import wait_for_end
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.kinds import JobKind
@@ -84,19 +86,34 @@ def _digest(*parts: str) -> str:
 
 async def find_job(request: Request, resource: JobResource, job_id: str) -> Job:
     """Raises 404."""
-    database: Database = request.app.state.database
+    return await read(request, lambda connection: job_of(connection, resource, job_id))
 
-    def read() -> Job | None:
-        with database.reading() as connection:
-            return jobs.get(connection, job_id)
 
-    job = await anyio.to_thread.run_sync(read)
+def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
+    """The job that makes one of them; raises 404."""
+    job = jobs.get(connection, job_id)
     if job is None or job.kind != resource.kind.name:
         raise HTTPException(
             HTTPStatus.NOT_FOUND,
             f"there is no {resource.singular} with this id; GET {resource.path} lists them",
         )
     return job
+
+
+async def listed(request: Request, resource: JobResource, query: ListQuery) -> ListedJobs:
+    """Those the query asks for, the latest first."""
+    found = await read(
+        request,
+        lambda connection: jobs.latest(
+            connection,
+            resource.kind.name,
+            query.limit + 1,  # to know whether more come after
+            before=query.cursor,
+            state=query.state,
+            name=query.name,
+        ),
+    )
+    return listed_jobs(found, query.limit)
 
 
 def add_delete(router: APIRouter, resource: JobResource) -> None:
@@ -148,7 +165,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
         responses={
             200: {
                 "description": "Server-sent events `state` and `progress`, until it has ended",
-                "content": {EVENT_STREAM: {"example": EVENT_EXAMPLE}},
+                "content": {EVENT_STREAM: {}},
             },
             204: {"description": "Nothing comes after Last-Event-ID: don't reconnect"},
             404: no_such(resource),
@@ -160,9 +177,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
         """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done` and `of`."""
         preferred(request, (EVENT_STREAM,))
         job = await find_job(request, resource, plan_id)
-        if not job.is_open and seq >= await anyio.to_thread.run_sync(
-            last_seq, request.app.state.database, plan_id
-        ):
+        if not job.is_open and seq >= await last_seq(request, plan_id):
             return Response(status_code=HTTPStatus.NO_CONTENT)
         return StreamingResponse(
             told(request, plan_id, seq),

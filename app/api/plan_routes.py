@@ -13,7 +13,7 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from pydantic import BaseModel, TypeAdapter
 
 from app.api.job_response import JobResponse, PlanList, job_json, list_json
-from app.api.job_routes import PREFER, accepted, add_delete, add_events, no_such
+from app.api.job_routes import PREFER, accepted, add_delete, add_events, listed, no_such
 from app.api.negotiation import JSON, accepts_json, is_known_already, json_body, preferred
 from app.api.plan_queries import (
     ListQuery,
@@ -185,21 +185,7 @@ def _add_list(router: APIRouter, resource: PlanResource) -> None:
     )
     async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
         """The latest first, those that wait, run, were refused or cancelled included."""
-        database: Database = request.app.state.database
-
-        def read() -> list[Job]:
-            with database.reading() as connection:
-                return jobs.latest(
-                    connection,
-                    resource.kind.name,
-                    query.limit + 1,
-                    before=query.cursor,
-                    state=query.state,
-                    name=query.name,
-                )
-
-        found = await anyio.to_thread.run_sync(read)
-        return Response(list_json(found, query.limit), media_type=JSON)
+        return Response(list_json(await listed(request, resource, query)), media_type=JSON)
 
 
 def _add_one(router: APIRouter, resource: PlanResource) -> None:

@@ -4,17 +4,19 @@ from dataclasses import dataclass
 from http import HTTPStatus
 
 import anyio.to_thread
-from fastapi import HTTPException, Request, Response
+from fastapi import Request, Response
+from sqlalchemy import Connection
 
 from app.api.in_child import in_child
+from app.api.job_routes import job_of
 from app.api.negotiation import JSON
 from app.api.plan_head import PlanHead, whole_answer
 from app.api.plan_resource import PlanResource
+from app.api.reading import read
 from app.api.table_export import file_name
 from app.jobs.disposable import Bounds
 from app.jobs.refusals import Conflict
 from app.store import jobs, plans
-from app.store.database import Database
 from app.store.jobs import Job
 from app.store.plans import StoredPlan
 from app.versions import VERSION
@@ -35,22 +37,13 @@ class Found:
 
 async def find(request: Request, resource: PlanResource, plan_id: str) -> Found:
     """Raises 404."""
-    database: Database = request.app.state.database
 
-    def read() -> Found | None:
-        with database.reading() as connection:
-            job = jobs.get(connection, plan_id)
-            if job is None or job.kind != resource.kind.name:
-                return None
-            made = job.state in ("done", "failed")
-            return Found(job=job, plan=plans.get(connection, plan_id) if made else None)
+    def reading(connection: Connection) -> Found:
+        job = job_of(connection, resource, plan_id)
+        made = job.state in ("done", "failed")
+        return Found(job=job, plan=plans.get(connection, plan_id) if made else None)
 
-    found = await anyio.to_thread.run_sync(read)
-    if found is None:
-        raise HTTPException(
-            HTTPStatus.NOT_FOUND, f"there is no plan with this id; GET {resource.path} lists them"
-        )
-    return found
+    return await read(request, reading)
 
 
 def immutable_tag(plan: StoredPlan, form: str = "json") -> str:
@@ -90,17 +83,12 @@ async def table_answer(
         table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
         return Response(table, status, headers, JSON)
     exporter = resource.exporters[format_name]
-    database: Database = request.app.state.database
-
-    def asked() -> bytes:
-        with database.reading() as connection:
-            return jobs.request_of(connection, plan.id) or b""
-
+    asked = await read(request, lambda connection: jobs.request_of(connection, plan.id))
     content = await in_child(
         request,
         EXPORT_BOUNDS,
         resource.table_file,
-        await anyio.to_thread.run_sync(asked),
+        asked or b"",
         plan.table_columns,
         format_name,
         plan.planned_utc,

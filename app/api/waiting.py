@@ -7,12 +7,11 @@ import asyncio
 import re
 from dataclasses import dataclass
 
-import anyio.to_thread
 from fastapi import Request
 
+from app.api.reading import read
 from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
-from app.store.database import Database
 
 WAIT_S, WAIT_MAX_S = 30, 60
 _LOOK_S = 1.0  # between looks at a job that another service may work on
@@ -46,15 +45,10 @@ async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
     while (left_s := until_s - asyncio.get_running_loop().time()) > 0.0:
         with dispatcher.watching(job_id) as (ended, is_here):
             if not is_here:
-                if not await anyio.to_thread.run_sync(_is_open, request.app.state.database, job_id):
+                job = await read(request, lambda connection: jobs.get(connection, job_id))
+                if job is None or not job.is_open:
                     return
                 left_s = min(left_s, _LOOK_S)
             await asyncio.wait([asyncio.wrap_future(ended)], timeout=left_s)
             if ended.done() and ended.result():
                 return
-
-
-def _is_open(database: Database, job_id: str) -> bool:
-    with database.reading() as connection:
-        job = jobs.get(connection, job_id)
-    return job is not None and job.is_open
