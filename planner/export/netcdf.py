@@ -60,7 +60,7 @@ def write_netcdf(plan: FlownPlan, created_utc: datetime) -> bytes:
 def _global_attributes(file: netcdf_file, plan: FlownPlan, created_utc: datetime) -> None:
     scenario = plan.scenario
     named = carrier(scenario.orbit)
-    _describe(
+    describe(
         file,
         Conventions="CF-1.12",
         title=one_line(scenario.name) or "slewtrack plan",
@@ -82,7 +82,7 @@ def _times(file: netcdf_file, plan: FlownPlan) -> None:
     texts = instants.utc_text(1)
     time = file.createVariable("time", "d", ("time",))
     time[:] = table.t_s
-    _describe(
+    describe(
         time,
         standard_name="time",
         long_name="SI seconds since row 0",
@@ -92,7 +92,7 @@ def _times(file: netcdf_file, plan: FlownPlan) -> None:
     )
     utc = file.createVariable("utc", "c", ("time", "utc_characters"))
     utc[:] = np.array([list(text) for text in texts], dtype="S1")
-    _describe(utc, long_name="UTC of the row, RFC 3339; a leap second reads 23:59:60")
+    describe(utc, long_name="UTC of the row, RFC 3339; a leap second reads 23:59:60")
 
 
 def _holds_leap_second(instants: Instants) -> bool:
@@ -115,7 +115,7 @@ def _segments(file: netcdf_file, plan: FlownPlan) -> None:
         session[first : last + 1] = segment.session
     activity = file.createVariable("activity", "b", ("time",))
     activity[:] = kind
-    _describe(
+    describe(
         activity,
         long_name="what the platform does",
         flag_values=np.arange(len(KINDS), dtype="i1"),
@@ -123,7 +123,7 @@ def _segments(file: netcdf_file, plan: FlownPlan) -> None:
     )
     number = file.createVariable("session", "i", ("time",))
     number[:] = session
-    _describe(number, long_name="index of the session flown or slewed to")
+    describe(number, long_name="index of the session flown or slewed to")
 
 
 def _attitude(file: netcdf_file, rows: Flown) -> None:
@@ -153,7 +153,7 @@ def _ground(file: netcdf_file, rows: Flown) -> None:
         degrees = np.where(boresight.on_ground[:, 0], np.degrees(values), FILL)
         said = f"geodetic {name} where the boresight meets the WGS84 ellipsoid"
         variable = _write(file, f"boresight_{name}_deg", degrees, unit, said, rows.first_row)
-        _describe(variable, standard_name=name)
+        describe(variable, standard_name=name)
 
 
 def _identifier(column: Column, plan: FlownPlan) -> str:
@@ -177,10 +177,11 @@ def _write(
     variable = file.createVariable(name, "d", ("time", *sides))
     variable[:first_row] = FILL
     variable[first_row:] = values
-    _describe(variable, _FillValue=FILL, units=unit, long_name=said)
+    describe(variable, _FillValue=FILL, units=unit, long_name=said)
     return variable
 
 
-def _describe(thing: netcdf_file | netcdf_variable, **attributes: object) -> None:
+def describe(thing: netcdf_file | netcdf_variable, **attributes: object) -> None:
+    """Give a file or one of its variables attributes."""
     for name, value in attributes.items():
         setattr(thing, name, value)

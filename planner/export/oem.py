@@ -27,7 +27,7 @@ def write_oem(plan: FlownPlan, created_utc: datetime) -> bytes:
     lines = [
         *header("OEM", "2.0", created_utc, notes(plan, created_utc)),
         "META_START",
-        *object_lines(plan),
+        *object_lines(plan.scenario.orbit),
         "REF_FRAME = GCRF",
         "TIME_SYSTEM = UTC",
         f"START_TIME = {moments[0]}",

@@ -7,20 +7,20 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.io import netcdf_file, netcdf_variable
+from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 
-from planner.export.ccsds import data_lines, epochs, header
-from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, carrier, one_line
+from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
+from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.export.exporter import Exporter
-from planner.export.flown import axes_turn, continuous
+from planner.export.flown import continuous
+from planner.export.netcdf import describe
 from planner.frames.time_scales import Instants, utc_text
 from planner.spacecraft.definition import AgileSpacecraft
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S, AttitudeTable
 
 Array = NDArray[np.float64]
-_QUATERNION_DECIMALS = 13
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
 
@@ -58,7 +58,7 @@ def _columns(table: AttitudeTable) -> tuple[_Column, ...]:
             parts=(*xyz, "w"),
             unit="1",
             values=continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv()),
-            decimals=_QUATERNION_DECIMALS,
+            decimals=QUATERNION_DECIMALS,
         ),
         _degrees("omega_body_deg_s", xyz, "degree s-1", table.omega_body_rad_s),
         _degrees("alpha_body_deg_s2", xyz, "degree s-2", table.alpha_body_rad_s2),
@@ -111,7 +111,7 @@ def write_netcdf(plan: FlownImaging, created_utc: datetime) -> bytes:
     table = plan.table
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", version=2) as file:
-        _describe(
+        describe(
             file,
             Conventions="CF-1.12",
             title=one_line(plan.request.name) or "slewtrack imaging session",
@@ -124,7 +124,7 @@ def write_netcdf(plan: FlownImaging, created_utc: datetime) -> bytes:
         time = file.createVariable("time", "d", ("time",))
         time[:] = table.t_s
         since = utc_text(table.epoch_utc, 1).replace("T", " ").removesuffix("Z")
-        _describe(
+        describe(
             time,
             standard_name="time",
             units=f"seconds since {since}",
@@ -137,53 +137,23 @@ def write_netcdf(plan: FlownImaging, created_utc: datetime) -> bytes:
             name = column.name + "_xyzw" * (sides == ("xyzw",))
             variable = file.createVariable(name, "d", ("time", *sides))
             variable[:] = column.values if sides else column.values[:, 0]
-            _describe(variable, units=column.unit)
+            describe(variable, units=column.unit)
         file.flush()
         return buffer.getvalue()
 
 
-def _describe(thing: netcdf_file | netcdf_variable, **attributes: str) -> None:
-    for name, value in attributes.items():
-        setattr(thing, name, value)
-
-
 def write_aem(plan: FlownImaging, created_utc: datetime) -> bytes:
-    """CCSDS AEM 2.0, KVN: attitude of the body against GCRF and its angular velocity.
-
-    Source: CCSDS 504.0-B-2, sections 4 and A3.
-    """
+    """CCSDS AEM 2.0, KVN: attitude of the body against GCRF and its angular velocity."""
     table = plan.table
-    moments = epochs(Instants(table.epoch_utc, table.t_s))
-    named = carrier(plan.request.orbit)
-    q_body_from_eci = continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv())
-    lines = [
-        *header("AEM", "2.0", created_utc, _notes(plan, created_utc)),
-        "META_START",
-        "COMMENT data: Q1 Q2 Q3 QC, scalar last, then ANGVEL_X ANGVEL_Y ANGVEL_Z in deg/s",
-        f"OBJECT_NAME = {named.name}",
-        f"OBJECT_ID = {named.designator}",
-        "CENTER_NAME = EARTH",
-        "REF_FRAME_A = GCRF",
-        "REF_FRAME_B = SC_BODY_1",
-        "TIME_SYSTEM = UTC",
-        f"START_TIME = {moments[0]}",
-        f"STOP_TIME = {moments[-1]}",
-        "ATTITUDE_TYPE = QUATERNION/ANGVEL",
-        "ANGVEL_FRAME = SC_BODY_1",
-        "INTERPOLATION_METHOD = HERMITE",
-        "INTERPOLATION_DEGREE = 3",
-        "META_STOP",
-        "DATA_START",
-        *data_lines(
-            moments,
-            [
-                (axes_turn(q_body_from_eci), _QUATERNION_DECIMALS),
-                (np.degrees(table.omega_body_rad_s), DECIMALS),
-            ],
-        ),
-        "DATA_STOP",
-    ]
-    return ("\n".join(lines) + "\n").encode("ascii")
+    return attitude_message(
+        created_utc,
+        _notes(plan, created_utc),
+        plan.request.orbit,
+        "SC_BODY_1",
+        Instants(table.epoch_utc, table.t_s),
+        continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv()),
+        table.omega_body_rad_s,
+    )
 
 
 IMAGING_EXPORTERS: dict[str, Exporter[FlownImaging]] = {
