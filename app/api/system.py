@@ -62,7 +62,6 @@ async def get_readiness(request: Request) -> ReadinessResponse:
         raise HTTPException(
             HTTPStatus.SERVICE_UNAVAILABLE,
             "; ".join(f"{check.name}: {check.detail}" for check in failed),
-            {"Retry-After": "5"},
         )
     degraded = any(check.state == "degraded" for check in checks)
     return ReadinessResponse(status="degraded" if degraded else "ready", checks=list(checks))

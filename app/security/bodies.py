@@ -53,7 +53,6 @@ class GuardedBody:
                 HTTPStatus.SERVICE_UNAVAILABLE,
                 f"the bodies of all requests at work may have {self._held.most} bytes together; "
                 "ask again when others are done",
-                {"Retry-After": "5"},
             )
         self._held.now += count
         self._mine += count

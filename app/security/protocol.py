@@ -15,7 +15,7 @@ import h11
 from starlette.datastructures import MutableHeaders
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from app.errors import PROBLEM_JSON
+from app.errors import PROBLEM_JSON, RETRY_AFTER_S
 from app.observability import request_id
 from app.security.headers import harden
 from app.security.request_form import HEAD_BYTES_MAX
@@ -140,7 +140,7 @@ def _refusal(status: HTTPStatus, detail: str) -> tuple[h11.Event, ...]:
         }
     )
     if status == HTTPStatus.SERVICE_UNAVAILABLE:
-        headers["Retry-After"] = "5"
+        headers["Retry-After"] = str(RETRY_AFTER_S)
     harden(headers)
     return (
         h11.Response(status_code=status, headers=headers.raw, reason=status.phrase),
