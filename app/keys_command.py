@@ -72,17 +72,12 @@ def revoke(
 @contextmanager
 def _store() -> Iterator["KeyStore"]:
     from app.settings import Settings
-    from app.store.database import open_database
     from app.store.keys import KeyStore
-    from app.store.migrate import upgrade
+    from app.store.migrate import opened
 
     settings = Settings()
-    database = open_database(settings.database_url, settings.data_dir)
-    try:
-        upgrade(database)
+    with opened(settings.database_url, settings.data_dir) as database:
         yield KeyStore(database)
-    finally:
-        database.close()
 
 
 def _scope(text: str) -> KeyScope:

@@ -10,9 +10,8 @@ from app.security.access import is_loopback
 from app.security.protocol import GuardedProtocol
 from app.security.request_form import HEAD_BYTES_MAX
 from app.settings import Settings
-from app.store.database import open_database
 from app.store.keys import KeyStore
-from app.store.migrate import upgrade
+from app.store.migrate import opened
 from planner.errors import Refusal
 
 _GRACE_S = 10  # for requests at work when the service is told to stop
@@ -56,14 +55,10 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
 
 
 def _require_a_key(host: str, settings: Settings) -> None:
-    database = open_database(settings.database_url, settings.data_dir)
-    try:
-        upgrade(database)
+    with opened(settings.database_url, settings.data_dir) as database:
         if not KeyStore(database).any_valid():
             raise Refusal(
                 f"{host} can be reached from other machines and there is no API key yet; make one "
                 "with `slewtrack keys create NAME --scope write`, or use 127.0.0.1 or ::1",
                 field="--host",
             )
-    finally:
-        database.close()

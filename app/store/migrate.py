@@ -1,5 +1,7 @@
 """How does a database get the tables this version needs?"""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from alembic import command
@@ -9,11 +11,22 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import OperationalError
 
-from app.store.database import Database
+from app.store.database import Database, open_database
 from planner.errors import InvalidInput
 
 _FOLDER = Path(__file__).parent / "migrations"
 _LOCK = 0x736C6577  # "slew": any number that nobody else locks
+
+
+@contextmanager
+def opened(database_url: str, data_dir: Path) -> Iterator[Database]:
+    """As `open_database` does, up to date, and closed at the end."""
+    database = open_database(database_url, data_dir)
+    try:
+        upgrade(database)
+        yield database
+    finally:
+        database.close()
 
 
 def upgrade(database: Database) -> None:
