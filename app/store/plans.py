@@ -27,24 +27,14 @@ class StoredPlan:
     planned_utc: datetime
 
 
-@dataclass(frozen=True, kw_only=True)
-class Revision:
-    """Where a plan stands among those that replaced each other."""
-
-    id: str
-    series: str
-    revision: int
-    revises: str | None
-
-
 def store(
     connection: Connection, job_id: str, kind: str, revises: str | None, new: Planned
 ) -> None:
     """The plan of a job, as the latest revision of the series of the plan it revises."""
-    before = None if revises is None else revision_of(connection, revises)
-    series, last = job_id, 0
-    if before is not None:
-        series = before.series
+    series, last = None, 0
+    if revises is not None:
+        series = connection.scalar(select(PlanRow.series).where(PlanRow.id == revises))
+    if series is not None:
         of_series = PlanRow.series == series
         connection.execute(select(PlanRow.id).where(of_series).with_for_update())  # one by one
         last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
@@ -52,7 +42,7 @@ def store(
         insert(PlanRow).values(
             id=job_id,
             kind=kind,
-            series=series,
+            series=series or job_id,
             revision=last + 1,
             revises=revises,
             name=new.name,
@@ -74,15 +64,3 @@ def get(connection: Connection, plan_id: str) -> StoredPlan | None:
         return None
     members = dict(row._mapping)
     return StoredPlan(**members | {"document": zlib.decompress(members["document"])})
-
-
-def revision_of(connection: Connection, plan_id: str) -> Revision | None:
-    """Of a plan that was made."""
-    return revisions_of(connection, [plan_id]).get(plan_id)
-
-
-def revisions_of(connection: Connection, plan_ids: list[str]) -> dict[str, Revision]:
-    """Of those among the ids that name plans."""
-    columns = (PlanRow.id, PlanRow.series, PlanRow.revision, PlanRow.revises)
-    found = connection.execute(select(*columns).where(PlanRow.id.in_(plan_ids)))
-    return {row.id: Revision(**row._mapping) for row in found}

@@ -174,9 +174,9 @@ def test_revisions_count_up_however_many_come_at_once(database, tmp_path):
     with ThreadPoolExecutor(3) as threads:
         list(threads.map(revise, ids))
     with database.reading() as connection:
-        found = plans.revisions_of(connection, ids)
-    assert sorted(one.revision for one in found.values()) == [2, 3, 4, 5, 6, 7]
-    assert {(one.series, one.revises) for one in found.values()} == {(first, first)}
+        found = [plans.get(connection, job_id) for job_id in ids]
+    assert sorted(one.revision for one in found) == [2, 3, 4, 5, 6, 7]
+    assert {(one.series, one.revises) for one in found} == {(first, first)}
 
 
 def test_what_is_old_and_finished_goes_with_all_it_made(database, tmp_path):
