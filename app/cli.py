@@ -124,7 +124,7 @@ def plan(
 
             _write(plot, draw_plan(made, plot.suffix.lstrip(".") or "png"))
 
-        from app.api.table_export import exported, require_verified
+        from app.api.table_export import require_verified
 
         # A table that fails is told beside the verdict, above, and nowhere else.
         require_verified(made.verification.findings)
@@ -133,7 +133,7 @@ def plan(
 
             _write(csv, table_csv(made.table).encode())
         for name, path in exports:
-            _write(path, exported(made, name, asked.read_utc))
+            _write(path, EXPORTERS[name].write(made, asked.read_utc))
 
 
 @main.command()

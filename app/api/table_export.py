@@ -2,20 +2,11 @@
 
 import re
 from collections.abc import Iterable
-from datetime import datetime
 
 from planner.errors import Unverified
-from planner.export import EXPORTERS
-from planner.plan import Plan
 from planner.verification import Finding
 
 NAME_MAX = 60
-
-
-def exported(plan: Plan, format_name: str, created_utc: datetime) -> bytes:
-    """The file's bytes; raises Unverified."""
-    require_verified(plan.verification.findings)
-    return EXPORTERS[format_name].write(plan, created_utc)
 
 
 def file_name(name: str, otherwise: str, suffix: str) -> str:
