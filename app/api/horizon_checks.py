@@ -7,7 +7,7 @@ from estimator.request import Body
 from planner.frames.time_scales import elapsed_s, shifted_utc
 from planner.scenario import Scenario
 
-VIEWS_PER_SESSION = 3
+SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
 
 
 def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:
@@ -17,14 +17,14 @@ def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> li
     moments = [
         shifted_utc(session.start, share * elapsed_s(session.stop, session.start))
         for session in scenario.sessions
-        for share in (0.0, 0.5, 1.0)
+        for share in SEEN_AT
     ]
     seen, _ = views(scenario.orbit, scenario.attitude, cameras, moments, body=Body())
     count = len(cameras)
+    per_session = len(SEEN_AT) * count
     return [
-        _check(number, seen[first + k : first + VIEWS_PER_SESSION * count : count])
+        _check(number, seen[number * per_session + k : (number + 1) * per_session : count])
         for number in range(len(scenario.sessions))
-        for first in [number * VIEWS_PER_SESSION * count]
         for k in range(count)
     ]
 
