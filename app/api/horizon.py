@@ -25,6 +25,7 @@ from app.api.provenance import provenance
 from app.jobs.disposable import Bounds, ChildDied
 from app.openapi import REF, request_body
 from estimator.errors import InvalidImage
+from estimator.request import HorizonRequest
 from planner.frames.time_scales import utc_text
 
 router = APIRouter(tags=["horizon"])
@@ -79,8 +80,8 @@ async def post_estimate(
     refusal; files that are no images are refused.
     """
     now_utc = datetime.now(UTC)
-    asked = read_estimate_request(upload.request)
-    made = provenance(upload.sha256, now_utc)
+    asked, digest = await anyio.to_thread.run_sync(_read_estimate, upload)
+    made = provenance(digest, now_utc)
     answer = await of_images(request, ESTIMATE_BOUNDS, estimate_json, asked, upload.images, made)
     return Response(answer, media_type=JSON)
 
@@ -124,6 +125,11 @@ async def post_picture(request: Request, body: Annotated[bytes, Depends(json_bod
         return Response(await of_images(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
     told = await of_images(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
     return Response(TypeAdapter(PictureOut).dump_json(told), media_type=JSON)
+
+
+def _read_estimate(upload: HorizonUpload) -> tuple[HorizonRequest, str]:
+    """What is asked, and the digest of up to 64 MB."""
+    return read_estimate_request(upload.request), upload.sha256
 
 
 async def of_images(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
