@@ -13,6 +13,7 @@ from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.platforms import TwoAxisPlatform
+from planner.scenario import Scenario
 from planner.verification.clock import elapsed_us
 
 DERIVED_LAWS = (LvlhAttitude, InertialAttitude)  # any other law's rotations are taken as given
@@ -50,6 +51,17 @@ def eci_from_platform(
     if isinstance(attitude, InertialAttitude):
         return _eci_from_spinning(vector_body, attitude, instants)
     return np.asarray(attitude.q_body_from_eci(instants, states).inv().apply(vector_body))
+
+
+def payload_eci(
+    scenario: Scenario,
+    angle_rad: NDArray[np.float64],
+    instants: Instants,
+    states: OrbitStates,
+) -> NDArray[np.float64]:
+    """Where the payload points, unit vectors, shape (n, 3), for angles of shape (n, 2)."""
+    boresight = boresight_platform(scenario.platform, angle_rad)
+    return eci_from_platform(boresight, scenario.platform, scenario.attitude, instants, states)
 
 
 def turned(

@@ -13,7 +13,7 @@ from planner.orbits import Ephemeris, OrbitStates
 from planner.scenario import Scenario
 from planner.targets import BodyTarget, KeepOut
 from planner.targets.keep_out import HIDDEN_RAD
-from planner.verification.carrier import boresight_platform, eci_from_platform
+from planner.verification.carrier import eci_from_platform, payload_eci
 from planner.verification.limits import axis_hermite
 from planner.verification.report import Finding, KeepOutMargin
 from planner.verification.sky import sky_sight
@@ -121,18 +121,15 @@ def _part_rad(
     angle_rad = np.stack([axis_hermite(table, k).angle_at(begun, into_s) for k in range(2)], axis=1)
     instants = Instants(table.epoch_utc, cell / ROWS_PER_S + u_s)
     states = ephemeris.states(instants)
-
-    def in_eci(vector_platform: NDArray[np.float64]) -> NDArray[np.float64]:
-        return eci_from_platform(
-            vector_platform, scenario.platform, scenario.attitude, instants, states
-        )
-
     if cone.direction_platform is not None:
-        axis_eci = in_eci(np.tile(cone.direction_platform, (len(cell), 1)))
+        axis_platform = np.tile(cone.direction_platform, (len(cell), 1))
+        axis_eci = eci_from_platform(
+            axis_platform, scenario.platform, scenario.attitude, instants, states
+        )
         counts = np.ones(len(cell), dtype=bool)
     else:
         axis_eci, counts = _axis_eci(cone, instants, states)
-    boresight_eci = in_eci(boresight_platform(scenario.platform, angle_rad))
+    boresight_eci = payload_eci(scenario, angle_rad, instants, states)
     across = np.linalg.norm(np.cross(axis_eci, boresight_eci), axis=1)
     away_rad = np.arctan2(across, np.sum(axis_eci * boresight_eci, axis=1))
     return np.where(counts, away_rad, np.inf)

@@ -12,7 +12,7 @@ from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario
 from planner.targets import EarthFixedTarget, SkyTarget
-from planner.verification.carrier import boresight_platform, eci_from_platform
+from planner.verification.carrier import payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.nearness import EXACT_RAD, allowed_rad, nearness_findings, off_target
 from planner.verification.report import (
@@ -49,13 +49,7 @@ def ground_session(
     instants = Instants(flown.epoch_utc, flown.t_s)
     states = ephemeris.states(instants)
     sight = earth_fixed_sight(target, instants, states)
-    boresight_eci = eci_from_platform(
-        boresight_platform(scenario.platform, flown.angle_rad),
-        scenario.platform,
-        scenario.attitude,
-        instants,
-        states,
-    )
+    boresight_eci = payload_eci(scenario, flown.angle_rad, instants, states)
     held = _Held(boresight_eci, _apart_rad(sight.apparent_eci, boresight_eci))
     view = _earth_fixed_view(flown, sight, held)
     exact_rad = np.full_like(held.error_rad, EXACT_RAD)
@@ -91,13 +85,7 @@ def sky_session(
     instants = Instants(flown.epoch_utc, flown.t_s)
     states = ephemeris.states(instants)
     sight = sky_sight(target, instants, states)
-    boresight_eci = eci_from_platform(
-        boresight_platform(scenario.platform, flown.angle_rad),
-        scenario.platform,
-        scenario.attitude,
-        instants,
-        states,
-    )
+    boresight_eci = payload_eci(scenario, flown.angle_rad, instants, states)
     error_rad = _apart_rad(sight.apparent_eci, boresight_eci)
     lowest = int(np.argmin(sight.clearance_rad))
     nearest_m = float(sight.range_m.min())
