@@ -55,7 +55,7 @@ class AttitudeArc:
         row = int(np.argmax(self.odd_rad[near])) + near.start
         return shifted_utc(self.epoch_utc, float(self.row_s[row])), float(self.odd_rad[row])
 
-    @property
+    @cached_property
     def usually_odd_rad(self) -> float:
         """What noise and the turning itself make of it."""
         return float(np.median(self.odd_rad))
@@ -100,8 +100,9 @@ class AemAttitude:
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """Those of the whole message, and the row there that fits its neighbours worst."""
-        at_utc, odd_rad = self._arc_over(instants).oddest_near(instants)
-        if odd_rad <= max(ODD_WARNED_RAD, ODD_OF_USUAL * self._arc_over(instants).usually_odd_rad):
+        arc = self._arc_over(instants)
+        at_utc, odd_rad = arc.oddest_near(instants)
+        if odd_rad <= max(ODD_WARNED_RAD, ODD_OF_USUAL * arc.usually_odd_rad):
             return self.warnings
         return (*self.warnings, _odd(at_utc, odd_rad))
 
