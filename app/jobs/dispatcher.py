@@ -48,17 +48,15 @@ class Rules:
 
 @dataclass(kw_only=True)
 class _Running:
-    """A job this service works on."""
+    """A job this service works on; the token is of its lease, empty until it is accepted."""
 
-    job: Job
-    token: str
+    job_id: str
+    kind: JobKind
+    parent_id: str | None
+    token: str = ""
     stop: Stop = field(default_factory=Stop)
     began_s: float = field(default_factory=time.monotonic)
     told_s: float = field(default_factory=time.monotonic)
-
-    @property
-    def kind(self) -> JobKind:
-        return JOB_KINDS[self.job.kind]
 
 
 # Told of a job's kind, the state its work ended in, how long it took and the iterations.
@@ -103,22 +101,32 @@ class Dispatcher:
 
         Raises QueueFull.
         """
-        mine = self._take_place()
+        if not self._take_place():
+            job, _ = self._accepted(new, mine=False)
+            self._look_again()
+            return job
+        # Worked on while the database writes it down; nobody hears of what isn't accepted.
+        running = _Running(job_id=new.id, kind=JOB_KINDS[new.kind], parent_id=new.parent_id)
+        work = self._work(running, new.request, new.deadline_s)
         token = None
         try:
-            job, token = self._accepted(new, mine)
-        except IntegrityError:  # the same key came in elsewhere at the same time
-            job, token = self._accepted(new, mine)
+            job, token = self._accepted(new, mine=True)
         finally:
-            if mine and token is None:
+            if token is None:
+                running.stop.request()
                 self._leave_place()
         if token is not None:
-            self._begin(_Running(job=job, token=token), new.request)
-        elif not mine:
-            self._look_again()
+            running.token = token
+            self._follow(running, work)
         return job
 
     def _accepted(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
+        try:
+            return self._written(new, mine)
+        except IntegrityError:  # the same key came in elsewhere at the same time
+            return self._written(new, mine)
+
+    def _written(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
         with self._database.writing() as connection:
             if new.idempotency is not None:
                 known = jobs.find_idempotent(connection, new.idempotency)
@@ -201,30 +209,32 @@ class Dispatcher:
 
     # Work on a job
 
-    def _begin(self, running: _Running, request: bytes) -> None:
-        job, kind = running.job, running.kind
-        with self._lock:
-            self._running[job.id] = running
-        bounds = Bounds(deadline_s=job.deadline_s, memory_mib=kind.bounds.memory_mib)
-        future = self._executor.submit(
-            Task(job_id=job.id, bounds=bounds, work=kind.work, request=request),
+    def _work(self, running: _Running, request: bytes, deadline_s: float) -> Future[Any]:
+        kind = running.kind
+        bounds = Bounds(deadline_s=deadline_s, memory_mib=kind.bounds.memory_mib)
+        return self._executor.submit(
+            Task(job_id=running.job_id, bounds=bounds, work=kind.work, request=request),
             running.stop,
             lambda progress: self._tell(running, progress),
         )
-        future.add_done_callback(lambda done: self._end(running, done))
+
+    def _follow(self, running: _Running, work: Future[Any]) -> None:
+        with self._lock:
+            self._running[running.job_id] = running
+        work.add_done_callback(lambda done: self._end(running, done))
 
     def _tell(self, running: _Running, progress: Progress) -> None:
         now_s = time.monotonic()
-        if now_s - running.told_s < PROGRESS_S:
+        if now_s - running.told_s < PROGRESS_S or not running.token:
             return
         running.told_s = now_s
         told = {name: value for name, value in asdict(progress).items() if value is not None}
         try:
             with self._database.writing() as connection:
                 if jobs.owned(connection, running.token) is not None:
-                    events.record(connection, running.job.id, events.PROGRESS, told)
+                    events.record(connection, running.job_id, events.PROGRESS, told)
         except SQLAlchemyError as error:  # the work matters more than what it says of itself
-            log.warning("progress can't be stored", job=running.job.id, error=repr(error))
+            log.warning("progress can't be stored", job=running.job_id, error=repr(error))
 
     def _end(self, running: _Running, done: Future[Any]) -> None:
         took_s = time.monotonic() - running.began_s
@@ -234,15 +244,15 @@ class Dispatcher:
             if state is not None:
                 result = done.result() if done.exception() is None else None
                 iterations = None if result is None else running.kind.iterations(result)
-                self._on_end(running.job.kind, state, took_s, iterations)
+                self._on_end(running.kind.name, state, took_s, iterations)
         except Exception as error:  # noqa: BLE001 (its lease runs out, and it is taken up again)
-            log.error("the end couldn't be stored", job=running.job.id, exc_info=error)
+            log.error("the end couldn't be stored", job=running.job_id, exc_info=error)
         finally:
             self._leave_place()
             is_end = state is not None and state not in OPEN_STATES
-            self._tell_watchers(running.job.id, is_end)
+            self._tell_watchers(running.job_id, is_end)
             # A look that finds nothing would only keep the answer waiting for the interpreter.
-            if self._may_wait or state in OPEN_STATES or running.job.parent_id is not None:
+            if self._may_wait or state in OPEN_STATES or running.parent_id is not None:
                 self._look_again()
 
     def _stored(self, running: _Running, done: Future[Any]) -> JobState | None:
@@ -256,7 +266,7 @@ class Dispatcher:
                 running, lambda connection, job: settle(connection, job, running.kind, done, most)
             )
         except Exception as error:  # noqa: BLE001 (whatever it is, the job must end)
-            log.error("a result can't be stored", job=running.job.id, exc_info=error)
+            log.error("a result can't be stored", job=running.job_id, exc_info=error)
             return self._change(running, give_up)
 
     def _change(
@@ -268,13 +278,13 @@ class Dispatcher:
                 with self._database.writing() as connection:
                     job = jobs.owned(connection, running.token)
                     if job is None:
-                        log.warning("a lease was lost", job=running.job.id)
+                        log.warning("a lease was lost", job=running.job_id)
                         return None
                     return change(connection, job)
             except OperationalError as error:
                 if pause_s is None:
                     raise
-                log.warning("a result can't be stored yet", job=running.job.id, error=repr(error))
+                log.warning("a result can't be stored yet", job=running.job_id, error=repr(error))
                 time.sleep(pause_s)
         raise AssertionError
 
@@ -302,7 +312,14 @@ class Dispatcher:
                     self._leave_place()
             if claimed is None:
                 return
-            self._begin(_Running(job=claimed.job, token=claimed.token), claimed.request)
+            job = claimed.job
+            running = _Running(
+                job_id=job.id,
+                kind=JOB_KINDS[job.kind],
+                parent_id=job.parent_id,
+                token=claimed.token,
+            )
+            self._follow(running, self._work(running, claimed.request, job.deadline_s))
 
     def _is_work_waiting(self) -> bool:
         self._may_wait = True
