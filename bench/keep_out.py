@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "properties"))
+sys.path.extend(str(Path(__file__).parents[1] / "tests" / folder) for folder in (".", "properties"))
 from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
 from planner.errors import InfeasibleSlew

@@ -8,12 +8,11 @@ from importlib.resources import files
 import numpy as np
 import pytest
 from scenarios import EPOCH, LAS_VEGAS, SALT_LAKE, scenario, session
-from scipy.spatial.transform import Rotation
+from scipy_boresight import scipy_boresight
 from skyfield.api import EarthSatellite, load, load_file, wgs84
 
 from planner.errors import InfeasibleSlew, NotVisible
 from planner.pipeline import make_plan
-from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
 from planner.targets import BodyTarget, KeepOut
 from planner.verification import verify
@@ -26,12 +25,6 @@ FREE = scenario(
 )
 
 
-def boresight_platform(angle_rad):
-    outer, inner = ISS_HRC.axes_platform
-    turned = Rotation.from_rotvec(np.outer(angle_rad[:, 0], outer))
-    return (turned * Rotation.from_rotvec(np.outer(angle_rad[:, 1], inner))).apply([0.0, 0.0, 1.0])
-
-
 @pytest.fixture(scope="module")
 def free_plan():
     return make_plan(FREE)
@@ -40,7 +33,7 @@ def free_plan():
 @pytest.fixture(scope="module")
 def cone(free_plan):
     """In LVLH, which is the platform's frame here, on the way to the first session."""
-    half_way = boresight_platform(free_plan.table.angle_rad[[350]])[0]
+    half_way = scipy_boresight(free_plan.table.angle_rad[[350]])[0]
     return KeepOut(direction_lvlh=tuple(half_way + np.array([0.05, 0.0, 0.0])), half_angle_deg=15.0)
 
 
@@ -52,7 +45,7 @@ def with_cones(*cones, **slew):
 def test_slew_is_led_around(cone, objective):
     plan = make_plan(with_cones(cone, objective=objective))
     assert plan.slews[0].status == "detour"
-    boresight = boresight_platform(plan.table.angle_rad)
+    boresight = scipy_boresight(plan.table.angle_rad)
     axis = np.array(cone.direction_lvlh) / np.linalg.norm(cone.direction_lvlh)
     away_deg = np.degrees(np.arccos(boresight @ axis))
     assert away_deg.min() >= 15.0
@@ -94,7 +87,7 @@ def test_sun_is_where_skyfield_sees_it(free_plan):
     z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
     sun_lvlh = np.array([np.cross(y, z), y, z]) @ (sun / np.linalg.norm(sun))
     row = round(margin.t_s * 5)
-    away = math.acos(boresight_platform(free_plan.table.angle_rad[[row]])[0] @ sun_lvlh)
+    away = math.acos(scipy_boresight(free_plan.table.angle_rad[[row]])[0] @ sun_lvlh)
     assert margin.t_s == pytest.approx(row / 5, abs=1e-9)
     assert margin.away_min_rad == pytest.approx(
         away, abs=2e-5
@@ -119,7 +112,7 @@ def test_sun_behind_the_earth_blinds_nobody():
 
 
 def test_parked_inside_is_told_by_how_deep(free_plan):
-    start = boresight_platform(free_plan.table.angle_rad[[0]])[0]
+    start = scipy_boresight(free_plan.table.angle_rad[[0]])[0]
     inside = KeepOut(direction_platform=tuple(start), half_angle_deg=10.0)
     with pytest.raises(InfeasibleSlew, match=r"begins 10\.00 deg inside") as refusal:
         make_plan(with_cones(inside))

@@ -10,6 +10,7 @@ from keyhole_cases import EPOCH, MIDDLE_S, keyhole_scenario, refusing
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import minimum_filter1d
 from scipy.spatial.transform import Rotation
+from scipy_boresight import scipy_boresight
 
 from planner.commands import CommandTable
 from planner.errors import TrackBreaksLimit
@@ -27,13 +28,6 @@ SWUNG, SWUNG_IN_FRAME, OVER_THE_TOP = (40.0, 0.5), (60.0, 0.5), (40.0, 0.05)
 CELL_DEG = 0.025  # 24 of them at 3 deg/s in 0.2 s
 
 
-def boresight(angle_rad):
-    """By SciPy's rotations, not by the planner's."""
-    inner = Rotation.from_rotvec(np.outer(angle_rad[:, 1], INNER))
-    outer = Rotation.from_rotvec(np.outer(angle_rad[:, 0], OUTER))
-    return (outer * inner).apply([0.0, 0.0, 1.0])
-
-
 def target_at(scenario):
     """The target's direction in the platform frame, as a function of the table's time."""
     ephemeris = scenario.orbit.ephemeris(EPOCH, EPOCH + timedelta(seconds=800.0))
@@ -48,8 +42,9 @@ def flown_error(plan):
     t_s = np.arange(towards.x[0], towards.x[-1] + 1e-6, FINE_S)
     angle = CubicHermiteSpline(table.t_s, table.angle_rad, table.rate_rad_s)(t_s)
     target = towards(t_s) / np.linalg.norm(towards(t_s), axis=1, keepdims=True)
-    across = np.linalg.norm(np.cross(boresight(angle), target), axis=1)
-    return t_s, np.arctan2(across, np.sum(boresight(angle) * target, axis=1))
+    boresight = scipy_boresight(angle)
+    across = np.linalg.norm(np.cross(boresight, target), axis=1)
+    return t_s, np.arctan2(across, np.sum(boresight * target, axis=1))
 
 
 def least_squared_error(towards):

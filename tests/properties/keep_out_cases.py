@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
+from scipy_boresight import scipy_boresight
 
 from planner.errors import InfeasibleSlew
 from planner.gimbal.keep_out import KeepOutView, MovingCone
@@ -13,7 +14,6 @@ from planner.scenario import SlewOptions
 from planner.slew import BACKENDS, AxisState, SlewProblem, SlewSolution, flown, next_duration_s
 
 LIMITS = ISS_HRC.outer_limits
-OUTER, INNER = (np.array(axis) for axis in ISS_HRC.axes_platform)
 CARRIER_RATE_RAD_S = math.radians(4.0 / 60.0)  # the ISS in its orbit
 FINE_S = 0.01
 
@@ -39,15 +39,8 @@ def turning(middle_axis, turn_axis, t_s):
     return Rotation.from_rotvec(np.outer(t_s, turn_axis * CARRIER_RATE_RAD_S)).apply(middle_axis)
 
 
-def boresight(angle_rad):
-    """By SciPy's rotations, not by the planner's."""
-    inner = Rotation.from_rotvec(np.outer(angle_rad[:, 1], INNER))
-    outer = Rotation.from_rotvec(np.outer(angle_rad[:, 0], OUTER))
-    return (outer * inner).apply([0.0, 0.0, 1.0])
-
-
 def away_rad(case, t_s, angle_rad):
-    cosine = np.sum(case.axis_at(t_s) * boresight(angle_rad), axis=1)
+    cosine = np.sum(case.axis_at(t_s) * scipy_boresight(angle_rad), axis=1)
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
@@ -99,7 +92,8 @@ def _drawn(rng):
         straight = flown(BACKENDS["ocp"].solve(problem, SlewOptions()))
     except InfeasibleSlew:
         return None
-    on_path = boresight(straight.motion(np.array([duration_s * rng.uniform(0.25, 0.75)]))[0])[0]
+    angle_rad = straight.motion(np.array([duration_s * rng.uniform(0.25, 0.75)]))[0]
+    on_path = scipy_boresight(angle_rad)[0]
     aside, turn_axis = np.cross(on_path, rng.normal(size=3)), rng.normal(size=3)
     half_angle_rad = math.radians(rng.uniform(10.0, 45.0))
     off_rad = half_angle_rad * rng.uniform(0.0, 0.95)
