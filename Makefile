@@ -8,7 +8,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_*jobs.py tests/con
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan serve test test-postgres lint check format oracles bench requirements clean
+.PHONY: setup plan serve test test-postgres lint check format answers oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -42,6 +42,10 @@ check: lint test
 format: setup
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+
+# What the API's pages show as answers; the tests compare.
+answers: setup
+	PYTHONPATH=tests:tests/contracts $(BIN)/python tests/contracts/worked_answers.py
 
 # Golden values from heavy references (Orekit wants Java 17); `make test` needs only their results.
 oracles: setup

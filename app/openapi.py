@@ -10,6 +10,7 @@ from app.api.opportunity_request import opportunity_request_json_schema
 from app.api.plan_request import plan_request_json_schema
 from app.api.spacecraft_request import spacecraft_request_json_schema
 from app.errors import Problem
+from app.openapi_answers import document_answers
 from app.openapi_refusals import document_refusals
 from app.security.access import PROBES, scope_needed
 
@@ -43,7 +44,7 @@ def request_body(schema: str, examples: dict[str, tuple[str, dict[str, Any]]]) -
 
 
 def complete(document: dict[str, Any]) -> dict[str, Any]:
-    """FastAPI's document with our requests, which we read ourselves, and every refusal."""
+    """FastAPI's document with our requests, which we read ourselves, and all that is answered."""
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
     described |= horizon_request_json_schemas(REF)
@@ -57,6 +58,7 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
             if path not in PROBES:
                 # OpenAPI 3.1 lists a key's roles here; the empty way is that of loopback.
                 operation["security"] = [{KEY_SCHEME: [scope_needed(method.upper(), path)]}, {}]
+    document_answers(document)
     document["components"]["securitySchemes"] = {
         KEY_SCHEME: {
             "type": "http",

@@ -1,0 +1,191 @@
+"""What does the service answer to the worked examples?
+
+The API's pages show it, and a test compares; `make answers` writes it down anew.
+"""
+
+import json
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import httpx
+from fastapi.testclient import TestClient
+from job_cases import eventually, spin
+
+from app.api import job_routes
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
+from app.api.event_stream import EVENT_STREAM
+from app.api.examples import LAS_VEGAS
+from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.api.negotiation import JSON
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.jobs.kinds import JOB_KINDS
+from app.main import create_app
+from app.openapi_answers import ANSWERS
+from app.settings import Settings
+from app.store import jobs
+from app.store.ids import new_id
+from app.store.jobs import NewJob
+from planner.export import EXPORTERS
+from planner.spacecraft.export import IMAGING_EXPORTERS
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LIST_MAX, LIST_SHOWN = 10, 5
+LINES_MAX = 12
+TEXT_MAX, TEXT_SHOWN = 1000, 60
+WITHOUT_TEXT = {"application/x-netcdf", "image/png"}
+
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
+CITIES = CAMPAIGN_EXAMPLES["cities"][1]
+KEPT = {  # per resource of jobs: kind, request, formats of its table
+    "/v1/plans": ("plan", LAS_VEGAS, EXPORTERS),
+    "/v1/spacecraft/plans": ("spacecraft", STRIP, IMAGING_EXPORTERS),
+    "/v1/campaigns": ("campaign", CITIES, {}),
+}
+
+
+@dataclass
+class Answers:
+    """As OpenAPI nests them: path, method, status, media type, name of the example."""
+
+    client: TestClient
+    shown: dict[str, Any] = field(default_factory=dict)
+
+    def ask(
+        self, method: str, path: str, name: str = "answer", plan_id: str = "", **given: Any
+    ) -> httpx.Response:
+        """Ask and keep what is answered, unless it isn't text."""
+        query = given.pop("query", "")
+        answer = self.client.request(method, path.format(plan_id=plan_id) + query, **given)
+        assert answer.is_success, answer.text
+        media_type = answer.headers["content-type"].split(";")[0]
+        if media_type not in WITHOUT_TEXT:
+            operation = self.shown.setdefault(path, {}).setdefault(method.lower(), {})
+            answers = operation.setdefault(str(answer.status_code), {})
+            answers.setdefault(media_type, {})[name] = _shown(answer, media_type)
+        return answer
+
+
+def _shown(answer: httpx.Response, media_type: str) -> dict[str, Any]:
+    if media_type.endswith("json"):
+        whole = answer.json()
+        value = _shortened(whole)
+        cut = (
+            f"Of lists longer than {LIST_MAX} the first {LIST_SHOWN} items, of texts longer than "
+            f"{TEXT_MAX} the first {TEXT_SHOWN} characters."
+        )
+    else:
+        whole = answer.text
+        lines = whole.splitlines(keepends=True)
+        value = whole if media_type == EVENT_STREAM else "".join(lines[:LINES_MAX])
+        cut = f"The first {LINES_MAX} lines of {len(lines)}."
+    if value == whole:
+        return {"summary": "As answered", "value": value}
+    return {"summary": "As answered, shortened", "description": cut, "value": value}
+
+
+def _shortened(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _shortened(member) for name, member in value.items()}
+    if isinstance(value, list):
+        shown = value[:LIST_SHOWN] if len(value) > LIST_MAX else value
+        return [_shortened(item) for item in shown]
+    if isinstance(value, str) and len(value) > TEXT_MAX:
+        return value[:TEXT_SHOWN]
+    return value
+
+
+def all_answers(folder: Path) -> dict[str, Any]:
+    """Of every operation."""
+    with _service(folder / "works") as client:
+        answers = Answers(client)
+        for path in ("/healthz", "/readyz", "/metrics", "/v1/platforms"):
+            answers.ask("GET", path)
+        for path in KEPT:
+            _made(answers, path)
+        _asked_at_once(answers)
+        answers.ask("GET", "/v1/audit")
+    with _that_never_ends(folder / "hangs") as client:
+        answers.client = client
+        for path in KEPT:
+            _under_way(answers, path)
+    return answers.shown
+
+
+def _made(answers: Answers, path: str) -> None:
+    kind, request, formats = KEPT[path]
+    given = {"json": request, "headers": {"Prefer": "wait=60", "Idempotency-Key": kind}}
+    answers.ask("POST", path, query="?dry_run=true", json=request)
+    eventually(lambda: answers.client.post(path, **given).status_code == 201, within_s=240.0)
+    made_id = answers.ask("POST", path, **given).json()["id"]
+    for name in formats:
+        answers.ask("POST", path, name=name, query=f"?format={name}", **given)
+    answers.ask("GET", path)
+    answers.ask("GET", f"{path}/{{plan_id}}", plan_id=made_id)
+    answers.ask("GET", f"{path}/{{plan_id}}/events", plan_id=made_id)
+    if formats:
+        answers.ask("GET", f"{path}/{{plan_id}}/table", plan_id=made_id)
+    for name in formats:
+        table = f"{path}/{{plan_id}}/table"
+        answers.ask("GET", table, name=name, plan_id=made_id, query=f"?format={name}")
+
+
+def _asked_at_once(answers: Answers) -> None:
+    answers.ask("POST", "/v1/opportunities", json=OPPORTUNITY_EXAMPLES["cities"][1])
+    answers.ask("POST", "/v1/horizon/predictions", json=PREDICTION_EXAMPLES["pass"][1])
+    accept = {"Accept": JSON}
+    answers.ask("POST", "/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1], headers=accept)
+    files = [
+        ("images", (f"{name}.png", (EXAMPLES / f"horizon_{name}.png").read_bytes()))
+        for name in ("ahead", "right")
+    ]
+    request = {"request": json.dumps(ESTIMATE_EXAMPLE)}
+    answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
+
+
+def _under_way(answers: Answers, path: str) -> None:
+    kind, request, _ = KEPT[path]
+    one = f"{path}/{{plan_id}}"
+    later = {"Prefer": "respond-async"}
+    running_id = answers.ask("POST", path, json=request, headers=later).json()["id"]
+    answers.ask("DELETE", one, plan_id=running_id)
+    answers.client.delete(f"{path}/{running_id}").raise_for_status()
+    elsewhere = NewJob(
+        id=new_id(),
+        kind=kind,
+        name=request["name"],
+        request=b"",
+        request_sha256="0" * 64,
+        deadline_s=60.0,
+    )
+    with answers.client.app.state.database.writing() as connection:
+        jobs.accept(connection, elsewhere, lease_s=3600.0)
+    with patch.object(job_routes, "CANCEL_WAIT_S", 0.0):
+        answers.ask("DELETE", one, plan_id=elsewhere.id)
+
+
+@contextmanager
+def _service(folder: Path) -> Iterator[TestClient]:
+    folder.mkdir()
+    app = create_app(Settings(data_dir=folder, database_url="", workers=1))
+    with TestClient(app, base_url="http://localhost") as client:
+        yield client
+
+
+@contextmanager
+def _that_never_ends(folder: Path) -> Iterator[TestClient]:
+    hanging = {name: replace(kind, work=spin) for name, kind in JOB_KINDS.items()}
+    with ExitStack() as stack:
+        stack.enter_context(patch.dict(JOB_KINDS, hanging))
+        yield stack.enter_context(_service(folder))
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as temporary:
+        document = all_answers(Path(temporary))
+    ANSWERS.write_text(json.dumps(document, indent=1) + "\n")
