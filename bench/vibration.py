@@ -21,13 +21,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "oracles"))
 from vibration_bound import Wanted, least_share
+from vibration_cases import LIMITS, left_rad, problem
 
-from planner.platforms import ISS_HRC, StructuralMode
+from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
-from planner.simulation.structure import residual_vibration_rad
-from planner.slew import BACKENDS, AxisState, SlewProblem, SlewSolution, flown, next_duration_s
+from planner.slew import BACKENDS, AxisState, flown, next_duration_s
 
-LIMITS = ISS_HRC.outer_limits
 FREQUENCIES_HZ = (0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
 SHARES = (1.3, 2.0)  # of the least time
 DETUNED = (0.96, 1.04)
@@ -50,31 +49,6 @@ def draw(rng: np.random.Generator) -> tuple[AxisState, AxisState, float]:
         least_s = next_duration_s(start, end, LIMITS, 0.0)
         if least_s is not None:
             return start, end, least_s
-
-
-def problem(
-    start: AxisState, end: AxisState, duration_s: float, *modes: StructuralMode
-) -> SlewProblem:
-    return SlewProblem(
-        axis_names=("alpha",),
-        limits=(LIMITS,),
-        start=(start,),
-        end=(end,),
-        duration_s=duration_s,
-        avoid_modes=modes,
-    )
-
-
-def left_rad(slew: SlewSolution, mode: StructuralMode) -> float:
-    rows = np.arange(round(slew.duration_s * 5) + 1) / 5.0
-    angle, rate, _, _ = slew.motion(rows)
-    return residual_vibration_rad(
-        angle[:, 0],
-        rate[:, 0],
-        mode,
-        acceleration_before_rad_s2=slew.problem.start[0].acceleration_rad_s2,
-        acceleration_after_rad_s2=slew.problem.end[0].acceleration_rad_s2,
-    )
 
 
 def main() -> None:

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from vibration_bound import Wanted, least_share
+from vibration_cases import LIMITS, left_rad, problem
 
-from planner.platforms import ISS_HRC, StructuralMode
+from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
 from planner.simulation.structure import residual_vibration_rad
-from planner.slew import BACKENDS, AxisState, SlewProblem, flown, next_duration_s
+from planner.slew import BACKENDS, AxisState, flown, next_duration_s
 from planner.slew.compare import compare_with_spline
 from planner.slew.solution import violations
 
-LIMITS = ISS_HRC.outer_limits
 STEP_S = 0.2
 
 
@@ -98,28 +98,6 @@ def draw_slews(count):
             yield start, end, math.ceil(1.3 * least_s * 5.0) / 5.0
 
 
-def problem(start, end, duration_s, modes):
-    return SlewProblem(
-        axis_names=("alpha",),
-        limits=(LIMITS,),
-        start=(start,),
-        end=(end,),
-        duration_s=duration_s,
-        avoid_modes=modes,
-    )
-
-
-def left_rad(slew, mode):
-    angle, rate, _, _ = slew.motion(np.arange(round(slew.duration_s * 5) + 1) / 5.0)
-    return residual_vibration_rad(
-        angle[:, 0],
-        rate[:, 0],
-        mode,
-        acceleration_before_rad_s2=slew.problem.start[0].acceleration_rad_s2,
-        acceleration_after_rad_s2=slew.problem.end[0].acceleration_rad_s2,
-    )
-
-
 def assert_calm(calm, cubic, mode):
     assert left_rad(calm, mode) <= 0.01 * left_rad(cubic, mode)
     for share in (0.96, 1.04):
@@ -139,7 +117,7 @@ def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz
         if duration_s * frequency_hz < PERIODS:
             continue
         tried += 1
-        posed = problem(start, end, duration_s, (mode,))
+        posed = problem(start, end, duration_s, mode)
         calm = flown(BACKENDS["ocp"].solve(posed, SlewOptions()))
         cubic = BACKENDS["spline"].solve(posed, cubic_options)
         assert calm.status[0].startswith("optimal, modes spared")
@@ -165,7 +143,7 @@ def test_in_little_time_modes_are_weighed_until_each_is_left_as_little_as_wanted
         AxisState(**dict(zip(orders, map(math.radians, state), strict=True)))
         for state in (start, end)
     ]
-    posed = problem(*states, duration_s, (mode,))
+    posed = problem(*states, duration_s, mode)
     calm = flown(BACKENDS["ocp"].solve(posed, SlewOptions()))
     assert violations("alpha", calm.profiles[0], LIMITS) == ()
     cubic_options = SlewOptions(method="spline", filter_cutoff_hz=None)
@@ -175,7 +153,7 @@ def test_in_little_time_modes_are_weighed_until_each_is_left_as_little_as_wanted
 def test_several_modes_are_spared_at_once_and_the_comparison_tells():
     modes = tuple(StructuralMode(frequency_hz=f) for f in (0.2, 0.55, 1.7))
     start, end = AxisState(angle_rad=-0.8), AxisState(angle_rad=0.9, rate_rad_s=0.01)
-    posed = problem(start, end, 60.0, modes)
+    posed = problem(start, end, 60.0, *modes)
     comparison = compare_with_spline(
         flown(BACKENDS["ocp"].solve(posed, SlewOptions())), SlewOptions(filter_cutoff_hz=None)
     )
@@ -187,7 +165,7 @@ def test_several_modes_are_spared_at_once_and_the_comparison_tells():
 def test_a_mode_no_slew_can_spare_does_not_keep_it_from_being_flown():
     start, end = AxisState(angle_rad=0.0), AxisState(angle_rad=0.05)
     duration_s = math.ceil(next_duration_s(start, end, LIMITS, 0.0) * 5.5) / 5.0
-    posed = problem(start, end, duration_s, (StructuralMode(frequency_hz=0.02),))
+    posed = problem(start, end, duration_s, StructuralMode(frequency_hz=0.02))
     calm = flown(BACKENDS["ocp"].solve(posed, SlewOptions()))
     assert violations("alpha", calm.profiles[0], LIMITS) == ()
 
@@ -199,17 +177,8 @@ def test_too_short_for_a_mode_it_leaves_hardly_more_than_any_motion_must(distanc
     duration_s = math.ceil(1.3 * next_duration_s(start, end, LIMITS, 0.0) * 5.0) / 5.0
     mode = StructuralMode(frequency_hz=0.1)
     assert duration_s * mode.frequency_hz < 1.0
-    problem = SlewProblem(
-        axis_names=("alpha",),
-        limits=(LIMITS,),
-        start=(start,),
-        end=(end,),
-        duration_s=duration_s,
-        avoid_modes=(mode,),
-    )
-    slew = flown(BACKENDS["ocp"].solve(problem, SlewOptions()))
-    angle, rate, _, _ = slew.motion(np.arange(round(duration_s * 5.0) + 1) / 5.0)
-    left = residual_vibration_rad(angle[:, 0], rate[:, 0], mode)
-    bound = least_share(start, end, LIMITS, duration_s, (Wanted(mode, left),))
+    posed = problem(start, end, duration_s, mode)
+    slew = flown(BACKENDS["ocp"].solve(posed, SlewOptions()))
+    bound = least_share(start, end, LIMITS, duration_s, (Wanted(mode, left_rad(slew, mode)),))
     # The polygon of 24 phases gives the bound 0.9 % away; the slew weighs smoothness too.
     assert 0.95 <= bound <= 1.0 + 1e-6
