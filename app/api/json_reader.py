@@ -7,7 +7,7 @@ import dataclasses
 import json
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Literal, TypeVar, get_args, get_origin
 
@@ -59,15 +59,23 @@ class JsonReader(Generic[T]):
     times go through `utc_from_text`, so they carry an offset and may be leap seconds; the
     member of a union is chosen by its kind alone, which must be given; no object holds a
     field twice.
+    plain: of a request that may be written in another way, the document as the class reads it;
+    the very same where nothing is to be changed.
     """
 
-    def __init__(self, cls: type[T]) -> None:
+    def __init__(
+        self, cls: type[T], plain: Callable[[object], object] = lambda document: document
+    ) -> None:
+        self._plain = plain
         self._schema = _told_apart(TypeAdapter(cls).core_schema)
         self._validator = SchemaValidator(_with_utc_times(self._schema))
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""
-        document = _document(body)
+        sent = _document(body)
+        document = self._plain(sent)
+        if document is not sent:
+            body = json.dumps(document).encode()
         try:
             value: T = self._validator.validate_json(body)
         except ValidationError as error:

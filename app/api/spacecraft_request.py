@@ -8,7 +8,14 @@ from planner.spacecraft.definition import SPACECRAFT
 from planner.spacecraft.geojson import requests_from_features
 from planner.spacecraft.requests import ImagingPlanRequest
 
-_READER = JsonReader(ImagingPlanRequest)
+
+def _with_plain_requests(document: object) -> object:
+    if not isinstance(document, dict) or not isinstance(document.get("requests"), dict):
+        return document
+    return document | {"requests": requests_from_features(json.dumps(document["requests"]))}
+
+
+_READER = JsonReader(ImagingPlanRequest, plain=_with_plain_requests)
 
 
 def read_spacecraft_request(body: bytes) -> ImagingPlanRequest:
@@ -16,18 +23,7 @@ def read_spacecraft_request(body: bytes) -> ImagingPlanRequest:
 
     Raises InvalidRequest with the fields at fault, InvalidMessage for what is no GeoJSON.
     """
-    return _READER.read(_with_plain_requests(body))
-
-
-def _with_plain_requests(body: bytes) -> bytes:
-    try:
-        document = json.loads(body)
-    except (ValueError, RecursionError):
-        return body  # the reader says what is wrong with it
-    if not isinstance(document, dict) or not isinstance(document.get("requests"), dict):
-        return body
-    requests = requests_from_features(json.dumps(document["requests"]))
-    return json.dumps(document | {"requests": requests}).encode()
+    return _READER.read(body)
 
 
 def spacecraft_request_json_schema(ref_template: str) -> dict[str, Any]:

@@ -6,6 +6,10 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from app.api.json_bounds import VALUES_MAX
+from app.api.json_reader import InvalidRequest
+from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.api.spacecraft_request import read_spacecraft_request
 from planner.errors import InvalidMessage
 from planner.spacecraft.geojson import requests_from_features
 from planner.spacecraft.requests import MODES, ImagingPlanRequest
@@ -62,3 +66,19 @@ def test_bad_values_are_refused_by_name(path, value, message):
 def test_hostile_geojson_is_refused(text):
     with pytest.raises(InvalidMessage):
         requests_from_features(text)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ('"start": "2024-06-01T10:00:20Z"', "'start' is given 2 times"),
+        (f'"x": [{"0," * VALUES_MAX}0]', f"more than {VALUES_MAX} values"),
+    ],
+    ids=["a field twice", "too many values"],
+)
+def test_features_are_read_as_strictly_as_a_list(more, said):
+    """RFC 8259, section 4: which of two fields of one name counts is anybody's guess."""
+    text = json.dumps(SPACECRAFT_EXAMPLES["geojson"][1])
+    assert read_spacecraft_request(text.encode()).name == "One strip"
+    with pytest.raises(InvalidRequest, match=said):
+        read_spacecraft_request(f"{text[:-1]}, {more}}}".encode())
