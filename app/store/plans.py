@@ -27,6 +27,9 @@ class StoredPlan:
     planned_utc: datetime
 
 
+_PLANS = select(*(getattr(PlanRow, name) for name in StoredPlan.__dataclass_fields__))
+
+
 def store(
     connection: Connection, job_id: str, kind: str, revises: str | None, new: Planned
 ) -> None:
@@ -58,8 +61,7 @@ def store(
 
 def get(connection: Connection, plan_id: str) -> StoredPlan | None:
     """By its id."""
-    columns = (getattr(PlanRow, name) for name in StoredPlan.__dataclass_fields__)
-    row = connection.execute(select(*columns).where(PlanRow.id == plan_id)).one_or_none()
+    row = connection.execute(_PLANS.where(PlanRow.id == plan_id)).one_or_none()
     if row is None:
         return None
     members = dict(row._mapping)
