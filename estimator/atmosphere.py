@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spec import spec
+from planner.spec import require_within, spec
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,8 @@ class Atmosphere:
     airglow_height_m: float = 90.0e3
 
     def __post_init__(self) -> None:
-        for field, least, most in (
+        require_within(
+            self,
             ("air_scale_m", 1e3, 20e3),
             ("air_density", 1e-3, 10.0),
             ("dust_optical_depth", 0.0, 10.0),
@@ -55,11 +56,7 @@ class Atmosphere:
             ("ozone", 0.0, 10.0),
             ("airglow", 0.0, 100.0),
             ("airglow_height_m", 20e3, 110e3),
-        ):
-            if not least <= getattr(self, field) <= most:
-                raise ValueError(
-                    f"{field} must lie in {least:g}..{most:g}, not {getattr(self, field)}"
-                )
+        )
 
 
 @dataclass(frozen=True)

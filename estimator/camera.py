@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.spec import spec
+from planner.spec import require_within, spec
 
 Floats = NDArray[np.float64]
 Polygon = tuple[tuple[float, float], ...]
@@ -136,10 +136,7 @@ class HorizonCamera:
 
 
 def _check_lens(camera: HorizonCamera) -> None:
-    if camera.lens_sigma is not None and not 0.0 <= camera.lens_sigma <= _LEAST_KNOWN_SIGMA:
-        raise ValueError(
-            f"lens_sigma must lie in 0..{_LEAST_KNOWN_SIGMA:g}, not {camera.lens_sigma}"
-        )
+    require_within(camera, ("lens_sigma", 0.0, _LEAST_KNOWN_SIGMA))
     border = _border_px(camera.width_px, camera.height_px)
     if not np.all(np.isfinite(_undistorted(camera, border))):
         raise ValueError(

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spec import spec
+from planner.spec import require_within, spec
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8] | NDArray[np.uint16]
@@ -31,19 +31,15 @@ class Sensor:
     def __post_init__(self) -> None:
         if self.bits not in (8, 16):
             raise ValueError(f"bits must be 8 or 16, not {self.bits}")
-        for field, least, most in (
+        require_within(
+            self,
             ("blur_px", 0.0, 50.0),
             ("exposure", 0.01, 100.0),
             ("full_well_e", 0.0, 1e9),
             ("read_noise_e", 0.0, 1e9),
             ("gamma", 0.1, 10.0),
-        ):
-            if not least <= getattr(self, field) <= most:
-                raise ValueError(
-                    f"{field} must lie in {least:g}..{most:g}, not {getattr(self, field)}"
-                )
-        if self.jpeg_quality is not None and not 1 <= self.jpeg_quality <= 100:
-            raise ValueError(f"jpeg_quality must lie in 1..100, not {self.jpeg_quality}")
+            ("jpeg_quality", 1, 100),
+        )
 
     def expose(self, scene: Floats, rng: np.random.Generator) -> Image:
         """A picture (h, w) or, in colour, (h, w, 3) of a scene's radiance (h, w, 3)."""

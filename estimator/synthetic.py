@@ -20,7 +20,7 @@ from estimator.atmosphere import (
 from estimator.camera import HorizonCamera
 from estimator.sensor import Image, Sensor
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
-from planner.spec import spec
+from planner.spec import require_within, spec
 
 Floats = NDArray[np.float64]
 
@@ -53,7 +53,8 @@ class Scene:
     constant_limb_m: float | None = None
 
     def __post_init__(self) -> None:
-        for field, least, most in (
+        require_within(
+            self,
             ("cloud_cover", 0.0, 1.2),
             ("land", 0.0, 1.0),
             ("roughness_m", 0.0, 20e3),
@@ -61,13 +62,8 @@ class Scene:
             ("moonlight", 0.0, 1.0),
             ("glare", 0.0, 100.0),
             ("stars", 0, 100_000),
-        ):
-            if not least <= getattr(self, field) <= most:
-                raise ValueError(
-                    f"{field} must lie in {least:g}..{most:g}, not {getattr(self, field)}"
-                )
-        if self.constant_limb_m is not None and not 0.0 <= self.constant_limb_m <= 100e3:
-            raise ValueError(f"constant_limb_m must lie in 0..100000, not {self.constant_limb_m}")
+            ("constant_limb_m", 0.0, 100e3),
+        )
 
 
 class Horizon:

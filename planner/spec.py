@@ -35,3 +35,11 @@ def spec(cls: type[T]) -> type[T]:
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
     cls.__pydantic_config__ = _PYDANTIC_CONFIG  # type: ignore[attr-defined]
     return dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+
+
+def require_within(checked: object, *ranges: tuple[str, float, float]) -> None:
+    """Refuse the first field outside its closed range; fields that hold None are not given."""
+    for name, low, high in ranges:
+        value = getattr(checked, name)
+        if value is not None and not low <= value <= high:
+            raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value}")

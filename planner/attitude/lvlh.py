@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import spec
+from planner.spec import require_within, spec
 
 ANGLE_MAX_DEG = 360.0
 
@@ -27,12 +27,8 @@ class LvlhAttitude:
     roll_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("yaw_deg", "pitch_deg", "roll_deg"):
-            if not abs(getattr(self, name)) <= ANGLE_MAX_DEG:
-                raise ValueError(
-                    f"{name} must lie in -{ANGLE_MAX_DEG:g}..{ANGLE_MAX_DEG:g}, "
-                    f"not {getattr(self, name)}"
-                )
+        angles = ("yaw_deg", "pitch_deg", "roll_deg")
+        require_within(self, *((name, -ANGLE_MAX_DEG, ANGLE_MAX_DEG) for name in angles))
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""

@@ -8,9 +8,8 @@ from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
 from planner.platforms import TwoAxisPlatform
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets import GroundTarget, MovingGroundTarget, SkyTarget, Target
-from planner.targets.ranges import require_within
 
 HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
 

@@ -12,9 +12,8 @@ from planner.opportunities import OpportunityConditions, OpportunityRequest, Opp
 from planner.orbits import Orbit
 from planner.platforms import TwoAxisPlatform
 from planner.scenario import InitialState, SlewOptions
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets import Target
-from planner.targets.ranges import require_within
 
 STEPS_S = (0.4, 30.0)
 LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wanted one

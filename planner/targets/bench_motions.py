@@ -11,8 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spec import spec
-from planner.targets.ranges import require_within
+from planner.spec import require_within, spec
 from planner.targets.smooth_step import ramp, step
 
 COMPONENTS_MAX = 100

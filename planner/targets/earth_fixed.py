@@ -10,8 +10,8 @@ from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.spec import require_within
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrated
-from planner.targets.ranges import require_within
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
 
 LIGHT_TIME_PASSES = 2  # each pass shrinks the error by v/c: 2.5 m, then 4 um, after the first

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import GEODETIC_RANGES, require_within
+from planner.targets.ranges import GEODETIC_RANGES
 from planner.targets.refraction import Refraction
 
 

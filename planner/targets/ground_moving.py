@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from planner.frames.geodesic import geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_offset, utc_text
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import GEODETIC_RANGES, require_within
+from planner.targets.ranges import GEODETIC_RANGES
 from planner.targets.refraction import Refraction
 
 LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for longer

@@ -13,9 +13,9 @@ from planner.errors import InvalidInput, figures
 from planner.frames.geodesic import geodesic_between, geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants, elapsed_s, require_offset
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import GEODETIC_RANGES, require_within
+from planner.targets.ranges import GEODETIC_RANGES
 from planner.targets.refraction import Refraction
 from planner.targets.smooth_step import ramp
 

@@ -10,9 +10,8 @@ from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.solar_system import BODIES
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets.body import BodyTarget
-from planner.targets.ranges import require_within
 
 Array = NDArray[np.float64]
 Vector3 = tuple[float, float, float]

@@ -1,13 +1,4 @@
-"""Which values can a field of a target take?"""
-
-
-def require_within(target: object, *ranges: tuple[str, float, float]) -> None:
-    """Refuse the first field outside its closed range; fields that hold None are not given."""
-    for name, low, high in ranges:
-        value = getattr(target, name)
-        if value is not None and not low <= value <= high:
-            raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value}")
-
+"""Which values can a place on the ground take?"""
 
 GEODETIC_RANGES = (
     ("latitude_deg", -90.0, 90.0),

@@ -10,10 +10,10 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.spec import require_within
 from planner.targets.apparent import ApparentDirection, aberrated
 from planner.targets.deflection import deflected
 from planner.targets.earth_limb import limb_clearance_rad, refracted
-from planner.targets.ranges import require_within
 from planner.targets.refraction import Refraction
 
 GRAZING_ALTITUDE_KM = 80.0  # refraction bends by 0.1 arcsec there, and by 8 times more 15 km lower

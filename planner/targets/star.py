@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from planner.frames.hipparcos import CatalogueStar, hipparcos_star
 from planner.frames.time_scales import Instants
-from planner.spec import spec
+from planner.spec import require_within, spec
 from planner.targets.deflection import AU_M
-from planner.targets.ranges import require_within
 from planner.targets.refraction import Refraction
 from planner.targets.sky import GRAZING_ALTITUDE_KM, SkyTarget, require_sky_ranges
 
