@@ -100,8 +100,10 @@ def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     return job
 
 
-async def listed(request: Request, resource: JobResource, query: ListQuery) -> ListedJobs:
-    """Those the query asks for, the latest first."""
+async def listed(
+    request: Request, resource: JobResource, query: ListQuery, campaign_id: str | None = None
+) -> ListedJobs:
+    """Those the query asks for, the latest first; a campaign's passes only under its id."""
     found = await read(
         request,
         lambda connection: jobs.latest(
@@ -111,6 +113,7 @@ async def listed(request: Request, resource: JobResource, query: ListQuery) -> L
             before=query.cursor,
             state=query.state,
             name=query.name,
+            parent_id=campaign_id,
         ),
     )
     return listed_jobs(found, query.limit)

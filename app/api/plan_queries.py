@@ -36,6 +36,14 @@ class ListQuery(BaseModel):
     )
 
 
+class PlanListQuery(ListQuery):
+    """Which plans to list, where campaigns make some."""
+
+    campaign: PlanId | None = Field(
+        default=None, description="The passes of this campaign; without it none of any campaign."
+    )
+
+
 class TableQuery(BaseModel):
     """In which format to hand a table out."""
 

@@ -18,7 +18,7 @@ class PlanResource:
     read: the request, which has a `name`, or InvalidRequest.  dry_run: what to say of it when
     nothing is planned.  table_json: a stored table as the answer holds it.
     table_file: of (request, stored table, format, date the file states) the file's bytes; done
-    in a child.  file_stem: of files whose plan has no name.
+    in a child.  file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
     """
 
     kind: JobKind
@@ -36,6 +36,7 @@ class PlanResource:
     table_json: Callable[[bytes], bytes]
     table_file: Callable[[bytes, bytes, str, datetime], bytes]
     file_stem: str
+    in_campaigns: bool = False
 
     @property
     def singular(self) -> str:

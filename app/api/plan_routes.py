@@ -18,6 +18,7 @@ from app.api.negotiation import JSON, accepts_json, is_known_already, json_body,
 from app.api.plan_queries import (
     ListQuery,
     PlanId,
+    PlanListQuery,
     PostQuery,
     TableQuery,
     idempotency_key,
@@ -177,15 +178,20 @@ async def _posted(
 
 
 def _add_list(router: APIRouter, resource: PlanResource) -> None:
-    @router.get(
+    async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
+        """The latest first, those that wait, run, were refused or cancelled included."""
+        campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
+        found = await listed(request, resource, query, campaign_id)
+        return Response(list_json(found), media_type=JSON)
+
+    query_model = PlanListQuery if resource.in_campaigns else ListQuery
+    get_plans.__annotations__["query"] = Annotated[query_model, Query()]
+    router.get(
         "",
         summary="Which plans are there?",
         response_model=PlanList,
         dependencies=[Depends(accepts_json)],
-    )
-    async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
-        """The latest first, those that wait, run, were refused or cancelled included."""
-        return Response(list_json(await listed(request, resource, query)), media_type=JSON)
+    )(get_plans)
 
 
 def _add_one(router: APIRouter, resource: PlanResource) -> None:

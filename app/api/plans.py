@@ -42,6 +42,7 @@ PLANS = PlanResource(
     table_json=stored_table_json,
     table_file=stored_table_file,
     file_stem="plan",
+    in_campaigns=True,
 )
 
 router = plan_routes(PLANS)

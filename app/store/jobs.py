@@ -156,9 +156,13 @@ def latest(
     before: str | None = None,
     state: JobState | None = None,
     name: str | None = None,
+    parent_id: str | None = None,
 ) -> list[Job]:
-    """Jobs of a kind, the latest first; `before` an id, with `name` in theirs."""
-    wanted: list[ColumnElement[bool]] = [JobRow.kind == kind]
+    """Jobs of a kind, the latest first; `before` an id, with `name` in theirs.
+
+    Parts of the larger job, or without one those that are no parts.
+    """
+    wanted: list[ColumnElement[bool]] = [JobRow.kind == kind, JobRow.parent_id == parent_id]
     if before is not None:
         wanted.append(JobRow.id < before)
     if state is not None:

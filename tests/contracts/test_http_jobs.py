@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
-from job_cases import KINDS, Notes, eventually
+from job_cases import KINDS, Notes, eventually, new_job
 from refusal_cases import request
 
 from app.api.plan_request import read_plan_request
@@ -14,7 +14,7 @@ from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.main import create_app
 from app.settings import Settings
-from app.store import audit, plans
+from app.store import audit, jobs, plans
 from app.store.packed import unpack
 from planner.export import EXPORTERS
 from planner.pipeline import make_plan
@@ -147,8 +147,26 @@ def test_the_list_is_in_pages_the_latest_first(client):
     assert client.get(PLANS, params={"name": "100%_"}).json()["plans"] == []
 
 
+def test_passes_of_a_campaign_are_listed_under_its_id_only(client, tmp_path, plan):
+    whole = new_job("campaign", tmp_path)
+    passes = [new_job("plan", tmp_path, name="pass", parent_id=whole.id) for _ in range(2)]
+    with client.app.state.database.writing() as connection:
+        for job in (whole, *passes):
+            jobs.accept(connection, job, lease_s=3600.0)  # another service's, so nobody plans it
+
+    def ids(**query):
+        return [one["id"] for one in client.get(PLANS, params=query).json()["plans"]]
+
+    assert plan["id"] in ids()
+    latest, first = sorted((job.id for job in passes), reverse=True)
+    assert not {latest, first} & set(ids())
+    assert ids(campaign=whole.id) == [latest, first]
+    assert ids(campaign=whole.id, cursor=latest) == [first]
+    assert ids(campaign=plan["id"]) == []
+
+
 @pytest.mark.parametrize(
-    "query", ["limit=0", "limit=201", "cursor=x", "state=lost", "name=", "nmae=x"]
+    "query", ["limit=0", "limit=201", "cursor=x", "state=lost", "name=", "nmae=x", "campaign=x"]
 )
 def test_a_list_asked_for_wrongly_is_refused(client, query):
     answer = client.get(f"{PLANS}?{query}")
