@@ -14,6 +14,7 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from planner.errors import InvalidMessage
+from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.messages.kvn import Grammar, raw_kvn
 from planner.messages.segments import (
     RawSegment,
@@ -27,7 +28,6 @@ from planner.messages.xml import message_element, name_of
 
 EARTH_RADIUS_MIN_M = 6.35e6  # below the poles
 R_MAX_M = 2.0e9  # beyond, a position in metres was written where km belong
-GM_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 SPIN_MAX_RAD_S = 7.3e-5  # of the Earth: what a velocity in ITRF may have on top
 
 FRAMES = ("EME2000", "GCRF", "ITRF", "TEME")
@@ -117,7 +117,7 @@ def _segment(raw: RawSegment) -> OemSegment:
         )
     speed_m_s = np.linalg.norm(states[:, 3:], axis=1)
     fast = np.flatnonzero(
-        speed_m_s > np.sqrt(2.0 * GM_M3_S2 / radius_m) + SPIN_MAX_RAD_S * radius_m
+        speed_m_s > np.sqrt(2.0 * MU_EARTH_M3_S2 / radius_m) + SPIN_MAX_RAD_S * radius_m
     )
     if len(fast):
         row = int(fast[0])

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
+from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants, elapsed_s
 from planner.opportunities.interpolation import NODES, UniformTable
@@ -24,7 +25,6 @@ from planner.targets import BodyTarget
 from planner.targets.apparent import aberrated
 
 Array = NDArray[np.float64]
-MU_EARTH_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 STEP_TURN_RAD = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
 STEP_MAX_S = 900.0
 ATTITUDE_STEP_MIN_S = 1.0

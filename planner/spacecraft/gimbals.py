@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.compiled import compiled
+from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.spacecraft.cmg_array import CmgArray, rotor_momentum, steer
 from planner.spacecraft.table import TICK_S
 
 Array = NDArray[np.float64]
-MU_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 
 
 def total_momentum_eci(
@@ -25,7 +25,9 @@ def total_momentum_eci(
     """
     radius_m = np.linalg.norm(r_sat_eci_m, axis=1, keepdims=True)
     nadir_body = attitude.inv().apply(-r_sat_eci_m / radius_m)
-    torque_body = 3.0 * MU_M3_S2 / radius_m**3 * np.cross(nadir_body, inertia_kg_m2 * nadir_body)
+    torque_body = (
+        3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(nadir_body, inertia_kg_m2 * nadir_body)
+    )
     torque_eci = attitude.apply(torque_body)
     steps = 0.5 * TICK_S * (torque_eci[1:] + torque_eci[:-1])
     return np.asarray(start_n_m_s + np.vstack([np.zeros(3), np.cumsum(steps, axis=0)]))

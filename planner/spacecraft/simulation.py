@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter
 
+from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.orbits.ephemeris import OrbitStates
 from planner.spacecraft.cmg_array import CmgArray
 from planner.spacecraft.definition import AgileSpacecraft
@@ -23,7 +24,6 @@ from planner.spacecraft.onboard import TABLE, Computer
 from planner.spacecraft.table import TICK_S, AttitudeTable
 
 Array = NDArray[np.float64]
-MU_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 STEP_S = 0.005
 Kept = TypeVar("Kept")
 
@@ -133,7 +133,7 @@ def plant(
         step_s=step_s,
         rate_scale=dispersion.gimbal_scale,
         ripple=dispersion.ripple,
-        gravity_per_s2=0.0 if math.isinf(radius_m) else 3.0 * MU_M3_S2 / radius_m**3,
+        gravity_per_s2=0.0 if math.isinf(radius_m) else 3.0 * MU_EARTH_M3_S2 / radius_m**3,
     )
 
 
