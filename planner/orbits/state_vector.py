@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from datetime import datetime
-from itertools import pairwise
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -109,13 +109,13 @@ class StateVectorOrbit:
         warnings: tuple[str, ...] = ()
         if age_s > WARN_AGE_S[self.force_model]:
             warnings = (f"{said}: expect an error of some {_error_m(self, age_s):.0f} m",)
-        r_eci_m, v_eci_m_s = _state_eci(self)
         if self.force_model == "j2j4":
+            r_eci_m, v_eci_m_s = _state_eci(self)
             return paper_ephemeris(self.epoch, r_eci_m, v_eci_m_s, start_utc, stop_utc, warnings)
         segments = [
             segment
             for span_s in (min(start_s, 0.0), max(stop_s, _SHORTEST_S))
-            for segment in _propagated(self, r_eci_m, v_eci_m_s, span_s)
+            for segment in self._segments_to(span_s)
         ]
         return PropagatedEphemeris(
             epoch_utc=self.epoch,
@@ -124,6 +124,25 @@ class StateVectorOrbit:
             warnings=warnings,
             segments=tuple(sorted(segments, key=lambda s: min(s.start_s, s.stop_s))),
         )
+
+    def _segments_to(self, span_s: float) -> list[Segment]:
+        """From the epoch to span_s, either way, in its order; none for span 0."""
+        whole = self._whole_segments[span_s > 0.0]
+        step_s = math.copysign(SEGMENT_S, span_s)
+        count = math.floor(abs(span_s) / SEGMENT_S)
+        while len(whole) < count:
+            whole.append(_propagated(self, whole, len(whole) * step_s, (len(whole) + 1) * step_s))
+        segments = whole[:count]
+        if abs(span_s) > count * SEGMENT_S:
+            segments.append(_propagated(self, segments, count * step_s, span_s))
+        return segments
+
+    @cached_property
+    def _whole_segments(self) -> dict[bool, list[Segment]]:
+        """What is propagated already, backward and forward: days take seconds, and one plan asks
+        for several spans.
+        """
+        return {False: [], True: []}
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,32 +224,26 @@ def _state_eci(orbit: StateVectorOrbit) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def _propagated(
-    orbit: StateVectorOrbit,
-    r_m: NDArray[np.float64],
-    v_m_s: NDArray[np.float64],
-    span_s: float,
-) -> list[Segment]:
-    """Segments of equal length from the epoch to span_s, either way; none for span 0."""
+    orbit: StateVectorOrbit, before: list[Segment], start_s: float, stop_s: float
+) -> Segment:
+    """On from where the segments `before` it end, or from the epoch, either way."""
     drag = Drag(
         mass_kg=orbit.mass_kg, area_m2=orbit.drag_area_m2, coefficient=orbit.drag_coefficient
     )
-    edges_s = np.linspace(0.0, span_s, math.ceil(abs(span_s) / SEGMENT_S) + 1).tolist()
-    segments = []
-    for start_s, stop_s in pairwise(edges_s):
-        nodes = Instants(orbit.epoch, node_times_s(start_s, stop_s))
-        forces = forces_at(nodes, drag)
-        segment = propagate_segment(r_m, v_m_s, start_s, stop_s, forces.acceleration_eci_m_s2)
-        if segment is not None:
-            end_r_m, end_v_m_s = segment.at(np.array([stop_s]))
-            r_m, v_m_s = end_r_m[0], end_v_m_s[0]
-        if segment is None or np.linalg.norm(r_m) < _PERIGEE_MIN_M:
-            at_utc = shifted_utc(orbit.epoch, start_s)
-            raise OutsideCoverage(
-                f"the satellite falls below {HEIGHT_MIN_M / 1e3:.0f} km soon after "
-                f"{utc_text(at_utc, 0)}; end the plan before, or check orbit.mass_kg and "
-                "orbit.drag_area_m2",
-                field="orbit",
-                at_utc=at_utc,
-            )
-        segments.append(segment)
-    return segments
+    r_m, v_m_s = _state_eci(orbit)
+    if before:
+        r_m, v_m_s = (end[0] for end in before[-1].at(np.array([start_s])))
+    forces = forces_at(Instants(orbit.epoch, node_times_s(start_s, stop_s)), drag)
+    segment = propagate_segment(r_m, v_m_s, start_s, stop_s, forces.acceleration_eci_m_s2)
+    if segment is not None:
+        (r_m,), _ = segment.at(np.array([stop_s]))
+    if segment is None or np.linalg.norm(r_m) < _PERIGEE_MIN_M:
+        at_utc = shifted_utc(orbit.epoch, start_s)
+        raise OutsideCoverage(
+            f"the satellite falls below {HEIGHT_MIN_M / 1e3:.0f} km soon after "
+            f"{utc_text(at_utc, 0)}; end the plan before, or check orbit.mass_kg and "
+            "orbit.drag_area_m2",
+            field="orbit",
+            at_utc=at_utc,
+        )
+    return segment
