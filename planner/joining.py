@@ -155,13 +155,21 @@ def _prescribed(
     )
 
 
-def joined(scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]) -> Join:
+def joined(
+    scenario: Scenario,
+    way: Way,
+    from_row: int,
+    state: tuple[AxisState, ...],
+    *,
+    thorough: bool = True,
+) -> Join:
     """Slew from `state` at row `from_row` onto one way's track.
 
     With the objective "minimum_time" the track is joined as early as the slew can and the
-    target is seen, else at the first row of the session.  Raises InfeasibleSlew.
+    target is seen, else at the first row of the session.  thorough: whether the best way
+    around cones is sought, not only some way.  Raises InfeasibleSlew.
     """
-    join_row, slew = _slew(scenario, way, from_row, state)
+    join_row, slew = _slew(scenario, way, from_row, state, thorough=thorough)
     return Join(
         slew=slew,
         track=way.track,
@@ -272,7 +280,7 @@ def _require_visible(los: LineOfSight, rows: Rows, target: VisibleTarget, number
 
 
 def _slew(
-    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...], *, thorough: bool
 ) -> tuple[int, SlewSolution]:
     """The slew, and the row it ends on."""
     start_row = way.rows.start
@@ -304,7 +312,9 @@ def _slew(
         keep_out=keep_out,
     )
     solution = backend.solve(problem, scenario.slew)
-    return start_row, cleared(flown(solution)) if backend.keeps_limits else solution
+    if backend.keeps_limits:
+        solution = cleared(flown(solution), thorough=thorough)
+    return start_row, solution
 
 
 def _seen_from_s(los: LineOfSight, start_s: float) -> float:

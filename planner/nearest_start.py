@@ -1,47 +1,60 @@
 """When is the nearest start at which a refused session can be flown?"""
 
+import math
 from collections.abc import Callable, Iterable
-from dataclasses import replace
-from datetime import datetime
+from dataclasses import dataclass, replace
 from itertools import islice
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.errors import (
-    InfeasibleSlew,
-    NotVisible,
-    OutsideCoverage,
-    Refusal,
-    TrackBreaksLimit,
-    Unreachable,
-)
+from planner.commands import ROWS_PER_S
+from planner.errors import Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.joining import Rows, Way, joined, may_be_slewed, session_rows, ways_to_hold
+from planner.joining import Rows
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
 from planner.slew import AxisState
-from planner.targets import BenchMotionTarget, Target, TimedTarget
+from planner.start_trials import Refused, Trials, Work, WorkSpent
+from planner.targets import BenchMotionTarget
 
 DAY_S = 86400.0
 HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
-ATTEMPTS = 60  # each takes some 10 ms; a refusal may take a second, not a minute
+ATTEMPTS = 60
+
+# For a refusal in two seconds, cutting the session short and then moving it.
+CUT_SHORT_WORK_US = 900_000.0
+MOVED_WORK_US = 700_000.0  # and what the first leaves
 
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
-SOLVED_MOST = 3  # each takes some 100 ms, near the stops a second
 
-Attempt = Callable[[int], Session | None]
-_Test = Callable[[Scenario, Way, int, tuple[AxisState, ...]], bool]
 R = TypeVar("R", bound=Refusal)
 
 
-class _Tries(NamedTuple):
-    """The session from a start row on, if it may (closed forms) or can (solved) be flown."""
+@dataclass(frozen=True, kw_only=True)
+class _Span:
+    """Where another start is sought.
 
-    may: Attempt
-    can: Attempt
+    known: rows at which the orbit is known.  seen: runs of them in which the target can be
+    seen, their ends good to the coarse step.
+    """
+
+    ephemeris: Ephemeris
+    known: Rows
+    seen: list[Rows]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Searched:
+    """session: as it can be flown, None if not found.
+
+    reach_rows: how far from the start asked for all starts were gone through; infinite: as far
+    as there are any, negative: not one.
+    """
+
+    session: Session | None = None
+    reach_rows: float = math.inf
 
 
 def refused_with_nearest_start(
@@ -54,19 +67,15 @@ def refused_with_nearest_start(
     """The same refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short at its start, then moved as a whole, by at most a day.
-    Every start named has been tried by planning the session there.
+    Every start named has been tried by planning the session there.  Whatever forbids another
+    start, the reason given stays that of the start asked for.
     """
-    moved = _nearest(scenario, number, from_row, state)
-    session = scenario.sessions[number]
-    if moved is None:
-        way_out = "no start that can be flown was found within a day or reach of the orbit data"
+    refused = Refused(scenario=scenario, number=number, from_row=from_row, state=state)
+    span = _span(refused)
+    if isinstance(span, Refusal):
+        moved, way_out = None, f"no other start was tried: {span.detail.partition(';')[0]}"
     else:
-        kept = (
-            "keeping the stop"
-            if moved.stop == session.stop
-            else f"with the stop moved to {utc_text(moved.stop, 1)}"
-        )
-        way_out = f"earliest feasible start {utc_text(moved.start, 1)}, {kept}"
+        moved, way_out = _sought(refused, span)
     return type(refusal)(
         f"{refusal.detail}; {way_out}",
         field=refusal.field or f"sessions.{number}.start",
@@ -78,161 +87,159 @@ def refused_with_nearest_start(
     )
 
 
-def _nearest(
-    scenario: Scenario, number: int, from_row: int, state: tuple[AxisState, ...]
-) -> Session | None:
-    session = scenario.sessions[number]
-    epoch_utc = scenario.initial_state.epoch
-    wanted = session_rows(session, epoch_utc)
-    span = _span(scenario, wanted, from_row)
-    if span is None:
-        return None
-    ephemeris, known = span
-    seen = _seen(scenario, ephemeris, session, known)
-    target = _unbound(session)
-
-    def tries_with(stop_row: Callable[[int], int], stop: Callable[[int], datetime]) -> _Tries:
-        def moved_to(start_row: int) -> Session | None:
-            if not any(run.start <= start_row and stop_row(start_row) <= run.stop for run in seen):
-                return None
-            start_utc = shifted_utc(epoch_utc, start_row / ROWS_PER_S)
-            if elapsed_s(stop(start_row), start_utc) < COMMAND_STEP_S:
-                return None
-            return replace(
-                session,
-                target=target,
-                start=start_utc,
-                stop=stop(start_row),
-                keyhole="refuse",  # a start that needs no compromise, and no second of solving
-            )
-
-        def attempt(test: _Test) -> Attempt:
-            def tried(start_row: int) -> Session | None:
-                moved = moved_to(start_row)
-                if moved is None or start_row <= from_row:
-                    return None
-                ways = _ways(scenario, ephemeris, number, moved, from_row, state)
-                return moved if any(test(scenario, way, from_row, state) for way in ways) else None
-
-            return tried
-
-        return _Tries(may=attempt(may_be_slewed), can=attempt(_can_be_slewed))
-
-    cut_short = tries_with(lambda _: wanted.stop, lambda _: session.stop)
+def _sought(refused: Refused, span: _Span) -> tuple[Session | None, str]:
+    """The session as it can be flown, and the way out in words."""
+    session, epoch_utc, wanted_row = refused.session, refused.epoch_utc, refused.wanted.start
     length_s = elapsed_s(session.stop, session.start)
-    length_rows = wanted.stop - wanted.start
-    shift = tries_with(
-        lambda row: row + length_rows,
-        lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s),
+    trials = Trials(
+        refused=refused,
+        ephemeris=span.ephemeris,
+        seen=span.seen,
+        stop_utc=lambda _: session.stop,
+        work=Work(CUT_SHORT_WORK_US),
     )
-    first = max(wanted.start, from_row + 1)
-    step = min(COARSE_ROWS, max((wanted.stop - first) // 8, 1))
-    found = _search(cut_short, range(first, wanted.stop, step), wanted.start)
-    if found is None:
-        found = _search(shift, _by_distance(seen, length_rows, wanted.start), wanted.start)
-    return found
+    later = _search(trials, _rows_before_stop(refused, span), wanted_row)
+    if later.session is not None:
+        start = utc_text(later.session.start, 1)
+        return later.session, f"earliest feasible start {start}, keeping the stop"
+    trials = replace(
+        trials,
+        stop_utc=lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s),
+        work=Work(MOVED_WORK_US + trials.work.left_us),
+    )
+    moved = _search(trials, _rows_by_distance(refused, span), wanted_row)
+    if moved.session is not None:
+        start, stop = utc_text(moved.session.start, 1), utc_text(moved.session.stop, 1)
+        return moved.session, f"earliest feasible start {start}, with the stop moved to {stop}"
+    return None, _not_found(refused, span, later.reach_rows, moved.reach_rows)
 
 
-def _unbound(session: Session) -> Target:
-    """The target as it was asked for: what began with the session will begin with the moved one."""
-    target = session.target
-    if isinstance(target, TimedTarget) and target.start == session.start:
-        return replace(target, start=None)
-    return target
+def _not_found(
+    refused: Refused, span: _Span, later_reach_rows: float, moved_reach_rows: float
+) -> str:
+    wanted = refused.wanted
+    first_row = refused.from_row + 1
+    last_row = span.known.stop - (wanted.stop - wanted.start)
+    ways = (
+        ("keeping the stop", max(wanted.start, first_row), wanted.stop - 1, later_reach_rows),
+        ("moving it", max(span.known.start, first_row), last_row, moved_reach_rows),
+    )
+    said = [
+        f"{_gone_through(refused, low, high, reach_rows)} {how}"
+        for how, low, high, reach_rows in ways
+        if low <= high
+    ]
+    if not said:
+        return "no other start can be tried: the orbit is not known beyond the session"
+    return f"no start that can be flown was found {' and '.join(said)}"
 
 
-def _ways(
-    scenario: Scenario,
-    ephemeris: Ephemeris,
-    number: int,
-    session: Session,
-    from_row: int,
-    state: tuple[AxisState, ...],
-) -> tuple[Way, ...]:
-    """No way where the session can't be held."""
-    angle_rad = np.array([axis.angle_rad for axis in state])
-    try:
-        return ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
-    except (NotVisible, Unreachable, TrackBreaksLimit):
-        return ()
+def _gone_through(refused: Refused, low: int, high: int, reach_rows: float) -> str:
+    """From when to when starts were gone through, of all from row `low` to `high`."""
+    wanted_row = refused.wanted.start
+    if reach_rows < 0.0:
+        return "(none was decided before the search ends, which is bounded)"
+    ends = max(low, wanted_row - reach_rows), min(high, wanted_row + reach_rows)
+    texts = [utc_text(shifted_utc(refused.epoch_utc, row / ROWS_PER_S), 1) for row in ends]
+    farther = ", nor looked for farther off," if ends != (low, high) else ""
+    return f"from {texts[0]} to {texts[1]}{farther}"
 
 
-def _can_be_slewed(
-    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
-) -> bool:
-    if not may_be_slewed(scenario, way, from_row, state):
-        return False
-    try:
-        joined(scenario, way, from_row, state)
-    except InfeasibleSlew:
-        return False
-    return True
-
-
-def _search(tries: _Tries, rows: Iterable[int], wanted_row: int) -> Session | None:
+def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _Searched:
     """The first row that may succeed, then the nearest to the wanted one that does."""
-    solved = 0
-    for row in islice(rows, ATTEMPTS):
-        if tries.may(row) is None:
-            continue
-        away = 1 if row >= wanted_row else -1
+    reach_rows = -1
+    candidates = list(islice(rows, ATTEMPTS))
+    for row in candidates:
+        try:
+            may = trials.ends_may(row) and trials.may(row)
+            session = _nearest_flown(trials, row, wanted_row) if may else None
+        except WorkSpent:
+            return _Searched(reach_rows=reach_rows)
+        reach_rows = abs(row - wanted_row)
+        if may:
+            return _Searched(session=session, reach_rows=reach_rows)
+    return _Searched(reach_rows=reach_rows if len(candidates) == ATTEMPTS else math.inf)
+
+
+def _nearest_flown(trials: Trials, row: int, wanted_row: int) -> Session | None:
+    """From a row that may succeed back to its failed neighbour; then solved, row by row."""
+    away = 1 if row >= wanted_row else -1
+
+    def nearest(may: Callable[[int], bool]) -> int:
         good, bad = row, row - away * COARSE_ROWS
         while abs(good - bad) > 1:
             middle = (good + bad) // 2
-            if (middle - wanted_row) * away < 0 or tries.may(middle) is None:
-                bad = middle
-            else:
+            if (middle - wanted_row) * away >= 0 and may(middle):
                 good = middle
-        for nearest in range(good, good + away * ROWS_LATER, away):
-            found = tries.can(nearest)
-            if found is not None:
-                return found
-            solved += 1
-            if solved >= SOLVED_MOST:
-                return None
+            else:
+                bad = middle
+        return good
+
+    first = nearest(trials.ends_may)
+    found = trials.flown(first)
+    if found is not None:
+        return found
+    surer = nearest(lambda middle: trials.ends_may(middle) and trials.may(middle))
+    for nearby in range(surer, surer + away * ROWS_LATER, away):
+        found = trials.flown(nearby) if nearby != first else None
+        if found is not None:
+            return found
     return None
 
 
-def _by_distance(seen: list[Rows], length_rows: int, wanted_row: int) -> list[int]:
+def _rows_before_stop(refused: Refused, span: _Span) -> Iterable[int]:
+    """Start rows of the session cut short, the nearest to the wanted row first."""
+    wanted = refused.wanted
+    first = max(wanted.start, refused.from_row + 1)
+    step = min(COARSE_ROWS, max((wanted.stop - first) // 8, 1))
+    runs = [run for run in span.seen if run.start <= wanted.stop <= run.stop]
+    return (row for row in range(first, wanted.stop, step) if any(run.start <= row for run in runs))
+
+
+def _rows_by_distance(refused: Refused, span: _Span) -> list[int]:
     """Start rows of sessions wholly inside a run, the nearest to the wanted row first."""
+    wanted = refused.wanted
+    length_rows = wanted.stop - wanted.start
     starts = [
         row
-        for run in seen
+        for run in span.seen
         if run.stop - length_rows >= run.start
         for row in {*range(run.start, run.stop - length_rows, COARSE_ROWS), run.stop - length_rows}
+        if row > refused.from_row
     ]
-    return sorted(starts, key=lambda row: abs(row - wanted_row))
+    return sorted(starts, key=lambda row: abs(row - wanted.start))
 
 
-def _span(scenario: Scenario, wanted: Rows, from_row: int) -> tuple[Ephemeris, Rows] | None:
-    """The orbit as far around the session as it is known, up to the horizon."""
-    epoch_utc = scenario.initial_state.epoch
+def _span(refused: Refused) -> _Span | Refusal:
+    """The orbit as far around the session as it is known, up to the horizon, or why it is not."""
+    scenario, wanted = refused.scenario, refused.wanted
     longest_s = HORIZON_S.get(scenario.orbit.source, DAY_S)
     for horizon_s in (longest_s, longest_s / 16.0, 0.0):
         # Cones to keep out of must be known along the whole slew.
         early_row = wanted.start - int(horizon_s) * ROWS_PER_S
-        rows = Rows(
-            start=from_row if scenario.slew.keep_out else max(from_row, early_row),
+        known = Rows(
+            start=refused.from_row if scenario.slew.keep_out else max(refused.from_row, early_row),
             stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
         )
-        start_utc = shifted_utc(epoch_utc, rows.start / ROWS_PER_S)
+        ends_utc = (
+            shifted_utc(refused.epoch_utc, row / ROWS_PER_S) for row in (known.start, known.stop)
+        )
         try:
-            ephemeris = scenario.orbit.ephemeris(
-                start_utc, shifted_utc(epoch_utc, rows.stop / ROWS_PER_S)
-            )
-        except OutsideCoverage:
-            continue
-        return ephemeris, rows
-    return None
+            ephemeris = scenario.orbit.ephemeris(*ends_utc)
+            return _Span(ephemeris=ephemeris, known=known, seen=_seen(refused, ephemeris, known))
+        except Refusal as unknown:  # too far for the data, or damaged data on the way
+            why = unknown
+    return why
 
 
-def _seen(scenario: Scenario, ephemeris: Ephemeris, session: Session, known: Rows) -> list[Rows]:
+def _seen(refused: Refused, ephemeris: Ephemeris, known: Rows) -> list[Rows]:
     """Runs of rows in which the target can be seen, their ends good to the coarse step."""
-    if isinstance(session.target, BenchMotionTarget):
+    target = refused.session.target
+    if isinstance(target, BenchMotionTarget):
         return [known]
     rows = np.arange(known.start, known.stop + 1, COARSE_ROWS)
-    instants = Instants(scenario.initial_state.epoch, rows / ROWS_PER_S)
-    visible = session.target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0
+    instants = Instants(refused.epoch_utc, rows / ROWS_PER_S)
+    visible = target.apparent(instants, ephemeris.states(instants)).clearance_rad >= 0.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], visible, [False]])))
     return [
         Rows(
