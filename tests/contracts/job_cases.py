@@ -113,6 +113,14 @@ def new_job(kind: str, file: Path, **members: object) -> NewJob:
     return NewJob(**given | members)
 
 
+def alive(pid: int) -> bool:
+    """Whether the process is more than an entry nobody has read yet."""
+    try:
+        return "State:\tZ" not in Path(f"/proc/{pid}/status").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
 def eventually(met, within_s: float = 60.0):
     """The first true value of a condition; a loaded machine is slow, so it may take long."""
     until_s = time.monotonic() + within_s

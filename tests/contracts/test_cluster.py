@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
-from job_cases import KINDS, eventually
+from job_cases import KINDS, alive, eventually
 
 from app.jobs.dask_executor import DaskExecutor
 from app.jobs.dask_worker import SLOT
@@ -75,11 +75,6 @@ def pids(notes):
     return notes.read_text().split() if notes.exists() else []
 
 
-def gone(pid):
-    status = Path(f"/proc/{pid}/status")
-    return not status.exists() or "State:\tZ" in status.read_text()
-
-
 def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path):
     name = ["--name", "other", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
     other = ["--resources", f"{SLOT}.dev=1", *name]
@@ -116,7 +111,7 @@ def test_stopped_work_frees_the_worker(executor, a_worker, tmp_path):
     stop.request()
     with pytest.raises(Stopped):
         future.result(WITHIN_S)
-    eventually(lambda: gone(pid))
+    eventually(lambda: not alive(pid))
 
 
 def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_worker, tmp_path):
@@ -126,5 +121,5 @@ def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_wor
     a_worker.kill()
     with worker(scheduler):
         assert future.result(WITHIN_S).state == "done"
-    assert gone(pid)
+    assert not alive(pid)
     assert len(pids(tmp_path / "notes")) == 2

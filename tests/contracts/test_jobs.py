@@ -3,11 +3,10 @@
 import os
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 
 import pytest
 from databases import fresh_database
-from job_cases import KINDS, Notes, eventually, new_job
+from job_cases import KINDS, Notes, alive, eventually, new_job
 from sqlalchemy import update
 
 from app.jobs.dispatcher import Dispatcher, Rules
@@ -59,12 +58,6 @@ def states(database, job_id):
     with database.reading() as connection:
         told = events.after(connection, job_id, 0)
     return [event.data["state"] for event in told if event.kind == events.STATE]
-
-
-def alive(pid):
-    """Whether the process is more than an entry nobody has read yet."""
-    status = Path(f"/proc/{pid}/status")
-    return status.exists() and "State:\tZ" not in status.read_text()
 
 
 def test_work_is_begun_at_once_where_there_is_room(database, tmp_path):

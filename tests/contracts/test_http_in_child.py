@@ -1,0 +1,130 @@
+"""Does work that a client waits for end with the client, and at its limits with a refusal?"""
+
+import json
+import os
+import socket
+import threading
+from functools import partial
+
+import pytest
+from fastapi.testclient import TestClient
+from job_cases import Notes, alive, eventually, note
+from refusal_cases import request
+
+from app.api import horizon, opportunities, stored_plans
+from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.api.plans import PLANS
+from app.jobs.disposable import Bounds
+from app.main import create_app
+from app.serving import server
+from app.settings import Settings
+
+CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
+SHORT = request(
+    ("initial_state.epoch", "2015-02-27T17:35:00Z"), ("sessions.0.stop", "2015-02-27T17:36:30Z")
+)
+# What a route hands to its child, its bounds, and a request that gets so far.
+ROUTES = {
+    "/v1/opportunities": (
+        (opportunities, "opportunities_found", "SEARCH_BOUNDS"),
+        {"json": CITIES},
+    ),
+    "/v1/horizon/estimates": (
+        (horizon, "estimate_json", "ESTIMATE_BOUNDS"),
+        {"data": {"request": json.dumps(ESTIMATE_EXAMPLE)}, "files": {"images": b"1"}},
+    ),
+    "/v1/horizon/predictions": (
+        (horizon, "prediction_json", "PREDICTION_BOUNDS"),
+        {"json": PREDICTION_EXAMPLES["pass"][1]},
+    ),
+    "/v1/horizon/images": (
+        (horizon, "picture", "PICTURE_BOUNDS"),
+        {"json": PICTURE_EXAMPLES["ahead"][1]},
+    ),
+}
+BRIEF = Bounds(deadline_s=0.2, memory_mib=200)
+
+
+def hang(file, *_given):
+    note(file)
+    while True:
+        pass
+
+
+def hoard(_file, *_given):
+    return bytes(2**30)
+
+
+@pytest.fixture(scope="module")
+def client():
+    with TestClient(create_app()) as client:
+        yield client
+
+
+@pytest.fixture
+def notes(tmp_path):
+    return Notes(tmp_path / "notes")
+
+
+@pytest.fixture(params=[hang, hoard])
+def wild(request, notes):
+    """Work that goes beyond its time, or its memory."""
+    return partial(request.param, os.fsencode(notes.file))
+
+
+def refused_as_documented(client, answer, path, method="post"):
+    assert answer.status_code == 422, answer.text
+    problem = answer.json()
+    assert problem["type"] == "urn:slewtrack:problem:too-demanding"
+    assert "ask for less at a time" in problem["detail"]
+    documented = client.get("/openapi.json").json()["paths"][path][method]["responses"]["422"]
+    assert answer.headers["content-type"] in documented["content"]
+
+
+@pytest.mark.parametrize("path", ROUTES)
+def test_work_beyond_its_bounds_is_refused(client, monkeypatch, notes, wild, path):
+    (module, work, bounds), asked = ROUTES[path]
+    monkeypatch.setattr(module, work, wild)
+    monkeypatch.setattr(module, bounds, BRIEF)
+    refused_as_documented(client, client.post(path, **asked), path)
+    assert eventually(lambda: not any(map(alive, notes.pids())))
+
+
+@pytest.mark.parametrize("query", ["", "?format=netcdf"])
+def test_a_table_beyond_its_bounds_is_refused(client, monkeypatch, wild, query):
+    plan = client.post("/v1/plans", json=SHORT)
+    assert plan.status_code == 201, plan.text
+    for work in ("table_json", "table_file"):
+        monkeypatch.setitem(vars(PLANS), work, wild)
+    monkeypatch.setattr(stored_plans, "EXPORT_BOUNDS", BRIEF)
+    answer = client.get(f"{plan.headers['location']}/table{query}")
+    refused_as_documented(client, answer, "/v1/plans/{plan_id}/table", "get")
+
+
+def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):
+    """Over a real connection: that it has gone is told through all layers of the service."""
+    hanging = partial(hang, os.fsencode(notes.file))
+    monkeypatch.setattr(opportunities, "opportunities_found", hanging)
+    service = server("127.0.0.1", 0, Settings(data_dir=tmp_path))
+    children = service.config.app.state.children
+    listening = socket.create_server(("127.0.0.1", 0))
+    serving = threading.Thread(target=service.run, args=([listening],))
+    serving.start()
+    try:
+        assert eventually(lambda: service.started)
+        body = json.dumps(CITIES).encode()
+        head = (
+            "POST /v1/opportunities HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+            f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+        )
+        with socket.create_connection(listening.getsockname()) as connection:
+            connection.sendall(head.encode() + body)
+            [pid] = eventually(notes.pids)
+            assert alive(pid)
+            assert children.borrowed_tokens == 1
+        assert eventually(lambda: not alive(pid))
+        assert eventually(lambda: children.borrowed_tokens == 0)  # others get its place
+    finally:
+        service.should_exit = True
+        serving.join()
