@@ -19,7 +19,7 @@ from planner.slew.solution import SlewSolution
 
 Array = NDArray[np.float64]
 SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
-LOOKED_AT = 120  # instants of the straight slew, for a side step
+LOOKED_AT = 60  # instants of the straight slew, for a side step
 ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
 NEAR_ENDS = 0.15
 ROWS_ALL_FREE_MAX = 200

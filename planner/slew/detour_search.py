@@ -21,11 +21,12 @@ Array = NDArray[np.float64]
 Profiles = tuple[AxisProfile, AxisProfile]
 TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
 ROUGH_MARGIN_RAD = math.radians(0.1)
-MARGIN_RAD = math.radians(0.02)
+MARGINS_RAD = (math.radians(0.02), math.radians(0.1))  # the first one between many instants
 MARGIN_GROWTHS_RAD = np.radians([0.002, 0.01, 0.05, 0.1])  # in a gap 0.02 at once costs 5 %
 MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
+SINKING = 8  # looks between two instants of few
 HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
-DEARER = 1.1  # than the best one found: not worth a second look
+DEARER, PLAYS = 1.01, 4.0  # than the best one found, and its plays: not worth a second look
 ALIKE = 1e-3  # in cost: the same optimum again
 REFINED_MAX = 4  # of the guesses tried at once
 SHALLOW_RAD = math.radians(0.02)  # may need a wider margin only near an end, where it is cut
@@ -37,7 +38,8 @@ class Detour(NamedTuple):
     """cost: infinite where the result is not good.  off_rows: good but for flying it from rows.
 
     play_share: share by which many instants cost more or less than few; where it is large, so was
-    the play between these, and other optima may be near.
+    the play between these, and other optima may be near.  sunk_rad: how much deeper than the
+    margin a path goes between few instants.
     """
 
     profiles: Profiles
@@ -45,6 +47,7 @@ class Detour(NamedTuple):
     off_rows: bool
     iterations: int
     play_share: float = 0.0
+    sunk_rad: float = 0.0
 
 
 class DetourSearch:
@@ -81,33 +84,41 @@ class DetourSearch:
         rough = sorted((self._rough(aside) for aside in asides), key=lambda one: one.cost)
         refined: list[float] = []
         found: list[Detour] = []
+        dearest = math.inf
         for one in rough:
-            best = min((detour.cost for detour in found), default=math.inf)
             again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in refined)
             good = sum(math.isfinite(detour.cost) for detour in found)
-            enough = good == REFINED_MAX or one.cost > DEARER * best
+            enough = good == REFINED_MAX or one.cost > dearest
             if not math.isfinite(one.cost) or enough or again:
                 found.append(one._replace(cost=math.inf))
                 continue
             refined.append(one.cost)
             found.append(self._refined(one))
+            if math.isfinite(found[-1].cost):
+                dearest = min(dearest, one.cost * (DEARER + PLAYS * found[-1].play_share))
         return found
 
     def _rough(self, aside: Array) -> Detour:
         ocp = self._ocp(fine=False)
         guess = self._guess(self._straight.profiles, aside)
         profiles, iterations = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
-        hopeless = entered(profiles, self._view).depth_rad > HOPELESS_RAD
+        t_s = np.linspace(0.0, self._straight.duration_s, SINKING * (len(ocp.tau) + 1) + 1)
+        angle = np.stack([profile.evaluate(t_s)[0] for profile in profiles], axis=1)
+        depth_rad = float(self._view.depths_rad(t_s, angle).max())
         return Detour(
             profiles=profiles,
-            cost=math.inf if hopeless else _cost(profiles),
+            cost=math.inf if depth_rad > HOPELESS_RAD else _cost(profiles),
             off_rows=False,
             iterations=iterations,
+            sunk_rad=depth_rad + ROUGH_MARGIN_RAD,
         )
 
     def _refined(self, rough: Detour) -> Detour:
         ocp = self._ocp(fine=True)
-        profiles, iterations, margin_rad = rough.profiles, rough.iterations, MARGIN_RAD
+        profiles, iterations = rough.profiles, rough.iterations
+        # Between instants so much nearer a path that curves alike sinks less by the square.
+        nearer = (len(self._ocp(fine=False).tau) + 1) / (len(ocp.tau) + 1)
+        margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *MARGINS_RAD))
         depth_rad = SUNK_RAD
         for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess(profiles, np.zeros((2, self._spline.free_count)))

@@ -5,8 +5,8 @@ between boresight and a cone's axis is bilinear in the cosines and sines of the 
 so that one solver serves every platform and every cone.
 """
 
-from functools import lru_cache
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from planner.platforms import TwoAxisPlatform
 from planner.slew.backends.spline_ocp import IPOPT, PosedAxis, SplineOcp
 from planner.slew.solution import AxisProfile
 
+if TYPE_CHECKING:
+    import casadi
+
 Array = NDArray[np.float64]
 COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
@@ -23,8 +26,19 @@ OPTIONS = {
     name: value
     for name, value in IPOPT.items()
     if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
-} | {"tol": 1e-6, "max_iter": 120}  # the margin beside a cone is a thousand times that
-NEAR: dict[str, str | float | int] = {"mu_init": 1e-4, "max_iter": 60}
+}
+FAR: dict[str, str | float | int] = {"tol": 1e-4, "mu_init": 1e-2, "max_iter": 40}
+# The margin beside a cone is a thousand times the tolerance.
+NEAR: dict[str, str | float | int] = {"tol": 1e-6, "mu_init": 1e-4, "max_iter": 60}
+
+
+class _Parts(NamedTuple):
+    """Of the programme: variables, parameters, cost, and cosines with the cones' axes."""
+
+    y: "list[casadi.SX]"
+    parameters: "casadi.SX"
+    cost: "casadi.SX"
+    cosines: "list[casadi.SX]"
 
 
 class DetourOcp:
@@ -35,17 +49,21 @@ class DetourOcp:
     """
 
     def __init__(self, spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> None:
-        # CasADi takes 0.1 s to import, which only a process that solves should pay.
-        import casadi
-
-        self._spline, self._calm = spline, calm
+        self._spline, self._cones, self._calm, self._fine = spline, cones, calm, fine
         points = FINE_POINTS if fine else COARSE_POINTS
         self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
         self._values = spline.values(self.tau)
+
+    @cached_property
+    def _parts(self) -> _Parts:
+        # CasADi takes 0.1 s to import, which only a process that solves should pay.
+        import casadi
+
+        spline, cones, points = self._spline, self._cones, len(self.tau)
         n = spline.free_count
         y = [casadi.SX.sym(f"y{axis}", n) for axis in range(2)]
         p_gradient = [casadi.SX.sym(f"gradient{axis}", n) for axis in range(2)]
-        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 if calm else 0)]
+        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._calm)]
         p_base = [casadi.SX.sym(f"base{axis}", points) for axis in range(2)]
         p_scale = casadi.SX.sym("scale")
         p_cosine = casadi.SX.sym("cosine", points * cones, 9)
@@ -53,34 +71,47 @@ class DetourOcp:
         own = casadi.sparsify(casadi.DM(spline.hessian))
         cost = casadi.SX(0)
         for axis in range(2):
-            hessian = p_hessian[axis] if calm else own
+            hessian = p_hessian[axis] if self._calm else own
             cost += casadi.bilin(hessian, y[axis], y[axis]) / 2.0
             cost += casadi.dot(p_gradient[axis], y[axis])
         free = casadi.sparsify(casadi.DM(self._values.free))
         angle = [p_base[axis] + p_scale * casadi.mtimes(free, y[axis]) for axis in range(2)]
         one = casadi.SX.ones(points, 1)
         trig = [[one, casadi.cos(q), casadi.sin(q)] for q in angle]
-        jacobian = casadi.sparsify(casadi.DM(spline.jacobian))
-        rows = [casadi.mtimes(jacobian, part) for part in y]
+        cosines = []
         for cone in range(cones):
             part = p_cosine[cone * points : (cone + 1) * points, :]
             cosine = casadi.SX(points, 1)
             for i, by_outer in enumerate(trig[0]):
                 for j, by_inner in enumerate(trig[1]):
                     cosine += part[:, 3 * i + j] * by_outer * by_inner
-            rows.append(cosine)
+            cosines.append(cosine)
         parameters = [*p_gradient, *map(casadi.vec, p_hessian), *p_base, p_scale]
-        self._solver: Any = casadi.nlpsol(
-            "detour",
-            "ipopt",
-            {
-                "x": casadi.vertcat(*y),
-                "p": casadi.vertcat(*parameters, casadi.vec(p_cosine)),
-                "f": cost,
-                "g": casadi.vertcat(*rows),
-            },
-            {"print_time": False, "ipopt": {**OPTIONS, **(NEAR if fine else {})}},
-        )
+        return _Parts(y, casadi.vertcat(*parameters, casadi.vec(p_cosine)), cost, cosines)
+
+    @cached_property
+    def _rates_only(self) -> "casadi.Function":
+        """Neglects the limits of acceleration and jerk, which few slews meet: a third less work."""
+        return self._programme(self._spline.rate_rows)
+
+    @cached_property
+    def _complete(self) -> "casadi.Function":
+        return self._programme(len(self._spline.jacobian))
+
+    def _programme(self, hull_rows: int) -> "casadi.Function":
+        import casadi
+
+        parts = self._parts
+        jacobian = casadi.sparsify(casadi.DM(self._spline.jacobian[:hull_rows]))
+        rows = [casadi.mtimes(jacobian, part) for part in parts.y]
+        programme = {
+            "x": casadi.vertcat(*parts.y),
+            "p": parts.parameters,
+            "f": parts.cost,
+            "g": casadi.vertcat(*rows, *parts.cosines),
+        }
+        options = {**OPTIONS, **(NEAR if self._fine else FAR)}
+        return casadi.nlpsol("detour", "ipopt", programme, {"print_time": False, "ipopt": options})
 
     def solve(
         self,
@@ -107,28 +138,52 @@ class DetourOcp:
             axis.start_angle_rad + axis.scale_rad * self._values.fixed @ axis.fixed for axis in axes
         ]
         hessians = [one.hessian.ravel() for one in axes if one.hessian is not None]
-        parameters = [
-            *(axis.gradient for axis in axes),
-            *hessians,
-            *base,
-            np.array([axes[0].scale_rad]),
-            np.concatenate(cosine).ravel(order="F"),
-        ]
-        found = self._solver(
-            x0=guess.ravel(),
-            p=np.concatenate(parameters),
-            lbx=np.concatenate([axis.low for axis in axes]),
-            ubx=np.concatenate([axis.high for axis in axes]),
-            lbg=np.concatenate(
-                [*(axis.rows_low for axis in axes), *([-np.inf] * len(h) for h in high)]
-            ),
-            ubg=np.concatenate([*(axis.rows_high for axis in axes), *high]),
+        parameters = np.concatenate(
+            [
+                *(axis.gradient for axis in axes),
+                *hessians,
+                *base,
+                np.array([axes[0].scale_rad]),
+                np.concatenate(cosine).ravel(order="F"),
+            ]
         )
-        y = np.asarray(found["x"]).reshape(2, -1)
+        most = np.concatenate(high)
+        y, iterations, good = _solved(
+            self._rates_only, self._spline.rate_rows, axes, parameters, most, guess
+        )
+        if good and not all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True)):
+            y, more, _ = _solved(
+                self._complete, len(self._spline.jacobian), axes, parameters, most, y
+            )
+            iterations += more
         profiles = tuple(
             self._spline.profile(axis, part) for axis, part in zip(axes, y, strict=True)
         )
-        return (profiles[0], profiles[1]), int(self._solver.stats()["iter_count"])
+        return (profiles[0], profiles[1]), iterations
+
+
+def _solved(
+    solver: "casadi.Function",
+    hull_rows: int,
+    axes: tuple[PosedAxis, PosedAxis],
+    parameters: Array,
+    cosine_most: Array,
+    guess: Array,
+) -> tuple[Array, int, bool]:
+    """y of both axes (2, k), iterations, and whether the solver thinks it was good."""
+    found = solver(
+        x0=guess.ravel(),
+        p=parameters,
+        lbx=np.concatenate([axis.low for axis in axes]),
+        ubx=np.concatenate([axis.high for axis in axes]),
+        lbg=np.concatenate(
+            [*(axis.rows_low[:hull_rows] for axis in axes), np.full(len(cosine_most), -np.inf)]
+        ),
+        ubg=np.concatenate([*(axis.rows_high[:hull_rows] for axis in axes), cosine_most]),
+    )
+    stats: dict[str, Any] = solver.stats()
+    y = np.asarray(found["x"]).reshape(2, -1)
+    return y, int(stats["iter_count"]), bool(stats["success"])
 
 
 def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Array:
@@ -149,7 +204,7 @@ def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Arra
     return np.asarray(np.einsum("nx,jix->nij", axis_platform, table).reshape(-1, 9))
 
 
-@lru_cache(maxsize=3)  # each keeps its basis, and on rows takes 20 MB
+@lru_cache(maxsize=6)  # each keeps its basis, and on rows takes 20 MB
 def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> DetourOcp:
     """Made once per process and basis."""
     return DetourOcp(spline, cones, calm=calm, fine=fine)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
+ROUNDING = 1e-9  # of the limits' ranges
 INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
 IPOPT: dict[str, str | float | int] = {
     "print_level": 0,
@@ -225,6 +226,18 @@ class SplineOcp:
     def free_count(self) -> int:
         """How many coefficients the ends leave free."""
         return len(self._basis.free)
+
+    @property
+    def rate_rows(self) -> int:
+        """How many of the hull rows, the first ones, bound the rate."""
+        return len(self._limited[0])
+
+    def keeps_rows(self, posed: PosedAxis, y: Array) -> bool:
+        """Whether the hull of the spline with free coefficients y keeps its limits."""
+        rows = self.jacobian @ y
+        slack = ROUNDING * (posed.rows_high - posed.rows_low)
+        within = (posed.rows_low - slack <= rows) & (rows <= posed.rows_high + slack)
+        return bool(within.all())
 
     def values(self, tau: Array) -> Values:
         """The angle at tau (k,) in [0, 1) is start + scale times (free y + fixed c_fixed)."""
