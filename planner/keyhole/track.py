@@ -162,6 +162,8 @@ def _chains(
         for way in following.ways(first, windows[0].first, lead=windows[0].fixed[0])
     ]
     for number, window in enumerate(windows):
+        if not chains:
+            return []
         until = windows[number + 1].first if number + 1 < len(windows) else last
         crossing = Crossing(following, platform, window)
         chains = _carried_on(crossing, chains, following.ways(window.last, until))

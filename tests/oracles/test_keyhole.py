@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from scipy_boresight import scipy_boresight
 
 from planner.commands import CommandTable
-from planner.errors import TrackBreaksLimit
+from planner.errors import TrackBreaksLimit, Unreachable
 from planner.joining import session_rows, sight
 from planner.pipeline import make_plan
 from planner.platforms import ISS_HRC
@@ -185,6 +185,15 @@ def test_refused_unless_asked_for():
         make_plan(refusing(keyhole_scenario(*SWUNG)))
     assert refusal.value.limit == "rate"
     assert refusal.value.axis == "alpha"
+
+
+def test_a_target_beyond_the_stops_stays_unreachable():
+    """Near the outer axis the inner one must turn by some 85 deg; none leads up to the keyhole."""
+    stopped = replace(ISS_HRC.inner_limits, angle_min_rad=-0.3, angle_max_rad=0.3)
+    scenario = keyhole_scenario(45.0, 0.15, platform=replace(ISS_HRC, inner_limits=stopped))
+    with pytest.raises(Unreachable) as refusal:
+        make_plan(scenario)
+    assert (refusal.value.axis, refusal.value.limit) == ("beta", "angle")
 
 
 def test_refused_outside_the_frame_with_error_and_instant():
