@@ -43,7 +43,6 @@ ROUTES = {
         {"json": PICTURE_EXAMPLES["ahead"][1]},
     ),
 }
-BRIEF = Bounds(deadline_s=0.2, memory_mib=200)
 
 
 def hang(file, *_given):
@@ -67,17 +66,19 @@ def notes(tmp_path):
     return Notes(tmp_path / "notes")
 
 
-@pytest.fixture(params=[hang, hoard])
+@pytest.fixture(params=[(hang, 0.5, "0.5 s"), (hoard, 60.0, "200 MiB")], ids=["time", "memory"])
 def wild(request, notes):
-    """Work that goes beyond its time, or its memory."""
-    return partial(request.param, os.fsencode(notes.file))
+    """Work that goes beyond its bounds, these, and which of them the refusal names."""
+    work, deadline_s, bound = request.param
+    bounds = Bounds(deadline_s=deadline_s, memory_mib=200)
+    return partial(work, os.fsencode(notes.file)), bounds, bound
 
 
-def refused_as_documented(client, answer, path, method="post"):
+def refused_as_documented(client, answer, bound, path, method="post"):
     assert answer.status_code == 422, answer.text
     problem = answer.json()
     assert problem["type"] == "urn:slewtrack:problem:too-demanding"
-    assert "ask for less at a time" in problem["detail"]
+    assert bound in problem["detail"]
     documented = client.get("/openapi.json").json()["paths"][path][method]["responses"]["422"]
     assert answer.headers["content-type"] in documented["content"]
 
@@ -85,9 +86,10 @@ def refused_as_documented(client, answer, path, method="post"):
 @pytest.mark.parametrize("path", ROUTES)
 def test_work_beyond_its_bounds_is_refused(client, monkeypatch, notes, wild, path):
     (module, work, bounds), asked = ROUTES[path]
-    monkeypatch.setattr(module, work, wild)
-    monkeypatch.setattr(module, bounds, BRIEF)
-    refused_as_documented(client, client.post(path, **asked), path)
+    doing, within, bound = wild
+    monkeypatch.setattr(module, work, doing)
+    monkeypatch.setattr(module, bounds, within)
+    refused_as_documented(client, client.post(path, **asked), bound, path)
     assert eventually(lambda: not any(map(alive, notes.pids())))
 
 
@@ -95,11 +97,12 @@ def test_work_beyond_its_bounds_is_refused(client, monkeypatch, notes, wild, pat
 def test_a_table_beyond_its_bounds_is_refused(client, monkeypatch, wild, query):
     plan = client.post("/v1/plans", json=SHORT)
     assert plan.status_code == 201, plan.text
+    doing, within, bound = wild
     for work in ("table_json", "table_file"):
-        monkeypatch.setitem(vars(PLANS), work, wild)
-    monkeypatch.setattr(stored_plans, "EXPORT_BOUNDS", BRIEF)
+        monkeypatch.setitem(vars(PLANS), work, doing)
+    monkeypatch.setattr(stored_plans, "EXPORT_BOUNDS", within)
     answer = client.get(f"{plan.headers['location']}/table{query}")
-    refused_as_documented(client, answer, "/v1/plans/{plan_id}/table", "get")
+    refused_as_documented(client, answer, bound, "/v1/plans/{plan_id}/table", "get")
 
 
 def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):
