@@ -146,6 +146,7 @@ class _Sequence:
         self.sessions = sessions
         self._barred: dict[Pair, set[tuple[int, int]]] = {}
         self._joins: dict[tuple[Pair, int, int], Join] = {}
+        self._steps: dict[tuple[Pair, int, Resolve, int], _Step | None] = {}
 
     def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
         """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
@@ -199,6 +200,14 @@ class _Sequence:
         return min(chains, key=_cost, default=None)
 
     def _step(self, stand: _Stand, way: Way, resolve: Resolve) -> _Step | None:
+        """Worked out again only where solving has barred more since."""
+        pair = (id(stand.way), id(way))
+        known = (pair, stand.join_row, resolve, len(self._barred.get(pair, ())))
+        if known not in self._steps:
+            self._steps[known] = self._new_step(stand, way, resolve)
+        return self._steps[known]
+
+    def _new_step(self, stand: _Stand, way: Way, resolve: Resolve) -> _Step | None:
         asked = (stand.last_row, way.rows.start)
         rows = asked if self.fits(stand, way, *asked) else resolve(self, stand, way)
         if rows is None:
