@@ -48,8 +48,8 @@ def _iterations(made: Planned) -> int | None:
 
 PLAN = JobKind(
     name="plan",
-    # The most sessions that may be asked for, 200, all shortened as they are too close, took 23 s of
-    # a core and 0.3 GB; cones cost a slew up to half a second more.
+    # As SLEWTRACK_JOB_DEADLINE_S has it unless set, so that the operator decides.  The most that
+    # can be asked, 200 sessions that all shorten each other, took 23 s of a core and 0.3 GB.
     bounds=Bounds(deadline_s=300.0, memory_mib=2000),
     work=planned,
     store=_store_plan,
