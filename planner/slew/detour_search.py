@@ -59,7 +59,7 @@ class DetourSearch:
     def __init__(
         self, straight: SlewSolution, view: KeepOutView, spline: SplineOcp, share: float = 1.0
     ) -> None:
-        self._straight, self._view, self._spline = straight, view, spline
+        self._straight, self._view, self.spline = straight, view, spline
         self._problem = problem = straight.problem
         T = straight.duration_s
         self._states = list(zip(problem.start, problem.end, strict=True))
@@ -121,7 +121,7 @@ class DetourSearch:
         margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *MARGINS_RAD))
         depth_rad = SUNK_RAD
         for growth_rad in MARGIN_GROWTHS_RAD:
-            guess = self._guess(profiles, np.zeros((2, self._spline.free_count)))
+            guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
             profiles, used = self._solve(ocp, guess, margin_rad)
             iterations += used
             before_rad, depth_rad = depth_rad, entered(profiles, self._view).depth_rad
@@ -147,7 +147,7 @@ class DetourSearch:
 
     def _ocp(self, *, fine: bool) -> DetourOcp:
         calm = bool(self._problem.avoid_modes)
-        return detour_ocp(self._spline, len(self._view.cones), calm=calm, fine=fine)
+        return detour_ocp(self.spline, len(self._view.cones), calm=calm, fine=fine)
 
     def _solve(self, ocp: DetourOcp, guess: Array, margin_rad: float) -> tuple[Profiles, int]:
         margins = self._margins(ocp.tau, margin_rad)
@@ -156,7 +156,7 @@ class DetourSearch:
     def _guess(self, profiles: tuple[AxisProfile, ...], aside: Array) -> Array:
         return np.stack(
             [
-                self._spline.guess(axis, profile, off)
+                self.spline.guess(axis, profile, off)
                 for axis, profile, off in zip(self._axes, profiles, aside, strict=True)
             ]
         )

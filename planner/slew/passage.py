@@ -1,10 +1,11 @@
 """Is there any way around the cones at all, and where does one lead?
 
 Time goes in steps, and in each step an axis moves by at most one cell of its rate limit.
-Cells that lie wholly inside a cone, or beyond what acceleration and rate allow between both
-ends, are left out; what is not flooded from the start can't be reached by any motion.
+Cells that lie wholly inside a cone, or beyond what jerk, acceleration and rate allow between
+both ends, are left out; what is not flooded from the start can't be reached by any motion.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from planner.gimbal.keep_out import KeepOutView
 from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.stops import mirrored
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -38,8 +40,8 @@ class Passage:
 def passage(problem: SlewProblem, view: KeepOutView, duration_s: float) -> Passage:
     """Flood the angles from start to end, in finer cells until there is an answer.
 
-    The proof is one-sided: acceleration limits enter only through what is within reach of
-    each end by itself, so that a tight slew may be impossible without being proven so.
+    The proof is one-sided: acceleration and jerk limits enter only through what is within reach
+    of each end by itself, so that a tight slew may be impossible without being proven so.
     """
     if _caught(problem, view, duration_s):
         return Passage(impossible=True, t_s=np.empty(0), angle_rad=None)
@@ -57,13 +59,13 @@ def _flooded(
     t_s = np.linspace(0.0, duration_s, layers + 1)
     step_s = duration_s / layers
     sizes = [limits.rate_max_rad_s * step_s for limits in problem.limits]
-    middles = [
-        np.arange(limits.angle_min_rad, limits.angle_max_rad + size, size) + size / 2.0
-        for limits, size in zip(problem.limits, sizes, strict=True)
-    ]
     tubes = [
         _tube(t_s, start, end, limits)
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
+    ]
+    middles = [
+        np.arange(tube[0].min(), tube[1].max() + size, size) + size / 2.0
+        for tube, size in zip(tubes, sizes, strict=True)
     ]
     blocked = _blocked(view, t_s, middles, tubes, sizes)
     impossible = not _flood(blocked.possible, problem, middles)[-1].any()
@@ -153,21 +155,34 @@ def _blocked(
 def _tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
     """Least and greatest angle at t_s, (2, k), of any motion from start to end."""
     before, after = t_s, t_s[-1] - t_s
+    back = end.reversed()
     high = np.minimum(
-        start.angle_rad + _farthest(before, start.rate_rad_s, limits),
-        end.angle_rad + _farthest(after, -end.rate_rad_s, limits),
+        start.angle_rad + _farthest(before, start, limits),
+        end.angle_rad + _farthest(after, back, limits),
     )
     low = np.maximum(
-        start.angle_rad - _farthest(before, -start.rate_rad_s, limits),
-        end.angle_rad - _farthest(after, end.rate_rad_s, limits),
+        start.angle_rad - _farthest(before, mirrored(start), limits),
+        end.angle_rad - _farthest(after, mirrored(back), limits),
     )
     return np.stack([np.maximum(low, limits.angle_min_rad), np.minimum(high, limits.angle_max_rad)])
 
 
-def _farthest(t_s: Array, rate_rad_s: float, limits: AxisLimits) -> Array:
-    a, v = limits.acceleration_max_rad_s2, limits.rate_max_rad_s
-    gathering_s = np.minimum(t_s, (v - rate_rad_s) / a)
-    return np.asarray(gathering_s * (rate_rad_s + a * gathering_s / 2.0) + v * (t_s - gathering_s))
+def _farthest(t_s: Array, state: AxisState, limits: AxisLimits) -> Array:
+    """How far up it may come at t_s: jerk, acceleration, rate each all that the limits allow."""
+    v0, a0 = state.rate_rad_s, state.acceleration_rad_s2
+    v, a, jerk = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
+    rising_s = (a - a0) / jerk
+    risen = v0 + rising_s * (a0 + a) / 2.0
+    if risen >= v:
+        full_s = (math.sqrt(max(a0 * a0 + 2.0 * jerk * (v - v0), 0.0)) - a0) / jerk
+        rising_s = full_s
+    else:
+        full_s = rising_s + (v - risen) / a
+    t = np.minimum(t_s, rising_s)
+    gathering_s = np.clip(t_s - rising_s, 0.0, full_s - rising_s)
+    way = t * (v0 + t * (a0 / 2.0 + t * jerk / 6.0))
+    way += gathering_s * (risen + a * gathering_s / 2.0)
+    return np.asarray(way + v * np.maximum(t_s - full_s, 0.0))
 
 
 def _cell(state: tuple[AxisState, ...], middles: list[Array]) -> tuple[int, int]:

@@ -204,7 +204,7 @@ def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Arra
     return np.asarray(np.einsum("nx,jix->nij", axis_platform, table).reshape(-1, 9))
 
 
-@lru_cache(maxsize=6)  # each keeps its basis, and on rows takes 20 MB
+@lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB
 def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> DetourOcp:
     """Made once per process and basis."""
     return DetourOcp(spline, cones, calm=calm, fine=fine)
