@@ -1,6 +1,5 @@
 """When is the nearest start at which a refused session can be flown?"""
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -49,12 +48,12 @@ class _Span:
 class _Searched:
     """session: as it can be flown, None if not found.
 
-    reach_rows: how far from the start asked for all starts were gone through; infinite: as far
-    as there are any, negative: not one.
+    reach_rows: how far from the start asked for all starts were gone through; None: as far as
+    there are any, negative: not one.
     """
 
     session: Session | None = None
-    reach_rows: float = math.inf
+    reach_rows: int | None = None
 
 
 def refused_with_nearest_start(
@@ -115,7 +114,7 @@ def _sought(refused: Refused, span: _Span) -> tuple[Session | None, str]:
 
 
 def _not_found(
-    refused: Refused, span: _Span, later_reach_rows: float, moved_reach_rows: float
+    refused: Refused, span: _Span, later_reach_rows: int | None, moved_reach_rows: int | None
 ) -> str:
     wanted = refused.wanted
     first_row = refused.from_row + 1
@@ -134,12 +133,14 @@ def _not_found(
     return f"no start that can be flown was found {' and '.join(said)}"
 
 
-def _gone_through(refused: Refused, low: int, high: int, reach_rows: float) -> str:
+def _gone_through(refused: Refused, low: int, high: int, reach_rows: int | None) -> str:
     """From when to when starts were gone through, of all from row `low` to `high`."""
     wanted_row = refused.wanted.start
-    if reach_rows < 0.0:
-        return "(none was decided before the search ends, which is bounded)"
-    ends = max(low, wanted_row - reach_rows), min(high, wanted_row + reach_rows)
+    ends = low, high
+    if reach_rows is not None:
+        if reach_rows < 0:
+            return "(none was decided before the search ends, which is bounded)"
+        ends = max(low, wanted_row - reach_rows), min(high, wanted_row + reach_rows)
     texts = [utc_text(shifted_utc(refused.epoch_utc, row / ROWS_PER_S), 1) for row in ends]
     farther = ", nor looked for farther off," if ends != (low, high) else ""
     return f"from {texts[0]} to {texts[1]}{farther}"
@@ -158,7 +159,7 @@ def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _Searched:
         reach_rows = abs(row - wanted_row)
         if may:
             return _Searched(session=session, reach_rows=reach_rows)
-    return _Searched(reach_rows=reach_rows if len(candidates) == ATTEMPTS else math.inf)
+    return _Searched(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
 
 
 def _nearest_flown(trials: Trials, row: int, wanted_row: int) -> Session | None:
