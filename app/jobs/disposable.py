@@ -52,10 +52,14 @@ _BEGUN, _PROGRESS, _DONE, _REFUSED, _FAILED = range(5)
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """Most time a piece of work may take, and most memory beyond what its process starts with."""
+    """Most time a piece of work may take, and most memory beyond what its process has already.
+
+    alone: its process does nothing after, as what it reads may have taken it over.
+    """
 
     deadline_s: float
     memory_mib: int
+    alone: bool = False
 
 
 class TooDemanding(Refusal):
@@ -299,9 +303,10 @@ def _answer(task: bytes, grown_bytes: int) -> bytes:
     _bind(bounds)
     try:
         try:
-            return _packed(_DONE, work(*given), _bytes(_HELD) < grown_bytes)
+            kind, value = _DONE, work(*given)
         except Refusal as refusal:
-            return _packed(_REFUSED, refusal, _bytes(_HELD) < grown_bytes)
+            kind, value = _REFUSED, refusal
+        return _packed(kind, value, not bounds.alone and _bytes(_HELD) < grown_bytes)
     except MemoryError:
         too_much = TooDemanding(
             f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "

@@ -127,6 +127,13 @@ def test_a_child_that_grew_or_failed_does_nothing_more(work):
         assert run_disposable(BOUNDS, os.getpid) != first
 
 
+def test_a_child_that_works_alone_does_nothing_more():
+    with one_child() as first:
+        alone = Bounds(deadline_s=30.0, memory_mib=200, alone=True)
+        assert run_disposable(alone, os.getpid) == first
+        assert run_disposable(BOUNDS, os.getpid) != first
+
+
 def test_a_child_killed_while_it_waits_is_not_noticed():
     with one_child() as first:
         os.kill(first, signal.SIGKILL)
