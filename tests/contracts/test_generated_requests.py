@@ -21,6 +21,7 @@ from schemathesis.specs.openapi.checks import (
     use_after_free,
 )
 
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
 from app.api.examples import LAS_VEGAS
 from app.main import create_app
 
@@ -34,6 +35,8 @@ CHECKS = [
     unsupported_method,
     use_after_free,
 ]
+CITIES = CAMPAIGN_EXAMPLES["cities"][1]
+WORKED = {"/v1/plans": LAS_VEGAS, "/v1/campaigns": {**CITIES, "targets": CITIES["targets"][:1]}}
 BRIEF = 30
 EXAMPLES = int(os.environ.get("SLEWTRACK_EXAMPLES", BRIEF))
 BOUNDED = {
@@ -75,8 +78,8 @@ class _Sessions(document.as_state_machine()):
     """Follows ids from answers; what would plan is a worked example, since chance makes none."""
 
     def before_call(self, case):
-        if case.method == "POST" and case.path == "/v1/plans":
-            case.body = LAS_VEGAS
+        if case.method == "POST" and case.path in WORKED:
+            case.body = WORKED[case.path]
             case.media_type = "application/json"
 
     def get_call_kwargs(self, case):
@@ -90,7 +93,9 @@ class _Sessions(document.as_state_machine()):
 def test_one_after_the_other(address):
     _Sessions.address, _Sessions.seen = address, set()
     _Sessions.run(settings=settings(**STATEFUL))
-    # It really went on: a plan was made, something of it read, and one deleted.
-    assert ("POST", "/v1/plans", 201) in _Sessions.seen
+    # It really went on: a plan was made, something of it read, and one deleted; a campaign begun,
+    # and found again.
+    assert {("POST", "/v1/plans", 201), ("POST", "/v1/campaigns", 202)} <= _Sessions.seen
+    assert "/v1/campaigns/{plan_id}" in {path for _, path, code in _Sessions.seen if code < 300}
     met = {(method, status) for method, path, status in _Sessions.seen if "{plan_id}" in path}
     assert {("GET", 200), ("DELETE", 204)} <= met
