@@ -74,6 +74,10 @@ class DetourSearch:
             for ends, limit in zip(self._states, limits, strict=True)
         ]
         self._axes = (posed[0], posed[1])
+        angle = np.array(
+            [[axis.angle_rad for axis in side] for side in (problem.start, problem.end)]
+        )
+        self._gap_rad = -view.depths_rad(np.array([0.0, T]), angle) / 2.0
 
     def near(self, asides: tuple[Array, ...]) -> list[Detour]:
         """The best of those that guesses lead to, and what else was refined, not in order.
@@ -163,13 +167,8 @@ class DetourSearch:
 
     def _margins(self, tau: Array, margin_rad: float) -> Array:
         """Beside each cone at each instant, less near an end that is nearer to the cone itself."""
-        problem, T = self._problem, self._straight.duration_s
-        angle = np.array(
-            [[axis.angle_rad for axis in side] for side in (problem.start, problem.end)]
-        )
-        gap = -self._view.depths_rad(np.array([0.0, T]), angle) / 2.0
-        rising = gap[:, :1] + margin_rad / MARGIN_RISE * tau
-        falling = gap[:, 1:] + margin_rad / MARGIN_RISE * (1.0 - tau)
+        rising = self._gap_rad[:, :1] + margin_rad / MARGIN_RISE * tau
+        falling = self._gap_rad[:, 1:] + margin_rad / MARGIN_RISE * (1.0 - tau)
         return np.minimum(margin_rad, np.minimum(rising, falling))
 
 

@@ -12,6 +12,7 @@ from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile, chained
 
 LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; any slew of an hour can rest on its way
+SLOW_UNIT_S = 100.0  # for axes that need longer than Ruckig can count in seconds
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
 _SUCCESS = (ruckig.Result.Working, ruckig.Result.Finished)
 
@@ -28,21 +29,36 @@ def quickest_profile(
     """
     if at_least_s > LONGEST_S:
         return _resting_profile(start, end, limits, at_least_s)
+    try:
+        return _by_ruckig(start, end, limits, at_least_s, 1.0)
+    except ValueError:  # how its binding says "over 7600 s", a result that it has no name for
+        return _by_ruckig(start, end, limits, at_least_s, SLOW_UNIT_S)
+
+
+def _by_ruckig(
+    start: AxisState, end: AxisState, limits: AxisLimits, at_least_s: float, unit_s: float
+) -> AxisProfile | None:
+    """unit_s: what Ruckig takes for a second."""
     request = ruckig.InputParameter(1)
     rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
     # Scaled so that Ruckig's absolute tolerances (1e-8) mean the same for every platform.
-    scale = 1.0 / acceleration_max
+    angle = 1.0 / (acceleration_max * unit_s**2)
+    rate, acceleration, jerk = angle * unit_s, 1.0 / acceleration_max, angle * unit_s**3
     request.current_position = [0.0]
-    request.current_velocity = [_clipped(start.rate_rad_s, rate_max) * scale]
-    request.current_acceleration = [_clipped(start.acceleration_rad_s2, acceleration_max) * scale]
-    request.target_position = [(end.angle_rad - start.angle_rad) * scale]
-    request.target_velocity = [_clipped(end.rate_rad_s, rate_max) * scale]
-    request.target_acceleration = [_clipped(end.acceleration_rad_s2, acceleration_max) * scale]
-    request.max_velocity = [rate_max * scale]
+    request.current_velocity = [_clipped(start.rate_rad_s, rate_max) * rate]
+    request.current_acceleration = [
+        _clipped(start.acceleration_rad_s2, acceleration_max) * acceleration
+    ]
+    request.target_position = [(end.angle_rad - start.angle_rad) * angle]
+    request.target_velocity = [_clipped(end.rate_rad_s, rate_max) * rate]
+    request.target_acceleration = [
+        _clipped(end.acceleration_rad_s2, acceleration_max) * acceleration
+    ]
+    request.max_velocity = [rate_max * rate]
     request.max_acceleration = [1.0]
-    request.max_jerk = [limits.jerk_max_rad_s3 * scale]
+    request.max_jerk = [limits.jerk_max_rad_s3 * jerk]
     if at_least_s > 0.0:
-        request.minimum_duration = at_least_s
+        request.minimum_duration = at_least_s / unit_s
     trajectory = ruckig.Trajectory(1)
     try:
         if ruckig.Ruckig(1).calculate(request, trajectory) not in _SUCCESS:
@@ -55,7 +71,7 @@ def quickest_profile(
         *zip(found.t, found.j, strict=True),
         *zip(found.accel.t, found.accel.j, strict=True),
     ]
-    return profile_from_jerk(start, [(t, j / scale) for t, j in phases if t > 0.0])
+    return profile_from_jerk(start, [(t * unit_s, j / jerk) for t, j in phases if t > 0.0])
 
 
 def _resting_profile(

@@ -192,6 +192,12 @@ def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Arra
 
     Source: Rodrigues' formula, applied for the inner and the outer axis.
     """
+    return np.asarray(np.einsum("nx,jix->nij", axis_platform, _carried(platform)).reshape(-1, 9))
+
+
+@lru_cache(maxsize=8)
+def _carried(platform: TwoAxisPlatform) -> Array:
+    """(3, 3, 3): vectors [j, i, xyz] of the boresight beside the (j, i) parts of the angles."""
     outer, inner = platform.axes_platform
     zero = np.array(platform.zero_direction_platform)
     zero = zero / np.linalg.norm(zero)
@@ -200,8 +206,7 @@ def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Arra
         along = (axis @ vector) * axis
         return [along, vector - along, np.cross(axis, vector)]
 
-    table = np.array([parts(outer, carried) for carried in parts(inner, zero)])  # [j, i, xyz]
-    return np.asarray(np.einsum("nx,jix->nij", axis_platform, table).reshape(-1, 9))
+    return np.array([parts(outer, carried) for carried in parts(inner, zero)])
 
 
 @lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB
