@@ -297,8 +297,11 @@ def worker(
 ) -> None:
     """Solve for services that are set to the same Dask scheduler."""
     with one_line_for_what_goes_wrong():
-        from app.jobs.dask_worker import work_for
+        from app.jobs.dask_address import check_scheduler
         from app.settings import Settings
+
+        check_scheduler(scheduler, "worker", "--scheduler")
+        from app.jobs.dask_worker import work_for
 
         work_for(scheduler, solves or Settings().workers)
 

@@ -4,6 +4,7 @@ import sys
 
 import uvicorn
 
+from app.jobs.dask_address import check_scheduler
 from app.main import create_app
 from app.observability.logs import configure_logs
 from app.security.access import is_loopback
@@ -18,7 +19,12 @@ _GRACE_S = 10  # for requests at work when the service is told to stop
 
 
 def serve_on(host: str, port: int, settings: Settings) -> None:
-    """Until it is told to stop; raises Refusal where others could reach it without a key."""
+    """Until it is told to stop; raises Refusal where others could reach it without a key.
+
+    And where a Dask scheduler is set that can't be asked.
+    """
+    if settings.dask_scheduler:
+        check_scheduler(settings.dask_scheduler, "client", "SLEWTRACK_DASK_SCHEDULER")
     if not is_loopback(host):
         settings = settings.model_copy(update={"require_keys": True})
         _require_a_key(host, settings)

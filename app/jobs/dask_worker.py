@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from distributed import Worker, get_worker
+from distributed.comm.addressing import get_local_address_for
 
 from app.jobs.disposable import (
     ChildDied,
@@ -91,7 +92,9 @@ async def _until_lost(scheduler: str, solves: int, told_to_end: asyncio.Event) -
         nthreads=solves,
         resources={SLOT: solves},
         memory_limit=0,  # each child has its own
+        host=get_local_address_for(scheduler),  # only on the cluster's network
         dashboard=False,
+        dashboard_address="127.0.0.1:0",  # its metrics are plain HTTP for all, even with TLS
     )
     async with worker:
         log.info("at work", scheduler=scheduler, solves=solves, version=VERSION)

@@ -9,13 +9,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from dask import config
 from distributed import Client
 from job_cases import KINDS, alive, eventually
 
+from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import DaskExecutor
 from app.jobs.dask_worker import SLOT
 from app.jobs.disposable import Bounds, ChildDied, ChildFailed, Stop, Stopped, TooDemanding
 from app.jobs.executors import Task
+from planner.errors import InvalidInput
 
 BIN = Path(sys.executable).parent
 HERE = Path(__file__).parent
@@ -123,3 +126,26 @@ def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_wor
         assert future.result(WITHIN_S).state == "done"
     assert not alive(pid)
     assert len(pids(tmp_path / "notes")) == 2
+
+
+TLS = "distributed.comm.tls."
+
+
+@pytest.mark.parametrize("address", ["", "nonsense", "10.0.0.1:8786", "tcp://:8786", "tcp://a:x"])
+def test_what_is_no_address_is_refused(address):
+    with pytest.raises(InvalidInput, match="tcp://HOST:PORT") as refused:
+        check_scheduler(address, "client", "--scheduler")
+    assert refused.value.field == "--scheduler"
+
+
+def test_connections_without_the_certificates_they_need_are_refused(tmp_path):
+    check_scheduler("tcp://10.0.0.1:8786", "worker", "--scheduler")
+    with pytest.raises(InvalidInput, match="WORKER__CERT"):
+        check_scheduler("tls://10.0.0.1:8786", "worker", "--scheduler")
+    missing = str(tmp_path / "missing.pem")
+    files = {TLS + "ca-file": missing, TLS + "client.cert": missing, TLS + "client.key": missing}
+    with config.set(files), pytest.raises(InvalidInput, match=r"missing\.pem"):
+        check_scheduler("tls://10.0.0.1:8786", "client", "--scheduler")
+    required = config.set({"distributed.comm.require-encryption": True})
+    with required, pytest.raises(InvalidInput, match="tls://10"):
+        check_scheduler("tcp://10.0.0.1:8786", "client", "--scheduler")
