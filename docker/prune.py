@@ -3,8 +3,8 @@
     python prune.py SITE_PACKAGES
 
 Removes CasADi's other solvers and the copies of its libraries under their other names (a
-wheel knows no links), the packages' own tests, headers and static libraries.  Prints what
-each step saved.  The Dockerfile plans every kind of session afterwards.
+wheel knows no links), the packages' own tests, headers and static libraries, and data that
+nothing reads.  Prints what each step saved.  The Dockerfile runs try_out.sh afterwards.
 """
 
 import shutil
@@ -24,16 +24,18 @@ for line in open("/proc/self/maps"):
     if "/casadi/" in line:
         print(line.split()[-1])
 """
-_TESTS_OF = ("numpy", "scipy", "numba", "dask", "distributed", "llvmlite")
-_DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.pxd", "*.lib")
+_TESTS = ("tests", "tornado/test", "sqlalchemy/testing", "alembic/testing")
+_DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.px?", "*.pyx", "*.lib")
+_DATA = ("skyfield_data/data/finals2000A.all",)  # Earth orientation is astropy_iers_data's
 
 
 def main(site: Path) -> None:
     """Prune in place."""
     steps = {
         "CasADi's other solvers": _unmapped(site / "casadi"),
-        "tests": _tests(site),
-        "headers, stubs and static libraries": _development(site),
+        "tests": _found(site, _TESTS),
+        "headers, sources, stubs and static libraries": _found(site, _DEVELOPMENT),
+        "data": _found(site, _DATA),
     }
     for name, victims in steps.items():
         print(f"{name}: {_removed(victims) / 1e6:.0f} MB")
@@ -51,13 +53,8 @@ def _unmapped(casadi: Path) -> Iterator[Path]:
             yield path
 
 
-def _tests(site: Path) -> Iterator[Path]:
-    for package in _TESTS_OF:
-        yield from (site / package).rglob("tests")
-
-
-def _development(site: Path) -> Iterator[Path]:
-    for pattern in _DEVELOPMENT:
+def _found(site: Path, patterns: tuple[str, ...]) -> Iterator[Path]:
+    for pattern in patterns:
         yield from site.rglob(pattern)
 
 

@@ -8,3 +8,26 @@ slewtrack windows examples/opportunities_sky.json
 slewtrack campaign examples/campaign_cities.json
 slewtrack horizon examples/horizon_estimate.json examples/horizon_ahead.png examples/horizon_right.png
 slewtrack spacecraft examples/spacecraft_four_modes.json
+
+# The service, a scheduler and a worker: one plan by HTTP.
+scheduler=tcp://127.0.0.1:18786
+dask scheduler --no-dashboard --dashboard-address 127.0.0.1:0 --host 127.0.0.1 --port 18786 &
+slewtrack worker --scheduler $scheduler --solves 1 &
+SLEWTRACK_DATA_DIR=/tmp/served SLEWTRACK_DASK_SCHEDULER=$scheduler slewtrack serve --port 18000 &
+trap 'kill $(jobs -p)' EXIT
+python3 - examples/las_vegas_2015.json <<'ASK'
+import sys, time
+from pathlib import Path
+from urllib.request import Request, urlopen
+
+body = Path(sys.argv[1]).read_bytes()
+plan = Request("http://127.0.0.1:18000/v1/plans", body, {"Content-Type": "application/json"})
+for _ in range(60):
+    try:
+        urlopen("http://127.0.0.1:18000/readyz")
+        break
+    except OSError:
+        time.sleep(1)
+with urlopen(plan, timeout=300) as answer:
+    print(answer.status, len(answer.read()), "bytes over HTTP, solved by a worker")
+ASK
