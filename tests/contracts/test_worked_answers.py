@@ -17,8 +17,20 @@ OF_THE_RUN = re.compile(
 )
 # Durations, versions, when a flat curve is at its extreme, a file's bytes, what is measured, and
 # how much is said of what goes on.
-BY_CHANCE = {"wall_s", "solve_s", "stages_wall_s", "versions", "t_s", "at", "max_at", "image_png"}
-BY_CHANCE |= {"/readyz", "/metrics", "text/event-stream"}
+BY_CHANCE = {
+    "wall_s",
+    "solve_s",
+    "stages_wall_s",
+    "version",
+    "versions",
+    "t_s",
+    "at",
+    "max_at",
+    "image_png",
+    "/readyz",
+    "/metrics",
+    "text/event-stream",
+}
 NUMBER = re.compile(r"[-+]?\d+\.\d+(?:[eE][-+]?\d+)?")
 
 
