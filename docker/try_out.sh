@@ -12,9 +12,12 @@ slewtrack spacecraft examples/spacecraft_four_modes.json
 # The service, a scheduler and a worker: one plan by HTTP.
 scheduler=tcp://127.0.0.1:18786
 dask scheduler --no-dashboard --dashboard-address 127.0.0.1:0 --host 127.0.0.1 --port 18786 &
+background=$!
 slewtrack worker --scheduler $scheduler --solves 1 &
+background="$background $!"
 SLEWTRACK_DATA_DIR=/tmp/served SLEWTRACK_DASK_SCHEDULER=$scheduler slewtrack serve --port 18000 &
-trap 'kill $(jobs -p)' EXIT
+background="$background $!"
+trap 'kill $background; wait' EXIT
 python3 - examples/las_vegas_2015.json <<'ASK'
 import sys, time
 from pathlib import Path
