@@ -11,9 +11,10 @@ from planner.errors import InfeasibleSlew
 from planner.gimbal.keep_out import KeepOutView
 from planner.slew.backends.ipopt import graded_ocp
 from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.detour_ends import free_part, whole
 from planner.slew.detour_search import TOUCH_RAD, Detour, DetourSearch, entered
 from planner.slew.grid import on_all_rows, rows_in
-from planner.slew.passage import passage
+from planner.slew.passage import Passage, passage
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
 
@@ -47,7 +48,7 @@ def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
     if entry.depth_rad <= -TOUCH_RAD:
         return solution
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
-    found = _around(solution, problem.keep_out, thorough=thorough)
+    found = _between_ends(solution, problem.keep_out, thorough=thorough)
     if found is None:
         raise InfeasibleSlew(
             f"the straight slew enters the cone about {entry.about} by "
@@ -78,7 +79,43 @@ def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: f
             )
 
 
-def _around(straight: SlewSolution, view: KeepOutView, *, thorough: bool) -> Detour | None:
+def _between_ends(straight: SlewSolution, view: KeepOutView, *, thorough: bool) -> Detour | None:
+    """Around the cones, after and before what the ends must brake."""
+    part = free_part(straight, view)
+    if part is None:
+        return _around(straight, view, thorough=thorough)
+    free, shifted, begins_s = part
+    _way(straight, view)
+    depths = shifted.depths_rad(
+        np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
+    )
+    if depths.max() >= 0.0:
+        return _around(straight, view, thorough=thorough)
+    found = _around(free, shifted, thorough=thorough, is_whole=False)
+    if found is None:
+        return None
+    profiles = whole(straight, begins_s, found.profiles)
+    if entered(profiles, view).depth_rad > -TOUCH_RAD:
+        return _around(straight, view, thorough=thorough)
+    return found._replace(profiles=profiles)
+
+
+def _way(straight: SlewSolution, view: KeepOutView) -> Passage:
+    """A rough way around, if one is found.  Raises InfeasibleSlew where there is none."""
+    way = passage(straight.problem, view, straight.duration_s)
+    if way.impossible:
+        raise InfeasibleSlew(
+            f"no motion within the limits leads around {_blocking(straight, view)} in "
+            f"{straight.duration_s:.1f} s; give the slew more time, the cone a smaller half "
+            "angle, or choose other times",
+            limit="keep_out",
+        )
+    return way
+
+
+def _around(
+    straight: SlewSolution, view: KeepOutView, *, thorough: bool, is_whole: bool = True
+) -> Detour | None:
     """Both sides first; where neither leads on, the way that flooding the angles finds.
 
     Where that is dear or fails too, guesses that wander.
@@ -88,14 +125,11 @@ def _around(straight: SlewSolution, view: KeepOutView, *, thorough: bool) -> Det
     found = search.near(_both_sides(view, straight, spline))
     sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
     if sides_fail:
-        way = passage(straight.problem, view, straight.duration_s)
-        if way.impossible:
-            raise InfeasibleSlew(
-                f"no motion within the limits leads around {_blocking(straight, view)} in "
-                f"{straight.duration_s:.1f} s; give the slew more time, the cone a smaller half "
-                "angle, or choose other times",
-                limit="keep_out",
-            )
+        # Of a part of a slew nothing is proven: another motion at its ends may be possible.
+        if is_whole:
+            way = _way(straight, view)
+        else:
+            way = passage(straight.problem, view, straight.duration_s)
         if way.angle_rad is not None:
             found += _along(straight, view, search, way.t_s, way.angle_rad)
     best = min(found, key=lambda one: one.cost)

@@ -59,17 +59,18 @@ def hermite(solution):
     return t_s, np.vstack([parts, angle[-1:]]), angle, rate
 
 
-def draw_cases(seed, count):
+def draw_cases(seed, count, starting=None):
+    """starting: (rate, acceleration) of the outer axis at the start, in place of a random rate."""
     rng = np.random.default_rng(seed)
     drawn = 0
     while drawn < count:
-        case = _drawn(rng)
+        case = _drawn(rng, starting)
         if case is not None:
             drawn += 1
             yield case
 
 
-def _drawn(rng):
+def _drawn(rng, starting):
     def state():
         return AxisState(
             angle_rad=math.radians(rng.uniform(-170.0, 170.0)),
@@ -77,6 +78,10 @@ def _drawn(rng):
         )
 
     start, end = (state(), state()), (state(), state())
+    if starting is not None:
+        rate, acceleration = starting
+        outer = replace(start[0], rate_rad_s=rate, acceleration_rad_s2=acceleration)
+        start = (outer, start[1])
     least_s = [next_duration_s(a, b, LIMITS, 0.0) for a, b in zip(start, end, strict=True)]
     if None in least_s:
         return None

@@ -12,6 +12,7 @@ from planner.gimbal.keep_out import KeepOutView, MovingCone
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
 from planner.slew import BACKENDS, AxisState, SlewProblem, cleared, flown
+from planner.slew.solution import obeys
 
 CASES = list(draw_cases(21, 12))
 IMPOSSIBLE = {7}  # of them: cone and stops leave no gap
@@ -43,6 +44,27 @@ def test_detour_keeps_out_of_the_cone_and_within_the_limits(number):
             wanted = [getattr(axis, state) for axis in side]
             np.testing.assert_allclose(values[row], wanted, rtol=0, atol=1e-8)  # 2 mas
     assert solution.jerk_squared_integral >= case.straight.jerk_squared_integral
+
+
+def test_starts_whose_rate_all_but_passes_its_limit_are_led_around():
+    """Acceleration taken back as fast as jerk may brings the rate to its limit exactly."""
+    acceleration = 0.8 * LIMITS.acceleration_max_rad_s2
+    rate = LIMITS.rate_max_rad_s - acceleration**2 / (2.0 * LIMITS.jerk_max_rad_s3)
+    refused = []
+    for case in draw_cases(31, 6, (rate, acceleration)):
+        try:
+            solution = cleared(case.straight)
+        except InfeasibleSlew as refusal:
+            refused.append(refusal.detail)
+            continue
+        t_s, angle, _, rates = hermite(solution)
+        assert away_rad(case, t_s, angle).min() >= case.half_angle_rad
+        for axis, profile in enumerate(solution.profiles):
+            ends = (case.problem.start[axis], case.problem.end[axis])
+            assert obeys(profile, *ends, case.problem.limits[axis])
+        assert np.abs(rates).max() <= LIMITS.rate_max_rad_s * ROUNDING
+    assert all("no motion within the limits" in detail for detail in refused)
+    assert len(refused) == 2
 
 
 def rest_to_rest(beta_from_deg, beta_to_deg, half_angle_deg, duration_s=120.0):
