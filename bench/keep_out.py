@@ -44,7 +44,7 @@ def best_of_restarts(case: Case, count: int, number: int) -> float:
         )
         search = DetourSearch(case.straight, case.problem.keep_out, spline)
         costs += [found.cost for found in search.near((waves,))]
-    return min(costs)
+    return min(costs, default=np.inf)
 
 
 def flown_within(case: Case, solution: SlewSolution) -> tuple[float, float]:
@@ -90,9 +90,8 @@ class Tally:
         outside, share = flown_within(case, solution)
         self.outside_rad.append(outside)
         self.shares.append(share)
-        self.ratios.append(
-            solution.jerk_squared_integral / best_of_restarts(case, restarts, number)
-        )
+        best = best_of_restarts(case, restarts, number)
+        self.ratios.append(solution.jerk_squared_integral / best)
         if self.ratios[-1] > WITHIN:
             print(f"  slew {number}: cost {self.ratios[-1]:.4f} of the best restart's", flush=True)
 
