@@ -291,16 +291,17 @@ def _do_all(line: Connection) -> None:
     grown_bytes = _bytes(_HELD) + _GROWN_BYTES
     while True:
         try:
-            task = line.recv_bytes()
+            bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
         except EOFError:
             return
         line.send_bytes(_packed(_BEGUN, None))
-        line.send_bytes(_answer(task, grown_bytes))
+        _bind(bounds)
+        line.send_bytes(_answer(bounds, work, given, grown_bytes))
 
 
-def _answer(task: bytes, grown_bytes: int) -> bytes:
-    bounds, work, given = pickle.loads(task)  # noqa: S301 (our own service's)
-    _bind(bounds)
+def _answer(
+    bounds: Bounds, work: Callable[..., object], given: tuple[object, ...], grown_bytes: int
+) -> bytes:
     try:
         try:
             kind, value = _DONE, work(*given)
