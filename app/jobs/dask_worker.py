@@ -1,6 +1,7 @@
 """What does a machine of the cluster do with a task?  The same as the service: a child each."""
 
 import asyncio
+import contextlib
 import signal
 from dataclasses import asdict
 from typing import Any
@@ -74,19 +75,23 @@ def work_for(scheduler: str, solves: int) -> None:
 
 
 async def _work_for(scheduler: str, solves: int) -> None:
-    told_to_end = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        loop.add_signal_handler(number, told_to_end.set)
-    while not told_to_end.is_set():
+    working = asyncio.create_task(_again_and_again(scheduler, solves))
+    for number in (signal.SIGTERM, signal.SIGINT):  # also while it waits for the scheduler
+        asyncio.get_running_loop().add_signal_handler(number, working.cancel)
+    with contextlib.suppress(asyncio.CancelledError):
+        await working
+
+
+async def _again_and_again(scheduler: str, solves: int) -> None:
+    while True:
         try:
-            await _until_lost(scheduler, solves, told_to_end)
+            await _until_lost(scheduler, solves)
         except (OSError, TimeoutError) as error:
             log.warning("the scheduler doesn't answer", scheduler=scheduler, error=repr(error))
             await asyncio.sleep(_PAUSE_S)
 
 
-async def _until_lost(scheduler: str, solves: int, told_to_end: asyncio.Event) -> None:
+async def _until_lost(scheduler: str, solves: int) -> None:
     worker = Worker(
         scheduler,
         nthreads=solves,
@@ -98,8 +103,4 @@ async def _until_lost(scheduler: str, solves: int, told_to_end: asyncio.Event) -
     )
     async with worker:
         log.info("at work", scheduler=scheduler, solves=solves, version=VERSION)
-        lost = asyncio.create_task(worker.finished())
-        ended = asyncio.create_task(told_to_end.wait())
-        await asyncio.wait((lost, ended), return_when=asyncio.FIRST_COMPLETED)
-        lost.cancel()
-        ended.cancel()
+        await worker.finished()

@@ -26,10 +26,10 @@ WITHIN_S = 200.0  # a loaded machine takes long to start a worker
 
 
 @contextmanager
-def running(*command):
+def running(*command, stderr=subprocess.DEVNULL):
     environment = os.environ | {"PYTHONPATH": str(HERE), "OMP_NUM_THREADS": "1"}
     process = subprocess.Popen(
-        [str(BIN / command[0]), *command[1:]], env=environment, stderr=subprocess.DEVNULL
+        [str(BIN / command[0]), *command[1:]], env=environment, stderr=stderr
     )
     try:
         yield process
@@ -126,6 +126,16 @@ def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_wor
         assert future.result(WITHIN_S).state == "done"
     assert not alive(pid)
     assert len(pids(tmp_path / "notes")) == 2
+
+
+def test_worker_that_waits_for_its_scheduler_ends_when_told():
+    nobody = ("--scheduler", "tcp://127.0.0.1:1", "--solves", "1")
+    with running("slewtrack", "worker", *nobody, stderr=subprocess.PIPE) as process:
+        while b"Local Directory" not in (line := process.stderr.readline()):
+            assert line, "it ended by itself"
+        process.terminate()
+        assert process.wait(WITHIN_S) == 0
+        process.stderr.close()
 
 
 TLS = "distributed.comm.tls."
