@@ -21,7 +21,7 @@ from app.api.campaign_response import (
 )
 from app.api.job_routes import PREFER, accepted, add_delete, add_events, job_of, listed, no_such
 from app.api.negotiation import JSON, accepts_json, json_body
-from app.api.plan_queries import ListQuery, PlanId, idempotency_key
+from app.api.plan_queries import ListQuery, PathId, idempotency_key
 from app.api.reading import read
 from app.api.waiting import patience, wait_for_end
 from app.errors import problem_answer
@@ -109,15 +109,15 @@ async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) 
 
 
 @router.get(
-    "/{plan_id}",
+    "/{id}",
     summary="A campaign as far as it is",
     response_model=CampaignResponse,
     responses={404: no_such(RESOURCE)},
     dependencies=[Depends(accepts_json)],
 )
-async def get_campaign(request: Request, plan_id: PlanId) -> Response:
+async def get_campaign(request: Request, campaign_id: PathId) -> Response:
     """What was chosen and how far from the best that can be; each pass with its plan's state."""
-    _, told = await _found(request, plan_id)
+    _, told = await _found(request, campaign_id)
     return Response(told, media_type=JSON, headers={"Cache-Control": "no-cache"})
 
 

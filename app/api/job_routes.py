@@ -13,7 +13,7 @@ from sqlalchemy import Connection
 from app.api.event_stream import EVENT_STREAM, last_seq, told
 from app.api.job_response import JobResponse, ListedJobs, job_json, listed_jobs
 from app.api.negotiation import JSON, accepts_json, preferred
-from app.api.plan_queries import ListQuery, PlanId, last_event_id
+from app.api.plan_queries import ListQuery, PathId, last_event_id
 from app.api.reading import read
 from app.api.waiting import wait_for_end
 from app.jobs.dispatcher import Dispatcher
@@ -122,22 +122,22 @@ async def listed(
 def add_delete(router: APIRouter, resource: JobResource) -> None:
     """DELETE one of them: cancel or forget."""
 
-    async def delete(request: Request, plan_id: PlanId) -> Response:
+    async def delete(request: Request, job_id: PathId) -> Response:
         """Work that runs is killed; its processor is free within a second."""
-        job = await find_job(request, resource, plan_id)
+        job = await find_job(request, resource, job_id)
         key_id = getattr(request.state, "key_id", None)
         if not job.is_open:
             await anyio.to_thread.run_sync(_remove, request, job, key_id)
             return Response(status_code=HTTPStatus.NO_CONTENT)
         dispatcher: Dispatcher = request.app.state.dispatcher
-        await anyio.to_thread.run_sync(dispatcher.cancel, plan_id, key_id)
-        await wait_for_end(request, plan_id, CANCEL_WAIT_S)
-        job = await find_job(request, resource, plan_id)
+        await anyio.to_thread.run_sync(dispatcher.cancel, job_id, key_id)
+        await wait_for_end(request, job_id, CANCEL_WAIT_S)
+        job = await find_job(request, resource, job_id)
         status = HTTPStatus.ACCEPTED if job.is_open else HTTPStatus.OK
         return Response(job_json(job), status, media_type=JSON)
 
     router.delete(
-        "/{plan_id}",
+        "/{id}",
         summary=f"Cancel a {resource.singular}, or delete one that is finished",
         response_model=JobResponse,
         responses={
@@ -162,7 +162,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
     """GET what happens to one of them."""
 
     @router.get(
-        "/{plan_id}/events",
+        "/{id}/events",
         summary=f"What happens to a {resource.singular}, as it happens",
         response_class=StreamingResponse,
         responses={
@@ -175,15 +175,15 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
         },
     )
     async def get_events(
-        request: Request, plan_id: PlanId, seq: Annotated[int, Depends(last_event_id)]
+        request: Request, job_id: PathId, seq: Annotated[int, Depends(last_event_id)]
     ) -> Response:
         """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done` and `of`."""
         preferred(request, (EVENT_STREAM,))
-        job = await find_job(request, resource, plan_id)
-        if not job.is_open and seq >= await last_seq(request, plan_id):
+        job = await find_job(request, resource, job_id)
+        if not job.is_open and seq >= await last_seq(request, job_id):
             return Response(status_code=HTTPStatus.NO_CONTENT)
         return StreamingResponse(
-            told(request, plan_id, seq),
+            told(request, job_id, seq),
             media_type=EVENT_STREAM,
             headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
         )

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import Header
+from fastapi import Header, Path
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 
 from app.api.plan_resource import PlanResource
@@ -21,6 +21,7 @@ def _id(text: str) -> str:
 
 
 PlanId = Annotated[str, AfterValidator(_id)]
+PathId = Annotated[PlanId, Path(alias="id")]
 
 
 class ListQuery(BaseModel):

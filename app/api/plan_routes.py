@@ -17,7 +17,7 @@ from app.api.job_routes import PREFER, accepted, add_delete, add_events, listed,
 from app.api.negotiation import JSON, accepts_json, is_known_already, json_body, preferred
 from app.api.plan_queries import (
     ListQuery,
-    PlanId,
+    PathId,
     PlanListQuery,
     PostQuery,
     TableQuery,
@@ -196,13 +196,13 @@ def _add_list(router: APIRouter, resource: PlanResource) -> None:
 
 def _add_one(router: APIRouter, resource: PlanResource) -> None:
     @router.get(
-        "/{plan_id}",
+        "/{id}",
         summary="A plan, or where the work on it stands",
         response_model=resource.response | JobResponse,
         responses={304: _UNCHANGED, 404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
     )
-    async def get_plan(request: Request, plan_id: PlanId) -> Response:
+    async def get_plan(request: Request, plan_id: PathId) -> Response:
         """The answer to its POST once it is made; it never changes after that."""
         found = await find(request, resource, plan_id)
         if found.plan is not None:
@@ -229,7 +229,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
     query_model = with_formats(TableQuery, resource)
 
     async def get_table(
-        request: Request, plan_id: PlanId, query: Annotated[TableQuery, Query()]
+        request: Request, plan_id: PathId, query: Annotated[TableQuery, Query()]
     ) -> Response:
         """In the format `format` names or the Accept header asks for."""
         form = _form(request, resource, query)
@@ -243,7 +243,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
 
     get_table.__annotations__["query"] = Annotated[query_model, Query()]
     router.get(
-        "/{plan_id}/table",
+        "/{id}/table",
         summary="The table of a plan by itself",
         response_class=Response,
         responses={

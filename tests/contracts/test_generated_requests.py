@@ -96,6 +96,6 @@ def test_one_after_the_other(address):
     # It really went on: a plan was made, something of it read, and one deleted; a campaign begun,
     # and found again.
     assert {("POST", "/v1/plans", 201), ("POST", "/v1/campaigns", 202)} <= _Sessions.seen
-    assert "/v1/campaigns/{plan_id}" in {path for _, path, code in _Sessions.seen if code < 300}
-    met = {(method, status) for method, path, status in _Sessions.seen if "{plan_id}" in path}
+    assert "/v1/campaigns/{id}" in {path for _, path, code in _Sessions.seen if code < 300}
+    met = {(method, status) for method, path, status in _Sessions.seen if "{id}" in path}
     assert {("GET", 200), ("DELETE", 204)} <= met

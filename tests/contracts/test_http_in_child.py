@@ -102,7 +102,7 @@ def test_a_table_beyond_its_bounds_is_refused(client, monkeypatch, wild, query):
         monkeypatch.setitem(vars(PLANS), work, doing)
     monkeypatch.setattr(stored_plans, "EXPORT_BOUNDS", within)
     answer = client.get(f"{plan.headers['location']}/table{query}")
-    refused_as_documented(client, answer, bound, "/v1/plans/{plan_id}/table", "get")
+    refused_as_documented(client, answer, bound, "/v1/plans/{id}/table", "get")
 
 
 def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):

@@ -57,11 +57,11 @@ class Answers:
     shown: dict[str, Any] = field(default_factory=dict)
 
     def ask(
-        self, method: str, path: str, name: str = "answer", plan_id: str = "", **given: Any
+        self, method: str, path: str, name: str = "answer", made_id: str = "", **given: Any
     ) -> httpx.Response:
         """Ask and keep what is answered, unless it isn't text."""
         query = given.pop("query", "")
-        answer = self.client.request(method, path.format(plan_id=plan_id) + query, **given)
+        answer = self.client.request(method, path.format(id=made_id) + query, **given)
         assert answer.is_success, answer.text
         media_type = answer.headers["content-type"].split(";")[0]
         if media_type not in WITHOUT_TEXT:
@@ -126,13 +126,13 @@ def _made(answers: Answers, path: str) -> None:
     for name in formats:
         answers.ask("POST", path, name=name, query=f"?format={name}", **given)
     answers.ask("GET", path)
-    answers.ask("GET", f"{path}/{{plan_id}}", plan_id=made_id)
-    answers.ask("GET", f"{path}/{{plan_id}}/events", plan_id=made_id)
+    answers.ask("GET", f"{path}/{{id}}", made_id=made_id)
+    answers.ask("GET", f"{path}/{{id}}/events", made_id=made_id)
     if formats:
-        answers.ask("GET", f"{path}/{{plan_id}}/table", plan_id=made_id)
+        answers.ask("GET", f"{path}/{{id}}/table", made_id=made_id)
     for name in formats:
-        table = f"{path}/{{plan_id}}/table"
-        answers.ask("GET", table, name=name, plan_id=made_id, query=f"?format={name}")
+        table = f"{path}/{{id}}/table"
+        answers.ask("GET", table, name=name, made_id=made_id, query=f"?format={name}")
 
 
 def _asked_at_once(answers: Answers) -> None:
@@ -150,10 +150,10 @@ def _asked_at_once(answers: Answers) -> None:
 
 def _under_way(answers: Answers, path: str) -> None:
     kind, request, _ = KEPT[path]
-    one = f"{path}/{{plan_id}}"
+    one = f"{path}/{{id}}"
     later = {"Prefer": "respond-async"}
     running_id = answers.ask("POST", path, json=request, headers=later).json()["id"]
-    answers.ask("DELETE", one, plan_id=running_id)
+    answers.ask("DELETE", one, made_id=running_id)
     answers.client.delete(f"{path}/{running_id}").raise_for_status()
     elsewhere = NewJob(
         id=new_id(),
@@ -166,7 +166,7 @@ def _under_way(answers: Answers, path: str) -> None:
     with answers.client.app.state.database.writing() as connection:
         jobs.accept(connection, elsewhere, lease_s=3600.0)
     with patch.object(job_routes, "CANCEL_WAIT_S", 0.0):
-        answers.ask("DELETE", one, plan_id=elsewhere.id)
+        answers.ask("DELETE", one, made_id=elsewhere.id)
 
 
 @contextmanager
