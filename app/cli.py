@@ -283,9 +283,9 @@ def serve(
     """Serve the HTTP API and its pages (/docs); beyond this machine with API keys only."""
     with one_line_for_what_goes_wrong():
         from app.serving import serve_on
-        from app.settings import Settings
+        from app.settings import settings_of_environment
 
-        serve_on(host, port, Settings())
+        serve_on(host, port, settings_of_environment())
 
 
 @main.command()
@@ -298,12 +298,12 @@ def worker(
     """Solve for services that are set to the same Dask scheduler."""
     with one_line_for_what_goes_wrong():
         from app.jobs.dask_address import check_scheduler
-        from app.settings import Settings
+        from app.settings import settings_of_environment
 
         check_scheduler(scheduler, "worker", "--scheduler")
         from app.jobs.dask_worker import work_for
 
-        work_for(scheduler, solves or Settings().workers)
+        work_for(scheduler, solves or settings_of_environment().workers)
 
 
 @dataclass(frozen=True)

@@ -71,11 +71,11 @@ def revoke(
 
 @contextmanager
 def _store() -> Iterator["KeyStore"]:
-    from app.settings import Settings
+    from app.settings import settings_of_environment
     from app.store.keys import KeyStore
     from app.store.migrate import opened
 
-    settings = Settings()
+    settings = settings_of_environment()
     with opened(settings.database_url, settings.data_dir) as database:
         yield KeyStore(database)
 

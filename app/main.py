@@ -34,7 +34,7 @@ from app.observability.watch import Watch
 from app.openapi import complete
 from app.security.access import Access
 from app.security.gate import Gate
-from app.settings import Settings
+from app.settings import Settings, settings_of_environment
 from app.store.database import open_database
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
@@ -68,7 +68,7 @@ _TAGS = [
 
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The service; settings default to the environment's."""
-    settings = settings or Settings()
+    settings = settings or settings_of_environment()
     app = FastAPI(
         title="slewtrack",
         version=VERSION,

@@ -3,10 +3,11 @@
 import os
 from pathlib import Path
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from app.observability.logs import LogFormat, LogLevel
+from planner.errors import InvalidInput
 
 
 def _user_data_dir() -> Path:
@@ -108,3 +109,14 @@ class Settings(BaseSettings):
 
     log_level: LogLevel = Field(default="info", description="debug, info, warning or error")
     log_format: LogFormat = Field(default="console", description="json or console")
+
+
+def settings_of_environment() -> Settings:
+    """Raises InvalidInput, which names the variable."""
+    try:
+        return Settings()
+    except ValidationError as error:
+        fault = error.errors()[0]
+    (name,) = fault["loc"]
+    told = fault["msg"][0].lower() + fault["msg"][1:]
+    raise InvalidInput(f"{told}, not {fault['input']!r}", field=f"SLEWTRACK_{name}".upper())

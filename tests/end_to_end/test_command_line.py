@@ -164,6 +164,16 @@ def test_serves_this_machine_only(host):
     assert "127.0.0.1" in one_line(result.stderr)
 
 
+@pytest.mark.parametrize("words", [["serve"], ["keys", "list"]])
+def test_a_setting_that_cannot_be_is_refused_by_its_name(words, monkeypatch):
+    monkeypatch.setenv("SLEWTRACK_WORKERS", "0")
+    result = CliRunner().invoke(cli.main, words)
+    assert result.exit_code == 2
+    said = one_line(result.stderr)
+    assert said.startswith("slewtrack: SLEWTRACK_WORKERS: ")
+    assert "greater than 0, not '0'" in said
+
+
 def test_a_bug_is_one_line_and_exit_code_1(monkeypatch):
     def broken(_scenario):
         raise RuntimeError("a bug")
