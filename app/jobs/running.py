@@ -1,5 +1,6 @@
 """What works on jobs while the service runs?"""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -33,7 +34,9 @@ def dispatching(settings: Settings, database: Database, metrics: Metrics) -> Ite
         queue_max=settings.queue_max,
         retention_days=settings.retention_days,
     )
-    with spare_children(settings.workers):
+    # With a cluster only what is answered at once is done here.
+    here = settings.workers if not settings.dask_scheduler else os.cpu_count() or 1
+    with spare_children(here):
         dispatcher = Dispatcher(database, _executor(settings), rules, on_end)
         dispatcher.start()
         try:
