@@ -41,6 +41,8 @@ _ANSWER_S = 0.05
 _GROWN_BYTES = 150 * _MEBIBYTE
 # Most time a child may take to begin: the first of all waits until the server is warm.
 _START_S = 120.0
+# Most time from when a child has closed its line until it has ended by itself.
+_END_S = 1.0
 # What RLIMIT_DATA counts, used or not; and what is really held.
 _LIMITED, _HELD = "VmData:", "RssAnon:"
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
@@ -126,11 +128,17 @@ class _Child:
         childs_end.close()
 
     def kill(self) -> None:
-        self._process.kill()
+        if not self._has_ended(0.0):  # else its number may be another process's by now
+            self._process.kill()
+
+    def _has_ended(self, within_s: float) -> bool:
+        return bool(connection.wait([self._process.sentinel], within_s))
 
     def exit_code(self) -> int | None:
-        """Waits for the end."""
-        connection.wait([self._process.sentinel])
+        """Waits for the end, which comes soon."""
+        if not self._has_ended(_END_S):
+            self.kill()
+            connection.wait([self._process.sentinel])
         with self._books:
             self._process.join()
             return self._process.exitcode
@@ -165,13 +173,25 @@ class _Children:
 
     def take(self) -> _Child:
         """The one that worked last of those that wait, or a new one."""
+        return self._counted(lambda: self._that_waited() or _Child())
+
+    def _counted(self, child: Callable[[], _Child]) -> _Child:
+        """As one that works, unless there is none: the server may have been killed, too."""
         with self._lock:
             self._working += 1
+        try:
+            return child()
+        except BaseException:
+            with self._lock:
+                self._working -= 1
+            raise
+
+    def _that_waited(self) -> _Child | None:
         while True:
-            try:
+            with self._lock:
+                if not self._waiting:
+                    return None
                 child = self._waiting.pop()
-            except IndexError:
-                return _Child()
             if not child.line.poll():
                 return child
             child.throw_away()  # it says something unasked: that it was killed
@@ -196,9 +216,7 @@ class _Children:
             gone.throw_away()
         with self._forking:
             while self._working + len(self._waiting) < self._kept:
-                with self._lock:
-                    self._working += 1
-                self.give_back(_Child(), may_do_more=True)
+                self.give_back(self._counted(_Child), may_do_more=True)
 
 
 _children = _Children()
@@ -237,6 +255,8 @@ def run_disposable(
     """
     task = pickle.dumps((bounds, work, given))
     stop = stop or Stop()
+    if stop.requested:
+        raise Stopped
     child = _children.take()
     may_do_more = False
     try:
@@ -271,7 +291,7 @@ def _outcome(
                 return kind, value, may_do_more
             if kind == _PROGRESS and on_progress is not None:
                 on_progress(value)
-    except (EOFError, ConnectionError):
+    except (EOFError, OSError):  # nothing comes any more, or not the rest of a message
         raise ChildDied(f"exit code {child.exit_code()}") from None
     raise TooDemanding(
         f"this takes more than the {bounds.deadline_s:g} s it may; ask for less at a time"

@@ -5,9 +5,11 @@ import operator
 import os
 import resource
 import signal
+import struct
 import time
 from contextlib import contextmanager, suppress
 from functools import partial
+from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Timer
 
@@ -15,6 +17,7 @@ import pytest
 
 from app.api.examples import PLAN_EXAMPLES
 from app.api.plan_work import planned
+from app.jobs import disposable
 from app.jobs.disposable import (
     Bounds,
     ChildDied,
@@ -138,6 +141,66 @@ def test_a_child_killed_while_it_waits_is_not_noticed():
     with one_child() as first:
         os.kill(first, signal.SIGKILL)
         time.sleep(0.2)  # until its end of the line is closed
+        assert run_disposable(BOUNDS, os.getpid) != first
+
+
+def test_a_child_that_is_dead_already_is_not_killed(monkeypatch):
+    """Its number may be another process's by then."""
+    killed = []
+    with one_child() as first:
+        os.kill(first, signal.SIGKILL)
+        time.sleep(0.2)
+        monkeypatch.setattr(os, "kill", lambda pid, _: killed.append(pid))
+        assert run_disposable(BOUNDS, os.getpid) != first
+        monkeypatch.undo()
+    assert killed == []
+
+
+def die_within_a_word():
+    def send_half(line, _):
+        os.write(line.fileno(), struct.pack("!i", 1000) + b"half")
+        os.abort()
+
+    Connection._send = send_half
+
+
+def fall_silent():
+    os.closerange(3, 100)
+    time.sleep(3600.0)
+
+
+@pytest.mark.timeout(30)
+@pytest.mark.parametrize(("work", "exit_code"), [(die_within_a_word, "-6"), (fall_silent, "-9")])
+def test_a_child_that_breaks_off_is_noticed(work, exit_code):
+    with pytest.raises(ChildDied, match=exit_code):
+        run_disposable(BOUNDS, work)
+
+
+def test_work_stopped_before_it_begins_costs_no_child():
+    stop = Stop()
+    stop.request()
+    with one_child() as same:
+        with pytest.raises(Stopped):
+            run_disposable(BOUNDS, os.getpid, stop=stop)
+        assert run_disposable(BOUNDS, os.getpid) == same
+
+
+def test_a_fork_that_fails_is_not_missed_by_those_that_follow(monkeypatch):
+    def fail():
+        raise ConnectionRefusedError
+
+    with monkeypatch.context() as broken:
+        broken.setattr(disposable, "start_server", fail)
+        for _ in range(3):
+            with pytest.raises(ConnectionRefusedError):
+                run_disposable(BOUNDS, os.getpid)
+    with one_child() as first:
+        with suppress(ChildDied):
+            run_disposable(BOUNDS, os.abort)
+        until_s = time.monotonic() + 20.0
+        while not disposable._children._waiting:  # replaced before anything is asked for
+            assert time.monotonic() < until_s
+            time.sleep(0.05)
         assert run_disposable(BOUNDS, os.getpid) != first
 
 
