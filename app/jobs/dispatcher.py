@@ -221,6 +221,8 @@ class Dispatcher:
     def _follow(self, running: _Running, work: Future[Any]) -> None:
         with self._lock:
             self._running[running.job_id] = running
+        if self._closing:  # which may not have seen it
+            running.stop.request()
         work.add_done_callback(lambda done: self._end(running, done))
 
     def _tell(self, running: _Running, progress: Progress) -> None:

@@ -1,6 +1,7 @@
 """Is accepted work done once, killed when it must be, and reported whatever dies?"""
 
 import os
+import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 
@@ -253,3 +254,15 @@ def test_the_audit_trail_says_who_did_what(database, tmp_path):
     found = audit.entries(database, limit=9, before=10**9)
     told = [(entry.key_id, entry.action, entry.subject) for entry in found]
     assert told == [("bob", "hang.cancel", job.id), ("alice", "hang.accept", job.id)]
+
+
+def test_work_accepted_while_the_service_stops_is_given_back(database, tmp_path):
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher, ThreadPoolExecutor() as threads:
+        with database.writing():  # SQLite lets nobody else write
+            accepting = threads.submit(dispatcher.submit, new_job("hang", notes.file))
+            eventually(notes.pids)
+            threads.submit(dispatcher.close)
+            time.sleep(0.5)  # for it to have looked what there is to stop
+        job = accepting.result()
+        assert eventually(lambda: states(database, job.id)[-1] == "queued", within_s=20.0)
