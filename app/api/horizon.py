@@ -123,8 +123,8 @@ async def post_picture(request: Request, body: Annotated[bytes, Depends(json_bod
     kind = preferred(request, (PNG, JSON))
     asked = await anyio.to_thread.run_sync(read_picture_request, body)
     if kind == PNG:
-        return Response(await of_images(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
-    told = await of_images(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
+        return Response(await in_child(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
+    told = await in_child(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
     return Response(TypeAdapter(PictureOut).dump_json(told), media_type=JSON)
 
 

@@ -105,6 +105,17 @@ def test_a_table_beyond_its_bounds_is_refused(client, monkeypatch, wild, query):
     refused_as_documented(client, answer, bound, "/v1/plans/{id}/table", "get")
 
 
+def die(*_given):
+    os.abort()
+
+
+def test_a_picture_whose_child_dies_is_not_put_down_to_the_request(client, monkeypatch):
+    monkeypatch.setattr(horizon, "picture", die)
+    answer = client.post("/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1])
+    assert answer.status_code == 500
+    assert answer.json()["type"] == "urn:slewtrack:problem:internal-error"
+
+
 def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):
     """Over a real connection: that it has gone is told through all layers of the service."""
     hanging = partial(hang, os.fsencode(notes.file))
