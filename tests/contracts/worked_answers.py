@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-import httpx
+import httpx2 as httpx
 from fastapi.testclient import TestClient
 from job_cases import eventually, spin
 
