@@ -25,6 +25,7 @@ from threading import Lock, Timer
 from typing import Any, ClassVar, TypeVar
 
 from app.jobs.progress import Progress, report_through
+from app.observability.logs import log
 from planner.errors import Refusal
 
 T = TypeVar("T")
@@ -122,10 +123,16 @@ class _Child:
         context = multiprocessing.get_context("forkserver")
         self.line, childs_end = context.Pipe(duplex=True)
         self._process = context.Process(target=_do_all, args=(childs_end,), daemon=True)
-        with self._books:
-            start_server()
-            self._process.start()
-        childs_end.close()
+        try:
+            with self._books:
+                start_server()
+                self._process.start()
+        except (EOFError, OSError) as error:  # the server was killed just now
+            traceback.clear_frames(error.__traceback__)  # they hold its pipes
+            self.line.close()
+            raise
+        finally:
+            childs_end.close()
 
     def kill(self) -> None:
         if not self._has_ended(0.0):  # else its number may be another process's by now
@@ -216,7 +223,12 @@ class _Children:
             gone.throw_away()
         with self._forking:
             while self._working + len(self._waiting) < self._kept:
-                self.give_back(self._counted(_Child), may_do_more=True)
+                try:
+                    child = self._counted(_Child)
+                except (EOFError, OSError) as error:  # work that finds none forks its own
+                    log.warning("a child couldn't be forked", error=repr(error))
+                    return
+                self.give_back(child, may_do_more=True)
 
 
 _children = _Children()

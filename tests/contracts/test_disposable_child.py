@@ -9,6 +9,7 @@ import struct
 import time
 from contextlib import contextmanager, suppress
 from functools import partial
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Timer
@@ -202,6 +203,20 @@ def test_a_fork_that_fails_is_not_missed_by_those_that_follow(monkeypatch):
             assert time.monotonic() < until_s
             time.sleep(0.05)
         assert run_disposable(BOUNDS, os.getpid) != first
+
+
+def test_a_fork_that_fails_leaves_nothing_open(monkeypatch):
+    def fail(_):
+        raise EOFError
+
+    run_disposable(BOUNDS, os.getpid)
+    time.sleep(0.5)  # until what it left is thrown away
+    before = sorted(os.listdir("/proc/self/fd"))
+    monkeypatch.setattr(forkserver, "read_signed", fail)
+    with pytest.raises(EOFError) as kept:
+        run_disposable(BOUNDS, os.getpid)
+    assert kept.value
+    assert sorted(os.listdir("/proc/self/fd")) == before
 
 
 def test_a_child_that_is_stopped_ends():
