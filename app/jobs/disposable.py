@@ -314,7 +314,7 @@ def _do_all(line: Connection) -> None:
     """The child's whole life."""
     from app.jobs import warm  # here already, since the server imported it
 
-    _die_with_service()
+    _die_with_service(warm.SERVER_PID)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
     _limit(resource.RLIMIT_CORE, 0)
     report_through(lambda progress: line.send_bytes(_packed(_PROGRESS, progress)))
@@ -363,14 +363,16 @@ def _bind(bounds: Bounds) -> None:
     _limit(resource.RLIMIT_DATA, _bytes(_LIMITED) + bounds.memory_mib * _MEBIBYTE)
 
 
-def _die_with_service() -> None:
+def _die_with_service(server_pid: int) -> None:
     """However the service ends, and whatever the child is at, the child is killed.
 
     The server ends when no process holds the far end of its pipe, which multiprocessing gives
     to every child too; let go of here, only the service holds it.
     """
-    os.close(forkserver._forkserver._forkserver_alive_fd)  # type: ignore[attr-defined]
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != server_pid:  # it was gone before the kernel was asked
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.close(forkserver._forkserver._forkserver_alive_fd)  # type: ignore[attr-defined]
 
 
 def _limit(which: int, most: int) -> None:

@@ -6,6 +6,7 @@ orientation interpolated before the first fork, so that no child does it again.
 
 import gc
 import json
+import os
 
 import app.api.horizon_prediction
 import app.api.horizon_work
@@ -14,6 +15,7 @@ import app.api.spacecraft_work  # noqa: F401 (for the children to find)
 from app.api.examples import LAS_VEGAS
 from app.api.plan_work import planned
 
+SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()
 
 

@@ -219,6 +219,22 @@ def test_a_fork_that_fails_leaves_nothing_open(monkeypatch):
     assert sorted(os.listdir("/proc/self/fd")) == before
 
 
+def look_after_parent_is_gone():
+    """In a process whose parent isn't the server children are forked from."""
+    from app.jobs import warm
+
+    orphan = os.fork()
+    if orphan == 0:
+        with suppress(OSError):  # this child has let go of the pipe itself
+            disposable._die_with_service(warm.SERVER_PID)
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(orphan, 0)[1])
+
+
+def test_a_child_whose_server_was_gone_before_it_began_ends():
+    assert run_disposable(BOUNDS, look_after_parent_is_gone) == -signal.SIGKILL
+
+
 def test_a_child_that_is_stopped_ends():
     stop = Stop()
     with one_child() as stopped:
