@@ -11,10 +11,11 @@ from planner.errors import InfeasibleSlew
 from planner.gimbal.keep_out import KeepOutView
 from planner.slew.backends.ipopt import graded_ocp
 from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.barrier import FINE_CELLS_RAD, is_barred, is_impossible
 from planner.slew.detour_ends import free_part, whole
 from planner.slew.detour_search import TOUCH_RAD, Detour, DetourSearch, entered
 from planner.slew.grid import on_all_rows, rows_in
-from planner.slew.passage import Passage, passage
+from planner.slew.passage import rough_paths
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
 
@@ -50,6 +51,8 @@ def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
     found = _between_ends(solution, problem.keep_out, thorough=thorough)
     if found is None:
+        if is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
+            raise _no_way(solution, problem.keep_out)
         raise InfeasibleSlew(
             f"the straight slew enters the cone about {entry.about} by "
             f"{math.degrees(entry.depth_rad):.2f} deg and no way around "
@@ -85,7 +88,7 @@ def _between_ends(straight: SlewSolution, view: KeepOutView, *, thorough: bool) 
     if part is None:
         return _around(straight, view, thorough=thorough)
     free, shifted, begins_s = part
-    _way(straight, view)
+    _require_way(straight, view)
     depths = shifted.depths_rad(
         np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
     )
@@ -100,17 +103,18 @@ def _between_ends(straight: SlewSolution, view: KeepOutView, *, thorough: bool) 
     return found._replace(profiles=profiles)
 
 
-def _way(straight: SlewSolution, view: KeepOutView) -> Passage:
-    """A rough way around, if one is found.  Raises InfeasibleSlew where there is none."""
-    way = passage(straight.problem, view, straight.duration_s)
-    if way.impossible:
-        raise InfeasibleSlew(
-            f"no motion within the limits leads around {_blocking(straight, view)} in "
-            f"{straight.duration_s:.1f} s; give the slew more time, the cone a smaller half "
-            "angle, or choose other times",
-            limit="keep_out",
-        )
-    return way
+def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
+    if is_impossible(straight.problem, view, straight.duration_s):
+        raise _no_way(straight, view)
+
+
+def _no_way(straight: SlewSolution, view: KeepOutView) -> InfeasibleSlew:
+    return InfeasibleSlew(
+        f"no motion within the limits leads around {_blocking(straight, view)} in "
+        f"{straight.duration_s:.1f} s; give the slew more time, the cone a smaller half "
+        "angle, or choose other times",
+        limit="keep_out",
+    )
 
 
 def _around(
@@ -127,11 +131,8 @@ def _around(
     if sides_fail:
         # Of a part of a slew nothing is proven: another motion at its ends may be possible.
         if is_whole:
-            way = _way(straight, view)
-        else:
-            way = passage(straight.problem, view, straight.duration_s)
-        if way.angle_rad is not None:
-            found += _along(straight, view, search, way.t_s, way.angle_rad)
+            _require_way(straight, view)
+        found += _along_rough_paths(straight, view)
     best = min(found, key=lambda one: one.cost)
     if thorough:
         dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
@@ -144,14 +145,16 @@ def _around(
     return best._replace(iterations=sum(one.iterations for one in found))
 
 
-def _along(
-    straight: SlewSolution, view: KeepOutView, search: DetourSearch, t_s: Array, angle_rad: Array
-) -> list[Detour]:
-    """From a rough path; in a narrow way the hulls of finer splines leave a degree more."""
-    found = search.near((_off(straight, search.spline, t_s, angle_rad),))
-    if not any(one.off_rows or math.isfinite(one.cost) for one in found):
-        finer = DetourSearch(straight, view, graded_ocp(FINER_SPANS))
-        found += finer.near((_off(straight, finer.spline, t_s, angle_rad),))
+def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour]:
+    """Until one is good; in a narrow way the hulls of finer splines leave a degree more."""
+    t_s, paths = rough_paths(straight.problem, view, straight.duration_s)
+    found: list[Detour] = []
+    for path in paths:
+        for spans in (SPANS, FINER_SPANS):
+            tried = DetourSearch(straight, view, graded_ocp(spans))
+            found += tried.near((_off(straight, tried.spline, t_s, path),))
+            if any(one.off_rows or math.isfinite(one.cost) for one in found):
+                return found
     return found
 
 
@@ -174,7 +177,7 @@ def _blocking(straight: SlewSolution, view: KeepOutView) -> str:
     """The first cone that by itself leaves no way, or all of them."""
     for cone in view.cones:
         alone = replace(view, cones=(cone,))
-        if len(view.cones) == 1 or passage(straight.problem, alone, straight.duration_s).impossible:
+        if len(view.cones) == 1 or is_impossible(straight.problem, alone, straight.duration_s):
             return f"the cone about {cone.about}"
     return _together(view)
 

@@ -1,188 +1,78 @@
-"""Is there any way around the cones at all, and where does one lead?
+"""Where may a way around the cones lead, roughly?
 
 Time goes in steps, and in each step an axis moves by at most one cell of its rate limit.
-Cells that lie wholly inside a cone, or beyond what jerk, acceleration and rate allow between
-both ends, are left out; what is not flooded from the start can't be reached by any motion.
+Cells whose middle lies inside a cone, or that are out of reach from either end, are left out.
 """
-
-import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.gimbal.keep_out import KeepOutView
-from planner.platforms import AxisLimits
+from planner.slew.barrier import tube
 from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.stops import mirrored
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 STEPS_S = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
-LAYERS_MIN, LAYERS_MAX = 60, 600  # 400 MB at most
-CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
-SMOOTHED = 0.12  # of the duration: over so much a path of cells is averaged
+LAYERS_MIN, LAYERS_MAX = 60, 600  # 200 MB at most
+SMOOTHED = (0.12, 0.04)  # of the duration: over so much a path of cells is averaged
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Passage:
-    """What flooding found.
+def rough_paths(
+    problem: SlewProblem, view: KeepOutView, duration_s: float
+) -> tuple[Array, tuple[Array, ...]]:
+    """Times (k,), and one way through the middles of free cells, smoothed more and less.
 
-    impossible: proven, no motion within the limits keeps out of the cones.
-    t_s: (k,), angle_rad: (k, 2), a rough path through the middles of free cells, or None.
+    The paths are (k, 2) each, none where the finest cells leave no way.
     """
-
-    impossible: bool
-    t_s: Array
-    angle_rad: Array | None
-
-
-def passage(problem: SlewProblem, view: KeepOutView, duration_s: float) -> Passage:
-    """Flood the angles from start to end, in finer cells until there is an answer.
-
-    The proof is one-sided: acceleration and jerk limits enter only through what is within reach
-    of each end by itself, so that a tight slew may be impossible without being proven so.
-    """
-    if _caught(problem, view, duration_s):
-        return Passage(impossible=True, t_s=np.empty(0), angle_rad=None)
     for step_s in STEPS_S:
-        found = _flooded(problem, view, duration_s, step_s)
-        if found.impossible or found.angle_rad is not None:
+        t_s, paths = _flooded(problem, view, duration_s, step_s)
+        if paths:
             break
-    return found
+    return t_s, paths
 
 
 def _flooded(
     problem: SlewProblem, view: KeepOutView, duration_s: float, longest_s: float
-) -> Passage:
+) -> tuple[Array, tuple[Array, ...]]:
     layers = int(np.clip(np.ceil(duration_s / longest_s), LAYERS_MIN, LAYERS_MAX))
     t_s = np.linspace(0.0, duration_s, layers + 1)
     step_s = duration_s / layers
     sizes = [limits.rate_max_rad_s * step_s for limits in problem.limits]
     tubes = [
-        _tube(t_s, start, end, limits)
+        tube(t_s, start, end, limits)
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
     ]
     middles = [
-        np.arange(tube[0].min(), tube[1].max() + size, size) + size / 2.0
-        for tube, size in zip(tubes, sizes, strict=True)
+        np.arange(reach[0].min(), reach[1].max() + size, size) + size / 2.0
+        for reach, size in zip(tubes, sizes, strict=True)
     ]
-    blocked = _blocked(view, t_s, middles, tubes, sizes)
-    impossible = not _flood(blocked.possible, problem, middles)[-1].any()
-    if impossible:
-        return Passage(impossible=True, t_s=t_s, angle_rad=None)
-    flooded = _flood(blocked.free, problem, middles)
+    flooded = _flood(_free(view, t_s, middles, tubes, sizes), problem, middles)
     if not flooded[-1].any():
-        return Passage(impossible=False, t_s=t_s, angle_rad=None)
+        return t_s, ()
     cells = _back(flooded, problem, middles)
     path = np.stack([middles[axis][cells[:, axis]] for axis in range(2)], axis=1)
-    return Passage(impossible=False, t_s=t_s, angle_rad=_smoothed(path, problem))
+    return t_s, tuple(_smoothed(path, problem, share) for share in SMOOTHED)
 
 
-def _caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> bool:
-    """Whether the motion at an end, which jerk limits from changing at once, leads into a cone."""
-    since_s = np.arange(CAUGHT_STEP_S, min(CAUGHT_S, duration_s / 2.0), CAUGHT_STEP_S)
-    off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
-    for side, sign in ((problem.start, 1.0), (problem.end, -1.0)):
-        angle = np.stack(
-            [
-                axis.angle_rad
-                + sign * axis.rate_rad_s * since_s
-                + axis.acceleration_rad_s2 * since_s**2 / 2.0
-                for axis in side
-            ],
-            axis=1,
-        )
-        t_s = since_s if sign > 0.0 else duration_s - since_s
-        middle = view.boresight(angle)
-        corners = [
-            np.linalg.norm(
-                view.boresight(angle + np.stack([off_rad[0], mirror * off_rad[1]], axis=1))
-                - middle,
-                axis=1,
-            )
-            for mirror in (1.0, -1.0)
-        ]
-        # To second order the boresight stays in the box whose corners these are.
-        reach_rad = np.maximum(*corners) + 2.0 * (off_rad[0] + off_rad[1]) ** 2
-        if (view.depths_rad(t_s, angle) > reach_rad).any():
-            return True
-    return False
-
-
-@dataclass(frozen=True, eq=False)
-class _Blocked:
-    """possible: cells not wholly inside a cone.  free: cells whose middle is outside.
-
-    Both (layers + 1, a, b), and within reach of both ends.
-    """
-
-    possible: Mask
-    free: Mask
-
-
-def _blocked(
+def _free(
     view: KeepOutView, t_s: Array, middles: list[Array], tubes: list[Array], sizes: list[float]
-) -> _Blocked:
+) -> Mask:
+    """Cells within reach of both ends whose middle is outside, (layers + 1, a, b)."""
     first, second = np.meshgrid(*middles, indexing="ij")
-    angles = np.stack([first.ravel(), second.ravel()], axis=1)
-    boresight = view.boresight(angles)
-    # Near the outer axis a turn about it hardly moves the boresight.
-    outer = view.platform.axes_platform[0]
-    off_axis = np.linalg.norm(np.cross(outer, boresight), axis=1) + sizes[1] / 2.0
-    radius_rad = (sizes[0] * np.minimum(off_axis, 1.0) + sizes[1]).reshape(first.shape) / 2.0
-    shape = (len(t_s), *first.shape)
-    possible, free = np.ones(shape, dtype=bool), np.ones(shape, dtype=bool)
+    boresight = view.boresight(np.stack([first.ravel(), second.ravel()], axis=1))
+    free = np.ones((len(t_s), *first.shape), dtype=bool)
     for cone in view.cones:
         axes, counts = cone.at(t_s)
-        wholly = cone.half_angle_rad > radius_rad
-        inside = np.where(wholly, np.cos(cone.half_angle_rad - radius_rad), 2.0)
         edge = np.cos(cone.half_angle_rad)
         for layer in np.flatnonzero(counts):
-            cosine = (boresight @ axes[layer]).reshape(first.shape)
-            possible[layer] &= cosine < inside
-            free[layer] &= cosine < edge
-    for axis, (middle, tube, size) in enumerate(zip(middles, tubes, sizes, strict=True)):
-        overlaps = (middle + size / 2.0 >= tube[0][:, None]) & (
-            middle - size / 2.0 <= tube[1][:, None]
+            free[layer] &= (boresight @ axes[layer]).reshape(first.shape) < edge
+    for axis, (middle, reach, size) in enumerate(zip(middles, tubes, sizes, strict=True)):
+        overlaps = (middle + size / 2.0 >= reach[0][:, None]) & (
+            middle - size / 2.0 <= reach[1][:, None]
         )
-        spread = overlaps[:, :, None] if axis == 0 else overlaps[:, None, :]
-        possible &= spread
-        free &= spread
-    return _Blocked(possible, free)
-
-
-def _tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
-    """Least and greatest angle at t_s, (2, k), of any motion from start to end."""
-    before, after = t_s, t_s[-1] - t_s
-    back = end.reversed()
-    high = np.minimum(
-        start.angle_rad + _farthest(before, start, limits),
-        end.angle_rad + _farthest(after, back, limits),
-    )
-    low = np.maximum(
-        start.angle_rad - _farthest(before, mirrored(start), limits),
-        end.angle_rad - _farthest(after, mirrored(back), limits),
-    )
-    return np.stack([np.maximum(low, limits.angle_min_rad), np.minimum(high, limits.angle_max_rad)])
-
-
-def _farthest(t_s: Array, state: AxisState, limits: AxisLimits) -> Array:
-    """How far up it may come at t_s: jerk, acceleration, rate each all that the limits allow."""
-    v0, a0 = state.rate_rad_s, state.acceleration_rad_s2
-    v, a, jerk = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
-    rising_s = (a - a0) / jerk
-    risen = v0 + rising_s * (a0 + a) / 2.0
-    if risen >= v:
-        full_s = (math.sqrt(max(a0 * a0 + 2.0 * jerk * (v - v0), 0.0)) - a0) / jerk
-        rising_s = full_s
-    else:
-        full_s = rising_s + (v - risen) / a
-    t = np.minimum(t_s, rising_s)
-    gathering_s = np.clip(t_s - rising_s, 0.0, full_s - rising_s)
-    way = t * (v0 + t * (a0 / 2.0 + t * jerk / 6.0))
-    way += gathering_s * (risen + a * gathering_s / 2.0)
-    return np.asarray(way + v * np.maximum(t_s - full_s, 0.0))
+        free &= overlaps[:, :, None] if axis == 0 else overlaps[:, None, :]
+    return free
 
 
 def _cell(state: tuple[AxisState, ...], middles: list[Array]) -> tuple[int, int]:
@@ -235,8 +125,8 @@ def _back(flooded: Mask, problem: SlewProblem, middles: list[Array]) -> NDArray[
     return cells
 
 
-def _smoothed(path: Array, problem: SlewProblem) -> Array:
-    width = max(round(SMOOTHED * len(path)) // 2, 1)
+def _smoothed(path: Array, problem: SlewProblem, share: float) -> Array:
+    width = max(round(share * len(path)) // 2, 1)
     ends = [np.array([axis.angle_rad for axis in side]) for side in (problem.start, problem.end)]
     padded = np.concatenate([np.tile(ends[0], (width, 1)), path, np.tile(ends[1], (width, 1))])
     kernel = np.ones(2 * width + 1) / (2 * width + 1)

@@ -12,6 +12,7 @@ from planner.gimbal.keep_out import KeepOutView, MovingCone
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
 from planner.slew import BACKENDS, AxisState, SlewProblem, cleared, flown
+from planner.slew.barrier import CELLS_RAD, is_barred
 from planner.slew.solution import obeys
 
 CASES = list(draw_cases(21, 12))
@@ -44,6 +45,8 @@ def test_detour_keeps_out_of_the_cone_and_within_the_limits(number):
             wanted = [getattr(axis, state) for axis in side]
             np.testing.assert_allclose(values[row], wanted, rtol=0, atol=1e-8)  # 2 mas
     assert solution.jerk_squared_integral >= case.straight.jerk_squared_integral
+    # What was flown is possible: the proof of the contrary must not find it otherwise.
+    assert not is_barred(case.problem, case.problem.keep_out, solution.duration_s, CELLS_RAD)
 
 
 def test_starts_whose_rate_all_but_passes_its_limit_are_led_around():
