@@ -167,7 +167,8 @@ def _more(
         at_s = spline.greville * straight.duration_s
         path = np.stack([profile.evaluate(at_s)[0] for profile in best.profiles], axis=1)
         aside = _off(straight, spline, at_s, path)
-        found += search.near(tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD)))
+        kicked = tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD))
+        found += search.near(kicked, start="wide")
     if dear:
         found += search.near(_waves(spline, WANDERINGS, WANDERING_RAD))
     return found

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.gimbal.keep_out import Entry, KeepOutView, deepest_entry
-from planner.slew.backends.detour_ocp import DetourOcp, detour_ocp
+from planner.slew.backends.detour_ocp import DetourOcp, Start, detour_ocp
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.grid import reproduces, rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
@@ -79,13 +79,13 @@ class DetourSearch:
         )
         self._gap_rad = -view.depths_rad(np.array([0.0, T]), angle) / 2.0
 
-    def near(self, asides: tuple[Array, ...]) -> list[Detour]:
+    def near(self, asides: tuple[Array, ...], *, start: Start = "far") -> list[Detour]:
         """The best of those that guesses lead to, and what else was refined, not in order.
 
         asides: (2, k) each, how far a guess lies off the straight slew at the `greville`
         instants.
         """
-        rough = sorted((self._rough(aside) for aside in asides), key=lambda one: one.cost)
+        rough = sorted((self._rough(aside, start) for aside in asides), key=lambda one: one.cost)
         refined: list[float] = []
         found: list[Detour] = []
         dearest = math.inf
@@ -102,8 +102,8 @@ class DetourSearch:
                 dearest = min(dearest, one.cost * (DEARER + PLAYS * found[-1].play_share))
         return found
 
-    def _rough(self, aside: Array) -> Detour:
-        ocp = self._ocp(fine=False)
+    def _rough(self, aside: Array, start: Start) -> Detour:
+        ocp = self._ocp(start)
         guess = self._guess(self._straight.profiles, aside)
         profiles, iterations = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
         t_s = np.linspace(0.0, self._straight.duration_s, SINKING * (len(ocp.tau) + 1) + 1)
@@ -118,10 +118,10 @@ class DetourSearch:
         )
 
     def _refined(self, rough: Detour) -> Detour:
-        ocp = self._ocp(fine=True)
+        ocp = self._ocp("near")
         profiles, iterations = rough.profiles, rough.iterations
         # Between instants so much nearer a path that curves alike sinks less by the square.
-        nearer = (len(self._ocp(fine=False).tau) + 1) / (len(ocp.tau) + 1)
+        nearer = (len(self._ocp("far").tau) + 1) / (len(ocp.tau) + 1)
         margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *MARGINS_RAD))
         depth_rad = SUNK_RAD
         for growth_rad in MARGIN_GROWTHS_RAD:
@@ -149,9 +149,9 @@ class DetourSearch:
             play_share=abs(_cost(profiles) / rough.cost - 1.0),
         )
 
-    def _ocp(self, *, fine: bool) -> DetourOcp:
+    def _ocp(self, start: Start) -> DetourOcp:
         calm = bool(self._problem.avoid_modes)
-        return detour_ocp(self.spline, len(self._view.cones), calm=calm, fine=fine)
+        return detour_ocp(self.spline, len(self._view.cones), calm=calm, start=start)
 
     def _solve(self, ocp: DetourOcp, guess: Array, margin_rad: float) -> tuple[Profiles, int]:
         margins = self._margins(ocp.tau, margin_rad)

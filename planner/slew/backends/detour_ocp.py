@@ -6,7 +6,7 @@ so that one solver serves every platform and every cone.
 """
 
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +27,15 @@ OPTIONS = {
     for name, value in IPOPT.items()
     if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
 }
-FAR: dict[str, str | float | int] = {"tol": 1e-4, "mu_init": 1e-2, "max_iter": 40}
-# The margin beside a cone is a thousand times the tolerance.
-NEAR: dict[str, str | float | int] = {"tol": 1e-6, "mu_init": 1e-4, "max_iter": 60}
+# How a solve begins: from far guesses; from such and led off wide of them, to other optima; or
+# near its end, with the cones kept at many instants.
+Start = Literal["far", "wide", "near"]
+STARTS: dict[Start, dict[str, str | float | int]] = {
+    "far": {"tol": 1e-4, "mu_init": 1e-2, "max_iter": 40},
+    "wide": {"tol": 1e-4, "mu_init": 1e-1, "max_iter": 40},
+    # The margin beside a cone is a thousand times the tolerance.
+    "near": {"tol": 1e-6, "mu_init": 1e-4, "max_iter": 60},
+}
 
 
 class _Parts(NamedTuple):
@@ -45,12 +51,12 @@ class DetourOcp:
     """Least integral of squared jerk of both axes, cones kept at some instants.
 
     spline: the basis of each axis.  cones: how many.  calm: whether modes are spared.
-    fine: to be begun from a coarse solution, which fewer instants and far guesses suit.
+    start: from what; far guesses suit fewer instants.
     """
 
-    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> None:
-        self._spline, self._cones, self._calm, self._fine = spline, cones, calm, fine
-        points = FINE_POINTS if fine else COARSE_POINTS
+    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool, start: Start) -> None:
+        self._spline, self._cones, self._calm, self._start = spline, cones, calm, start
+        points = FINE_POINTS if start == "near" else COARSE_POINTS
         self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
         self._values = spline.values(self.tau)
 
@@ -110,7 +116,7 @@ class DetourOcp:
             "f": parts.cost,
             "g": casadi.vertcat(*rows, *parts.cosines),
         }
-        options = {**OPTIONS, **(NEAR if self._fine else FAR)}
+        options = {**OPTIONS, **STARTS[self._start]}
         return casadi.nlpsol("detour", "ipopt", programme, {"print_time": False, "ipopt": options})
 
     def solve(
@@ -210,6 +216,6 @@ def _carried(platform: TwoAxisPlatform) -> Array:
 
 
 @lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB
-def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, fine: bool) -> DetourOcp:
+def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, start: Start) -> DetourOcp:
     """Made once per process and basis."""
-    return DetourOcp(spline, cones, calm=calm, fine=fine)
+    return DetourOcp(spline, cones, calm=calm, start=start)
