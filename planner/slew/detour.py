@@ -39,7 +39,7 @@ def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
     Both axes are then solved together from guesses on both sides; the better one that keeps
     every limit, also when flown from rows, and stays outside on a 10 ms grid is taken.
     thorough: also try guesses near what was found, and two dozen others where that is dear, or
-    none is found and none ruled out.  Raises InfeasibleSlew.
+    none is found, and prove that there is none.  Raises InfeasibleSlew.
     """
     problem = solution.problem
     if problem.keep_out is None:
@@ -51,7 +51,7 @@ def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
     found = _between_ends(solution, problem.keep_out, thorough=thorough)
     if found is None:
-        if is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
+        if thorough and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
             raise _no_way(solution, problem.keep_out)
         raise InfeasibleSlew(
             f"the straight slew enters the cone about {entry.about} by "
@@ -88,7 +88,8 @@ def _between_ends(straight: SlewSolution, view: KeepOutView, *, thorough: bool) 
     if part is None:
         return _around(straight, view, thorough=thorough)
     free, shifted, begins_s = part
-    _require_way(straight, view)
+    if thorough:
+        _require_way(straight, view)
     depths = shifted.depths_rad(
         np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
     )
@@ -130,7 +131,7 @@ def _around(
     sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
     if sides_fail:
         # Of a part of a slew nothing is proven: another motion at its ends may be possible.
-        if is_whole:
+        if is_whole and thorough:
             _require_way(straight, view)
         found += _along_rough_paths(straight, view)
     best = min(found, key=lambda one: one.cost)
