@@ -126,15 +126,16 @@ def _axis_cells(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits
 
 @dataclass(frozen=True, eq=False)
 class ConeOverCells:
-    """counts: whether the cone does, by layer.  A cell whose corners' cosines are most is inside.
+    """A cell whose corners' cosines all reach the threshold is inside.
 
+    counts: whether the cone does, by layer.
     parts: the cosine by (1, cos, sin) of either angle, (layers, 3, 3), which outer and inner
     hold for the cells' edges, (k + 1, 3).
     """
 
     parts: Array
     counts: Mask
-    most: float
+    cosine_threshold: float
     outer: Array
     inner: Array
 
@@ -142,7 +143,7 @@ class ConeOverCells:
         """Cells of these spans along either axis that are proven to be wholly inside."""
         edges = [slice(span.start, span.stop + 1) for span in spans]
         cosine = self.outer[edges[0]] @ self.parts[layer] @ self.inner[edges[1]].T
-        corner = cosine >= self.most
+        corner = cosine >= self.cosine_threshold
         side = corner[:-1] & corner[1:]
         return np.asarray(side[:, :-1] & side[:, 1:])
 
@@ -155,8 +156,8 @@ def cones_over(view: KeepOutView, t_s: Array, *edges_rad: Array) -> list[ConeOve
     for cone in view.cones:
         axis, counts = cone.at(t_s)
         parts = cosine_coefficients(view.platform, axis).reshape(-1, 3, 3)
-        most = math.cos(cone.half_angle_rad) + bulge
-        found.append(ConeOverCells(parts, counts, most, trig[0], trig[1]))
+        threshold = math.cos(cone.half_angle_rad) + bulge
+        found.append(ConeOverCells(parts, counts, threshold, trig[0], trig[1]))
     return found
 
 
