@@ -14,6 +14,7 @@ from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
 
 WAIT_S, WAIT_MAX_S = 30, 60
+RESPOND_ASYNC = "respond-async"
 _LOOK_S = 1.0  # between looks at a job that another service may work on
 _WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
 
@@ -29,8 +30,8 @@ class Patience:
 def patience(prefer: str | None) -> Patience:
     """Of a Prefer header; what isn't understood in it is ignored, as the RFC asks."""
     wishes = [wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")]
-    if "respond-async" in wishes:
-        return Patience(wait_s=0.0, applied="respond-async")
+    if RESPOND_ASYNC in wishes:
+        return Patience(wait_s=0.0, applied=RESPOND_ASYNC)
     for wish in wishes:
         if found := _WAIT.fullmatch(wish):
             seconds = min(int(found[1]), WAIT_MAX_S)
