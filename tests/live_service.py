@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from waiting import PATIENCE_S
+
 ROOT = Path(__file__).parents[1]
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 
@@ -48,7 +50,7 @@ def live_service(folder: Path, *words: str, **settings: str) -> Iterator[Service
         yield Service(_address(process, log), process.pid, log)
     finally:
         process.terminate()
-        process.wait(timeout=20)
+        process.wait(timeout=PATIENCE_S)
 
 
 def _address(process: subprocess.Popen[bytes], log: Path) -> str:

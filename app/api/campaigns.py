@@ -84,13 +84,14 @@ async def post_campaign(
         sound = CampaignDryRun(valid=True, name=asked.name, targets=len(asked.targets))
         return Response(DRY_RUN.dump_json(sound), media_type=JSON)
     job = await anyio.to_thread.run_sync(accepted, request, CAMPAIGN, asked.name, body, key, {})
-    waits = patience(prefer)
-    if waits.applied is not None:
-        await wait_for_end(request, job.id, waits.wait_s)
+    waits = patience(prefer, 0)
+    await wait_for_end(request, job.id, waits.wait_s)
     job, told = await _found(request, job.id)
     headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer"}
     if waits.applied is not None:
         headers["Preference-Applied"] = waits.applied
+    if waits.is_none:  # though it may be done by now
+        return Response(told, HTTPStatus.ACCEPTED, headers, JSON)
     if job.problem is not None:
         return problem_answer(request, job.problem, headers)
     status = HTTPStatus.CREATED if job.state == "done" else HTTPStatus.ACCEPTED

@@ -27,7 +27,7 @@ from app.store.jobs import Job, NewJob
 CANCEL_WAIT_S = 5.0
 PREFER = (
     "`wait=N`: answer 202 when it isn't done within N seconds (30 unless said, at most 60); "
-    "`respond-async`: answer 202 at once."
+    "`respond-async`, `wait=0`: answer 202 at once."
 )
 
 

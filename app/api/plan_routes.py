@@ -27,7 +27,7 @@ from app.api.plan_queries import (
 from app.api.plan_resource import PlanResource
 from app.api.provenance import provenance
 from app.api.stored_plans import Found, find, immutable_tag, table_answer, whole_json
-from app.api.waiting import RESPOND_ASYNC, Patience, patience, wait_for_end
+from app.api.waiting import WAIT_S, Patience, patience, wait_for_end
 from app.errors import problem_answer
 from app.jobs.refusals import Conflict
 from app.openapi import request_body
@@ -69,7 +69,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         job = await anyio.to_thread.run_sync(
             _accepted, request, resource, asked.name, body, query, key
         )
-        waits = patience(prefer)
+        waits = patience(prefer, WAIT_S)
         await wait_for_end(request, job.id, waits.wait_s)
         found = await find(request, resource, job.id)
         return await _posted(request, resource, found, form, waits)
@@ -165,7 +165,7 @@ async def _posted(
     headers = _VARY | {"Location": f"{resource.path}/{job.id}"}
     if waits.applied is not None:
         headers["Preference-Applied"] = waits.applied
-    if job.is_open or waits.applied == RESPOND_ASYNC:  # though it may be done by now
+    if job.is_open or waits.is_none:  # though it may be done by now
         return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
     if job.problem is not None:
         return problem_answer(request, job.problem, headers)

@@ -14,7 +14,6 @@ from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
 
 WAIT_S, WAIT_MAX_S = 30, 60
-RESPOND_ASYNC = "respond-async"
 _LOOK_S = 1.0  # between looks at a job that another service may work on
 _WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
 
@@ -26,17 +25,22 @@ class Patience:
     wait_s: float
     applied: str | None
 
+    @property
+    def is_none(self) -> bool:
+        """Whether the answer is 202 wherever the work is by then."""
+        return self.wait_s == 0
 
-def patience(prefer: str | None) -> Patience:
+
+def patience(prefer: str | None, unless_said_s: float) -> Patience:
     """Of a Prefer header; what isn't understood in it is ignored, as the RFC asks."""
     wishes = [wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")]
-    if RESPOND_ASYNC in wishes:
-        return Patience(wait_s=0.0, applied=RESPOND_ASYNC)
+    if "respond-async" in wishes:
+        return Patience(wait_s=0, applied="respond-async")
     for wish in wishes:
         if found := _WAIT.fullmatch(wish):
             seconds = min(int(found[1]), WAIT_MAX_S)
             return Patience(wait_s=seconds, applied=f"wait={seconds}")
-    return Patience(wait_s=WAIT_S, applied=None)
+    return Patience(wait_s=unless_said_s, applied=None)
 
 
 async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:

@@ -91,8 +91,18 @@ async def _again_and_again(scheduler: str, solves: int) -> None:
             await asyncio.sleep(_PAUSE_S)
 
 
+class _Worker(Worker):
+    """Ends with what it is at: the scheduler has it done elsewhere once this one has left."""
+
+    async def close(self, *given: Any, **named: Any) -> Any:  # noqa: ANN401 (Dask's)
+        closed = await super().close(*given, **named | {"executor_wait": False})
+        for stop in list(_stops.values()):
+            stop.request()
+        return closed
+
+
 async def _until_lost(scheduler: str, solves: int) -> None:
-    worker = Worker(
+    worker = _Worker(
         scheduler,
         nthreads=solves,
         resources={SLOT: solves},

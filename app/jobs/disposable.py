@@ -7,6 +7,7 @@ any other is killed.  Each piece of work has its own bounds; memory is limited b
 which Linux applies to heaps and private mappings.
 """
 
+import atexit
 import ctypes
 import multiprocessing
 import os
@@ -226,7 +227,8 @@ class _Children:
                 try:
                     child = self._counted(_Child)
                 except (EOFError, OSError) as error:  # work that finds none forks its own
-                    log.warning("a child couldn't be forked", error=repr(error))
+                    if self._kept:
+                        log.warning("a child couldn't be forked", error=repr(error))
                     return
                 self.give_back(child, may_do_more=True)
 
@@ -240,6 +242,14 @@ def start_server() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     multiprocessing.get_context("forkserver").set_forkserver_preload(_IMPORTED)
     forkserver.ensure_running()
+
+
+@atexit.register
+def _end_server() -> None:
+    """At once, its children with it: Python 3.13 waits until none holds its resource tracker."""
+    pid = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
+    if pid is not None:
+        os.kill(pid, signal.SIGKILL)
 
 
 @contextmanager
@@ -317,14 +327,14 @@ def _do_all(line: Connection) -> None:
     _die_with_service(warm.SERVER_PID)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
     _limit(resource.RLIMIT_CORE, 0)
-    report_through(lambda progress: line.send_bytes(_packed(_PROGRESS, progress)))
     if not line.poll(_IDLE_S):
         warm.warm_up()
+    report_through(lambda progress: line.send_bytes(_packed(_PROGRESS, progress)))
     grown_bytes = _bytes(_HELD) + _GROWN_BYTES
     while True:
         try:
             bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
-        except EOFError:
+        except (EOFError, ConnectionResetError):  # the service has ended
             return
         line.send_bytes(_packed(_BEGUN, None))
         _bind(bounds)

@@ -64,7 +64,9 @@ def hang_once(request: bytes) -> Planned:
 
 
 def linger(request: bytes) -> Planned:
-    time.sleep(0.5)
+    """Until let go."""
+    while not _gate(Path(os.fsdecode(request))).exists():
+        time.sleep(0.02)
     return note(request)
 
 
@@ -82,7 +84,7 @@ WORKS = (note, spin, hang, die, die_once, hang_once, linger, fail)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,
-        bounds=Bounds(deadline_s=60.0, memory_mib=200),
+        bounds=Bounds(deadline_s=120.0, memory_mib=200),
         work=work,
         store=PLAN.store,
     )
@@ -101,6 +103,15 @@ class Notes:
         return [int(line) for line in self.file.read_text().split()] if self.file.exists() else []
 
 
+def _gate(file: Path) -> Path:
+    return file.with_suffix(".go")
+
+
+def let_go(file: Path) -> None:
+    """Let the work that lingers with this file end."""
+    _gate(file).touch()
+
+
 def new_job(kind: str, file: Path, **members: object) -> NewJob:
     given = {
         "id": new_id(),
@@ -108,24 +119,6 @@ def new_job(kind: str, file: Path, **members: object) -> NewJob:
         "name": "",
         "request": os.fsencode(file),
         "request_sha256": "0" * 64,
-        "deadline_s": 60.0,
+        "deadline_s": 120.0,
     }
     return NewJob(**given | members)
-
-
-def alive(pid: int) -> bool:
-    """Whether the process is more than an entry nobody has read yet."""
-    try:
-        return "State:\tZ" not in Path(f"/proc/{pid}/status").read_text()
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-
-
-def eventually(met, within_s: float = 60.0):
-    """The first true value of a condition; a loaded machine is slow, so it may take long."""
-    until_s = time.monotonic() + within_s
-    while time.monotonic() < until_s:
-        if value := met():
-            return value
-        time.sleep(0.02)
-    raise AssertionError("it never came about")

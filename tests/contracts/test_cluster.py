@@ -1,17 +1,17 @@
 """Is work on other machines done, stopped, bounded and, when a machine dies, done again?"""
 
 import os
-import socket
+import re
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from dask import config
 from distributed import Client
-from job_cases import KINDS, alive, eventually
+from job_cases import KINDS
+from waiting import alive, eventually
 
 from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import DaskExecutor
@@ -27,7 +27,8 @@ WITHIN_S = 200.0  # a loaded machine takes long to start a worker
 
 @contextmanager
 def running(*command, stderr=subprocess.DEVNULL):
-    environment = os.environ | {"PYTHONPATH": str(HERE), "OMP_NUM_THREADS": "1"}
+    places = os.pathsep.join((str(HERE), str(HERE.parent), os.environ.get("PYTHONPATH", "")))
+    environment = os.environ | {"PYTHONPATH": places, "OMP_NUM_THREADS": "1"}
     process = subprocess.Popen(
         [str(BIN / command[0]), *command[1:]], env=environment, stderr=stderr
     )
@@ -39,12 +40,13 @@ def running(*command, stderr=subprocess.DEVNULL):
 
 
 @pytest.fixture(scope="module")
-def scheduler():
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = str(free.getsockname()[1])
-    with running("dask", "scheduler", "--no-dashboard", "--host", "127.0.0.1", "--port", port):
-        yield f"tcp://127.0.0.1:{port}"
+def scheduler(tmp_path_factory):
+    log = tmp_path_factory.mktemp("scheduler") / "log"
+    loopback = ("--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0")
+    command = ("dask", "scheduler", "--no-dashboard", *loopback)
+    with log.open("wb") as stderr, running(*command, stderr=stderr):
+        found = eventually(lambda: re.search(r"Scheduler at: +(tcp://\S+)", log.read_text()))
+        yield found[1]
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +80,10 @@ def pids(notes):
     return notes.read_text().split() if notes.exists() else []
 
 
+def keys_without_worker(dask_scheduler):
+    return [task.key for task in dask_scheduler.unrunnable]
+
+
 def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path):
     name = ["--name", "other", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
     other = ["--resources", f"{SLOT}.dev=1", *name]
@@ -85,10 +91,11 @@ def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path):
     with running("dask", "worker", scheduler, *other), Client(scheduler) as client:
         client.wait_for_workers(1, timeout=WITHIN_S)
         future = submitted(executor, "note", tmp_path / "notes", stop)
-        time.sleep(1.0)  # long enough for a worker that would take it
+        [key] = eventually(lambda: client.run_on_scheduler(keys_without_worker))
+        assert key.startswith("slewtrack-note")
         stop.request()
-    with pytest.raises(Stopped):
-        future.result(WITHIN_S)
+        with pytest.raises(Stopped):
+            future.result(WITHIN_S)
     assert pids(tmp_path / "notes") == []
 
 
@@ -136,6 +143,18 @@ def test_worker_that_waits_for_its_scheduler_ends_when_told():
         process.terminate()
         assert process.wait(WITHIN_S) == 0
         process.stderr.close()
+
+
+def test_worker_ends_when_told_whatever_it_is_at(executor, scheduler, tmp_path):
+    """Its work is done by another."""
+    with worker(scheduler) as told:
+        future = submitted(executor, "hang_once", tmp_path / "notes")
+        (pid,) = eventually(lambda: pids(tmp_path / "notes"))
+        told.terminate()
+        assert told.wait(WITHIN_S) == 0
+        eventually(lambda: not alive(pid))
+    with worker(scheduler):
+        assert future.result(WITHIN_S).state == "done"
 
 
 TLS = "distributed.comm.tls."

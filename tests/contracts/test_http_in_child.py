@@ -7,9 +7,9 @@ import threading
 from functools import partial
 
 import pytest
-from fastapi.testclient import TestClient
-from job_cases import Notes, alive, eventually, note
+from job_cases import Notes, note
 from refusal_cases import request
+from waiting import PatientClient, alive, eventually
 
 from app.api import horizon, opportunities, stored_plans
 from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
@@ -57,7 +57,7 @@ def hoard(_file, *_given):
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app()) as client:
+    with PatientClient(create_app()) as client:
         yield client
 
 
@@ -126,7 +126,7 @@ def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, n
     serving = threading.Thread(target=service.run, args=([listening],))
     serving.start()
     try:
-        assert eventually(lambda: service.started)
+        eventually(lambda: service.started)
         body = json.dumps(CITIES).encode()
         head = (
             "POST /v1/opportunities HTTP/1.1\r\nHost: 127.0.0.1\r\n"

@@ -5,9 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
-from job_cases import KINDS, Notes, eventually, new_job
+from job_cases import KINDS, Notes, new_job
 from refusal_cases import request
+from waiting import PatientClient, eventually
 
 from app.api.plan_request import read_plan_request
 from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
@@ -29,7 +29,7 @@ LATER = {"Prefer": "respond-async"}
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app(), headers={"Prefer": "wait=60"}) as client:
+    with PatientClient(create_app()) as client:
         yield client
 
 
@@ -53,7 +53,7 @@ def busy(tmp_path, monkeypatch):
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
     settings = Settings(data_dir=tmp_path, workers=1, queue_max=1)
-    with TestClient(create_app(settings)) as client:
+    with PatientClient(create_app(settings)) as client:
         yield client, Notes(file)
 
 
@@ -204,10 +204,12 @@ def test_what_cannot_be_read_is_not_kept(client):
     ],
 )
 def test_who_does_not_want_to_wait_is_told_where(client, prefer, applied):
-    answer = client.post(PLANS, json=SHORT, headers={"Prefer": prefer})
+    asked = {"json": SHORT, "headers": {"Prefer": prefer, "Idempotency-Key": f"told {prefer}"}}
+    answer = client.post(PLANS, **asked)
     assert answer.headers["preference-applied"] == applied
     assert "Prefer" in answer.headers["vary"]
     assert ended(client, located(answer))["state"] == "done"
+    assert located(client.post(PLANS, **asked)) == located(answer)  # made or not
 
 
 @pytest.mark.parametrize("prefer", ["wait=soon", "wait=-1", "return=minimal", ""])

@@ -5,8 +5,8 @@ import json
 import re
 
 import pytest
-from fastapi.testclient import TestClient
 from openapi_spec_validator import OpenAPIV31SpecValidator
+from waiting import PatientClient
 
 from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
@@ -35,7 +35,7 @@ KINDS = [
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app(), headers={"Prefer": "wait=60"}) as client:
+    with PatientClient(create_app()) as client:
         yield client
 
 

@@ -7,10 +7,10 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 from refusal_cases import request
 from scipy.interpolate import CubicHermiteSpline
 from skyfield.api import EarthSatellite, load, wgs84
+from waiting import PatientClient
 
 from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
 from app.main import create_app
@@ -20,7 +20,7 @@ JSON = {"Content-Type": "application/json"}
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app()) as client:
+    with PatientClient(create_app()) as client:
         yield client
 
 

@@ -4,9 +4,9 @@ import json
 from datetime import datetime
 
 import pytest
-from fastapi.testclient import TestClient
 from refusal_cases import CASES, Refused, request
 from typer.testing import CliRunner
+from waiting import PatientClient
 
 from app.cli import main
 from app.errors import STATUS_OF_REFUSAL
@@ -16,7 +16,7 @@ from planner.errors import Refusal
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app()) as client:
+    with PatientClient(create_app()) as client:
         yield client
 
 

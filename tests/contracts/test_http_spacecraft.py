@@ -7,8 +7,8 @@ import ccsds_ndm
 import netCDF4
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 from scipy.spatial.transform import Rotation
+from waiting import PatientClient
 
 from app.api.spacecraft_examples import FOUR_MODES, SPACECRAFT_EXAMPLES
 from app.main import create_app
@@ -21,8 +21,7 @@ STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
 @pytest.fixture(scope="module")
 def client():
     app = create_app()
-    patience = {"Prefer": "wait=60"}
-    with TestClient(app, raise_server_exceptions=False, headers=patience) as client:
+    with PatientClient(app, raise_server_exceptions=False) as client:
         yield client
 
 

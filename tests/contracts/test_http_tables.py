@@ -6,9 +6,9 @@ import json
 
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 from refusal_cases import request
 from scipy.io import netcdf_file
+from waiting import PatientClient
 
 from app.api.examples import LAS_VEGAS
 from app.main import create_app
@@ -22,7 +22,7 @@ SHORT = request(
 
 @pytest.fixture(scope="module")
 def client():
-    with TestClient(create_app()) as client:
+    with PatientClient(create_app()) as client:
         yield client
 
 

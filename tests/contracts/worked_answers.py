@@ -14,7 +14,8 @@ from unittest.mock import patch
 
 import httpx2 as httpx
 from fastapi.testclient import TestClient
-from job_cases import eventually, spin
+from job_cases import spin
+from waiting import eventually
 
 from app.api import job_routes
 from app.api.campaign_examples import CAMPAIGN_EXAMPLES
@@ -121,7 +122,7 @@ def _made(answers: Answers, path: str) -> None:
     kind, request, formats = KEPT[path]
     given = {"json": request, "headers": {"Prefer": "wait=60", "Idempotency-Key": kind}}
     answers.ask("POST", path, query="?dry_run=true", json=request)
-    eventually(lambda: answers.client.post(path, **given).status_code == 201, within_s=240.0)
+    eventually(lambda: answers.client.post(path, **given).status_code == 201)
     made_id = answers.ask("POST", path, **given).json()["id"]
     for name in formats:
         answers.ask("POST", path, name=name, query=f"?format={name}", **given)
