@@ -9,7 +9,7 @@ import logging
 import sys
 import threading
 import warnings
-from typing import Any, Literal
+from typing import Any, Literal, TextIO
 
 import structlog
 
@@ -45,7 +45,7 @@ def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
         last.append(structlog.processors.JSONRenderer(serializer=_strict_json))
     else:
         last.append(structlog.dev.ConsoleRenderer(colors=False))
-    handler = logging.StreamHandler(sys.stderr)
+    handler = _Handler(sys.stderr)
     handler.addFilter(OneASecond())
     handler.setFormatter(
         structlog.stdlib.ProcessorFormatter(foreign_pre_chain=shared, processors=last)
@@ -67,6 +67,18 @@ def take_over(*names: str, level: int = logging.NOTSET) -> None:
         logger.handlers = []
         logger.propagate = True
         logger.setLevel(level)
+
+
+class _Handler(logging.StreamHandler[TextIO]):
+    """Tells where a record came from that can't be formatted, not what was in it."""
+
+    _UNTELLABLE = "a record can't be written"
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (logging's own)
+        if record.msg == self._UNTELLABLE:
+            return  # nothing can: stderr is closed
+        where = (record.pathname, record.lineno)
+        self.emit(SafeRecord(OURS, logging.ERROR, *where, self._UNTELLABLE, (), sys.exc_info()))
 
 
 def _strict_json(event: dict[str, Any], **_: object) -> str:

@@ -14,15 +14,19 @@ from pathlib import Path
 import httpx2 as httpx
 import pytest
 from databases import SERVER, fresh_database
-from job_cases import eventually
-from live_service import ROOT, live_service
+from fastapi.testclient import TestClient
+from job_cases import eventually, new_job
+from live_service import ROOT, children_of, live_service
 from sqlalchemy import create_engine, text
-from test_crashes import SHORT, children_of
 
+from app.api.examples import LAS_VEGAS
+from app.main import create_app
+from app.settings import Settings
+from app.store import jobs
 from app.store.keys import KeyStore
 
 PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
-ORDER = {**SHORT, "name": BODY}
+ORDER = {**LAS_VEGAS, "name": BODY}
 # What may be answered within; for a machine that does other things.  bench/ measures.
 SOON_S = 20.0
 
@@ -252,14 +256,7 @@ def test_of_many_lines_of_a_kind_one_a_second_is_told():
 
 @pytest.mark.parametrize("path", ["/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"])
 def test_one_of_many_deletes_deletes(tmp_path, path):
-    from fastapi.testclient import TestClient
-    from job_cases import new_job
-
-    from app.main import create_app
-    from app.settings import Settings
-    from app.store import jobs
-
-    kinds = {"/v1/plans": "plan", "/v1/spacecraft/plans": "spacecraft_plan"}
+    kinds = {"/v1/plans": "plan", "/v1/spacecraft/plans": "spacecraft"}
     with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
         new = new_job(kinds.get(path, "campaign"), tmp_path)
         with client.app.state.database.writing() as connection:
