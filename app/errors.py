@@ -19,6 +19,7 @@ from app.api.json_reader import FieldError, InvalidRequest, field_errors
 from app.jobs.disposable import TooDemanding
 from app.jobs.refusals import Conflict, Interrupted, KeyReused, QueueFull
 from app.observability import request_id
+from app.store.failures import StoreUnavailable
 from estimator.errors import InvalidCamera, InvalidImage
 from planner import errors
 from planner.errors import GiveUp
@@ -45,6 +46,7 @@ STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     KeyReused: HTTPStatus.UNPROCESSABLE_ENTITY,
     Conflict: HTTPStatus.CONFLICT,
     QueueFull: HTTPStatus.SERVICE_UNAVAILABLE,
+    StoreUnavailable: HTTPStatus.SERVICE_UNAVAILABLE,
     # The request was sound: these are our failures.
     errors.SolverFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
     errors.VerificationFailed: HTTPStatus.INTERNAL_SERVER_ERROR,
@@ -81,7 +83,7 @@ class Problem:
 
 def install(app: FastAPI) -> None:
     """Answer every refusal, HTTP error and bug of `app` with a problem."""
-    app.add_exception_handler(errors.Refusal, _refusal)
+    app.add_exception_handler(errors.Refusal, refusal_answer)
     app.add_exception_handler(HTTPException, http_error)
     app.add_exception_handler(RequestValidationError, _bad_parameter)
 
@@ -92,7 +94,8 @@ def problem_type(scope: Mapping[str, Any]) -> str | None:
     return kind
 
 
-def _refusal(request: Request, refusal: Exception) -> Response:
+def refusal_answer(request: Request, refusal: Exception) -> Response:
+    """The answer to what was refused."""
     assert isinstance(refusal, errors.Refusal)
     return problem_answer(request, problem_of(refusal))
 
@@ -133,7 +136,7 @@ def _text(utc: datetime | None) -> str | None:
 def _bad_parameter(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     document = {"query": dict(request.query_params)}
-    return _refusal(request, InvalidRequest(*field_errors(error.errors(), document)))
+    return refusal_answer(request, InvalidRequest(*field_errors(error.errors(), document)))
 
 
 def http_error(request: Request, error: Exception) -> Response:

@@ -26,7 +26,7 @@ from app.jobs.running import dispatching
 from app.observability.metrics import Metrics
 from app.observability.readiness import (
     Readiness,
-    database_answers,
+    database_takes_writes,
     earth_orientation_covers_now,
     solver_answers,
 )
@@ -105,7 +105,7 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
     app.state.metrics = Metrics()
     app.state.readiness = Readiness(
         {
-            "database": lambda: database_answers(app.state.database),
+            "database": lambda: database_takes_writes(app.state.database),
             "solver": solver_answers,
             "earth_orientation": earth_orientation_covers_now,
         }

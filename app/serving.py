@@ -1,5 +1,6 @@
 """How is the service brought to a port?"""
 
+import socket
 import sys
 
 import uvicorn
@@ -28,11 +29,28 @@ def serve_on(host: str, port: int, settings: Settings) -> None:
     if not is_loopback(host):
         settings = settings.model_copy(update={"require_keys": True})
         _require_a_key(host, settings)
+    with opened(settings.database_url, settings.data_dir):
+        pass  # what is wrong with it is told before anything starts
+    _require_free(host, port)
     configure_logs(settings.log_level, settings.log_format)
     service = server(host, port, settings)
     service.run()
     if not service.started:
         sys.exit(1)
+
+
+def _require_free(host: str, port: int) -> None:
+    """Raises Refusal where it can't be listened on: uvicorn would start all else first."""
+    try:
+        for family, kind, _, _, address in socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        ):
+            with socket.socket(family, kind) as listener:
+                listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                listener.bind(address)
+    except OSError as error:
+        told = f"{host} port {port} can't be listened on: {error.strerror}"
+        raise Refusal(told, field="--port") from None
 
 
 def server(host: str, port: int, settings: Settings) -> uvicorn.Server:

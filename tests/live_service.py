@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,6 +31,18 @@ class Service:
         """Resident memory of the service itself at its largest, its children apart."""
         status = Path(f"/proc/{self.pid}/status").read_text()
         return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
+
+
+def children_of(pid: int) -> list[int]:
+    """Processes that do the service's work: the children of its fork server."""
+    found = []
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            text = status.read_text()
+            parent = int(text.rpartition(")")[2].split()[1])
+            found.append((int(status.parent.name), parent))
+    servers = {child for child, parent in found if parent == pid}
+    return [child for child, parent in found if parent in servers]
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from sqlalchemy import Connection
 from app.api.reading import read
 from app.store import events, jobs
 from app.store.events import Event
+from app.store.failures import StoreUnavailable
 from planner.frames.time_scales import utc_text
 
 EVENT_STREAM = "text/event-stream"
@@ -26,7 +27,10 @@ async def told(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
     """Events after the seq-th, until the job has ended."""
     said_s = time.monotonic()
     while True:
-        found, is_open = await _after(request, job_id, seq)
+        try:
+            found, is_open = await _after(request, job_id, seq)
+        except StoreUnavailable:  # the stream has begun: it goes on when the database is back
+            found, is_open = [], True
         for event in found:
             seq, said_s = event.seq, time.monotonic()
             yield _text(event)

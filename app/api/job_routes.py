@@ -93,11 +93,15 @@ def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     """The job that makes one of them; raises 404."""
     job = jobs.get(connection, job_id)
     if job is None or job.kind != resource.kind.name:
-        raise HTTPException(
-            HTTPStatus.NOT_FOUND,
-            f"there is no {resource.singular} with this id; GET {resource.path} lists them",
-        )
+        raise _nothing(resource)
     return job
+
+
+def _nothing(resource: JobResource) -> HTTPException:
+    return HTTPException(
+        HTTPStatus.NOT_FOUND,
+        f"there is no {resource.singular} with this id; GET {resource.path} lists them",
+    )
 
 
 async def listed(
@@ -127,7 +131,8 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
         job = await find_job(request, resource, job_id)
         key_id = getattr(request.state, "key_id", None)
         if not job.is_open:
-            await anyio.to_thread.run_sync(_remove, request, job, key_id)
+            if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
+                raise _nothing(resource)  # another removed it just now
             return Response(status_code=HTTPStatus.NO_CONTENT)
         dispatcher: Dispatcher = request.app.state.dispatcher
         await anyio.to_thread.run_sync(dispatcher.cancel, job_id, key_id)
@@ -151,11 +156,13 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
     )(delete)
 
 
-def _remove(request: Request, job: Job, key_id: str | None) -> None:
+def _remove(request: Request, job: Job, key_id: str | None) -> bool:
     database: Database = request.app.state.database
     with database.writing() as connection:
-        if jobs.remove(connection, job.id):
+        gone = jobs.remove(connection, job.id)
+        if gone:
             audit.record(connection, key_id=key_id, action=f"{job.kind}.delete", subject=job.id)
+    return gone
 
 
 def add_events(router: APIRouter, resource: JobResource) -> None:

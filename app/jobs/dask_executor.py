@@ -60,7 +60,7 @@ class DaskExecutor:
                     try:
                         return self._done(key, task, stop, wake)
                     except _LOST as error:
-                        log.warning("the cluster was lost", job=task.job_id, error=repr(error))
+                        log.warning("the cluster was lost", job=task.job_id, error=error)
                         wake.clear()
                         wake.wait(_PAUSE_S)
                 raise Stopped
@@ -90,7 +90,7 @@ class DaskExecutor:
                     return
                 time.sleep(0.1)
         except _LOST as error:
-            log.warning("the cluster was lost", error=repr(error))
+            log.warning("the cluster was lost", error=error)
 
     def _connected(self) -> Client:
         """A client of the scheduler, a new one where the last has lost it; raises TimeoutError."""

@@ -87,7 +87,7 @@ async def _again_and_again(scheduler: str, solves: int) -> None:
         try:
             await _until_lost(scheduler, solves)
         except (OSError, TimeoutError) as error:
-            log.warning("the scheduler doesn't answer", scheduler=scheduler, error=repr(error))
+            log.warning("the scheduler doesn't answer", scheduler=scheduler, error=error)
             await asyncio.sleep(_PAUSE_S)
 
 

@@ -10,11 +10,12 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime, timedelta
+from itertools import chain, repeat
 from threading import Event, Lock, Thread
 from typing import Any
 
 from sqlalchemy import Connection
-from sqlalchemy.exc import IntegrityError, OperationalError, SQLAlchemyError
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from app.jobs.disposable import Bounds, Stop
 from app.jobs.executors import SolveExecutor, Task
@@ -26,12 +27,13 @@ from app.jobs.states import OPEN_STATES, JobState
 from app.observability.logs import log
 from app.store import audit, events, jobs
 from app.store.database import Database
+from app.store.failures import StoreUnavailable
 from app.store.jobs import Claimed, Job, NewJob
 
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote
 PROGRESS_S = 0.5  # least time between two progress events of one job
 _PAUSE_S = 1.0  # when the database doesn't answer
-_STORE_PAUSES_S = (1.0, 2.0, 4.0, 8.0, 16.0)
+_STORE_PAUSES_S = (0.2, 1.0, 2.0, 4.0, 8.0)  # the last again and again
 _PRUNE_S = 3600.0
 _PRUNED_AT_ONCE = 200
 
@@ -79,7 +81,7 @@ class Dispatcher:
         self._watchers: dict[str, list[Future[bool]]] = {}
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
-        self._closing = False
+        self._closing = Event()
         self._thread = Thread(target=self._keep_going, name="dispatcher", daemon=True)
         self._extended_s = self._pruned_s = time.monotonic()
 
@@ -89,7 +91,7 @@ class Dispatcher:
 
     def close(self) -> None:
         """Give what runs back to the queue, for the next service."""
-        self._closing = True
+        self._closing.set()
         self._wake.set()
         self._thread.join()
         for running in self._now_running():
@@ -194,7 +196,7 @@ class Dispatcher:
 
     def _take_place(self) -> bool:
         with self._lock:
-            if self._free <= 0 or self._closing:
+            if self._free <= 0 or self._closing.is_set():
                 return False
             self._free -= 1
             return True
@@ -221,7 +223,7 @@ class Dispatcher:
     def _follow(self, running: _Running, work: Future[Any]) -> None:
         with self._lock:
             self._running[running.job_id] = running
-        if self._closing:  # which may not have seen it
+        if self._closing.is_set():  # which may not have seen it
             running.stop.request()
         work.add_done_callback(lambda done: self._end(running, done))
 
@@ -235,8 +237,8 @@ class Dispatcher:
             with self._database.writing() as connection:
                 if jobs.owned(connection, running.token) is not None:
                     events.record(connection, running.job_id, events.PROGRESS, told)
-        except SQLAlchemyError as error:  # the work matters more than what it says of itself
-            log.warning("progress can't be stored", job=running.job_id, error=repr(error))
+        except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
+            log.warning("progress can't be stored", job=running.job_id, error=error)
 
     def _end(self, running: _Running, done: Future[Any]) -> None:
         took_s = time.monotonic() - running.began_s
@@ -267,6 +269,8 @@ class Dispatcher:
             return self._change(
                 running, lambda connection, job: settle(connection, job, running.kind, done, most)
             )
+        except StoreUnavailable:
+            raise  # the service ends before the database is back: the next takes it up
         except Exception as error:  # noqa: BLE001 (whatever it is, the job must end)
             log.error("a result can't be stored", job=running.job_id, exc_info=error)
             return self._change(running, give_up)
@@ -274,8 +278,12 @@ class Dispatcher:
     def _change(
         self, running: _Running, change: Callable[[Connection, Job], JobState]
     ) -> JobState | None:
-        """What `change` makes of a job that is still ours, the database willing in the end."""
-        for pause_s in (*_STORE_PAUSES_S, None):
+        """What `change` makes of a job that is still ours, when the database is back.
+
+        Until then its place is taken, so that no more is begun than can be kept.
+        """
+        pauses_s = chain(_STORE_PAUSES_S, repeat(_STORE_PAUSES_S[-1]))
+        while True:
             try:
                 with self._database.writing() as connection:
                     job = jobs.owned(connection, running.token)
@@ -283,24 +291,25 @@ class Dispatcher:
                         log.warning("a lease was lost", job=running.job_id)
                         return None
                     return change(connection, job)
-            except OperationalError as error:
-                if pause_s is None:
+            except StoreUnavailable:
+                if self._closing.is_set():
                     raise
-                log.warning("a result can't be stored yet", job=running.job_id, error=repr(error))
-                time.sleep(pause_s)
-        raise AssertionError
+                log.warning("a result can't be stored yet", job=running.job_id)
+                self._closing.wait(next(pauses_s))
 
     # The thread
 
     def _keep_going(self) -> None:
-        while not self._closing:
+        while not self._closing.is_set():
             try:
                 self._take_up()
                 self._look_after()
                 self._prune()
+            except StoreUnavailable:  # which is told where it is raised
+                self._closing.wait(_PAUSE_S)
             except Exception as error:  # noqa: BLE001 (nothing is worked on without this thread)
                 log.error("jobs can't be looked after", exc_info=error)
-                time.sleep(_PAUSE_S)
+                self._closing.wait(_PAUSE_S)
             self._wake.wait(POLL_S)
             self._wake.clear()
 

@@ -26,6 +26,7 @@ from threading import Lock, Timer
 from typing import Any, ClassVar, TypeVar
 
 from app.jobs.progress import Progress, report_through
+from app.observability.exceptions import traceback_text
 from app.observability.logs import log
 from planner.errors import Refusal
 
@@ -74,11 +75,15 @@ class TooDemanding(Refusal):
 
 
 class ChildFailed(RuntimeError):
-    """The work raised what is no refusal; the message holds its traceback."""
+    """The work raised what is no refusal; the message tells where."""
+
+    tells_no_secret: ClassVar[bool] = True
 
 
 class ChildDied(RuntimeError):
     """The child ended without a word."""
+
+    tells_no_secret: ClassVar[bool] = True
 
 
 class Stopped(RuntimeError):
@@ -228,7 +233,7 @@ class _Children:
                     child = self._counted(_Child)
                 except (EOFError, OSError) as error:  # work that finds none forks its own
                     if self._kept:
-                        log.warning("a child couldn't be forked", error=repr(error))
+                        log.warning("a child couldn't be forked", error=error)
                     return
                 self.give_back(child, may_do_more=True)
 
@@ -327,6 +332,7 @@ def _do_all(line: Connection) -> None:
     _die_with_service(warm.SERVER_PID)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
     _limit(resource.RLIMIT_CORE, 0)
+    _say_nothing()
     if not line.poll(_IDLE_S):
         warm.warm_up()
     report_through(lambda progress: line.send_bytes(_packed(_PROGRESS, progress)))
@@ -356,8 +362,8 @@ def _answer(
             "a time"
         )
         return _packed(_REFUSED, too_much)
-    except Exception:  # noqa: BLE001 (told to the parent, which raises it)
-        return _packed(_FAILED, traceback.format_exc())
+    except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
+        return _packed(_FAILED, traceback_text(error))
 
 
 def _packed(kind: int, value: object, may_do_more: bool = False) -> bytes:
@@ -383,6 +389,14 @@ def _die_with_service(server_pid: int) -> None:
     if os.getppid() != server_pid:  # it was gone before the kernel was asked
         os.kill(os.getpid(), signal.SIGKILL)
     os.close(forkserver._forkserver._forkserver_alive_fd)  # type: ignore[attr-defined]
+
+
+def _say_nothing() -> None:
+    """What libraries print in C, and Python of what nobody catches, may hold the request."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(nowhere, stream)
+    os.close(nowhere)
 
 
 def _limit(which: int, most: int) -> None:

@@ -75,7 +75,7 @@ def _problem(job: Job, error: BaseException) -> Mapping[str, Any] | None:
     if isinstance(error, Refusal):
         return problem_of(error)
     if isinstance(error, ChildFailed):
-        log.error("bug", job=job.id, traceback=str(error))
+        log.error("bug", job=job.id, exc_info=error)
         return bug()
-    log.warning("a child was lost", job=job.id, error=repr(error))
+    log.warning("a child was lost", job=job.id, error=error)
     return None

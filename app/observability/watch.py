@@ -14,11 +14,12 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.errors import bug_response, problem_type
+from app.errors import bug_response, problem_type, refusal_answer
 from app.observability import request_id
 from app.observability.logs import log
 from app.observability.metrics import UNMATCHED, Metrics
 from app.security.headers import harden
+from app.store.failures import StoreUnavailable
 
 _PATH_SHOWN = 200
 CLIENT_GONE = 499  # as nginx logs it; never sent
@@ -46,6 +47,8 @@ class Watch:
                 await self._app(scope, receive, this.send)
             except ClientDisconnect:
                 this.status = this.status or CLIENT_GONE
+            except StoreUnavailable as error:  # before the request was let in, or after its answer
+                await this.refuse(error, receive)
             except Exception as error:  # noqa: BLE001 (the edge: the log gets all, the client none)
                 await this.fail(error, receive)
             finally:
@@ -89,6 +92,11 @@ class _Answer:
             headers[request_id.HEADER] = self.request_id
             harden(headers)
         await self._send(message)
+
+    async def refuse(self, error: StoreUnavailable, receive: Receive) -> None:
+        if self.status:  # too late for another answer: break off, so that none takes it for whole
+            raise error
+        await refusal_answer(Request(self._scope), error)(self._scope, receive, self.send)
 
     async def fail(self, error: Exception, receive: Receive) -> None:
         log.error("bug", exc_info=error)

@@ -6,47 +6,98 @@ What was accepted outlives a power failure, too: SQLite waits for the disk at ev
 takes some 4 ms twice a plan.
 """
 
+import os
+import random
+import sqlite3
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.engine.interfaces import DBAPIConnection
-from sqlalchemy.exc import ArgumentError
+from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 from sqlalchemy.pool import ConnectionPoolEntry
 
+from app.observability.logs import log
+from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
+from app.store.turns import PATIENCE_S, Patience, Turns
 from planner.errors import InvalidInput
 
 FILE = "slewtrack.sqlite3"
 DRIVERS = ("sqlite", "postgresql+psycopg")
-_BUSY_S = 30.0  # how long SQLite waits for another writer
 _POOLED, _POOLED_MORE = 5, 20
 _WRITES = "slewtrack_writes"
+# SQLite's own waiting looks ten times a second, and finds no gap between the transactions of
+# another busy service; so often it does.
+_LOOK_S = 0.004
+_OWNER_ONLY = 0o600
 
 
 class Database:
-    """Connections to one database; every access is one transaction."""
+    """Connections to one database; every access is one transaction.
+
+    Where the database itself is at fault, full, locked or away, either way raises
+    StoreUnavailable, within two seconds.
+    """
 
     def __init__(self, url: URL) -> None:
         self.url = url
         self._engine = _engine(url)
+        self._readers, self._writers = Patience(), Patience()
+        self._turns = Turns(self._writers) if url.drivername == "sqlite" else None
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
         """A transaction that sees one state of the data."""
-        with self._engine.connect() as connection, connection.begin():
+        with (
+            _told_apart(self._readers),
+            self._engine.connect() as connection,
+            connection.begin(),
+        ):
             yield connection
 
     @contextmanager
     def writing(self) -> Iterator[Connection]:
         """A transaction that may change data; SQLite lets one in at a time."""
-        writer = self._engine.connect().execution_options(**{_WRITES: True})
-        with writer as connection, connection.begin():
+        with (
+            _told_apart(self._writers),
+            self._turn(),
+            self._engine.connect().execution_options(**{_WRITES: True}) as connection,
+            connection.begin(),
+        ):
             yield connection
+
+    @property
+    def name(self) -> str:
+        """What an operator knows it by: its file, or the setting that names it."""
+        is_file = self.url.drivername == "sqlite"
+        return str(self.url.database) if is_file else "SLEWTRACK_DATABASE_URL"
+
+    def _turn(self) -> AbstractContextManager[None]:
+        """Before a connection is taken, so that writers who wait leave some to readers."""
+        return nullcontext() if self._turns is None else self._turns.turn()
 
     def close(self) -> None:
         """Give all connections back."""
         self._engine.dispose()
+
+
+@contextmanager
+def _told_apart(patience: Patience) -> Iterator[None]:
+    """Failures of the database from bugs in what it was asked."""
+    patience.require()
+    try:
+        yield
+    except (SQLAlchemyError, sqlite3.Error) as error:
+        if not is_of_the_store(error):
+            raise
+        if keeps_all_waiting(error):
+            patience.lose()
+        log.warning("the database can't be used", error=error)
+        raise StoreUnavailable(
+            "the database can't be read or written now; ask again later"
+        ) from error
 
 
 def open_database(database_url: str, data_dir: Path) -> Database:
@@ -56,7 +107,9 @@ def open_database(database_url: str, data_dir: Path) -> Database:
     """
     if not database_url:
         data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
-        return Database(URL.create("sqlite", database=str(data_dir / FILE)))
+        file = data_dir / FILE
+        _keep_to_owner(file)
+        return Database(URL.create("sqlite", database=str(file)))
     try:
         url = make_url(database_url)
     except ArgumentError:
@@ -66,7 +119,18 @@ def open_database(database_url: str, data_dir: Path) -> Database:
             "must be postgresql+psycopg://USER:PASSWORD@HOST/NAME or sqlite:///FILE",
             field="SLEWTRACK_DATABASE_URL",
         )
+    if url.drivername == "sqlite" and url.database and url.database != ":memory:":
+        _keep_to_owner(Path(url.database))
     return Database(url)
+
+
+def _keep_to_owner(file: Path) -> None:
+    """It holds plans and digests of keys; SQLite gives the files beside it the same mode."""
+    os.close(os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, _OWNER_ONLY))
+    for name in (file.name, f"{file.name}-wal", f"{file.name}-shm"):
+        beside = file.with_name(name)
+        if beside.exists() and beside.stat().st_mode & 0o077:
+            beside.chmod(_OWNER_ONLY)
 
 
 def _engine(url: URL) -> Engine:
@@ -75,15 +139,24 @@ def _engine(url: URL) -> Engine:
             url,
             pool_size=_POOLED,
             max_overflow=_POOLED_MORE,
+            pool_timeout=PATIENCE_S,
             pool_pre_ping=True,
-            # Else a database made as SQL_ASCII answers in bytes.
-            connect_args={"client_encoding": "utf8"},
+            hide_parameters=True,
+            connect_args={
+                # Else a database made as SQL_ASCII answers in bytes.
+                "client_encoding": "utf8",
+                "connect_timeout": 2,  # psycopg's least
+                "tcp_user_timeout": int(PATIENCE_S * 1e3),
+                "options": f"-c lock_timeout={PATIENCE_S * 1e3:.0f}",
+            },
         )
     engine = create_engine(
         url,
         pool_size=_POOLED,
         max_overflow=_POOLED_MORE,
-        connect_args={"timeout": _BUSY_S, "check_same_thread": False},
+        pool_timeout=PATIENCE_S,
+        hide_parameters=True,
+        connect_args={"timeout": PATIENCE_S, "check_same_thread": False},
     )
     event.listen(engine, "connect", _set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)
@@ -99,6 +172,26 @@ def _set_up_sqlite(connection: DBAPIConnection, _: ConnectionPoolEntry) -> None:
 
 
 def _begin_sqlite(connection: Connection) -> None:
-    writes = connection.get_execution_options().get(_WRITES)
+    if not connection.get_execution_options().get(_WRITES):
+        connection.exec_driver_sql("BEGIN")
+        return
     # A reader that turns writer can fail at once when another wrote in between.
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+    driver = connection.connection.driver_connection
+    assert isinstance(driver, sqlite3.Connection)
+    until_s = time.monotonic() + PATIENCE_S
+    driver.execute("PRAGMA busy_timeout=0")
+    try:
+        while not _began(driver, until_s):
+            time.sleep(random.uniform(0.5, 1.5) * _LOOK_S)  # noqa: S311 (no secret)
+    finally:
+        driver.execute(f"PRAGMA busy_timeout={PATIENCE_S * 1e3:.0f}")
+
+
+def _began(driver: sqlite3.Connection, until_s: float) -> bool:
+    try:
+        driver.execute("BEGIN IMMEDIATE")
+    except sqlite3.OperationalError as error:
+        if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or time.monotonic() > until_s:
+            raise
+        return False
+    return True

@@ -1,5 +1,6 @@
 """How does a database get the tables this version needs?"""
 
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,13 +10,16 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
-from sqlalchemy.exc import OperationalError
 
+from app.observability.exceptions import reason
 from app.store.database import Database, open_database
+from app.store.failures import StoreUnavailable
 from planner.errors import InvalidInput
 
 _FOLDER = Path(__file__).parent / "migrations"
 _LOCK = 0x736C6577  # "slew": any number that nobody else locks
+_OTHERS_S = 30.0  # how long others that start may take to migrate
+_PAUSE_S = 0.2
 
 
 @contextmanager
@@ -34,15 +38,29 @@ def upgrade(database: Database) -> None:
 
     Raises InvalidInput for a database of a later version, or that doesn't answer.
     """
-    try:
-        with database.writing() as connection:
-            if connection.dialect.name == "postgresql":
-                connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})
-            _upgrade(connection)
-    except OperationalError as error:
-        raise InvalidInput(
-            f"the database can't be used: {error.orig}", field="SLEWTRACK_DATABASE_URL"
-        ) from error
+    until_s = time.monotonic() + _OTHERS_S
+    while True:
+        try:
+            with database.writing() as connection:
+                if connection.dialect.name == "postgresql":
+                    connection.execute(text(f"SET LOCAL lock_timeout = '{_OTHERS_S:.0f}s'"))
+                    connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})
+                _upgrade(connection)
+        except StoreUnavailable as error:
+            if not _is_locked(error) or time.monotonic() > until_s:
+                why = reason(error.__cause__ or error)
+                raise InvalidInput(
+                    f"the database can't be used{': ' * bool(why)}{why}",
+                    field=database.name,
+                ) from error
+            time.sleep(_PAUSE_S)
+        else:
+            return
+
+
+def _is_locked(error: StoreUnavailable) -> bool:
+    """By another that starts, say; without a cause, it was just now."""
+    return error.__cause__ is None or reason(error.__cause__).startswith("SQLITE_BUSY")
 
 
 def _upgrade(connection: Connection) -> None:

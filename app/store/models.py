@@ -11,13 +11,12 @@ from sqlalchemy import (
     LargeBinary,
     MetaData,
     String,
-    Text,
     UniqueConstraint,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 from app.jobs.states import STATES, JobState
-from app.store.columns import UtcDateTime
+from app.store.columns import PlainText, UtcDateTime
 
 _STATES = ", ".join(f"'{state}'" for state in STATES)
 _ID = String(36)
@@ -52,7 +51,7 @@ class JobRow(Base):
     id: Mapped[str] = mapped_column(_ID, primary_key=True)
     kind: Mapped[str] = mapped_column(String(32))
     state: Mapped[JobState] = mapped_column(String(16))
-    name: Mapped[str] = mapped_column(Text)
+    name: Mapped[str] = mapped_column(PlainText)
     request: Mapped[bytes] = mapped_column(LargeBinary)
     request_sha256: Mapped[str] = mapped_column(String(64))
     options: Mapped[dict[str, Any]] = mapped_column(JSON)
@@ -95,7 +94,7 @@ class PlanRow(Base):
     series: Mapped[str] = mapped_column(_ID)
     revision: Mapped[int]
     revises: Mapped[str | None] = mapped_column(_ID)
-    name: Mapped[str] = mapped_column(Text)
+    name: Mapped[str] = mapped_column(PlainText)
     state: Mapped[JobState] = mapped_column(String(16))
     input_sha256: Mapped[str] = mapped_column(String(64))
     versions: Mapped[dict[str, str]] = mapped_column(JSON)
@@ -128,3 +127,13 @@ class CampaignRow(Base):
 
     id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     document: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class ProbeRow(Base):
+    """What readiness wrote and is about to remove."""
+
+    __tablename__ = "probes"
+
+    id: Mapped[str] = mapped_column(_ID, primary_key=True)
+    at_utc: Mapped[datetime] = mapped_column(UtcDateTime)
+    content: Mapped[bytes] = mapped_column(LargeBinary)

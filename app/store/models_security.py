@@ -2,10 +2,10 @@
 
 from datetime import datetime
 
-from sqlalchemy import JSON, Index, String, Text
+from sqlalchemy import JSON, Index, String
 from sqlalchemy.orm import Mapped, mapped_column
 
-from app.store.columns import UtcDateTime
+from app.store.columns import PlainText, UtcDateTime
 from app.store.models import Base
 
 
@@ -15,7 +15,7 @@ class KeyRow(Base):
     __tablename__ = "keys"
 
     id: Mapped[str] = mapped_column(String(64), primary_key=True)
-    name: Mapped[str] = mapped_column(Text)
+    name: Mapped[str] = mapped_column(PlainText)
     secret_sha256: Mapped[str] = mapped_column(String(64))
     scopes: Mapped[list[str]] = mapped_column(JSON)
     created_utc: Mapped[datetime] = mapped_column(UtcDateTime)
@@ -38,6 +38,6 @@ class AuditRow(Base):
     key_id: Mapped[str | None] = mapped_column(String(64))
     action: Mapped[str] = mapped_column(String(32))
     subject: Mapped[str] = mapped_column(String(64))
-    detail: Mapped[str] = mapped_column(Text)
+    detail: Mapped[str] = mapped_column(PlainText)
 
     __table_args__ = (Index(None, "subject"),)

@@ -145,7 +145,9 @@ def test_a_bug_is_reported_without_its_text(database, tmp_path, caplog):
     assert found.state == "failed"
     assert found.problem["type"].endswith("internal-error")
     assert "secret" not in str(found.problem)
-    assert any("secret" in str(record.__dict__) for record in caplog.records)
+    assert "RuntimeError" in caplog.text
+    assert "job_cases.py" in caplog.text
+    assert "secret" not in caplog.text
 
 
 def test_a_result_no_database_takes_ends_its_job(database, tmp_path, caplog):
@@ -266,7 +268,9 @@ def test_the_audit_trail_says_who_did_what(database, tmp_path):
     assert told == [("bob", "hang.cancel", job.id), ("alice", "hang.accept", job.id)]
 
 
-def test_work_accepted_while_the_service_stops_is_given_back(database, tmp_path):
+def test_work_accepted_while_the_service_stops_is_given_back(database, tmp_path, monkeypatch):
+    for module in ("turns", "database"):
+        monkeypatch.setattr(f"app.store.{module}.PATIENCE_S", 60.0)
     notes = Notes(tmp_path / "notes")
     with dispatching(database) as dispatcher, ThreadPoolExecutor() as threads:
         with database.writing():  # SQLite lets nobody else write

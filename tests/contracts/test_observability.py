@@ -10,6 +10,7 @@ import uuid
 
 import pytest
 from fastapi.testclient import TestClient
+from job_cases import eventually
 from live_service import ROOT, live_service
 from prometheus_client.parser import text_string_to_metric_families
 
@@ -107,7 +108,8 @@ def test_solves_and_jobs_are_told():
 
 
 def test_ready(client):
-    answer = client.get("/readyz").json()
+    # A solver that is still being warmed up isn't ready.
+    answer = eventually(lambda: (a := client.get("/readyz")).status_code == 200 and a).json()
     assert {check["name"]: check["state"] for check in answer["checks"]} | {
         "earth_orientation": "ok"
     } == {"database": "ok", "solver": "ok", "earth_orientation": "ok"}
@@ -116,7 +118,7 @@ def test_ready(client):
 
 @pytest.mark.parametrize(
     ("broken", "name"),
-    [("database_answers", "database"), ("solver_answers", "solver")],
+    [("database_takes_writes", "database"), ("solver_answers", "solver")],
 )
 def test_not_ready(tmp_path, monkeypatch, caplog, broken, name):
     def fails(*_):
@@ -131,15 +133,14 @@ def test_not_ready(tmp_path, monkeypatch, caplog, broken, name):
     assert answer.headers["retry-after"]
     assert answer.json()["detail"].startswith(f"{name}: ")
     assert "secret" not in answer.text
-    assert "/var/lib/secret" in caplog.text
+    assert f"check': '{name}'" in str([record.__dict__ for record in caplog.records])
 
 
 def test_old_earth_orientation_is_degraded_not_down(tmp_path, monkeypatch):
     ended = readiness.iers_data_end_utc().replace(year=2020)
     monkeypatch.setattr(readiness, "iers_data_end_utc", lambda: ended)
     with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
-        answer = client.get("/readyz")
-    assert answer.status_code == 200
+        answer = eventually(lambda: (a := client.get("/readyz")).status_code == 200 and a)
     assert answer.json()["status"] == "degraded"
     assert "astropy-iers-data" in answer.text
 

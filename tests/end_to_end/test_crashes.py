@@ -14,7 +14,7 @@ from pathlib import Path
 import httpx2 as httpx
 import pytest
 from databases import fresh_database
-from live_service import live_service
+from live_service import children_of, live_service
 from sqlalchemy import func, select
 from waiting import PATIENCE_S, alive, eventually
 
@@ -33,18 +33,6 @@ BELOW = {
     **SHORT,
     "sessions": [{**SESSION, "target": {**SESSION["target"], "latitude_deg": -36.0}}],
 }
-
-
-def children_of(pid: int) -> list[int]:
-    """Processes that do the service's work: the children of its fork server."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):
-            text = status.read_text()
-            parent = int(text.rpartition(")")[2].split()[1])
-            found.append((int(status.parent.name), parent))
-    servers = {child for child, parent in found if parent == pid}
-    return [child for child, parent in found if parent in servers]
 
 
 class Mission:

@@ -1,0 +1,66 @@
+"""Which failures of a database are of its state, full, locked or away, and not bugs of ours?"""
+
+import sqlite3
+from typing import ClassVar
+
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+from sqlalchemy.exc import TimeoutError as NoConnectionFree
+
+from planner.errors import Refusal
+
+# Primary result codes, https://sqlite.org/rescode.html; SQLITE_ERROR is faulty SQL.
+_SQLITE = frozenset(
+    {
+        sqlite3.SQLITE_PERM,
+        sqlite3.SQLITE_BUSY,
+        sqlite3.SQLITE_LOCKED,
+        sqlite3.SQLITE_NOMEM,
+        sqlite3.SQLITE_READONLY,
+        sqlite3.SQLITE_INTERRUPT,
+        sqlite3.SQLITE_IOERR,
+        sqlite3.SQLITE_CORRUPT,
+        sqlite3.SQLITE_FULL,
+        sqlite3.SQLITE_CANTOPEN,
+        sqlite3.SQLITE_PROTOCOL,
+        sqlite3.SQLITE_NOTADB,
+    }
+)
+# Classes and codes of SQLSTATE, PostgreSQL's appendix A: connection, authorization, rollbacks that
+# may be tried again, resources, operator, system, corruption; no such database, no right to
+# write, a standby or read-only server, a lock that didn't come.
+_SQLSTATES = (
+    *("08", "28", "40", "53", "57", "58", "XX001", "XX002"),
+    *("3D000", "42501", "25006", "55P03"),
+)
+
+
+class StoreUnavailable(Refusal):
+    """The database can't be read or written as it is now; what for is the same later."""
+
+    slug: ClassVar[str] = "store-unavailable"
+    title: ClassVar[str] = "The database can't be used now"
+
+
+def is_of_the_store(error: Exception) -> bool:
+    """Whether the database, not what was asked of it, is at fault."""
+    if isinstance(error, NoConnectionFree):
+        return True
+    cause = error.orig if isinstance(error, DBAPIError) else error
+    if isinstance(cause, sqlite3.Error):
+        # Python's own complaints, of a connection that was closed, say, have no code.
+        code = getattr(cause, "sqlite_errorcode", None)
+        return code is not None and code & 0xFF in _SQLITE
+    if isinstance(error, DBAPIError):
+        sqlstate: str | None = getattr(cause, "sqlstate", None)
+        if sqlstate is None:  # never reached, or lost
+            return error.connection_invalidated or type(cause).__name__ == "OperationalError"
+        return sqlstate.startswith(_SQLSTATES)
+    return False
+
+
+def keeps_all_waiting(error: Exception) -> bool:
+    """Whether others who try now would wait in vain, too."""
+    cause = error.orig if isinstance(error, DBAPIError) else error
+    if isinstance(cause, sqlite3.Error):
+        return getattr(cause, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
+    return isinstance(error, SQLAlchemyError) and getattr(cause, "sqlstate", None) is None

@@ -1,0 +1,269 @@
+"""What does a service answer, and log, when its database fails under it?  No secret, and soon."""
+
+import json
+import os
+import resource
+import signal
+import sqlite3
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import httpx2 as httpx
+import pytest
+from databases import SERVER, fresh_database
+from fastapi.testclient import TestClient
+from job_cases import eventually, new_job
+from live_service import ROOT, children_of, live_service
+from sqlalchemy import create_engine, text
+
+from app.api.examples import LAS_VEGAS
+from app.main import create_app
+from app.settings import Settings
+from app.store import jobs
+from app.store.keys import KeyStore
+
+PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
+ORDER = {**LAS_VEGAS, "name": BODY}
+# What may be answered within; for a machine that does other things.  bench/ measures.
+SOON_S = 20.0
+
+
+def superuser(statement: str, *more: str) -> None:
+    engine = create_engine(SERVER, isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        for one in (statement, *more):
+            connection.execute(text(one))
+    engine.dispose()
+
+
+def disconnect(name: str) -> str:
+    return f"SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = '{name}'"
+
+
+@contextmanager
+def locked(database, service):
+    if SERVER:
+        engine = create_engine(database.url)
+        with engine.connect() as connection:
+            tables = "jobs, keys, audit, events, plans, probes"
+            connection.execute(text(f"LOCK TABLE {tables} IN ACCESS EXCLUSIVE MODE"))
+            yield
+        engine.dispose()
+    else:
+        other = sqlite3.connect(database.url.database, isolation_level=None)
+        other.execute("BEGIN EXCLUSIVE")
+        yield
+        other.close()
+
+
+@contextmanager
+def full(database, service):
+    """PostgreSQL: no transaction may write.  SQLite: its files may not grow."""
+    if SERVER:
+        name = database.url.database
+        superuser(f"ALTER DATABASE {name} SET default_transaction_read_only = on", disconnect(name))
+        yield
+        superuser(f"ALTER DATABASE {name} RESET ALL", disconnect(name))
+    else:
+        with sqlite3.connect(database.url.database) as other:
+            other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        other.close()
+        before = resource.prlimit(service.pid, resource.RLIMIT_FSIZE)
+        most = Path(database.url.database).stat().st_size
+        resource.prlimit(service.pid, resource.RLIMIT_FSIZE, (most, before[1]))
+        yield
+        resource.prlimit(service.pid, resource.RLIMIT_FSIZE, before)
+
+
+@contextmanager
+def away(database, service):
+    """PostgreSQL lets nobody in; where SQLite's file was is something else."""
+    if SERVER:
+        name = database.url.database
+        superuser(f"ALTER DATABASE {name} ALLOW_CONNECTIONS false", disconnect(name))
+        yield
+        superuser(f"ALTER DATABASE {name} ALLOW_CONNECTIONS true")
+    else:
+        file = Path(database.url.database)
+        with sqlite3.connect(file) as other:
+            other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        other.close()
+        kept = file.read_bytes()
+        with file.open("r+b") as opened:
+            opened.write(b"\xa5" * len(kept))
+        yield
+        with file.open("r+b") as opened:
+            opened.write(kept)
+
+
+FAILURES = (locked, full, away)
+
+
+def url_with_password(database) -> str:
+    """Which PostgreSQL's `trust` doesn't look at."""
+    url = database.url if not SERVER else database.url.set(password=PASSWORD)
+    return url.render_as_string(hide_password=False)
+
+
+@pytest.mark.parametrize("log_format", ["json", "console"])
+@pytest.mark.parametrize("failure", FAILURES)
+def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path, failure, log_format):
+    with fresh_database(tmp_path) as database:
+        _, secret = KeyStore(database).create("k", ["admin"])
+        settings = {
+            "SLEWTRACK_DATABASE_URL": url_with_password(database),
+            "SLEWTRACK_LOG_FORMAT": log_format,
+            "SLEWTRACK_LOG_LEVEL": "debug",
+            "SLEWTRACK_REQUIRE_KEYS": "true",
+        }
+        with live_service(tmp_path, **settings) as service:
+            headers = {"Authorization": f"Bearer {secret}", "Prefer": "respond-async"}
+            client = httpx.Client(base_url=service.address, headers=headers, timeout=SOON_S)
+            accepted = client.post(f"/v1/plans?revises={QUERY}", json=ORDER)
+            assert accepted.status_code == 422
+            location = client.post("/v1/plans", json=ORDER).headers["location"]
+            with failure(database, service):
+                answers = eventually(lambda: failing(client, location, failure))
+                eventually(lambda: client.get("/readyz").status_code == 503)
+                for child in children_of(service.pid):
+                    with suppress(ProcessLookupError):
+                        os.kill(child, signal.SIGKILL)
+            for answer in answers:
+                assert answer.headers["content-type"] == "application/problem+json"
+                assert answer.json()["type"].endswith(":store-unavailable")
+                assert int(answer.headers["retry-after"]) > 0
+            eventually(lambda: client.get(location).json().get("state") == "done")
+            with ThreadPoolExecutor() as threads:
+                waiting = threads.submit(ended, service.address, headers)
+                os.kill(service.pid, signal.SIGTERM)
+                waiting.result()
+        told = service.log.read_text()
+    for canary in (secret, secret.split("_", 2)[2], PASSWORD, BODY, QUERY):
+        assert canary not in told
+    assert '"bug"' not in told
+    assert " bug " not in told
+
+
+def failing(client, location, failure):
+    """The answers that were 503 once all that writes is."""
+    answers = [
+        client.post("/v1/plans", json=ORDER, params={"dry_run": "false"}),
+        client.post("/v1/campaigns", json={"name": BODY}),
+        client.get("/v1/plans", params={"name": QUERY}),
+        client.get("/v1/audit"),
+        client.get(location),
+        client.get("/metrics"),
+        client.delete(location),
+    ]
+    assert all(answer.status_code in (200, 202, 204, 409, 422, 503) for answer in answers), [
+        answer.text for answer in answers
+    ]
+    reads = SERVER and failure is not full
+    refused = [answer for answer in answers if answer.status_code == 503]
+    return refused if answers[0] in refused and (not reads or len(refused) > 5) else None
+
+
+def ended(address, headers):
+    """A request that is at work when the service is told to stop."""
+    with suppress(httpx.TransportError):
+        httpx.post(f"{address}/v1/plans", json=ORDER, headers=headers, timeout=SOON_S)
+
+
+RAISING = f"""
+import asyncio, json, logging, sys, threading, warnings
+from fastapi.testclient import TestClient
+from app.main import create_app
+from app.observability.logs import configure_logs, log
+
+configure_logs("debug", sys.argv[1])
+app = create_app()
+
+@app.post("/v1/broken")
+async def broken(token: str = ""):
+    body = "{BODY}"
+    async def forgotten():
+        raise KeyError(body)
+    asyncio.get_running_loop().call_soon(print_nothing, body)
+    task = asyncio.ensure_future(forgotten())
+    await asyncio.sleep(0.01)
+    del task
+    try:
+        raise ValueError(body)
+    except ValueError as error:
+        raise ExceptionGroup(body, [RuntimeError(token, error)]) from error
+
+def print_nothing(body):
+    raise RuntimeError(body)
+
+def thread():
+    raise RuntimeError("{BODY}")
+
+with TestClient(app, raise_server_exceptions=False) as client:
+    answer = client.post("/v1/broken?token={QUERY}", headers={{"Cookie": "{COOKIE}"}})
+    assert answer.status_code == 500, answer.text
+    started = threading.Thread(target=thread)
+    started.start(), started.join()
+    library = logging.getLogger("library")
+    for text in (BODY := "{BODY}",):
+        library.error("it failed: %s %r %(", text, RuntimeError(text))
+        library.error("it failed for %s at %d", text, 7, extra={{"request": text}})
+        library.error(f"it failed for {{text}}", stack_info=False)
+        library.error(RuntimeError(text))
+        log.error("ours", error=RuntimeError(text), request=[text])
+        warnings.warn(text)
+raise RuntimeError("{BODY}")
+"""
+
+
+@pytest.mark.parametrize("log_format", ["json", "console"])
+def test_no_bug_tells_what_it_was_at(tmp_path, log_format):
+    environment = os.environ | {"SLEWTRACK_DATA_DIR": str(tmp_path), "SLEWTRACK_DATABASE_URL": ""}
+    ran = subprocess.run(
+        [sys.executable, "-c", RAISING, log_format],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env=environment,
+    )
+    assert ran.returncode == 1
+    for told in ("KeyError", "ExceptionGroup", "RuntimeError", "print_nothing", "uncaught"):
+        assert told in ran.stderr
+    assert "it failed for ... at 7" in ran.stderr
+    for canary in (BODY, QUERY, COOKIE):
+        assert canary not in ran.stderr
+    if log_format == "json":
+        assert all(isinstance(json.loads(line), dict) for line in ran.stderr.splitlines())
+
+
+def test_of_many_lines_of_a_kind_one_a_second_is_told():
+    code = (
+        "import logging, time\n"
+        "from app.observability.logs import configure_logs, log\n"
+        "configure_logs('info', 'json')\n"
+        "def burst():\n"
+        "    for n in range(1000): logging.getLogger('library').error('out of %d', n)\n"
+        "burst(); time.sleep(1.1); burst(); log.warning('another kind')"
+    )
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    told = [json.loads(line) for line in ran.stderr.splitlines()]
+    # A machine that stands still for a second tells one more.
+    assert 3 <= len(told) < 20
+    assert sum(one.get("left_out", 0) for one in told) > 900
+
+
+@pytest.mark.parametrize("path", ["/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"])
+def test_one_of_many_deletes_deletes(tmp_path, path):
+    kinds = {"/v1/plans": "plan", "/v1/spacecraft/plans": "spacecraft"}
+    with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
+        new = new_job(kinds.get(path, "campaign"), tmp_path)
+        with client.app.state.database.writing() as connection:
+            jobs.accept(connection, new, lease_s=3600.0)
+            jobs.finish(connection, jobs.get(connection, new.id), "cancelled")
+        with ThreadPoolExecutor(16) as threads:
+            codes = list(
+                threads.map(lambda _: client.delete(f"{path}/{new.id}").status_code, range(16))
+            )
+    assert sorted(codes) == [204] + [404] * 15
