@@ -34,6 +34,7 @@ from app.observability.watch import Watch
 from app.openapi import complete
 from app.security.access import Access
 from app.security.gate import Gate
+from app.security.key_ring import KeyRing
 from app.settings import Settings, settings_of_environment
 from app.store.database import open_database
 from app.store.keys import KeyStore
@@ -111,9 +112,13 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
         }
     )
     access = Access(
-        lambda secret: KeyStore(app.state.database).find(secret),
+        KeyRing(
+            lambda secret: KeyStore(app.state.database).find(secret),
+            lambda: KeyStore(app.state.database).good_digests(),
+        ),
         require_keys=settings.require_keys,
         hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
+        failures_per_minute=settings.failures_per_minute,
     )
     app.add_middleware(Gate, access=access, settings=settings)
     app.add_middleware(Watch, metrics=app.state.metrics)  # the last added is the outermost

@@ -101,7 +101,10 @@ class Settings(BaseSettings):
         default=6000, gt=0, description="Most requests a minute per key, or per address; then 429"
     )
     failures_per_minute: int = Field(
-        default=60, gt=0, description="Most requests a minute and address with a bad key; then 429"
+        default=60,
+        gt=0,
+        description="Most requests a minute and address without a good key; then 429, but for "
+        "good keys",
     )
     concurrency_per_key: int = Field(
         default=64, gt=0, description="Most requests at a time per key, or per address; then 429"

@@ -1,14 +1,13 @@
 """What must a request get past before the service looks at what it asks?"""
 
 from contextlib import AbstractContextManager, nullcontext
-from http import HTTPStatus
 
 from fastapi import Request
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.errors import http_error
-from app.security.access import PROBES, Access, Caller
+from app.security.access import PROBES, Access
 from app.security.bodies import GuardedBody, HeldBytes
 from app.security.limits import ConcurrencyLimit, RateLimit, network_of
 from app.security.request_form import require_sound_head
@@ -24,7 +23,6 @@ class Gate:
         self._settings = settings
         self._held = HeldBytes(settings.max_held_bytes)
         self._rate = RateLimit()
-        self._strangers = RateLimit()
         self._at_once = ConcurrencyLimit()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -44,21 +42,11 @@ class Gate:
     async def _place(self, scope: Scope) -> AbstractContextManager[None]:
         if scope["path"] in PROBES:  # an orchestrator has no key and must not be locked out
             return nullcontext()
-        caller = await self._known(scope)
+        address = network_of((scope.get("client") or ("local",))[0])
+        caller = await self._access.caller(scope, address)
         key, settings = caller.key, self._settings
         scope["state"]["key_id"] = key.id if key else None
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
         self._rate.spend(caller.name, per_minute)
         most = (key and key.concurrency) or settings.concurrency_per_key
         return self._at_once.one_more(caller.name, most)
-
-    async def _known(self, scope: Scope) -> Caller:
-        address = network_of((scope.get("client") or ("local",))[0])
-        strikes = self._settings.failures_per_minute
-        self._strangers.require(address, strikes)
-        try:
-            return await self._access.caller(scope, address)
-        except HTTPException as refusal:
-            if refusal.status_code == HTTPStatus.UNAUTHORIZED:
-                self._strangers.spend(address, strikes)
-            raise
