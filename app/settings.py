@@ -95,8 +95,8 @@ class Settings(BaseSettings):
     max_connections: int = Field(
         default=512,
         gt=0,
-        description="Most connections at a time; beyond, one without a good key that keeps us "
-        "waiting gives way, else 503",
+        description="Most connections at a time; beyond, one without a good key gives way, "
+        "else 503",
     )
 
     require_keys: bool = Field(

@@ -1,7 +1,8 @@
 """Which of the connections held give way when there are too many, or too much waits to be sent?
 
-Never one whose last request came with a good key while another can; else those that keep us
-waiting, of the network that holds most of them the one held longest.
+Never one whose last request came with a good key: first those that keep us waiting, then those
+that showed nothing yet or only look at pages; of the network that holds most of them the one held
+longest.
 """
 
 from collections import Counter
@@ -16,12 +17,14 @@ _STATE = "connection"
 class Held(Protocol):
     """A connection.
 
-    has_key: whether its last request came with a good key.  waits_for_client: for a head, a body
-    or the reading of an answer.  since_s: when it began, stuck_since_s when its client last
-    took something of an answer that waits; unsent_bytes: what waits.
+    has_key: whether its last request came with a good key; is_let_in: whether it may use more than
+    pages.  waits_for_client: for a head, a body or the reading of an answer.  since_s: when it
+    began, stuck_since_s when its client last took something of an answer that waits;
+    unsent_bytes: what waits.
     """
 
     has_key: bool
+    is_let_in: bool
     network: str
     since_s: float
     stuck_since_s: float
@@ -36,8 +39,10 @@ Connection = TypeVar("Connection", bound=Held)
 
 
 def to_give_way(held: Iterable[Connection]) -> Connection | None:
-    """The one that leaves its place to a newcomer; None when all are known or at work."""
-    candidates = [one for one in held if not one.has_key and one.waits_for_client]
+    """The one that leaves its place to a newcomer; None when all have a key or are at work."""
+    keyless = [one for one in held if not one.has_key]
+    waiting = [one for one in keyless if one.waits_for_client]
+    candidates = waiting or [one for one in keyless if not one.is_let_in]
     held_by = Counter(one.network for one in candidates)
     return min(candidates, key=lambda one: (-held_by[one.network], one.since_s), default=None)
 
@@ -62,8 +67,9 @@ def state_of(connection: Held) -> dict[str, Held]:
     return {_STATE: connection}
 
 
-def remember(scope: Scope, *, has_key: bool) -> None:
-    """Whether the request came with a good key, for its connection."""
+def remember(scope: Scope, *, has_key: bool, is_let_in: bool) -> None:
+    """What the request showed, for its connection."""
     connection: Held | None = scope["state"].get(_STATE)
     if connection is not None:  # none is served without a server, in tests
         connection.has_key = has_key
+        connection.is_let_in = is_let_in

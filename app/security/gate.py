@@ -9,7 +9,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.errors import http_error
 from app.security import connections
-from app.security.access import PROBES, Access
+from app.security.access import PROBES, Access, is_page
 from app.security.bodies import GuardedBody, HeldBytes
 from app.security.limits import ConcurrencyLimit, RateLimit, network_of
 from app.security.request_form import require_sound_head
@@ -63,7 +63,7 @@ class Gate:
         address = network_of((scope.get("client") or ("local",))[0])
         caller = await self._access.caller(scope, address)
         key, settings = caller.key, self._settings
-        connections.remember(scope, has_key=key is not None)
+        connections.remember(scope, has_key=key is not None, is_let_in=not is_page(scope))
         scope["state"]["key_id"] = key.id if key else None
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
         self._rate.spend(caller.name, per_minute)

@@ -48,7 +48,7 @@ class GuardedProtocol(H11Protocol):
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 (uvicorn's own)
         super().__init__(*args, **kwargs)
         self.app_state = self.app_state | state_of(self)
-        self.has_key = False
+        self.has_key = self.is_let_in = False
         self.network = ""
         self.since_s = self.stuck_since_s = self.loop.time()
         self._deadline: asyncio.TimerHandle | None = None
@@ -183,10 +183,12 @@ class GuardedProtocol(H11Protocol):
 
     def give_way(self) -> None:
         """End what keeps others out."""
-        if self.cycle is None or not self.cycle.response_started:
-            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, self._full())
-        else:
+        if self.cycle is not None and self.cycle.response_started:
             self.transport.abort()
+            return
+        self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, self._full())
+        if self.cycle is not None:
+            self.cycle.disconnected = True  # what the application answers comes too late
 
     def _held(self) -> list["GuardedProtocol"]:
         return [one for one in self.connections if isinstance(one, GuardedProtocol)]
