@@ -28,6 +28,7 @@ from planner.frames.time_scales import utc_text
 PROBLEM_JSON = "application/problem+json"
 TYPE_PREFIX = "urn:slewtrack:problem:"
 RETRY_AFTER_S = 5  # said with every 503
+_TEXT_MAX = 2000
 
 STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     errors.Refusal: HTTPStatus.UNPROCESSABLE_ENTITY,
@@ -126,7 +127,18 @@ def problem_of(refusal: errors.Refusal) -> dict[str, Any]:
             for error in getattr(refusal, "errors", ())
         ],
     }
-    return {name: value for name, value in members.items() if value not in (None, [])}
+    return {name: _short(value) for name, value in members.items() if value not in (None, [])}
+
+
+def _short(value: object) -> object:
+    """Cut to what a person reads, wherever it came from."""
+    if isinstance(value, str):
+        return value if len(value) <= _TEXT_MAX else value[:_TEXT_MAX] + "..."
+    if isinstance(value, list):
+        return [_short(item) for item in value]
+    if isinstance(value, dict):
+        return {name: _short(item) for name, item in value.items()}
+    return value
 
 
 def _text(utc: datetime | None) -> str | None:
@@ -156,7 +168,8 @@ def http_error(request: Request, error: Exception) -> Response:
 def _allowed(request: Request) -> dict[str, str]:
     """All methods of the address; Starlette names those of its first route only."""
     path = getattr(request.scope.get("route"), "path", "")
-    methods = request.app.openapi()["paths"].get(path, {"get": {}})  # else one of our pages
+    methods = {*request.app.openapi()["paths"].get(path, {"get": {}})}  # else one of our pages
+    methods |= {"head"} if "get" in methods else set()
     return {"Allow": ", ".join(sorted(method.upper() for method in methods))}
 
 

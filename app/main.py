@@ -1,5 +1,6 @@
 """What does the HTTP service consist of?"""
 
+import asyncio
 import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -7,7 +8,7 @@ from typing import Any
 
 import anyio
 import anyio.to_thread
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from app import errors
 from app.api import (
@@ -21,6 +22,8 @@ from app.api import (
     spacecraft,
     system,
 )
+from app.api.head_as_get import HeadAsGet
+from app.api.query import require_sound_query
 from app.jobs.disposable import start_server
 from app.jobs.running import dispatching
 from app.observability.metrics import Metrics
@@ -34,6 +37,7 @@ from app.observability.watch import Watch
 from app.openapi import complete
 from app.security.access import Access
 from app.security.gate import Gate
+from app.security.key_ring import KeyRing
 from app.settings import Settings, settings_of_environment
 from app.store.database import open_database
 from app.store.keys import KeyStore
@@ -79,8 +83,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         openapi_tags=_TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
+        openapi_url=None,  # pages.py answers it without building it anew each time
+        dependencies=[Depends(require_sound_query)],
     )
     app.state.settings = settings
+    app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
     for resource in (
         plans,
@@ -111,11 +118,16 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
         }
     )
     access = Access(
-        lambda secret: KeyStore(app.state.database).find(secret),
+        KeyRing(
+            lambda secret: KeyStore(app.state.database).find(secret),
+            lambda: KeyStore(app.state.database).good_digests(),
+        ),
         require_keys=settings.require_keys,
         hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
+        failures_per_minute=settings.failures_per_minute,
     )
-    app.add_middleware(Gate, access=access, settings=settings)
+    app.add_middleware(HeadAsGet)
+    app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
     app.add_middleware(Watch, metrics=app.state.metrics)  # the last added is the outermost
 
 

@@ -9,6 +9,7 @@ import typer
 from planner.errors import Refusal, SolverFailed, Unverified, VerificationFailed
 
 FAILED, REFUSED = 1, 2
+_CHARACTERS_MAX = 2000
 
 
 @contextmanager
@@ -29,8 +30,10 @@ def one_line_for_what_goes_wrong() -> Iterator[None]:
 
 
 def say(text: str) -> None:
-    """One line, whatever the text holds."""
-    print(f"slewtrack: {' '.join(text.split())}", file=sys.stderr)
+    """One line that steers no terminal, whatever the text holds."""
+    line = " ".join(text.split())[:_CHARACTERS_MAX]
+    shown = "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in line)
+    print(f"slewtrack: {shown}", file=sys.stderr)
 
 
 def _with_field(refusal: Refusal) -> str:

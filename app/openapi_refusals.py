@@ -104,11 +104,9 @@ def document_refusals(operation: dict[str, Any], path: str, problem: dict[str, A
 
     problem: the schema of a problem, by reference.
     """
-    refusals = dict(_OF_ALL)
+    refusals = _OF_ALL | _OF_WORDS
     if "requestBody" in operation:
         refusals |= _OF_BODIES
-    if "requestBody" in operation or "parameters" in operation:
-        refusals |= _OF_WORDS
     if path not in PROBES:
         refusals |= _OF_ACCESS
     answers = operation["responses"]

@@ -1,5 +1,6 @@
 """How is the service brought to a port?"""
 
+import asyncio
 import socket
 import sys
 
@@ -16,7 +17,8 @@ from app.store.keys import KeyStore
 from app.store.migrate import opened
 from planner.errors import Refusal
 
-_GRACE_S = 10  # for requests at work when the service is told to stop
+# For requests at work when the service is told to stop: who only waits is answered at once.
+_GRACE_S = 5
 
 
 def serve_on(host: str, port: int, settings: Settings) -> None:
@@ -59,10 +61,13 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
     class Protocol(GuardedProtocol):
         connections_max = settings.max_connections
         head_timeout_s = settings.head_timeout_s
+        write_timeout_s = settings.write_timeout_s
+        unsent_max_bytes = settings.max_unsent_bytes
 
-    return uvicorn.Server(
+    app = create_app(settings)
+    return _Server(
         uvicorn.Config(
-            create_app(settings),
+            app,
             host=host,
             port=port,
             http=Protocol,
@@ -74,8 +79,21 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
             forwarded_allow_ips=settings.trusted_proxies,
             h11_max_incomplete_event_size=HEAD_BYTES_MAX,
             timeout_graceful_shutdown=_GRACE_S,
-        )
+        ),
+        app.state.stopping,
     )
+
+
+class _Server(uvicorn.Server):
+    """Tells the application of the stop before it waits for what is at work."""
+
+    def __init__(self, config: uvicorn.Config, stopping: asyncio.Event) -> None:
+        super().__init__(config)
+        self._stopping = stopping
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._stopping.set()
+        await super().shutdown(sockets)
 
 
 def _require_a_key(host: str, settings: Settings) -> None:

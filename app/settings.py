@@ -80,8 +80,23 @@ class Settings(BaseSettings):
     head_timeout_s: float = Field(
         default=10.0, gt=0.0, description="Time a request's head may take to come; then 408"
     )
+    write_timeout_s: float = Field(
+        default=30.0,
+        gt=0.0,
+        description="Time in which a client must take something of its answer; else it is cut off",
+    )
+    # Eight of the longest tables.
+    max_unsent_bytes: int = Field(
+        default=256 * 2**20,
+        gt=0,
+        description="Most bytes of all answers that clients have yet to take; the slowest are cut "
+        "off beyond, those without a good key first",
+    )
     max_connections: int = Field(
-        default=512, gt=0, description="Most connections at a time; 503 beyond"
+        default=512,
+        gt=0,
+        description="Most connections at a time; beyond, one without a good key gives way, "
+        "else 503",
     )
 
     require_keys: bool = Field(
@@ -101,7 +116,10 @@ class Settings(BaseSettings):
         default=6000, gt=0, description="Most requests a minute per key, or per address; then 429"
     )
     failures_per_minute: int = Field(
-        default=60, gt=0, description="Most requests a minute and address with a bad key; then 429"
+        default=60,
+        gt=0,
+        description="Most requests a minute and address without a good key; then 429, but for "
+        "good keys",
     )
     concurrency_per_key: int = Field(
         default=64, gt=0, description="Most requests at a time per key, or per address; then 429"

@@ -5,9 +5,22 @@ table.  The message explains the physics and the way out; the attributes carry t
 facts for programs.  Bugs are not refusals: they are left to crash.
 """
 
+import re
 from dataclasses import dataclass
 from datetime import datetime
 from typing import ClassVar
+
+VALUE_CHARACTERS_MAX = 200  # of what was sent, in what is said of it
+_LONG_WORD = re.compile(rf"(\S{{{VALUE_CHARACTERS_MAX}}})\S+")
+_LONG_QUOTE = re.compile(
+    rf"""(?<!\w)(['"])((?:(?!\1)[^\\]|\\.){{{VALUE_CHARACTERS_MAX}}})(?:(?!\1)[^\\]|\\.)+\1""",
+    re.DOTALL,
+)
+
+
+def with_short_values(text: str) -> str:
+    """The text with what it repeats of a request, a long word or quotation, cut short."""
+    return _LONG_QUOTE.sub(r"\1\2...\1", _LONG_WORD.sub(r"\1...", text))
 
 
 def figures(value: float, *limits: float, digits: int = 4) -> str:
@@ -42,9 +55,10 @@ class Refusal(Exception):
         earliest_feasible_start_utc: datetime | None = None,
         feasible_stop_utc: datetime | None = None,
     ) -> None:
+        detail = with_short_values(detail)
         super().__init__(detail)
         self.detail = detail
-        self.field = field
+        self.field = None if field is None else with_short_values(field)
         self.axis = axis
         self.limit = limit
         self.at_utc = at_utc

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from app.api.negotiation import accepts_json
+from app.api.query import Parameters
 from app.store.audit import AuditEntry, entries
 from planner.frames.time_scales import utc_text
 
@@ -34,10 +35,8 @@ class AuditLog:
     entries: list[AuditEntryOut]
 
 
-class AuditQuery(BaseModel):
-    """Parameters of GET /v1/audit; a misspelled one is refused, not ignored."""
-
-    model_config = ConfigDict(extra="forbid")
+class AuditQuery(Parameters):
+    """Parameters of GET /v1/audit."""
 
     limit: int = Field(default=100, ge=1, le=1000, description="Most entries.")
     before: int = Field(

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 from sqlalchemy import Connection
 
 from app.api.campaign_examples import CAMPAIGN_EXAMPLES
@@ -22,6 +22,7 @@ from app.api.campaign_response import (
 from app.api.job_routes import PREFER, accepted, add_delete, add_events, job_of, listed, no_such
 from app.api.negotiation import JSON, accepts_json, json_body
 from app.api.plan_queries import ListQuery, PathId, idempotency_key
+from app.api.query import Parameters
 from app.api.reading import read
 from app.api.waiting import patience, wait_for_end
 from app.errors import problem_answer
@@ -44,10 +45,8 @@ RESOURCE = _Campaigns()
 router = APIRouter(tags=["campaigns"], prefix=RESOURCE.path)
 
 
-class CampaignPost(BaseModel):
-    """Parameters of the POST; a misspelled one is refused."""
-
-    model_config = ConfigDict(extra="forbid")
+class CampaignPost(Parameters):
+    """Parameters of the POST."""
 
     dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
 

@@ -3,6 +3,7 @@
 Source: HTML Living Standard, section 9.2.
 """
 
+import asyncio
 import json
 import time
 from collections.abc import AsyncIterator
@@ -24,7 +25,8 @@ _SILENCE_S = 15.0  # proxies cut connections nothing comes over
 
 
 async def told(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
-    """Events after the seq-th, until the job has ended."""
+    """Events after the seq-th, until the job has ended or the service is told to stop."""
+    stopping: asyncio.Event = request.app.state.stopping
     said_s = time.monotonic()
     while True:
         try:
@@ -34,12 +36,13 @@ async def told(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
         for event in found:
             seq, said_s = event.seq, time.monotonic()
             yield _text(event)
-        if not is_open:
+        if not is_open or stopping.is_set():
             return
         if time.monotonic() - said_s > _SILENCE_S:
             said_s = time.monotonic()
             yield format_sse_event(comment="still at it")
-        await anyio.sleep(_LOOK_S)
+        with anyio.move_on_after(_LOOK_S):
+            await stopping.wait()
 
 
 async def last_seq(request: Request, job_id: str) -> int:

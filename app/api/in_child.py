@@ -9,30 +9,41 @@ from fastapi import Request
 from starlette.requests import ClientDisconnect
 
 from app.jobs.disposable import Bounds, Stop, Stopped, run_disposable
+from app.stopping import service_stops
 
 T = TypeVar("T")
 
 
 async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
-    """`run_disposable` when its turn has come; stopped when the client goes away.
+    """`run_disposable` when its turn has come; stopped when the client or the service goes away.
 
-    Raises ClientDisconnect then, and else what `run_disposable` does.  The request's body must
-    have been read.
+    Raises ClientDisconnect or 503 then, and else what `run_disposable` does.  The request's body
+    must have been read.
     """
     stop = Stop()
-    watch = asyncio.create_task(_stop_when_gone(request, stop))
+    stopping: asyncio.Event = request.app.state.stopping
+    watches = [
+        asyncio.create_task(_stop_when_gone(request, stop)),
+        asyncio.create_task(_stop_with_service(stopping, stop)),
+    ]
     try:
         return await anyio.to_thread.run_sync(
             lambda: run_disposable(bounds, work, *given, stop=stop),
             limiter=request.app.state.children,
         )
     except Stopped:
-        raise ClientDisconnect from None
+        raise (service_stops() if stopping.is_set() else ClientDisconnect()) from None
     finally:
-        watch.cancel()
+        for watch in watches:
+            watch.cancel()
 
 
 async def _stop_when_gone(request: Request, stop: Stop) -> None:
     while (await request.receive())["type"] != "http.disconnect":
         pass
+    stop.request()
+
+
+async def _stop_with_service(stopping: asyncio.Event, stop: Stop) -> None:
+    await stopping.wait()
     stop.request()

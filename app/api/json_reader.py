@@ -9,6 +9,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any, ClassVar, Generic, Literal, TypeVar, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
@@ -16,13 +17,16 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
 from app.api.json_bounds import beyond_bounds
-from planner.errors import InvalidInput
+from app.api.plain_text import CHARACTERS_MAX, require_message, require_plain
+from planner.errors import InvalidInput, with_short_values
 from planner.frames.time_scales import utc_from_text
 
 ERRORS_SHOWN = 50
 FIELDS_MAX = 1000  # of one object, and
 OBJECTS_MAX = 20_000  # of one request: bounds on the work a hostile one can make
 VALUE_SHOWN_CHARACTERS = 80
+DIGITS_MAX = VALUE_SHOWN_CHARACTERS  # of one number
+_MESSAGE = "content"  # the field of orbits and attitudes that holds a whole CCSDS message
 
 JsonScalar = str | float | int | bool | None
 T = TypeVar("T")
@@ -58,7 +62,7 @@ class JsonReader(Generic[T]):
     Beyond what `@spec` makes pydantic refuse (unknown fields, NaN, `true` for a number):
     times go through `utc_from_text`, so they carry an offset and may be leap seconds; the
     member of a union is chosen by its kind alone, which must be given; no object holds a
-    field twice.
+    field twice; all text but CCSDS messages is short and plain.
     plain: of a request that may be written in another way, the document as the class reads it;
     the very same where nothing is to be changed.
     """
@@ -68,7 +72,7 @@ class JsonReader(Generic[T]):
     ) -> None:
         self._plain = plain
         self._schema = _told_apart(TypeAdapter(cls).core_schema)
-        self._validator = SchemaValidator(_with_utc_times(self._schema))
+        self._validator = SchemaValidator(_with_our_text(self._schema))
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""
@@ -122,12 +126,28 @@ def _document(body: bytes) -> object:
         text = body.decode("utf-8")
         if too_much := beyond_bounds(body):
             raise ValueError(too_much)
-        return json.loads(text, object_pairs_hook=members)
+        return json.loads(
+            text, object_pairs_hook=members, parse_int=_whole_number, parse_float=_number
+        )
     except UnicodeDecodeError as error:
         fault = f"the request must be UTF-8 text; byte {error.start} is not"
     except ValueError as error:  # also a field twice, a number of 5000 digits
         fault = f"the request can't be read as JSON: {error}"
     raise InvalidRequest(FieldError(field="", detail=fault))
+
+
+def _whole_number(digits: str) -> int:
+    return int(_bounded(digits))
+
+
+def _number(digits: str) -> float:
+    return float(_bounded(digits))
+
+
+def _bounded(digits: str) -> str:
+    if len(digits) > DIGITS_MAX:
+        raise ValueError(f"a number has {len(digits)} digits, more than {DIGITS_MAX}")
+    return digits
 
 
 def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
@@ -183,17 +203,27 @@ def _tagged(member: str, choice_by_kind: dict[Any, Any]) -> CoreSchema:
     )
 
 
-def _with_utc_times(node: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
-    """The core schema with our own reading of times, which knows leap seconds."""
+def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (as above)
+    """The core schema with our own reading of text, and of times, which knows leap seconds."""
     if isinstance(node, list | tuple):
-        return type(node)(_with_utc_times(item) for item in node)
+        return type(node)(_with_our_text(item, field) for item in node)
     if not isinstance(node, dict):
         return node
-    if node.get("type") == "datetime":
-        return core_schema.no_info_after_validator_function(
-            utc_from_text, core_schema.str_schema(strict=True)
-        )
-    return {key: _with_utc_times(value) for key, value in node.items()}
+    match node.get("type"):
+        case "datetime":
+            return core_schema.no_info_after_validator_function(
+                _utc, core_schema.str_schema(strict=True)
+            )
+        case "str":
+            required = require_message if field == _MESSAGE else require_plain
+            return core_schema.no_info_after_validator_function(required, node)
+        case "dataclass-field":
+            field = node["name"]
+    return {key: _with_our_text(value, field) for key, value in node.items()}
+
+
+def _utc(text: str) -> datetime:
+    return utc_from_text(text if len(text) <= CHARACTERS_MAX else require_plain(text))
 
 
 def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
@@ -213,7 +243,9 @@ def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
     value = _shown(given)
     if kind not in ("value_error", "missing", "unexpected_keyword_argument") and value is not None:
         detail += f", not {json.dumps(value)}"
-    return FieldError(field=".".join(path), detail=detail, value=value)
+    return FieldError(
+        field=with_short_values(".".join(path)), detail=with_short_values(detail), value=value
+    )
 
 
 def _path_in(

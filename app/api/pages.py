@@ -1,10 +1,13 @@
 """Which pages document the API, without a network and under a strict content policy?"""
 
+import json
+from functools import lru_cache
 from pathlib import Path
 
-from fastapi import APIRouter, FastAPI, Response
+from fastapi import APIRouter, FastAPI, Request, Response
 from starlette.staticfiles import StaticFiles
 
+from app.api.negotiation import JSON
 from app.security.access import PAGE_FILES
 from app.security.headers import PAGE_CONTENT_POLICY
 
@@ -33,6 +36,17 @@ def serve_files(app: FastAPI) -> None:
     """What the pages load: Swagger UI and ReDoc as fastapi-offline packs them, and our own."""
     files = StaticFiles(directory=_OURS, packages=[("fastapi_offline", "static")])
     app.mount(PAGE_FILES.rstrip("/"), files, name="page-files")
+
+
+@router.get("/openapi.json")
+async def get_openapi(request: Request) -> Response:
+    """For programs."""
+    return Response(_openapi_json(request.app), media_type=JSON)
+
+
+@lru_cache(maxsize=1)
+def _openapi_json(app: FastAPI) -> bytes:
+    return json.dumps(app.openapi(), ensure_ascii=False, separators=(",", ":")).encode()
 
 
 @router.get("/docs")

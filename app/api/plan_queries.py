@@ -3,9 +3,10 @@
 from typing import Annotated
 
 from fastapi import Header, Path
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
+from pydantic import AfterValidator, Field, create_model
 
 from app.api.plan_resource import PlanResource
+from app.api.query import Parameters
 from app.jobs.states import JobState
 from app.store.ids import is_id
 from planner.errors import InvalidInput
@@ -24,10 +25,8 @@ PlanId = Annotated[str, AfterValidator(_id)]
 PathId = Annotated[PlanId, Path(alias="id")]
 
 
-class ListQuery(BaseModel):
+class ListQuery(Parameters):
     """Which plans to list."""
-
-    model_config = ConfigDict(extra="forbid")
 
     limit: int = Field(default=50, ge=1, le=LIST_MAX, description="Most plans to list.")
     cursor: PlanId | None = Field(default=None, description="`next` of the list before.")
@@ -45,10 +44,8 @@ class PlanListQuery(ListQuery):
     )
 
 
-class TableQuery(BaseModel):
+class TableQuery(Parameters):
     """In which format to hand a table out."""
-
-    model_config = ConfigDict(extra="forbid")
 
     format: str | None = None
 

@@ -5,16 +5,18 @@ that says a proxy passed it on, a Host of ours, and no web page behind it.  All 
 """
 
 import ipaddress
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from http import HTTPStatus
 
-from anyio import to_thread
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import Scope
 
+from app.security.key_ring import KeyRing
 from app.security.keys import Key, KeyScope
+from app.security.limits import RateLimit
 
 CHALLENGE = {"WWW-Authenticate": 'Bearer realm="slewtrack"'}
 # They say what is in the repository, not what the installation holds; and a browser that opens
@@ -23,8 +25,6 @@ PAGES = frozenset({"/docs", "/redoc", "/openapi.json"})
 PAGE_FILES = "/page-files/"
 PROBES = frozenset({"/healthz", "/readyz"})
 _PASSED_ON = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
-
-FindKey = Callable[[str], Key | None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,26 +36,59 @@ class Caller:
 
 
 class Access:
-    """Decides by the connection and the head of a request."""
+    """Decides by the connection and the head of a request.
 
-    def __init__(self, find_key: FindKey, *, require_keys: bool, hosts: tuple[str, ...]) -> None:
-        self._find_key = find_key
+    failures_per_minute: of one address; more cost the others nothing.
+    """
+
+    def __init__(
+        self,
+        keys: KeyRing,
+        *,
+        require_keys: bool,
+        hosts: tuple[str, ...],
+        failures_per_minute: int,
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._keys = keys
         self._require_keys = require_keys
         self._hosts = frozenset(host.lower() for host in hosts)
+        self._failures = RateLimit(
+            "{per_minute} requests a minute from one address may come without a good key, and "
+            "more did; one with a good key is answered all the same, others again in {wait_s} s",
+            clock_s,
+        )
+        self._failures_per_minute = failures_per_minute
 
     async def caller(self, scope: Scope, address: str) -> Caller:
-        """Who asks; raises 401, 403 or 421."""
+        """Who asks; raises 401, 403, 421 or, where too many came without a good key, 429."""
+        most, failed = self._failures_per_minute, False
+        if may_fail := self._failures.has_room(address, most):
+            self._failures.spend(address, most)  # at once, so that many at a time don't look, too
+        try:
+            return await self._caller(scope, address, sparing=not may_fail)
+        except HTTPException as refusal:
+            failed = refusal.status_code == HTTPStatus.UNAUTHORIZED
+            if failed and not may_fail:
+                self._failures.spend(address, most)
+            raise
+        finally:
+            if may_fail and not failed:
+                self._failures.give_back(address, most)
+
+    async def _caller(self, scope: Scope, address: str, *, sparing: bool) -> Caller:
         headers = Headers(scope=scope)
         secret = _bearer(headers)
         if secret is not None:
-            return Caller(name=f"key {(key := await self._key(secret, scope)).id}", key=key)
+            key = await self._key(secret, scope, sparing=sparing)
+            return Caller(name=f"key {key.id}", key=key)
         anonymous = Caller(name=f"address {address}", key=None)
         if not is_page(scope):
             self._require_open(scope, headers)
         return anonymous
 
-    async def _key(self, secret: str, scope: Scope) -> Key:
-        key = await to_thread.run_sync(self._find_key, secret)
+    async def _key(self, secret: str, scope: Scope, *, sparing: bool) -> Key:
+        key = await self._keys.find(secret, sparing=sparing)
         if key is None:
             raise HTTPException(
                 HTTPStatus.UNAUTHORIZED,

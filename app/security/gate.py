@@ -1,30 +1,34 @@
 """What must a request get past before the service looks at what it asks?"""
 
+import asyncio
 from contextlib import AbstractContextManager, nullcontext
-from http import HTTPStatus
 
 from fastapi import Request
 from starlette.exceptions import HTTPException
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.errors import http_error
-from app.security.access import PROBES, Access, Caller
+from app.security import connections
+from app.security.access import PROBES, Access, is_page
 from app.security.bodies import GuardedBody, HeldBytes
 from app.security.limits import ConcurrencyLimit, RateLimit, network_of
 from app.security.request_form import require_sound_head
 from app.settings import Settings
+from app.stopping import service_stops
 
 
 class Gate:
     """ASGI middleware: shape of the head, who asks, how often, how slowly."""
 
-    def __init__(self, app: ASGIApp, access: Access, settings: Settings) -> None:
+    def __init__(
+        self, app: ASGIApp, access: Access, settings: Settings, stopping: asyncio.Event
+    ) -> None:
         self._app = app
+        self._stopping = stopping
         self._access = access
         self._settings = settings
         self._held = HeldBytes(settings.max_held_bytes)
         self._rate = RateLimit()
-        self._strangers = RateLimit()
         self._at_once = ConcurrencyLimit()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -32,33 +36,36 @@ class Gate:
             await self._app(scope, receive, send)
             return
         body = GuardedBody(receive, self._held, self._settings.body_timeout_s)
+        begun = False
+
+        async def begin_and_send(message: Message) -> None:
+            nonlocal begun
+            begun = True
+            await send(message)
+
         try:
             require_sound_head(scope)
             with await self._place(scope):
-                await self._app(scope, body.receive, send)
+                await self._app(scope, body.receive, begin_and_send)
         except HTTPException as refusal:
             await http_error(Request(scope), refusal)(scope, receive, send)
+        except asyncio.CancelledError:
+            if not self._stopping.is_set():
+                raise
+            if not begun:  # else the connection breaks off, so that none takes it for whole
+                await http_error(Request(scope), service_stops())(scope, receive, send)
         finally:
             body.release()
 
     async def _place(self, scope: Scope) -> AbstractContextManager[None]:
         if scope["path"] in PROBES:  # an orchestrator has no key and must not be locked out
             return nullcontext()
-        caller = await self._known(scope)
+        address = network_of((scope.get("client") or ("local",))[0])
+        caller = await self._access.caller(scope, address)
         key, settings = caller.key, self._settings
+        connections.remember(scope, has_key=key is not None, is_let_in=not is_page(scope))
         scope["state"]["key_id"] = key.id if key else None
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
         self._rate.spend(caller.name, per_minute)
         most = (key and key.concurrency) or settings.concurrency_per_key
         return self._at_once.one_more(caller.name, most)
-
-    async def _known(self, scope: Scope) -> Caller:
-        address = network_of((scope.get("client") or ("local",))[0])
-        strikes = self._settings.failures_per_minute
-        self._strangers.require(address, strikes)
-        try:
-            return await self._access.caller(scope, address)
-        except HTTPException as refusal:
-            if refusal.status_code == HTTPStatus.UNAUTHORIZED:
-                self._strangers.spend(address, strikes)
-            raise

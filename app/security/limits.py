@@ -18,31 +18,44 @@ _IPV6_NETWORK_BITS = 64  # what one customer is given: an address of it is no id
 
 
 class RateLimit:
-    """Requests per minute and caller; a minute's worth may come at once (token bucket)."""
+    """Requests per minute and caller; a minute's worth may come at once (token bucket).
 
-    def __init__(self, clock_s: Callable[[], float] = time.monotonic) -> None:
+    told: what a refusal says, with `per_minute` and `wait_s`.
+    """
+
+    def __init__(
+        self,
+        told: str = "{per_minute} requests a minute are answered; ask again in {wait_s} s",
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._told = told
         self._clock_s = clock_s
         self._spent: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
     def spend(self, caller: str, per_minute: int) -> None:
-        """One request; raises 429 with the wait."""
-        self.require(caller, per_minute)
+        """One request; raises 429 with the wait when nothing is left."""
         used, at_s = self._now(caller, per_minute)
+        if used + 1.0 > per_minute:
+            wait_s = math.ceil((used + 1.0 - per_minute) * 60.0 / per_minute)
+            raise HTTPException(
+                HTTPStatus.TOO_MANY_REQUESTS,
+                self._told.format(per_minute=per_minute, wait_s=wait_s),
+                {"Retry-After": str(wait_s)},
+            )
         self._spent[caller] = (used + 1.0, at_s)
         self._spent.move_to_end(caller)
         if len(self._spent) > CALLERS_KEPT:
             self._spent.popitem(last=False)
 
-    def require(self, caller: str, per_minute: int) -> None:
-        """Raise 429 with the wait when nothing is left; spends nothing."""
+    def give_back(self, caller: str, per_minute: int) -> None:
+        """One request that doesn't count after all."""
+        used, at_s = self._now(caller, per_minute)
+        self._spent[caller] = (max(0.0, used - 1.0), at_s)
+
+    def has_room(self, caller: str, per_minute: int) -> bool:
+        """Whether one more would be let through; spends nothing."""
         used, _ = self._now(caller, per_minute)
-        if used + 1.0 > per_minute:
-            wait_s = math.ceil((used + 1.0 - per_minute) * 60.0 / per_minute)
-            raise HTTPException(
-                HTTPStatus.TOO_MANY_REQUESTS,
-                f"{per_minute} requests a minute are answered; ask again in {wait_s} s",
-                {"Retry-After": str(wait_s)},
-            )
+        return used + 1.0 <= per_minute
 
     def _now(self, caller: str, per_minute: int) -> tuple[float, float]:
         now_s = self._clock_s()

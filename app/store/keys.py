@@ -61,6 +61,12 @@ class KeyStore:
         key = None if row is None else _key(row)
         return key if key is not None and matches(key, secret) else None
 
+    def good_digests(self) -> frozenset[str]:
+        """SHA-256 of the secrets of all keys that aren't revoked."""
+        wanted = select(KeyRow.secret_sha256).where(KeyRow.revoked_utc.is_(None))
+        with self._database.reading() as connection:
+            return frozenset(connection.execute(wanted).scalars())
+
     def any_valid(self) -> bool:
         """Whether anyone could get in with a key."""
         wanted = select(exists().where(KeyRow.revoked_utc.is_(None)))

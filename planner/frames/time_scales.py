@@ -31,7 +31,7 @@ _US = 1_000_000
 _DAY_US = 86_400 * _US
 _LAST_TAI_US = (datetime(9998, 12, 31, tzinfo=UTC) - _ORIGIN_UTC) // timedelta(microseconds=1)
 _TEXT = re.compile(
-    r"(\d{4}-\d{2}-\d{2})[Tt ](\d{2}:\d{2}):(\d{2})(?:[.,](\d{1,9}))?"
+    r"(\d{4}-\d{2}-\d{2})[Tt](\d{2}:\d{2}):(\d{2})(?:\.(\d{1,9}))?"
     r"([Zz]|[+-](?:[01]\d|2[0-3]):[0-5]\d)?",
     re.ASCII,
 )
@@ -100,7 +100,7 @@ def utc_from_text(text: str) -> datetime:
     Refuses, too, times at which the Earth's orientation or the Moon are not known.  Digits
     past the microsecond are rounded (4 mm along an ISS orbit).
     """
-    match = _TEXT.fullmatch(text.strip())
+    match = _TEXT.fullmatch(text)
     if match is None:
         raise ValueError(f"{text!r} is no RFC 3339 time; write it like 2015-02-27T17:34:00.000Z")
     day, minute, second, fraction, offset = match.groups()

@@ -77,7 +77,7 @@ MESSAGE_CASES: list[tuple[str, str, Changes, str, str, str]] = [
      "orbit.content", "1973-01-03..2053-10-08"),
     ("OEM compressed", "tle",
      _orbit("oem", gzip.compress(OEM.encode(), mtime=0).decode("latin-1")), READ,
-     "orbit.content", "KEYWORD = value"),
+     "orbit.content", "plain text"),
     ("OMM for SGP4-XP", "tle", _omm(EPHEMERIS_TYPE=4), READ, "orbit.content", "EPHEMERIS_TYPE"),
     ("OMM inclination", "tle", _omm(INCLINATION=999), READ, "orbit.content", "0..180"),
     ("OMM mean motion in rad/min", "tle", _omm(MEAN_MOTION=0.0678), READ, "orbit.content",

@@ -38,7 +38,7 @@ def test_unknown_address(client):
 def test_unknown_method(client):
     answer = client.put("/v1/plans")
     assert_problem(answer, 405)
-    assert answer.headers["allow"] == "GET, POST"
+    assert answer.headers["allow"] == "GET, HEAD, POST"
 
 
 @pytest.mark.parametrize("accept", ["text/csv", "application/json;q=0", "text/*, image/png"])

@@ -1,7 +1,9 @@
 """Is each limit kept, for each caller apart, and does the refusal say it?"""
 
+import asyncio
 import json
 import threading
+from datetime import UTC, datetime
 
 import pytest
 from fastapi.testclient import TestClient
@@ -10,6 +12,10 @@ from starlette.exceptions import HTTPException
 from app.api.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
 from app.main import create_app
 from app.observability.metrics import Metrics
+from app.security import key_ring
+from app.security.access import Access
+from app.security.key_ring import KeyRing
+from app.security.keys import Key, digest, new_secret
 from app.security.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.settings import Settings
 from app.store.keys import KeyStore
@@ -32,7 +38,7 @@ def refusal(limit: RateLimit, caller: str, per_minute: int) -> HTTPException:
 
 def test_a_minutes_worth_may_come_at_once_and_comes_back_in_a_minute():
     clock = Clock()
-    limit = RateLimit(clock)
+    limit = RateLimit(clock_s=clock)
     for _ in range(30):
         limit.spend("a", 30)
     assert refusal(limit, "a", 30).headers == {"Retry-After": "2"}
@@ -47,7 +53,7 @@ def test_a_minutes_worth_may_come_at_once_and_comes_back_in_a_minute():
 
 
 def test_callers_without_number_take_no_memory_without_limit():
-    limit = RateLimit(Clock())
+    limit = RateLimit(clock_s=Clock())
     limit.spend("first", 1)
     for number in range(CALLERS_KEPT):
         limit.spend(f"caller {number}", 1)
@@ -100,16 +106,80 @@ def test_a_key_may_have_limits_of_its_own(tmp_path):
         assert client.get("/v1/platforms").status_code == 200
 
 
-def test_guessing_keys_is_slowed_down(tmp_path):
+def bearer(secret: str) -> dict[str, str]:
+    return {"Authorization": f"Bearer {secret}"}
+
+
+@pytest.mark.parametrize(
+    "failing",
+    [{}, bearer("slewtrack_000000000000_wrong"), {"Authorization": "Basic eDp5"}],
+    ids=["no key", "a wrong key", "no bearer"],
+)
+def test_failures_shut_out_those_who_fail_and_nobody_else(tmp_path, failing):
     app = create_app(Settings(data_dir=tmp_path, require_keys=True, failures_per_minute=5))
     with TestClient(app) as client:
-        _, secret = KeyStore(app.state.database).create("good", ["read"])
+        good_id, secret = _made(app)
         for _ in range(5):
-            assert client.get("/v1/platforms").status_code == 401
-        good = {"Authorization": f"Bearer {secret}"}
-        assert client.get("/v1/platforms", headers=good).status_code == 429
+            assert client.get("/v1/platforms", headers=failing).status_code == 401
+        answer = client.get("/v1/platforms", headers=failing)
+        assert answer.status_code == 429
+        assert "5 requests a minute from one address may come without a good key" in answer.text
+        assert 1 <= int(answer.headers["retry-after"]) <= 12
+        assert client.get("/v1/platforms", headers=bearer(secret)).status_code == 200
+        KeyStore(app.state.database).revoke(good_id)
+        assert client.get("/v1/platforms", headers=bearer(secret)).status_code == 429
         elsewhere = TestClient(app, client=("192.0.2.9", 1))
-        assert elsewhere.get("/v1/platforms", headers=good).status_code == 200
+        assert elsewhere.get("/v1/platforms", headers=failing).status_code == 401
+
+
+def test_who_needs_no_key_is_not_shut_out_by_wrong_ones(tmp_path):
+    with TestClient(create_app(Settings(data_dir=tmp_path, failures_per_minute=1))) as client:
+        for status in (401, 429):
+            assert client.get("/v1/platforms", headers=bearer("x")).status_code == status
+        assert client.get("/v1/platforms").status_code == 200
+
+
+def test_wrong_keys_cost_no_more_than_their_share_of_look_ups():
+    """Beyond it the database is asked once a second, and a good key is found all the same."""
+    secret, looked, good, clock = new_secret()[1], [], set(), Clock()
+    key = Key(id="1", name="", secret_sha256="", scopes=("read",), created_utc=datetime.now(UTC))
+
+    def find_key(sought: str) -> Key | None:
+        looked.append(sought)
+        return key if digest(sought) in good else None
+
+    def list_digests() -> frozenset[str]:
+        looked.append("all")
+        return frozenset(good)
+
+    ring = KeyRing(find_key, list_digests, clock)
+    access = Access(ring, require_keys=True, hosts=(), failures_per_minute=5, clock_s=clock)
+
+    async def asked(sought: str) -> int:
+        scope = {"type": "http", "method": "GET", "path": "/v1/platforms"}
+        scope["headers"] = [(b"authorization", b"Bearer " + sought.encode())]
+        try:
+            await access.caller(scope, "192.0.2.1")
+        except HTTPException as refusal:
+            return refusal.status_code
+        return 200
+
+    async def attack() -> None:
+        wrong = await asyncio.gather(*(asked(f"slewtrack_0_{number}") for number in range(1000)))
+        assert wrong == [401] * 5 + [429] * 995
+        assert len(looked) == 5 + 1
+        good.add(digest(secret))
+        assert await asked(secret) == 429  # made within the second
+        clock.now_s += key_ring.LIST_AGE_MAX_S
+        assert await asked(secret) == 200
+        assert looked[-2:] == ["all", secret]
+
+    asyncio.run(attack())
+
+
+def _made(app) -> tuple[str, str]:
+    key, secret = KeyStore(app.state.database).create("good", ["read"])
+    return key.id, secret
 
 
 def test_requests_at_a_time(tmp_path, monkeypatch):

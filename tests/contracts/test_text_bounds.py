@@ -1,0 +1,184 @@
+"""Is all text of a request short and visible, and is little of it repeated in refusals?"""
+
+import json
+import re
+import uuid
+from collections.abc import Callable, Iterator
+from copy import deepcopy
+
+import pytest
+from databases import own_postgresql
+from fastapi.testclient import TestClient
+
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
+from app.api.campaign_request import read_campaign_request
+from app.api.example_messages import OEM
+from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.api.horizon_examples import PREDICTION_EXAMPLES
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.api.opportunity_request import read_opportunity_request
+from app.api.plan_request import read_whole_plan_request
+from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.api.spacecraft_request import read_spacecraft_request
+from app.errors import problem_of
+from app.main import create_app
+from app.settings import Settings
+from planner.errors import InvalidInput, Refusal
+
+MOST = 200
+READERS: dict[Callable[[bytes], object], dict] = {
+    read_whole_plan_request: PLAN_EXAMPLES,
+    read_campaign_request: CAMPAIGN_EXAMPLES,
+    read_opportunity_request: OPPORTUNITY_EXAMPLES,
+    read_spacecraft_request: SPACECRAFT_EXAMPLES,
+}
+EXAMPLES = [
+    pytest.param(read, example, id=f"{read.__name__}-{name}")
+    for read, examples in READERS.items()
+    for name, (_, example) in examples.items()
+]
+HIDDEN = {
+    "null": "a\u0000b",
+    "bell": "a\u0007b",
+    "newline": "a\nb",
+    "delete": "a\u007fb",
+    "next line": "a\u0085b",
+    "right to left": "a\u202eb",
+    "isolate": "a\u2066b",
+    "mark": "a\u200fb",
+    "no width": "a\ufeffb",
+    "separator": "a\u2028b",
+    "half a pair": "a\ud800b",
+}
+
+
+def texts(node: object, path: tuple = ()) -> Iterator[tuple]:
+    """Where a document has a text that a request may choose, or the name of an axis."""
+    if isinstance(node, dict):
+        for name, value in node.items():
+            if name != "type":  # which GeoJSON says and nobody reads
+                yield from texts(value, (*path, name))
+    elif isinstance(node, list):
+        for place, value in enumerate(node[:2]):
+            yield from texts(value, (*path, place))
+    elif isinstance(node, str):
+        yield path
+
+
+def with_text(document: dict, path: tuple, text: str) -> bytes:
+    changed = deepcopy(document)
+    node = changed
+    for step in path[:-1]:
+        node = node[step]
+    node[path[-1]] = text
+    return json.dumps(changed).encode()
+
+
+def refusal_of(read, body: bytes) -> str:
+    with pytest.raises(Refusal) as caught:
+        read(body)
+    return json.dumps(problem_of(caught.value))
+
+
+@pytest.mark.parametrize(("read", "example"), EXAMPLES)
+@pytest.mark.parametrize("text", ["x" * (MOST + 1), "a\u0000b"], ids=["long", "null"])
+def test_every_text_of_every_request_is_bounded(read, example, text):
+    for path in texts(example):
+        told = refusal_of(read, with_text(example, path, text))
+        assert "x" * (MOST + 1) not in told, path
+
+
+@pytest.mark.parametrize("text", HIDDEN.values(), ids=HIDDEN)
+def test_what_can_not_be_seen_is_no_name(text):
+    refusal_of(read_whole_plan_request, json.dumps(LAS_VEGAS | {"name": text}).encode())
+    axes = deepcopy(LAS_VEGAS)
+    axes["initial_state"]["angles_deg"] = {text: 0.0}
+    refusal_of(read_whole_plan_request, json.dumps(axes).encode())
+
+
+@pytest.mark.parametrize("name", ["x" * MOST, "Лас-Вегас", "می‌خواهم", "👩‍🚀", "café", ""])
+def test_names_of_all_languages_are_names(name):
+    body = json.dumps(LAS_VEGAS | {"name": name}).encode()
+    assert read_whole_plan_request(body).name == name
+
+
+BIG = "x" * 5_000_000
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"name": BIG},
+        {BIG: 1},
+        {"platform": BIG},
+        {"orbit": {"source": BIG}},
+        {"orbit": {"source": "tle", "line1": BIG, "line2": BIG}},
+        {"orbit": {"source": "oem", "content": BIG}},
+        {"orbit": {"source": "oem", "content": OEM.replace("EME2000", BIG)}},
+        {"orbit": {"source": "oem", "content": OEM.replace("= UTC", f"= {BIG[:1000]}")}},
+        {"initial_state": LAS_VEGAS["initial_state"] | {"epoch": BIG}},
+        {"initial_state": LAS_VEGAS["initial_state"] | {"angles_deg": {BIG: 0.0}}},
+        {"initial_state": LAS_VEGAS["initial_state"] | {BIG: {BIG: BIG}}},
+        {"slew": {"method": BIG}},
+        {"slew": {"keep_out": [{"body": BIG, "half_angle_deg": 5.0}]}},
+        {"on_conflict": BIG},
+    ],
+    ids=lambda change: "-".join(str(name)[:10] for name in change),
+)
+def test_little_is_repeated(change):
+    told = refusal_of(read_whole_plan_request, json.dumps(LAS_VEGAS | change).encode())
+    assert len(told) < 10 * MOST
+    assert max(len(run) for run in re.findall("x+", told + "x")) <= MOST
+
+
+def test_long_numbers_are_not_repeated():
+    body = json.dumps(LAS_VEGAS).replace('"Las Vegas"', "9" * 4000).encode()
+    assert "9" * (MOST + 1) not in refusal_of(read_whole_plan_request, body)
+
+
+def test_a_refusal_is_cut_where_it_is_made():
+    quoted = InvalidInput(f"it can't be {'a b' * 1000!r}; isn't that so?", field="a." * 1000)
+    assert len(quoted.detail) < 2 * MOST
+    assert quoted.detail.endswith("...'; isn't that so?")
+    assert len(quoted.field) <= MOST + len("...")
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("text")
+    settings = Settings(data_dir=folder, database_url=own_postgresql(uuid.uuid4().hex))
+    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
+        yield client
+
+
+@pytest.mark.parametrize("text", ["%00", "a%E2%80%AEb", "%0A", "x" * (MOST + 1)])
+@pytest.mark.parametrize("path", ["/v1/plans", "/v1/campaigns", "/v1/spacecraft/plans"])
+def test_names_that_are_looked_for(client, path, text):
+    answer = client.get(f"{path}?name={text}")
+    assert answer.status_code == 422, answer.text
+    assert answer.json()["field"] == "query.name"
+    assert client.get(f"{path}?name=%D0%9B").status_code == 200
+
+
+def test_a_query_that_is_no_text(client):
+    answer = client.get("/v1/plans?name=%ff")
+    assert answer.status_code == 422
+    assert answer.json()["field"] == "query"
+
+
+@pytest.mark.parametrize(
+    ("path", "example"),
+    [("/v1/plans", LAS_VEGAS), ("/v1/campaigns", CAMPAIGN_EXAMPLES["cities"][1])],
+)
+def test_names_that_are_kept(client, path, example):
+    answer = client.post(path, json=example | {"name": "a\u0000b"})
+    assert answer.status_code == 422
+    assert answer.json()["field"] == "name"
+
+
+def test_names_of_cameras(client):
+    [example, *_] = (deepcopy(example) for _, example in PREDICTION_EXAMPLES.values())
+    example["cameras"][0]["name"] = "a\u202eb"
+    answer = client.post("/v1/horizon/predictions", json=example)
+    assert answer.status_code == 422
+    assert answer.json()["field"] == "cameras.0.name"
