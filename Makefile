@@ -12,11 +12,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_*jobs.py tests/con
 
 setup: .venv/installed
 
-# In one line, where the Python isn't one that the tests run on.
-SUPPORTED := import sys; (3, 11) <= sys.version_info < (3, 14) or sys.exit("slewtrack runs on Python 3.11 to 3.13, $(PYTHON) is %d.%d: make PYTHON=python3.13" % sys.version_info[:2])
-
 .venv/installed: requirements-dev.txt pyproject.toml
-	@$(PYTHON) -c '$(SUPPORTED)'
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .

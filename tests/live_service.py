@@ -5,11 +5,9 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-
-from waiting import PATIENCE_S
 
 ROOT = Path(__file__).parents[1]
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")
@@ -33,18 +31,6 @@ class Service:
         return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
 
 
-def children_of(pid: int) -> list[int]:
-    """Processes that do the service's work: the children of its fork server."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        with suppress(OSError):
-            text = status.read_text()
-            parent = int(text.rpartition(")")[2].split()[1])
-            found.append((int(status.parent.name), parent))
-    servers = {child for child, parent in found if parent == pid}
-    return [child for child, parent in found if parent in servers]
-
-
 @contextmanager
 def live_service(folder: Path, *words: str, **settings: str) -> Iterator[Service]:
     """`slewtrack serve` on a free port of loopback; its data and log stay in the folder."""
@@ -62,7 +48,7 @@ def live_service(folder: Path, *words: str, **settings: str) -> Iterator[Service
         yield Service(_address(process, log), process.pid, log)
     finally:
         process.terminate()
-        process.wait(timeout=PATIENCE_S)
+        process.wait(timeout=20)
 
 
 def _address(process: subprocess.Popen[bytes], log: Path) -> str:
