@@ -54,7 +54,8 @@ for _axis in ISS_HRC.values():
 
 def faults(request: Fields, answer: Fields) -> list[str]:
     """All that is wrong with a plan; empty for a good one."""
-    return [*_grid_faults(request, answer), *_limit_faults(request, answer)] or [
+    return [*_grid_faults(request, answer)] or [
+        *_limit_faults(request, answer),
         *_pointing_faults(request, answer),
         *_cone_faults(request, answer),
     ]
