@@ -9,11 +9,12 @@ Source: Chandrasekhar 1960, ch. I; Bucholtz 1995 for Rayleigh cross-sections.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 
 Floats = NDArray[np.float64]
 
@@ -36,27 +37,14 @@ class Atmosphere:
     the stratosphere at 18 km.  airglow: brightness along the limb as a fraction of white.
     """
 
-    air_scale_m: float = 7.6e3
-    air_density: float = 1.0
-    dust_optical_depth: float = 0.10
-    dust_scale_m: float = 1.6e3
-    haze_optical_depth: float = 0.0015
-    ozone: float = 1.0
-    airglow: float = 0.0
-    airglow_height_m: float = 90.0e3
-
-    def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("air_scale_m", 1e3, 20e3),
-            ("air_density", 1e-3, 10.0),
-            ("dust_optical_depth", 0.0, 10.0),
-            ("dust_scale_m", 100.0, 20e3),
-            ("haze_optical_depth", 0.0, 1.0),
-            ("ozone", 0.0, 10.0),
-            ("airglow", 0.0, 100.0),
-            ("airglow_height_m", 20e3, 110e3),
-        )
+    air_scale_m: Annotated[float, Within(1e3, 20e3)] = 7.6e3
+    air_density: Annotated[float, Within(1e-3, 10.0)] = 1.0
+    dust_optical_depth: Annotated[float, Within(0.0, 10.0)] = 0.10
+    dust_scale_m: Annotated[float, Within(100.0, 20e3)] = 1.6e3
+    haze_optical_depth: Annotated[float, Within(0.0, 1.0)] = 0.0015
+    ozone: Annotated[float, Within(0.0, 10.0)] = 1.0
+    airglow: Annotated[float, Within(0.0, 100.0)] = 0.0
+    airglow_height_m: Annotated[float, Within(20e3, 110e3)] = 90.0e3
 
 
 @dataclass(frozen=True)

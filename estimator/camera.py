@@ -6,15 +6,18 @@ Source: Brown 1966; the OpenCV camera model.
 """
 
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.spec import require_within, spec
+from planner.spec import UnitPart, Within, spec
 
 Floats = NDArray[np.float64]
-Polygon = tuple[tuple[float, float], ...]
+_Bend = Annotated[float, Within(-1e3, 1e3)]
+_CornerPx = Annotated[float, Within(-1e5, 1e5)]
+Polygon = tuple[tuple[_CornerPx, _CornerPx], ...]
 
 MAX_SIDE_PX = 16384
 _NEWTON_STEPS = 12
@@ -35,36 +38,25 @@ class HorizonCamera:
     """
 
     name: str
-    width_px: int
-    height_px: int
-    fx_px: float
-    fy_px: float
-    cx_px: float
-    cy_px: float
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
-    q_camera_from_body_xyzw: tuple[float, float, float, float]
+    width_px: Annotated[int, Within(16, MAX_SIDE_PX)]
+    height_px: Annotated[int, Within(16, MAX_SIDE_PX)]
+    fx_px: Annotated[float, Within(1.0, 1e6)]
+    fy_px: Annotated[float, Within(1.0, 1e6)]
+    cx_px: Annotated[float, Within(-1e5, 1e5)]
+    cy_px: Annotated[float, Within(-1e5, 1e5)]
+    distortion: tuple[_Bend, _Bend, _Bend, _Bend, _Bend] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    q_camera_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
     mask: tuple[Polygon, ...] = ()
-    lens_sigma: float | None = None
+    lens_sigma: Annotated[float, Within(0.0, _LEAST_KNOWN_SIGMA)] | None = None
 
     def __post_init__(self) -> None:
-        for field in ("width_px", "height_px"):
-            if not 16 <= getattr(self, field) <= MAX_SIDE_PX:
-                raise ValueError(
-                    f"{field} must lie between 16 and {MAX_SIDE_PX}, not {getattr(self, field)}"
-                )
-        for field in ("fx_px", "fy_px"):
-            if getattr(self, field) <= 1.0:
-                raise ValueError(f"{field} is a focal length in pixels, not {getattr(self, field)}")
-        for field in ("distortion", "q_camera_from_body_xyzw"):
-            if not np.all(np.isfinite(getattr(self, field))):
-                raise ValueError(f"{field} must hold finite numbers, not {getattr(self, field)}")
         norm = float(np.linalg.norm(self.q_camera_from_body_xyzw))
         if abs(norm - 1.0) > 1e-3:
             raise ValueError(
                 f"q_camera_from_body_xyzw must be a unit quaternion; its norm is {norm:.4f}"
             )
-        if any(len(polygon) < 3 or not np.all(np.isfinite(polygon)) for polygon in self.mask):
-            raise ValueError("mask: each polygon needs at least three finite [x, y] corners")
+        if any(len(polygon) < 3 for polygon in self.mask):
+            raise ValueError("mask: each polygon needs at least three [x, y] corners")
         _check_lens(self)
 
     @property
@@ -136,7 +128,6 @@ class HorizonCamera:
 
 
 def _check_lens(camera: HorizonCamera) -> None:
-    require_within(camera, ("lens_sigma", 0.0, _LEAST_KNOWN_SIGMA))
     border = _border_px(camera.width_px, camera.height_px)
     if not np.all(np.isfinite(_undistorted(camera, border))):
         raise ValueError(

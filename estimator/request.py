@@ -1,7 +1,7 @@
 """What is asked of the horizon estimator?  The fields of `POST /v1/horizon/estimates`."""
 
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_ec
 from planner.frames.geodesy import WGS84_A_M
 from planner.frames.solar_system import r_sun_eci_m
 from planner.frames.time_scales import Instants, require_offset
-from planner.spec import spec
+from planner.spec import UnitPart, Within, spec
 
 MAX_CAMERAS = 16
 NIGHT_LIMB_KM = 60.0
 _MAX_RANGE_KM = 500_000.0
+_PartKm = Annotated[float, Within(-_MAX_RANGE_KM, _MAX_RANGE_KM)]
 
 
 @spec
@@ -23,11 +24,7 @@ class Position:
     """Where the craft is at the request's epoch."""
 
     frame: Literal["ITRF", "EME2000", "GCRF"]
-    position_km: tuple[float, float, float]
-
-    def __post_init__(self) -> None:
-        if not np.all(np.isfinite(self.position_km)):
-            raise ValueError(f"position_km must be finite, not {list(self.position_km)}")
+    position_km: tuple[_PartKm, _PartKm, _PartKm]
 
 
 @spec
@@ -39,24 +36,18 @@ class Body:
     limb lies in the dark are refused.  Heights above 60 km mean the airglow layer at night.
     """
 
-    a_km: float = WGS84_A_M / 1e3
-    b_km: float = WGS84_B_M / 1e3
-    limb_height_km: float | None = None
-    limb_height_sigma_km: float | None = None
+    a_km: Annotated[float, Within(100.0, 1e5)] = WGS84_A_M / 1e3
+    b_km: Annotated[float, Within(50.0, 1e5)] = WGS84_B_M / 1e3
+    limb_height_km: Annotated[float, Within(-20.0, 1000.0)] | None = None
+    limb_height_sigma_km: Annotated[float, Within(0.0, 100.0)] | None = None
 
     def __post_init__(self) -> None:
         if not 0.5 * self.a_km <= self.b_km <= self.a_km:
             raise ValueError(
                 f"b_km must lie between half of a_km and a_km ({self.a_km}), not {self.b_km}"
             )
-        if self.a_km < 100.0:
-            raise ValueError(f"a_km is a planet's equatorial radius, not {self.a_km} km")
         if (self.limb_height_km is None) != (self.limb_height_sigma_km is None):
             raise ValueError("give limb_height_km and limb_height_sigma_km together, or neither")
-        if self.limb_height_km is not None and not -20.0 <= self.limb_height_km <= 1000.0:
-            raise ValueError(f"limb_height_km must be in -20..1000 km, not {self.limb_height_km}")
-        if self.limb_height_sigma_km is not None and self.limb_height_sigma_km < 0.0:
-            raise ValueError("limb_height_sigma_km must not be negative")
 
     @property
     def highest_limb_km(self) -> float:
@@ -70,8 +61,8 @@ class Body:
 class PredictedAttitude:
     """The attitude to be checked; sigma_deg is its 1-sigma error about each axis."""
 
-    q_body_from_eci_xyzw: tuple[float, float, float, float]
-    sigma_deg: float
+    q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
+    sigma_deg: Annotated[float, Within(0.0, 180.0)]
 
     def __post_init__(self) -> None:
         norm = float(np.linalg.norm(self.q_body_from_eci_xyzw))
@@ -79,8 +70,6 @@ class PredictedAttitude:
             raise ValueError(
                 f"q_body_from_eci_xyzw must be a unit quaternion; its norm is {norm:.4f}"
             )
-        if not 0.0 <= self.sigma_deg <= 180.0:
-            raise ValueError(f"sigma_deg must lie in 0..180, not {self.sigma_deg}")
 
 
 @spec

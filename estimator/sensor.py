@@ -1,10 +1,12 @@
 """What does a real image sensor make of a scene?  The renderer's lens and electronics."""
 
+from typing import Annotated
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8] | NDArray[np.uint16]
@@ -19,27 +21,18 @@ class Sensor:
     jpeg_quality: None for none.
     """
 
-    blur_px: float = 0.7
-    exposure: float = 0.7
-    full_well_e: float = 20e3
-    read_noise_e: float = 12.0
-    gamma: float = 1.0
-    bits: int = 8
+    blur_px: Annotated[float, Within(0.0, 50.0)] = 0.7
+    exposure: Annotated[float, Within(0.01, 100.0)] = 0.7
+    full_well_e: Annotated[float, Within(0.0, 1e9)] = 20e3
+    read_noise_e: Annotated[float, Within(0.0, 1e9)] = 12.0
+    gamma: Annotated[float, Within(0.1, 10.0)] = 1.0
+    bits: Annotated[int, Within(8, 16)] = 8
     colour: bool = False
-    jpeg_quality: int | None = None
+    jpeg_quality: Annotated[int, Within(1, 100)] | None = None
 
     def __post_init__(self) -> None:
         if self.bits not in (8, 16):
             raise ValueError(f"bits must be 8 or 16, not {self.bits}")
-        require_within(
-            self,
-            ("blur_px", 0.0, 50.0),
-            ("exposure", 0.01, 100.0),
-            ("full_well_e", 0.0, 1e9),
-            ("read_noise_e", 0.0, 1e9),
-            ("gamma", 0.1, 10.0),
-            ("jpeg_quality", 1, 100),
-        )
 
     def expose(self, scene: Floats, rng: np.random.Generator) -> Image:
         """A picture (h, w) or, in colour, (h, w, 3) of a scene's radiance (h, w, 3)."""

@@ -6,6 +6,8 @@ ocean, land and clouds lit by the Sun, or the night.  Nothing is shared with the
 but the camera model and the ellipsoid's size.
 """
 
+from typing import Annotated
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +22,7 @@ from estimator.atmosphere import (
 from estimator.camera import HorizonCamera
 from estimator.sensor import Image, Sensor
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 
 Floats = NDArray[np.float64]
 
@@ -43,27 +45,14 @@ class Scene:
     """
 
     atmosphere: Atmosphere = Atmosphere()
-    cloud_cover: float = 0.4
-    land: float = 0.3
-    roughness_m: float = 0.0
-    roughness_deg: float = 2.0
-    moonlight: float = 0.0
-    glare: float = 0.0
-    stars: int = 0
-    constant_limb_m: float | None = None
-
-    def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("cloud_cover", 0.0, 1.2),
-            ("land", 0.0, 1.0),
-            ("roughness_m", 0.0, 20e3),
-            ("roughness_deg", 0.1, 90.0),
-            ("moonlight", 0.0, 1.0),
-            ("glare", 0.0, 100.0),
-            ("stars", 0, 100_000),
-            ("constant_limb_m", 0.0, 100e3),
-        )
+    cloud_cover: Annotated[float, Within(0.0, 1.2)] = 0.4
+    land: Annotated[float, Within(0.0, 1.0)] = 0.3
+    roughness_m: Annotated[float, Within(0.0, 20e3)] = 0.0
+    roughness_deg: Annotated[float, Within(0.1, 90.0)] = 2.0
+    moonlight: Annotated[float, Within(0.0, 1.0)] = 0.0
+    glare: Annotated[float, Within(0.0, 100.0)] = 0.0
+    stars: Annotated[int, Within(0, 100_000)] = 0
+    constant_limb_m: Annotated[float, Within(0.0, 100e3)] | None = None
 
 
 class Horizon:

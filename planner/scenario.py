@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import field, replace
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,15 @@ from planner.commands import COMMAND_STEP_S
 from planner.errors import figures
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.platforms import AxisLimits, StructuralMode, TwoAxisPlatform
-from planner.spec import spec
+from planner.platforms import AngleDeg, AxisLimits, JerkDegS3, StructuralMode, TwoAxisPlatform
+from planner.spec import Within, spec
 from planner.targets import GroundPathTarget, KeepOut, MovingGroundTarget, Target, TimedTarget
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 Keyhole = Literal["refuse", "nearest"]
+_MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
 
 
 @spec
@@ -34,9 +35,9 @@ class InitialState:
     """
 
     epoch: datetime
-    angles_deg: Mapping[str, float]
-    rates_deg_s: Mapping[str, float] = field(default_factory=dict)
-    accelerations_deg_s2: Mapping[str, float] = field(default_factory=dict)
+    angles_deg: Mapping[str, AngleDeg]
+    rates_deg_s: Mapping[str, _MotionDeg] = field(default_factory=dict)
+    accelerations_deg_s2: Mapping[str, _MotionDeg] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)
@@ -47,10 +48,6 @@ class InitialState:
                 f"epoch must be a multiple of 0.2 s after the UTC second, as row 0 of the table; "
                 f"the last one before {utc_text(self.epoch, 6)} is {utc_text(before, 1)}"
             )
-        for name in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
-            for axis, value in getattr(self, name).items():
-                if not math.isfinite(value):
-                    raise ValueError(f"{name}.{axis} must be a finite number, not {value}")
 
 
 @spec
@@ -111,22 +108,13 @@ class SlewOptions:
 
     method: str = "ocp"
     objective: Literal["smooth", "minimum_time"] = "smooth"
-    jerk_max_deg_s3: float | None = None
-    filter_cutoff_hz: float | None = 2.0
+    jerk_max_deg_s3: JerkDegS3 | None = None
+    filter_cutoff_hz: Annotated[float, Within(1e-3, 1e3)] | None = 2.0
     filter_lag_compensation: bool = True
     keep_out: tuple[KeepOut, ...] = ()
     avoid_modes: tuple[StructuralMode, ...] = ()
 
     def __post_init__(self) -> None:
-        for name, low, high in (
-            ("jerk_max_deg_s3", 1e-4, 1e3),
-            ("filter_cutoff_hz", 1e-3, 1e3),
-        ):
-            value = getattr(self, name)
-            if value is not None and not low <= value <= high:
-                raise ValueError(
-                    f"{name} must lie in {low:g}..{high:g}, not {figures(value, low, high)}"
-                )
         for name, most in (("keep_out", KEEP_OUT_MAX), ("avoid_modes", AVOID_MODES_MAX)):
             count = len(getattr(self, name))
             if count > most:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, TypeVar, dataclass_transform
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, dataclass_transform, get_args
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -14,32 +15,87 @@ T = TypeVar("T")
 _PYDANTIC_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 
+@dataclasses.dataclass(frozen=True)
+class Within:
+    """The closed range of a number, in its annotation; of each number of a list or mapping.
+
+    `@spec` refuses what lies outside, and the JSON schema states the range.
+    """
+
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"{_exact(self.low)}..{_exact(self.high)}"
+
+    def __get_pydantic_json_schema__(
+        self, core_schema: object, handler: Callable[[object], dict[str, Any]]
+    ) -> dict[str, Any]:
+        return handler(core_schema) | {"minimum": self.low, "maximum": self.high}
+
+
+# Of a unit vector; wider, so that one not yet divided by its norm is told that.
+UnitPart = Annotated[float, Within(-10.0, 10.0)]
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def spec(cls: type[T]) -> type[T]:
-    """A frozen, keyword-only dataclass whose numbers are finite.
+    """A frozen, keyword-only dataclass whose numbers are finite and within their ranges.
 
-    The class's own `__post_init__` runs after the finiteness check and raises
-    `ValueError` with the value and the way out.  `__pydantic_config__` makes pydantic,
-    which only `app` imports, refuse unknown fields, NaN and lax conversions.
+    The class's own `__post_init__` runs after these checks and raises `ValueError` with the
+    value and the way out.  `__pydantic_config__` makes pydantic, which only `app` imports,
+    refuse unknown fields, NaN and lax conversions.
     """
     own_check = cls.__dict__.get("__post_init__")
+    ranges: list[tuple[str, Within]] = []
 
     def __post_init__(self: DataclassInstance) -> None:  # noqa: N807 (dataclasses calls it by this name)
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if isinstance(value, float) and not math.isfinite(value):
                 raise ValueError(f"{field.name} must be a finite number, not {value}")
+        for name, within in ranges:
+            _require(name, getattr(self, name), within)
         if own_check is not None:
             own_check(self)
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
     cls.__pydantic_config__ = _PYDANTIC_CONFIG  # type: ignore[attr-defined]
-    return dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+    made = dataclasses.dataclass(frozen=True, kw_only=True)(cls)
+    for field in dataclasses.fields(made):  # type: ignore[arg-type]  # a dataclass since one line
+        found = _ranges(field.type)
+        if len(found) > 1:
+            raise TypeError(f"{cls.__name__}.{field.name} states more than one range")
+        ranges.extend((field.name, within) for within in found)
+    return made
 
 
 def require_within(checked: object, *ranges: tuple[str, float, float]) -> None:
-    """Refuse the first field outside its closed range; fields that hold None are not given."""
+    """Refuse the first field outside its closed range, where that hangs on other fields.
+
+    Fields that hold None are not given.
+    """
     for name, low, high in ranges:
-        value = getattr(checked, name)
-        if value is not None and not low <= value <= high:
-            raise ValueError(f"{name} must lie in {low:g}..{high:g}, not {value}")
+        _require(name, getattr(checked, name), Within(low, high))
+
+
+def _ranges(annotation: object) -> set[Within]:
+    """Those anywhere in a field's type."""
+    found = {part for part in get_args(annotation) if isinstance(part, Within)}
+    return found.union(*map(_ranges, get_args(annotation)))
+
+
+def _require(name: str, value: object, within: Within) -> None:
+    if isinstance(value, Mapping):
+        for key, part in value.items():
+            _require(f"{name}.{key}", part, within)
+    elif isinstance(value, tuple):
+        for index, part in enumerate(value):
+            _require(f"{name}.{index}", part, within)
+    elif isinstance(value, int | float) and not within.low <= value <= within.high:
+        raise ValueError(f"{name} must lie in {within}, not {value}")
+
+
+def _exact(number: float) -> str:
+    """As short as tells it exactly."""
+    return short if float(short := f"{number:g}") == number else repr(number)

@@ -13,10 +13,12 @@ from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S
 from planner.opportunities import OpportunityConditions
 from planner.orbits import Orbit
+from planner.platforms import AngleDeg
 from planner.scenario import SlewOptions
 from planner.schedule import CampaignRequest, CampaignTarget
+from planner.schedule.request import STEPS_S
 from planner.slew.backends import BACKENDS
-from planner.spec import spec
+from planner.spec import Within, spec
 from planner.targets import GroundTarget
 
 TARGETS_MAX = 5000
@@ -40,13 +42,13 @@ class CampaignQuery:
     platform: PlatformChoice
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    rest_angles_deg: Mapping[str, float] | None = None
+    rest_angles_deg: Mapping[str, AngleDeg] | None = None
     targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
     slew: SlewOptions = SlewOptions()
-    step_s: float = STEP_S
+    step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
 
     def __post_init__(self) -> None:
         days = self.request().span_s / DAY_S

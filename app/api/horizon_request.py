@@ -16,7 +16,7 @@ from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.spec import spec
+from planner.spec import Within, spec
 
 VIEWS_MAX = 2000
 SPAN_MAX_DAYS = 3.0
@@ -32,17 +32,13 @@ class PredictionRequest:
 
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG
+    attitude_sigma_deg: Annotated[float, Within(0.0, 180.0)] = ATTITUDE_SIGMA_DEG
     cameras: tuple[HorizonCamera, ...]
     body: Body = Body()
     instants: Annotated[tuple[datetime, ...], Field(max_length=VIEWS_MAX), FailFast()]
 
     def __post_init__(self) -> None:
         require_cameras("cameras", self.cameras)
-        if not 0.0 <= self.attitude_sigma_deg <= 180.0:
-            raise ValueError(
-                f"attitude_sigma_deg must lie in 0..180, not {self.attitude_sigma_deg}"
-            )
         if not 1 <= len(self.instants) * len(self.cameras) <= VIEWS_MAX:
             raise ValueError(
                 f"instants times cameras must come to 1 to {VIEWS_MAX}, not "
@@ -71,7 +67,7 @@ class PictureRequest:
     at: datetime
     scene: Scene = Scene()
     sensor: Sensor = Sensor()
-    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0
+    seed: Annotated[int, Within(0, 2**32 - 1)] = 0
 
     def __post_init__(self) -> None:
         require_offset("at", self.at)

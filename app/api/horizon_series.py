@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Annotated
 
 import cv2
 import numpy as np
@@ -27,7 +28,7 @@ from planner.attitude.lvlh import LvlhAttitude
 from planner.errors import InvalidInput
 from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
 from planner.orbits import Orbit
-from planner.spec import spec
+from planner.spec import Within, spec
 
 FRAMES_MAX = 10_000
 
@@ -42,17 +43,15 @@ class HorizonSession:
 
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG
+    attitude_sigma_deg: Annotated[float, Within(0.0, 180.0)] = ATTITUDE_SIGMA_DEG
     cameras: tuple[HorizonCamera, ...]
     body: Body = Body()
     start: datetime
-    step_s: float
+    step_s: Annotated[float, Within(1e-3, 86400.0)]
 
     def __post_init__(self) -> None:
         require_offset("start", self.start)
         require_cameras("cameras", self.cameras)
-        if not 1e-3 <= self.step_s <= 86400.0:
-            raise ValueError(f"step_s must lie in 0.001..86400, not {self.step_s}")
 
     def requests(self, count: int) -> tuple[HorizonRequest, ...]:
         """What is asked of the first `count` frames; raises OutsideCoverage."""

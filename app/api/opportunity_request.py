@@ -11,9 +11,9 @@ from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
+from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, SAMPLES
 from planner.orbits import Orbit
-from planner.spec import spec
+from planner.spec import Within, spec
 from planner.targets import GroundTarget
 
 TARGETS_MAX = 5000
@@ -39,8 +39,8 @@ class OpportunityQuery:
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
-    samples: int = 5
-    pixel_arcsec: float = HRC_PIXEL_ARCSEC
+    samples: Annotated[int, Within(*SAMPLES)] = 5
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
 
     def __post_init__(self) -> None:
         self.request()

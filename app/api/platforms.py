@@ -7,7 +7,7 @@ from fastapi import APIRouter, Depends
 
 from app.api.negotiation import accepts_json
 from planner.platforms import PLATFORMS, AxisDefinition, AxisLimits, PlatformDefinition
-from planner.platforms.two_axis import TwoAxisPlatform, Vector3
+from planner.platforms.two_axis import TwoAxisPlatform, UnitVector
 
 router = APIRouter(tags=["platforms"], dependencies=[Depends(accepts_json)])
 
@@ -40,7 +40,7 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
     )
 
 
-def _axis(name: str, axis_platform: Vector3, limits: AxisLimits) -> AxisDefinition:
+def _axis(name: str, axis_platform: UnitVector, limits: AxisLimits) -> AxisDefinition:
     return AxisDefinition(
         name=name,
         axis_platform=axis_platform,

@@ -2,7 +2,7 @@
 
 from datetime import datetime
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude.extrapolation import OFFSET_TAIL_S, Choice, choose
 from planner.attitude.reference_frames import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
-from planner.errors import InvalidMessage, OutsideCoverage, Refusal, figures
+from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import Aem, AemSegment, read_aem
 from planner.orbits import Orbit, OrbitStates
-from planner.spec import spec
+from planner.spec import Within, spec
 
 HISTORY_ORBITS = 3.0
 ROW_STEP_S = 10.0
@@ -38,18 +38,10 @@ class HarmonicAttitude:
     law: Literal["harmonic"] = "harmonic"
     content: str
     history_orbit: Orbit | None = None
-    orbital_period_s: float = 5560.0
-    lead_s: float = 900.0
+    orbital_period_s: Annotated[float, Within(*PERIOD_RANGE_S)] = 5560.0
+    lead_s: Annotated[float, Within(60.0, LEAD_MAX_S)] = 900.0
 
     def __post_init__(self) -> None:
-        low_s, high_s = PERIOD_RANGE_S
-        if not low_s <= self.orbital_period_s <= high_s:
-            raise ValueError(
-                f"orbital_period_s must lie in {low_s:.0f}..{high_s:.0f}, "
-                f"not {figures(self.orbital_period_s, low_s, high_s)}"
-            )
-        if not 60.0 <= self.lead_s <= LEAD_MAX_S:
-            raise ValueError(f"lead_s must lie in 60..{LEAD_MAX_S:.0f}, not {self.lead_s}")
         try:
             _ = self.message
         except InvalidMessage as refusal:

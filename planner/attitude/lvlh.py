@@ -1,6 +1,6 @@
 """How does a carrier point that keeps a constant attitude to the local vertical?"""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -8,9 +8,7 @@ from scipy.spatial.transform import Rotation
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import require_within, spec
-
-ANGLE_MAX_DEG = 360.0
+from planner.spec import Within, spec
 
 
 @spec
@@ -22,13 +20,9 @@ class LvlhAttitude:
     """
 
     law: Literal["lvlh"] = "lvlh"
-    yaw_deg: float = 0.0
-    pitch_deg: float = 0.0
-    roll_deg: float = 0.0
-
-    def __post_init__(self) -> None:
-        angles = ("yaw_deg", "pitch_deg", "roll_deg")
-        require_within(self, *((name, -ANGLE_MAX_DEG, ANGLE_MAX_DEG) for name in angles))
+    yaw_deg: Annotated[float, Within(-360.0, 360.0)] = 0.0
+    pitch_deg: Annotated[float, Within(-360.0, 360.0)] = 0.0
+    roll_deg: Annotated[float, Within(-360.0, 360.0)] = 0.0
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""

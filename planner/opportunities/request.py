@@ -2,16 +2,19 @@
 
 import math
 from datetime import datetime
+from typing import Annotated
 
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
 from planner.platforms import TwoAxisPlatform
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 from planner.targets import GroundTarget, MovingGroundTarget, SkyTarget, Target
 
 HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
+PIXELS_ARCSEC = (1e-4, 36e3)
+SAMPLES = (2, 1000)  # a window's edges at least
 
 
 @spec
@@ -20,7 +23,7 @@ class OpportunityTarget:
 
     id: str
     target: Target
-    priority: float = 1.0
+    priority: Annotated[float, Within(-1e6, 1e6)] = 1.0
 
     def __post_init__(self) -> None:
         if not self.id:
@@ -44,25 +47,15 @@ class OpportunityConditions:
     wherever the Earth doesn't hide that body.
     """
 
-    min_elevation_deg: float = 0.0
-    max_off_nadir_deg: float | None = None
-    sun_elevation_min_deg: float | None = None
-    sun_elevation_max_deg: float | None = None
-    sun_keep_out_deg: float | None = None
-    moon_keep_out_deg: float | None = None
-    min_duration_s: float = 0.0
+    min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 0.0
+    max_off_nadir_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    sun_elevation_min_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    sun_elevation_max_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    sun_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    moon_keep_out_deg: Annotated[float, Within(0.0, 180.0)] | None = None
+    min_duration_s: Annotated[float, Within(0.0, 86400.0)] = 0.0
 
     def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("min_elevation_deg", 0.0, 90.0),
-            ("max_off_nadir_deg", 0.0, 180.0),
-            ("sun_elevation_min_deg", -90.0, 90.0),
-            ("sun_elevation_max_deg", -90.0, 90.0),
-            ("sun_keep_out_deg", 0.0, 180.0),
-            ("moon_keep_out_deg", 0.0, 180.0),
-            ("min_duration_s", 0.0, math.inf),
-        )
         low, high = self.sun_elevation_min_deg, self.sun_elevation_max_deg
         if low is not None and high is not None and not low < high:
             raise ValueError(
@@ -86,8 +79,8 @@ class OpportunityRequest:
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
-    samples: int = 5
-    pixel_arcsec: float = HRC_PIXEL_ARCSEC
+    samples: Annotated[int, Within(*SAMPLES)] = 5
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
 
     def __post_init__(self) -> None:
         require_offset("start", self.start)
@@ -108,7 +101,3 @@ class OpportunityRequest:
             seen.add(wanted.id)
             if isinstance(wanted.target, MovingGroundTarget):
                 wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
-        if self.samples < 2:
-            raise ValueError(f"samples must be 2 at least, a window's edges, not {self.samples}")
-        if not self.pixel_arcsec > 0.0:
-            raise ValueError(f"pixel_arcsec must be positive, not {self.pixel_arcsec}")

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,17 +29,16 @@ from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
 from planner.orbits.forces import Drag, forces_at
 from planner.orbits.gravity import GM_M3_S2, RADIUS_M
 from planner.orbits.paper_model import PaperEphemeris, paper_ephemeris
-from planner.spec import spec
+from planner.spec import Within, spec
 
 WARN_AGE_S = {"full": 6.0 * 3600.0, "j2j4": 900.0}
 REFUSE_AGE_S = 3.0 * 86400.0
 _PERIGEE_MIN_M = RADIUS_M - 22e3 + HEIGHT_MIN_M  # 22 km: the Earth's flattening
 
-_PART_MAX = 1e7  # km, beyond the Moon by far, or km/s
+_PositionKm = Annotated[float, Within(-1e7, 1e7)]  # wider than any orbit,
+_VelocityKmS = Annotated[float, Within(-1e7, 1e7)]  # so that metres are told as such
 BALLISTIC_MAX_M2_KG = 1.0  # the ISS has 0.007; only sails and balloons have more
 _SHORTEST_S = 1.0  # so that a plan at the epoch has a polynomial too
-
-Vector3 = tuple[float, float, float]
 
 
 @spec
@@ -54,12 +53,12 @@ class StateVectorOrbit:
     source: Literal["state"] = "state"
     frame: Literal["ITRF", "EME2000", "GCRF"]
     epoch: datetime
-    position_km: Vector3
-    velocity_km_s: Vector3
+    position_km: tuple[_PositionKm, _PositionKm, _PositionKm]
+    velocity_km_s: tuple[_VelocityKmS, _VelocityKmS, _VelocityKmS]
     force_model: Literal["full", "j2j4"] = "full"
-    mass_kg: float = 450e3
-    drag_area_m2: float = 1500.0
-    drag_coefficient: float = 2.0
+    mass_kg: Annotated[float, Within(1e-3, 1e9)] = 450e3
+    drag_area_m2: Annotated[float, Within(0.0, 1e6)] = 1500.0
+    drag_coefficient: Annotated[float, Within(0.0, 100.0)] = 2.0
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)
@@ -67,17 +66,6 @@ class StateVectorOrbit:
             require_known(self.epoch)
         except ValueError as error:
             raise ValueError(f"epoch {error}") from None
-        for name in ("position_km", "velocity_km_s"):
-            if not all(abs(part) <= _PART_MAX for part in getattr(self, name)):
-                raise ValueError(
-                    f"{name} must be three finite numbers up to {_PART_MAX:.0g}, "
-                    f"not {getattr(self, name)}"
-                )
-        if not self.mass_kg > 0.0:
-            raise ValueError(f"mass_kg must be positive, not {self.mass_kg}")
-        for name in ("drag_area_m2", "drag_coefficient"):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
         ballistic_m2_kg = self.drag_coefficient * self.drag_area_m2 / self.mass_kg
         if not ballistic_m2_kg <= BALLISTIC_MAX_M2_KG:
             raise ValueError(

@@ -1,19 +1,26 @@
 """How does a person write down a two-axis platform?  In degrees."""
 
 import math
+from typing import Annotated
 
 from planner.platforms.two_axis import (
     HRC_FRAME_HALF_RAD,
     AxisLimits,
     TwoAxisPlatform,
-    Vector3,
+    UnitVector,
 )
-from planner.spec import spec
+from planner.spec import UnitPart, Within, spec
 
 HRC_FIELD_OF_VIEW_DEG = (
     math.degrees(2.0 * HRC_FRAME_HALF_RAD[0]),
     math.degrees(2.0 * HRC_FRAME_HALF_RAD[1]),
 )
+# Three turns either way: cable wraps hold one and a half, and on slip rings more show nothing new.
+AngleDeg = Annotated[float, Within(-1080.0, 1080.0)]
+STOPS_APART_DEG = 1e-3
+JerkDegS3 = Annotated[float, Within(1e-4, 1e3)]
+_MotionLimit = Annotated[float, Within(1e-4, 1e3)]
+_WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
 
 @spec
@@ -21,21 +28,27 @@ class AxisDefinition:
     """One gimbal axis as its data sheet gives it; the fields of `AxisLimits` in degrees."""
 
     name: str
-    axis_platform: Vector3
-    angle_min_deg: float
-    angle_max_deg: float
-    rate_max_deg_s: float
-    acceleration_max_deg_s2: float
-    jerk_max_deg_s3: float
-    rate_min_deg_s: float = 0.0
+    axis_platform: UnitVector
+    angle_min_deg: AngleDeg
+    angle_max_deg: AngleDeg
+    rate_max_deg_s: _MotionLimit
+    acceleration_max_deg_s2: _MotionLimit
+    jerk_max_deg_s3: JerkDegS3
+    rate_min_deg_s: Annotated[float, Within(0.0, 1e3)] = 0.0
 
     def __post_init__(self) -> None:
         if not self.name:
             raise ValueError("name must not be empty: angles and rates are given per axis name")
-        for name in ("rate_max_deg_s", "acceleration_max_deg_s2", "jerk_max_deg_s3"):
-            value = getattr(self, name)
-            if not 1e-4 <= value <= 1e3:
-                raise ValueError(f"{name} must lie in 0.0001..1000, not {value:g}")
+        if not self.angle_max_deg - self.angle_min_deg >= STOPS_APART_DEG:
+            raise ValueError(
+                f"angle_max_deg must lie {STOPS_APART_DEG:g} or more above angle_min_deg "
+                f"({self.angle_min_deg}), not at {self.angle_max_deg}"
+            )
+        if not self.rate_min_deg_s < self.rate_max_deg_s:
+            raise ValueError(
+                f"rate_min_deg_s must be less than rate_max_deg_s ({self.rate_max_deg_s}), "
+                f"not {self.rate_min_deg_s}"
+            )
         self.limits()
 
     def limits(self) -> AxisLimits:
@@ -60,15 +73,11 @@ class PlatformDefinition:
     name: str
     outer: AxisDefinition
     inner: AxisDefinition
-    zero_direction_platform: Vector3 = (0.0, 0.0, 1.0)
-    q_platform_from_body_xyzw: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
-    field_of_view_deg: tuple[float, float] = HRC_FIELD_OF_VIEW_DEG
+    zero_direction_platform: UnitVector = (0.0, 0.0, 1.0)
+    q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
+    field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
 
     def __post_init__(self) -> None:
-        if not all(1e-6 <= width <= 170.0 for width in self.field_of_view_deg):
-            raise ValueError(
-                f"field_of_view_deg must lie in 0.000001..170, not {self.field_of_view_deg}"
-            )
         if self.outer.name == self.inner.name:
             raise ValueError(f"the axes need two names, not {self.outer.name!r} twice")
         self.platform()

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.spec import spec
+from planner.spec import UnitPart, spec
 
-Vector3 = tuple[float, float, float]
+UnitVector = tuple[UnitPart, UnitPart, UnitPart]
 UNIT_TOLERANCE = 1e-6
 # 5.36 x 3.56 km from 350 km (Sumarokov 2016); the long side along the inner axis is assumed.
 HRC_FRAME_HALF_RAD = (math.atan(2.68 / 350.0), math.atan(1.78 / 350.0))
@@ -55,13 +55,13 @@ class TwoAxisPlatform:
 
     name: str
     outer_name: str
-    outer_axis_platform: Vector3
+    outer_axis_platform: UnitVector
     outer_limits: AxisLimits
     inner_name: str
-    inner_axis_platform: Vector3
+    inner_axis_platform: UnitVector
     inner_limits: AxisLimits
-    zero_direction_platform: Vector3
-    q_platform_from_body_xyzw: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    zero_direction_platform: UnitVector
+    q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
 
     def __post_init__(self) -> None:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from datetime import datetime
+from typing import Annotated
 
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
@@ -10,9 +11,9 @@ from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import elapsed_s, require_offset
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
 from planner.orbits import Orbit
-from planner.platforms import TwoAxisPlatform
+from planner.platforms import AngleDeg, TwoAxisPlatform
 from planner.scenario import InitialState, SlewOptions
-from planner.spec import require_within, spec
+from planner.spec import Within, require_within, spec
 from planner.targets import Target
 
 STEPS_S = (0.4, 30.0)
@@ -30,19 +31,16 @@ class CampaignTarget:
 
     id: str
     target: Target
-    priority: float = 1.0
-    session_s: float
-    min_session_s: float | None = None
-    looks: int = 1
+    priority: Annotated[float, Within(1e-3, 1e6)] = 1.0
+    session_s: Annotated[float, Within(1.0, SESSION_MAX_S)]
+    min_session_s: Annotated[float, Within(1.0, SESSION_MAX_S)] | None = None
+    looks: Annotated[int, Within(1, 1000)] = 1
 
     def __post_init__(self) -> None:
         OpportunityTarget(id=self.id, target=self.target)
         require_within(
             self,
-            ("priority", 1e-3, 1e6),
-            ("session_s", 1.0, SESSION_MAX_S),
             ("min_session_s", 1.0, self.session_s),
-            ("looks", 1, 1000),
         )
 
     @property
@@ -73,18 +71,17 @@ class CampaignRequest:
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
     platform: TwoAxisPlatform
-    rest_angles_deg: Mapping[str, float]
+    rest_angles_deg: Mapping[str, AngleDeg]
     targets: tuple[CampaignTarget, ...]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
     slew: SlewOptions = SlewOptions()
-    step_s: float = 2.0
+    step_s: Annotated[float, Within(*STEPS_S)] = 2.0
 
     def __post_init__(self) -> None:
         require_offset("start", self.start)
         require_offset("stop", self.stop)
-        require_within(self, ("step_s", *STEPS_S))
         steps = self.step_s / COMMAND_STEP_S
         if abs(steps - round(steps)) > 1e-6:
             raise ValueError(

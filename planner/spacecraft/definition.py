@@ -5,14 +5,18 @@ assumption, named as such here and repeated in `ASSUMPTIONS` of the stabilisatio
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.spacecraft.cmg_array import CmgArray
-from planner.spec import spec
+from planner.spec import Within, spec
 
 Vector3 = tuple[float, float, float]
+SETTLE_S = (0.0, 60.0)
+SWATH_M = (100.0, 500e3)
+OFF_NADIR_DEG = (0.1, 60.0)
 
 
 @spec
@@ -121,7 +125,7 @@ class SlewLimits:
     torque_n_m: float = 15.0
     torque_rate_n_m_s: float = 40.0
     momentum_sphere_n_m_s: float = 60.0
-    settle_s: float = 2.6
+    settle_s: Annotated[float, Within(*SETTLE_S)] = 2.6
 
     def __post_init__(self) -> None:
         for name in (
@@ -133,8 +137,6 @@ class SlewLimits:
         ):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
-        if not 0.0 <= self.settle_s <= 60.0:
-            raise ValueError(f"settle_s must lie in 0..60 s, not {self.settle_s}")
 
 
 @spec
@@ -147,22 +149,15 @@ class Camera:
     """
 
     pixel_rad: float = 1.0 / 650e3
-    tdi_lines: int = 32
-    swath_m: float = 12e3
+    tdi_lines: Annotated[int, Within(1, 1024)] = 32
+    swath_m: Annotated[float, Within(*SWATH_M)] = 12e3
     reversible: bool = False
-    across_max_deg: float = 45.0
-    along_max_deg: float = 30.0
+    across_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 45.0
+    along_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 30.0
 
     def __post_init__(self) -> None:
         if not 0.0 < self.pixel_rad < 1e-3:
             raise ValueError(f"pixel_rad must lie in (0, 1e-3), not {self.pixel_rad}")
-        if not 1 <= self.tdi_lines <= 1024:
-            raise ValueError(f"tdi_lines must lie in 1..1024, not {self.tdi_lines}")
-        if not 100.0 <= self.swath_m <= 500e3:
-            raise ValueError(f"swath_m must lie in 100..500000 m, not {self.swath_m}")
-        for name in ("across_max_deg", "along_max_deg"):
-            if not 0.0 < getattr(self, name) <= 60.0:
-                raise ValueError(f"{name} must lie in (0, 60], not {getattr(self, name)}")
 
 
 @spec

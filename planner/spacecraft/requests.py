@@ -3,15 +3,25 @@
 import math
 from datetime import datetime
 from itertools import combinations, pairwise
-from typing import Literal
+from typing import Annotated, Literal
 
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.spacecraft.definition import SPACECRAFT, AgileSpacecraft, Camera, SlewLimits
+from planner.spacecraft.definition import (
+    OFF_NADIR_DEG,
+    SETTLE_S,
+    SPACECRAFT,
+    SWATH_M,
+    AgileSpacecraft,
+    Camera,
+    SlewLimits,
+)
 from planner.spacecraft.turn_problem import Objective
-from planner.spec import spec
+from planner.spec import UnitPart, Within, spec
 
-Position = tuple[float, ...]
+# Longitude, latitude and, if given, height in metres: no use is made of it.
+Position = tuple[Annotated[float, Within(-1000.0, 100e3)], ...]
+_MomentumPart = Annotated[float, Within(-240.0, 240.0)]  # four gyros of 60 in one direction
 SESSION_MAX_S = 3600.0
 LEG_MAX_KM = 2000.0
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
@@ -112,9 +122,9 @@ class ImagingRequest:
     """
 
     name: str
-    priority: float = 1.0
-    scan_speed_m_s: float = SCAN_SPEED_M_S
-    height_m: float = 0.0
+    priority: Annotated[float, Within(1e-6, 1e6)] = 1.0
+    scan_speed_m_s: Annotated[float, Within(500.0, 12e3)] = SCAN_SPEED_M_S
+    height_m: Annotated[float, Within(-500.0, 9000.0)] = 0.0
     start: datetime | None = None
     window_start: datetime | None = None
     window_stop: datetime | None = None
@@ -122,12 +132,6 @@ class ImagingRequest:
     def __post_init__(self) -> None:
         if not self.name:
             raise ValueError("name must not be empty: the table's windows refer to it")
-        if not 0.0 < self.priority <= 1e6:
-            raise ValueError(f"priority must lie in (0, 1e6], not {self.priority}")
-        if not 500.0 <= self.scan_speed_m_s <= 12e3:
-            raise ValueError(f"scan_speed_m_s must lie in 500..12000, not {self.scan_speed_m_s}")
-        if not -500.0 <= self.height_m <= 9000.0:
-            raise ValueError(f"height_m must lie in -500..9000 m, not {self.height_m}")
         for field in ("start", "window_start", "window_stop"):
             moment = getattr(self, field)
             if moment is not None:
@@ -159,13 +163,11 @@ class StereoRequest(ImagingRequest):
 
     mode: Literal["stereo"] = "stereo"
     geometry: GeoLineString
-    look_angle_deg: float = 24.0
+    look_angle_deg: Annotated[float, Within(2.0, 45.0)] = 24.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _two_positions(self.geometry)
-        if not 2.0 <= self.look_angle_deg <= 45.0:
-            raise ValueError(f"look_angle_deg must lie in 2..45, not {self.look_angle_deg}")
 
 
 @spec
@@ -178,12 +180,7 @@ class AreaRequest(ImagingRequest):
 
     mode: Literal["area"] = "area"
     geometry: GeoPolygon
-    azimuth_deg: float | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.azimuth_deg is not None and not -360.0 <= self.azimuth_deg <= 360.0:
-            raise ValueError(f"azimuth_deg must lie in -360..360, not {self.azimuth_deg}")
+    azimuth_deg: Annotated[float, Within(-360.0, 360.0)] | None = None
 
 
 @spec
@@ -192,9 +189,6 @@ class CorridorRequest(ImagingRequest):
 
     mode: Literal["corridor"] = "corridor"
     geometry: GeoLineString
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
 
 
 def _two_positions(line: GeoLineString) -> None:
@@ -213,26 +207,24 @@ MODES["corridor"] = CorridorRequest
 class SpacecraftSettings:
     """What a session may change about the spacecraft; the rest is its definition.
 
-    rate_axis_max_deg_s: of each body axis in turns (the gyro reads 1.6).  settle_s: on the
-    profile before imaging.  reversible_scan: the detector scans in both senses.
+    rate_axis_max_deg_s: of each body axis in turns (the gyro reads 1.6).  torque_max_n_m: four
+    gyros give 30 in every direction whatever they store; torque_rate_max_n_m_s: they can change
+    that once in a control cycle of 0.2 s.  settle_s: on the profile before imaging.
+    reversible_scan: the detector scans in both senses.
     momentum_n_m_s: stored in the gyros at the start, body axes.
     """
 
-    rate_axis_max_deg_s: float = 1.58
-    torque_max_n_m: float = 15.0
-    torque_rate_max_n_m_s: float = 40.0
-    settle_s: float = 2.6
+    rate_axis_max_deg_s: Annotated[float, Within(0.1, 3.5)] = 1.58
+    torque_max_n_m: Annotated[float, Within(1.0, 30.0)] = 15.0
+    torque_rate_max_n_m_s: Annotated[float, Within(1.0, 150.0)] = 40.0
+    settle_s: Annotated[float, Within(*SETTLE_S)] = 2.6
     reversible_scan: bool = False
-    swath_m: float = 12e3
-    across_max_deg: float = 45.0
-    along_max_deg: float = 30.0
-    momentum_n_m_s: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    swath_m: Annotated[float, Within(*SWATH_M)] = 12e3
+    across_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 45.0
+    along_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 30.0
+    momentum_n_m_s: tuple[_MomentumPart, _MomentumPart, _MomentumPart] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        if not 0.1 <= self.rate_axis_max_deg_s <= 3.5:
-            raise ValueError(
-                f"rate_axis_max_deg_s must lie in 0.1..3.5, not {self.rate_axis_max_deg_s}"
-            )
         self._slew()
         self._camera(Camera())
 
@@ -284,11 +276,11 @@ class ImagingPlanRequest:
     settings: SpacecraftSettings = SpacecraftSettings()
     start: datetime
     stop: datetime
-    initial_q_body_from_eci_xyzw: tuple[float, float, float, float] | None = None
+    initial_q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] | None = None
     requests: tuple[Request, ...]
     objective: Objective = "smooth"
-    simulation_runs: int = 4
-    seed: int = 0
+    simulation_runs: Annotated[int, Within(0, 100)] = 4
+    seed: Annotated[int, Within(0, 2**32 - 1)] = 0
 
     def __post_init__(self) -> None:
         if self.spacecraft not in SPACECRAFT:
@@ -321,8 +313,6 @@ class ImagingPlanRequest:
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:
             raise ValueError(f"two requests are named {twice!r}; names must differ")
-        if not 0 <= self.simulation_runs <= 100:
-            raise ValueError(f"simulation_runs must lie in 0..100, not {self.simulation_runs}")
 
     def definition(self) -> AgileSpacecraft:
         """The spacecraft with the session's settings."""

@@ -6,18 +6,19 @@ centred or starts.
 """
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 from planner.targets.smooth_step import ramp, step
 
 COMPONENTS_MAX = 100
-_FREQUENCIES_HZ = (1e-4, 2.5)  # up to the Nyquist frequency of the 0.2 s table
-_ANGLES_DEG = (-360.0, 360.0)
-_DURATIONS_S = (1e-3, 86400.0)
+_FrequencyHz = Annotated[float, Within(1e-4, 2.5)]  # to the Nyquist frequency of the 0.2 s table
+_AngleDeg = Annotated[float, Within(-360.0, 360.0)]
+_AmplitudeDeg = Annotated[float, Within(0.0, 360.0)]
+_DurationS = Annotated[float, Within(1e-3, 86400.0)]
 
 
 @spec
@@ -25,11 +26,8 @@ class ConstantRate:
     """angle_deg + rate_deg_s t."""
 
     kind: Literal["constant_rate"] = "constant_rate"
-    angle_deg: float = 0.0
-    rate_deg_s: float
-
-    def __post_init__(self) -> None:
-        require_within(self, ("angle_deg", *_ANGLES_DEG), ("rate_deg_s", *_ANGLES_DEG))
+    angle_deg: _AngleDeg = 0.0
+    rate_deg_s: _AngleDeg
 
     def shortest_period_s(self) -> float:
         return math.inf
@@ -44,19 +42,10 @@ class Sine:
     """angle_deg + amplitude_deg sin(2 pi frequency_hz t + phase_deg)."""
 
     kind: Literal["sine"] = "sine"
-    angle_deg: float = 0.0
-    amplitude_deg: float
-    frequency_hz: float
-    phase_deg: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("angle_deg", *_ANGLES_DEG),
-            ("amplitude_deg", 0.0, 360.0),
-            ("frequency_hz", *_FREQUENCIES_HZ),
-            ("phase_deg", *_ANGLES_DEG),
-        )
+    angle_deg: _AngleDeg = 0.0
+    amplitude_deg: _AmplitudeDeg
+    frequency_hz: _FrequencyHz
+    phase_deg: _AngleDeg = 0.0
 
     def shortest_period_s(self) -> float:
         return 1.0 / self.frequency_hz
@@ -77,22 +66,14 @@ class Chirp:
     """
 
     kind: Literal["chirp"] = "chirp"
-    angle_deg: float = 0.0
-    amplitude_deg: float
-    start_frequency_hz: float
-    stop_frequency_hz: float
-    sweep_s: float
+    angle_deg: _AngleDeg = 0.0
+    amplitude_deg: _AmplitudeDeg
+    start_frequency_hz: _FrequencyHz
+    stop_frequency_hz: _FrequencyHz
+    sweep_s: _DurationS
     sweep: Literal["linear", "logarithmic"] = "linear"
 
     def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("angle_deg", *_ANGLES_DEG),
-            ("amplitude_deg", 0.0, 360.0),
-            ("start_frequency_hz", *_FREQUENCIES_HZ),
-            ("stop_frequency_hz", *_FREQUENCIES_HZ),
-            ("sweep_s", *_DURATIONS_S),
-        )
         if self.start_frequency_hz == self.stop_frequency_hz:
             raise ValueError("a chirp needs two different frequencies; a sine has one")
 
@@ -135,19 +116,10 @@ class Step:
     """
 
     kind: Literal["step"] = "step"
-    angle_deg: float = 0.0
-    step_deg: float
-    at_s: float = 0.0
-    rise_s: float
-
-    def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("angle_deg", *_ANGLES_DEG),
-            ("step_deg", *_ANGLES_DEG),
-            ("at_s", 0.0, 86400.0),
-            ("rise_s", *_DURATIONS_S),
-        )
+    angle_deg: _AngleDeg = 0.0
+    step_deg: _AngleDeg
+    at_s: Annotated[float, Within(0.0, 86400.0)] = 0.0
+    rise_s: _DurationS
 
     def shortest_period_s(self) -> float:
         return self.rise_s
@@ -169,19 +141,12 @@ class Triangle:
     """
 
     kind: Literal["triangle"] = "triangle"
-    angle_deg: float = 0.0
-    amplitude_deg: float
-    period_s: float
-    turn_s: float
+    angle_deg: _AngleDeg = 0.0
+    amplitude_deg: _AmplitudeDeg
+    period_s: _DurationS
+    turn_s: _DurationS
 
     def __post_init__(self) -> None:
-        require_within(
-            self,
-            ("angle_deg", *_ANGLES_DEG),
-            ("amplitude_deg", 0.0, 360.0),
-            ("period_s", *_DURATIONS_S),
-            ("turn_s", *_DURATIONS_S),
-        )
         if self.turn_s > self.period_s / 2.0:
             raise ValueError(
                 f"turn_s must be at most half of period_s, {self.period_s / 2.0:g}, "
@@ -218,29 +183,21 @@ class Multisine:
     """
 
     kind: Literal["multisine"] = "multisine"
-    angle_deg: float = 0.0
-    amplitudes_deg: tuple[float, ...]
-    frequencies_hz: tuple[float, ...]
-    phases_deg: tuple[float, ...] | None = None
+    angle_deg: _AngleDeg = 0.0
+    amplitudes_deg: tuple[_AmplitudeDeg, ...]
+    frequencies_hz: tuple[_FrequencyHz, ...]
+    phases_deg: tuple[_AngleDeg, ...] | None = None
 
     def __post_init__(self) -> None:
-        require_within(self, ("angle_deg", *_ANGLES_DEG))
         count = len(self.frequencies_hz)
         if not 1 <= count <= COMPONENTS_MAX:
             raise ValueError(f"frequencies_hz must hold 1 to {COMPONENTS_MAX}, not {count}")
-        phases_deg = self.phases_deg if self.phases_deg is not None else (0.0,) * count
-        for name, values, (low, high) in (
-            ("amplitudes_deg", self.amplitudes_deg, (0.0, 360.0)),
-            ("frequencies_hz", self.frequencies_hz, _FREQUENCIES_HZ),
-            ("phases_deg", phases_deg, _ANGLES_DEG),
-        ):
-            if len(values) != count:
+        for name in ("amplitudes_deg", "phases_deg"):
+            values = getattr(self, name)
+            if values is not None and len(values) != count:
                 raise ValueError(
                     f"{name} must hold one for each of the {count} frequencies, not {len(values)}"
                 )
-            for k, value in enumerate(values):
-                if not low <= value <= high:
-                    raise ValueError(f"{name}.{k} must lie in {low:g}..{high:g}, not {value}")
 
     def shortest_period_s(self) -> float:
         return 1.0 / max(self.frequencies_hz)

@@ -9,6 +9,7 @@ from planner.frames.solar_system import BODIES, r_body_bary_m
 from planner.frames.time_scales import Instants
 from planner.spec import spec
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S
+from planner.targets.ranges import GrazingAltitudeKm
 from planner.targets.refraction import Refraction
 from planner.targets.sky import GRAZING_ALTITUDE_KM, SkyTarget, require_sky_ranges
 
@@ -25,7 +26,7 @@ class BodyTarget(SkyTarget):
 
     mode: Literal["body"] = "body"
     name: str
-    grazing_altitude_km: float = GRAZING_ALTITUDE_KM
+    grazing_altitude_km: GrazingAltitudeKm = GRAZING_ALTITUDE_KM
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:

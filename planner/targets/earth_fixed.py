@@ -10,7 +10,6 @@ from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import require_within
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrated
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
 
@@ -78,8 +77,7 @@ class EarthFixedTarget(ABC):
 
 
 def require_ground_ranges(target: EarthFixedTarget) -> None:
-    """The ranges of the fields every EarthFixedTarget has."""
-    require_within(target, ("min_elevation_deg", 0.0, 90.0))
+    """What is modelled of the fields every EarthFixedTarget has."""
     if target.refraction == "standard" and target.min_elevation_deg < LOWEST_ELEVATION_DEG:
         raise ValueError(
             f"refraction 'standard' is modelled from {LOWEST_ELEVATION_DEG:g} deg elevation up; "

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants
-from planner.spec import require_within, spec
+from planner.spec import spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import GEODETIC_RANGES
+from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
 from planner.targets.refraction import Refraction
 
 
@@ -23,14 +23,13 @@ class GroundTarget(EarthFixedTarget):
     """
 
     mode: Literal["ground"] = "ground"
-    latitude_deg: float
-    longitude_deg: float
-    height_m: float = 0.0
-    min_elevation_deg: float = 0.0
+    latitude_deg: LatitudeDeg
+    longitude_deg: LongitudeDeg
+    height_m: HeightM = 0.0
+    min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
-        require_within(self, *GEODETIC_RANGES)
         require_ground_ranges(self)
 
     def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:

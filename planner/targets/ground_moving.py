@@ -2,7 +2,7 @@
 
 import math
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from planner.frames.geodesic import geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_offset, utc_text
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import GEODETIC_RANGES
+from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
 from planner.targets.refraction import Refraction
 
 LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for longer
@@ -32,19 +32,16 @@ class MovingGroundTarget(EarthFixedTarget):
 
     mode: Literal["ground_moving"] = "ground_moving"
     epoch: datetime
-    latitude_deg: float
-    longitude_deg: float
-    height_m: float = 0.0
-    course_deg: float
-    speed_m_s: float
-    min_elevation_deg: float = 0.0
+    latitude_deg: LatitudeDeg
+    longitude_deg: LongitudeDeg
+    height_m: HeightM = 0.0
+    course_deg: Annotated[float, Within(-180.0, 360.0)]
+    speed_m_s: Annotated[float, Within(0.0, 10e3)]
+    min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)
-        require_within(
-            self, *GEODETIC_RANGES, ("course_deg", -180.0, 360.0), ("speed_m_s", 0.0, 10e3)
-        )
         require_ground_ranges(self)
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:

@@ -4,7 +4,7 @@ import dataclasses
 import math
 from datetime import datetime
 from functools import cached_property
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,9 @@ from planner.errors import InvalidInput, figures
 from planner.frames.geodesic import geodesic_between, geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants, elapsed_s, require_offset
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import GEODETIC_RANGES
+from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
 from planner.targets.refraction import Refraction
 from planner.targets.smooth_step import ramp
 
@@ -29,12 +29,9 @@ CORNER_MIN_S = 2.0
 class PathPoint:
     """A point of the line, in WGS84 geodetic coordinates; height above the ellipsoid."""
 
-    latitude_deg: float
-    longitude_deg: float
-    height_m: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_within(self, *GEODETIC_RANGES)
+    latitude_deg: LatitudeDeg
+    longitude_deg: LongitudeDeg
+    height_m: HeightM = 0.0
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -65,10 +62,10 @@ class GroundPathTarget(EarthFixedTarget):
 
     mode: Literal["ground_path"] = "ground_path"
     points: tuple[PathPoint, ...]
-    speed_m_s: float
+    speed_m_s: Annotated[float, Within(1e-3, 10e3)]
     start: datetime | None = None
-    corner_s: float = 4.0
-    min_elevation_deg: float = 0.0
+    corner_s: Annotated[float, Within(CORNER_MIN_S, 600.0)] = 4.0
+    min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
@@ -76,7 +73,6 @@ class GroundPathTarget(EarthFixedTarget):
             require_offset("start", self.start)
         if not 2 <= len(self.points) <= POINTS_MAX:
             raise ValueError(f"points must hold 2 to {POINTS_MAX} points, not {len(self.points)}")
-        require_within(self, ("speed_m_s", 1e-3, 10e3), ("corner_s", CORNER_MIN_S, 600.0))
         require_ground_ranges(self)
         for leg, lasts_s in enumerate(np.diff(self._legs.passing_s)):
             if len(self.points) > 2 and lasts_s < self.corner_s:

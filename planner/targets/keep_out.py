@@ -1,6 +1,7 @@
 """From which directions must the boresight keep away?"""
 
 import math
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,13 @@ from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.solar_system import BODIES
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 from planner.targets.body import BodyTarget
 
 Array = NDArray[np.float64]
-Vector3 = tuple[float, float, float]
+VectorPart = Annotated[float, Within(-1e6, 1e6)]
+Vector3 = tuple[VectorPart, VectorPart, VectorPart]
+LENGTH_MIN = 1e-3  # squares of much smaller ones round to zero, or to few digits
 HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3
 WAYS_TO_SAY = "body, ra_deg and dec_deg, direction_lvlh or direction_platform"
 
@@ -30,18 +33,14 @@ class KeepOut:
     Vectors need no unit length.
     """
 
-    half_angle_deg: float
+    half_angle_deg: Annotated[float, Within(1e-3, 179.9)]
     body: str | None = None
-    ra_deg: float | None = None
-    dec_deg: float | None = None
+    ra_deg: Annotated[float, Within(0.0, 360.0)] | None = None
+    dec_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
     direction_lvlh: Vector3 | None = None
     direction_platform: Vector3 | None = None
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.half_angle_deg < 180.0:
-            raise ValueError(
-                f"half_angle_deg must lie between 0 and 180, not {self.half_angle_deg:g}"
-            )
         if (self.ra_deg is None) != (self.dec_deg is None):
             raise ValueError("ra_deg and dec_deg belong together; give both or neither")
         given = (self.body, self.ra_deg, self.direction_lvlh, self.direction_platform)
@@ -49,11 +48,12 @@ class KeepOut:
             raise ValueError(f"a keep-out cone needs one direction: {WAYS_TO_SAY}")
         if self.body is not None and self.body.lower() not in BODIES:
             raise ValueError(f"body must be one of {', '.join(BODIES)}, not {self.body[:40]!r}")
-        require_within(self, ("ra_deg", 0.0, 360.0), ("dec_deg", -90.0, 90.0))
         for name in ("direction_lvlh", "direction_platform"):
             vector = getattr(self, name)
-            if vector is not None and not math.hypot(*vector) > 0.0:
-                raise ValueError(f"{name} must not be the zero vector")
+            if vector is not None and not math.hypot(*vector) >= LENGTH_MIN:
+                raise ValueError(
+                    f"{name} must be at least {LENGTH_MIN:g} long, not {math.hypot(*vector):g}"
+                )
 
     @property
     def about(self) -> str:

@@ -10,7 +10,6 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import require_within
 from planner.targets.apparent import ApparentDirection, aberrated
 from planner.targets.deflection import deflected
 from planner.targets.earth_limb import limb_clearance_rad, refracted
@@ -86,8 +85,7 @@ class SkyTarget(ABC):
 
 
 def require_sky_ranges(target: SkyTarget) -> None:
-    """The ranges of the fields every SkyTarget has."""
-    require_within(target, ("grazing_altitude_km", 0.0, 300.0))
+    """What is modelled of the fields every SkyTarget has."""
     if target.refraction == "standard" and target.grazing_altitude_km < LOWEST_SEEN_KM:
         raise ValueError(
             f"grazing_altitude_km must be at least {LOWEST_SEEN_KM:g} with refraction "

@@ -1,7 +1,7 @@
 """Where is a star?"""
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import erfa
 import numpy as np
@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from planner.frames.hipparcos import CatalogueStar, hipparcos_star
 from planner.frames.time_scales import Instants
-from planner.spec import require_within, spec
+from planner.spec import Within, spec
 from planner.targets.deflection import AU_M
+from planner.targets.ranges import GrazingAltitudeKm
 from planner.targets.refraction import Refraction
 from planner.targets.sky import GRAZING_ALTITUDE_KM, SkyTarget, require_sky_ranges
 
@@ -34,15 +35,15 @@ class StarTarget(SkyTarget):
     """
 
     mode: Literal["star"] = "star"
-    ra_deg: float | None = None
-    dec_deg: float | None = None
-    epoch_jyear: float | None = None
-    pm_ra_cosdec_mas_yr: float | None = None
-    pm_dec_mas_yr: float | None = None
-    parallax_mas: float | None = None
-    radial_velocity_km_s: float = 0.0
-    hip: int | None = None
-    grazing_altitude_km: float = GRAZING_ALTITUDE_KM
+    ra_deg: Annotated[float, Within(0.0, 360.0)] | None = None
+    dec_deg: Annotated[float, Within(-90.0, 90.0)] | None = None
+    epoch_jyear: Annotated[float, Within(1800.0, 2200.0)] | None = None
+    pm_ra_cosdec_mas_yr: Annotated[float, Within(-20e3, 20e3)] | None = None
+    pm_dec_mas_yr: Annotated[float, Within(-20e3, 20e3)] | None = None
+    parallax_mas: Annotated[float, Within(0.0, 1000.0)] | None = None
+    radial_velocity_km_s: Annotated[float, Within(-1000.0, 1000.0)] = 0.0
+    hip: Annotated[int, Within(1, 999_999)] | None = None
+    grazing_altitude_km: GrazingAltitudeKm = GRAZING_ALTITUDE_KM
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
@@ -66,16 +67,6 @@ class StarTarget(SkyTarget):
                 f"hip {self.hip} is not in the Hipparcos catalogue (numbers 1 to 120404, with "
                 "gaps); give the star's ra_deg and dec_deg instead"
             )
-        require_within(
-            self,
-            ("ra_deg", 0.0, 360.0),
-            ("dec_deg", -90.0, 90.0),
-            ("epoch_jyear", 1800.0, 2200.0),
-            ("pm_ra_cosdec_mas_yr", -20e3, 20e3),
-            ("pm_dec_mas_yr", -20e3, 20e3),
-            ("parallax_mas", 0.0, 1000.0),
-            ("radial_velocity_km_s", -1000.0, 1000.0),
-        )
         require_sky_ranges(self)
 
     def seen_from(

@@ -95,7 +95,7 @@ def test_a_hipparcos_number_is_the_star_of_its_coordinates():
         ({"hip": 11767, "ra_deg": 10.0}, "not both"),
         ({"hip": 11767, "parallax_mas": 10.0}, "already says parallax_mas"),
         ({"hip": 120405}, "give the star's ra_deg"),
-        ({"hip": -1}, "give the star's ra_deg"),
+        ({"hip": -1}, "hip must lie in"),
         ({"ra_deg": 10.0, "dec_deg": 91.0}, "dec_deg must lie in"),
         ({"ra_deg": 10.0, "dec_deg": 9.0, "grazing_altitude_km": -1.0}, "grazing_altitude_km must"),
         (

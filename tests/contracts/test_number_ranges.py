@@ -1,0 +1,292 @@
+"""Every number of every request states its range, and what lies outside is refused by name.
+
+The numbers are found in the JSON schemas, so that a new field is tested on arrival; worked
+examples, and the fragments below for what none of them shows, are the documents they are set in.
+"""
+
+import contextlib
+import copy
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import pytest
+
+from app.api.campaign_examples import CAMPAIGN_EXAMPLES
+from app.api.campaign_request import campaign_request_json_schema, read_campaign_request
+from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.api.horizon_examples import (
+    ESTIMATE_EXAMPLE,
+    PICTURE_EXAMPLES,
+    PREDICTION_EXAMPLES,
+    SESSION_EXAMPLE,
+)
+from app.api.horizon_request import (
+    horizon_request_json_schemas,
+    read_estimate_request,
+    read_picture_request,
+    read_prediction_request,
+)
+from app.api.horizon_series import _SESSION
+from app.api.json_reader import InvalidRequest
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.api.opportunity_request import opportunity_request_json_schema, read_opportunity_request
+from app.api.plan_request import plan_request_json_schema, read_plan_request
+from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.api.spacecraft_request import read_spacecraft_request, spacecraft_request_json_schema
+from planner.errors import InvalidInput
+
+Document = dict[str, Any]
+REFERENCE = "#/$defs/"
+FAR = (1e300, -1e300, 1e9, -1e9, 5e-324, -5e-324, 0.0)
+
+
+def _with(**changes: object) -> Document:
+    return {**LAS_VEGAS, **changes}
+
+
+def _aimed(**target: object) -> Document:
+    return _with(sessions=[{**LAS_VEGAS["sessions"][0], "target": target}])
+
+
+def _moved(**motion: object) -> Document:
+    still = {"kind": "constant_rate", "rate_deg_s": 0.0}
+    return _aimed(mode="test_motion", axes={"alpha": motion, "beta": still})
+
+
+_CONES = [
+    {"half_angle_deg": 5.0, "ra_deg": 10.0, "dec_deg": 80.0},
+    {"half_angle_deg": 5.0, "direction_lvlh": [0.0, 0.0, -1.0]},
+    {"half_angle_deg": 5.0, "direction_platform": [0.0, 0.0, -1.0]},
+]
+_AXIS = {"angle_min_deg": -175.0, "angle_max_deg": 175.0, "rate_max_deg_s": 3.0,
+         "acceleration_max_deg_s2": 1.0, "jerk_max_deg_s3": 1.0}  # fmt: skip
+_PLACE = {"latitude_deg": 36.0, "longitude_deg": -115.0}
+FRAGMENTS = [
+    _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
+    _with(initial_state=LAS_VEGAS["initial_state"] | {
+        "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
+    _with(platform={
+        "name": "written out",
+        "outer": _AXIS | {"name": "alpha", "axis_platform": [0.0, 1.0, 0.0]},
+        "inner": _AXIS | {"name": "beta", "axis_platform": [1.0, 0.0, 0.0]},
+        "zero_direction_platform": [0.0, 0.0, 1.0],
+        "q_platform_from_body_xyzw": [0.0, 0.0, 0.0, 1.0],
+        "field_of_view_deg": [0.9, 0.6]}),
+    _aimed(mode="ground_moving", epoch="2015-02-27T17:36:00Z", course_deg=0.0, speed_m_s=5.0,
+           **_PLACE),
+    _aimed(mode="star", hip=91262),
+    _aimed(mode="star", ra_deg=10.0, dec_deg=20.0),
+    _moved(kind="constant_rate", rate_deg_s=0.1),
+    _moved(kind="sine", amplitude_deg=1.0, frequency_hz=0.1),
+    _moved(kind="chirp", amplitude_deg=0.1, start_frequency_hz=0.1, stop_frequency_hz=0.2,
+           sweep_s=50.0),
+    _moved(kind="step", step_deg=1.0, rise_s=10.0),
+    _moved(kind="triangle", amplitude_deg=1.0, period_s=50.0, turn_s=5.0),
+    _moved(kind="multisine", amplitudes_deg=[0.1], frequencies_hz=[0.1], phases_deg=[0.0]),
+    _with(horizon_cameras=[
+        ESTIMATE_EXAMPLE["cameras"][0] | {"mask": [[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]]}]),
+]  # fmt: skip
+
+_SPACECRAFT = next(iter(SPACECRAFT_EXAMPLES.values()))[1] | {
+    "initial_q_body_from_eci_xyzw": [0.0, 0.0, 0.0, 1.0],
+    "settings": {"momentum_n_m_s": [0.0, 0.0, 0.0]},
+}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One kind of request."""
+
+    name: str
+    read: Callable[[bytes], object]
+    schema: Document
+    documents: tuple[Document, ...]
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number at a path of a document, and the range its schema states; of which field it is."""
+
+    field: str
+    path: tuple[str | int, ...]
+    low: float
+    high: float
+    is_whole: bool
+
+
+def _shown(examples: dict[str, tuple[str, Document]]) -> tuple[Document, ...]:
+    return tuple(document for _, document in examples.values())
+
+
+@cache
+def _kinds() -> tuple[Asked, ...]:
+    template = REFERENCE + "{model}"
+    horizon = horizon_request_json_schemas(template)
+    return (
+        Asked("plan", read_plan_request, plan_request_json_schema(template),
+              (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
+        Asked("campaign", read_campaign_request, campaign_request_json_schema(template),
+              tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {}}
+                    for d in _shown(CAMPAIGN_EXAMPLES))),
+        Asked("opportunities", read_opportunity_request,
+              opportunity_request_json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
+        Asked("spacecraft", read_spacecraft_request, spacecraft_request_json_schema(template),
+              (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
+        Asked("estimate", read_estimate_request, horizon["HorizonRequest"],
+              (ESTIMATE_EXAMPLE | {"body": {}},)),
+        Asked("prediction", read_prediction_request, horizon["PredictionRequest"],
+              tuple(d | {"body": {}} for d in _shown(PREDICTION_EXAMPLES))),
+        Asked("picture", read_picture_request, horizon["PictureRequest"],
+              tuple(d | {"scene": {"atmosphere": {}}, "sensor": {}}
+                    for d in _shown(PICTURE_EXAMPLES))),
+        Asked("series", _SESSION.read, _SESSION.json_schema(template),
+              (SESSION_EXAMPLE | {"body": {}},)),
+    )  # fmt: skip
+
+
+KINDS = [kind.name for kind in _kinds()]
+
+
+@pytest.mark.parametrize("kind", _kinds(), ids=KINDS)
+def test_every_number_states_its_range(kind: Asked):
+    unbounded = [
+        path
+        for path, node in _nodes(kind.schema, "")
+        if node.get("type") in ("number", "integer")
+        and not {"minimum", "maximum"} <= node.keys()
+        and "const" not in node
+    ]
+    assert unbounded == []
+
+
+@pytest.mark.parametrize("kind", _kinds(), ids=KINDS)
+def test_numbers_outside_are_refused_by_name_with_value_and_range(kind: Asked):
+    seen = 0
+    for document, number in _numbers(kind):
+        seen += 1
+        below, above = math.nextafter(number.low, -math.inf), math.nextafter(number.high, math.inf)
+        if number.is_whole:
+            below, above = int(number.low) - 1, int(number.high) + 1
+        tried = [below, above, *(int(far) if number.is_whole else far for far in FAR)]
+        for value in tried:
+            if number.low <= value <= number.high:
+                continue
+            with pytest.raises(InvalidRequest) as refusal:
+                kind.read(_body(document, number.path, value))
+            named = {error.field: error for error in refusal.value.errors}
+            path = ".".join(map(str, number.path))
+            assert path in named, (path, value, refusal.value.detail)
+            assert "must lie in" in named[path].detail, named[path]
+            assert named[path].value == value
+    assert seen
+
+
+@pytest.mark.parametrize("kind", _kinds(), ids=KINDS)
+def test_numbers_at_the_ends_and_nearly_zero_are_read_or_refused(kind: Asked):
+    for document, number in _numbers(kind):
+        for value in (number.low, number.high, *FAR):
+            if number.low <= value <= number.high:
+                asked = int(value) if number.is_whole else value
+                with contextlib.suppress(InvalidInput):  # where fields contradict one another
+                    kind.read(_body(document, number.path, asked))
+
+
+def test_examples_and_fragments_hold_every_number_there_is():
+    held = {number.field for kind in _kinds() for _, number in _numbers(kind)}
+    stated = {
+        field
+        for kind in _kinds()
+        for field, node in _fields(kind.schema)
+        if any("minimum" in inner for _, inner in _nodes(node, ""))
+    }
+    assert sorted(stated - held) == []
+
+
+def _body(document: Document, path: tuple[str | int, ...], value: object) -> bytes:
+    changed = copy.deepcopy(document)
+    node: Any = changed
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] = value
+    return json.dumps(changed).encode()
+
+
+@cache
+def _numbers_of(name: str) -> tuple[tuple[int, Number], ...]:
+    kind = next(kind for kind in _kinds() if kind.name == name)
+    found: dict[str, tuple[int, Number]] = {}
+    for at, document in enumerate(kind.documents):
+        for number in _walk(kind.schema, kind.schema, document, (), ""):
+            found.setdefault(number.field, (at, number))
+    return tuple(found.values())
+
+
+def _numbers(kind: Asked) -> Iterator[tuple[Document, Number]]:
+    """Each number once, in the first document that has room for it."""
+    for at, number in _numbers_of(kind.name):
+        yield kind.documents[at], number
+
+
+def _walk(
+    schema: Document, node: Document, value: Any, path: tuple[str | int, ...], field: str
+) -> Iterator[Number]:
+    """Numbers below a value; of those left out, the ones a value can simply be set for."""
+    if "$ref" in node:
+        field = node["$ref"].removeprefix(REFERENCE)
+        node = schema["$defs"][field]
+    for choice in (*node.get("anyOf", ()), *node.get("oneOf", ())):
+        if _fits(schema, choice, value):
+            yield from _walk(schema, choice, value, path, field)
+    if node.get("type") in ("number", "integer"):
+        whole = node["type"] == "integer"
+        yield Number(field, path, node["minimum"], node["maximum"], whole)
+    for key, inner, inner_value in _below(node, value):
+        named = f"{field}.{key}" if key in node.get("properties", {}) else field
+        yield from _walk(schema, inner, inner_value, (*path, key), named)
+
+
+def _below(node: Document, value: Any) -> Iterator[tuple[str | int, Document, Any]]:
+    """Keys, schemas and values of what an object or list holds, or might as a number."""
+    if isinstance(value, dict):
+        for name, inner in node.get("properties", {}).items():
+            if name in value or any("minimum" in n for n in (inner, *inner.get("anyOf", ()))):
+                yield name, inner, value.get(name)
+        if isinstance(more := node.get("additionalProperties"), dict):
+            yield from ((name, more, inner_value) for name, inner_value in value.items())
+    elif isinstance(value, list):
+        every = [node["items"]] * len(value) if "items" in node else []
+        items = node.get("prefixItems", every)
+        yield from ((index, *pair) for index, pair in enumerate(zip(items, value, strict=False)))
+
+
+def _fits(schema: Document, choice: Document, value: Any) -> bool:
+    """Whether a union's choice is the one the value takes; a number where there is none."""
+    if "$ref" in choice:
+        choice = schema["$defs"][choice["$ref"].removeprefix(REFERENCE)]
+    if isinstance(value, dict):
+        tags = {k: p["const"] for k, p in choice.get("properties", {}).items() if "const" in p}
+        return choice.get("type") == "object" and tags.items() <= value.items()
+    if isinstance(value, list):
+        return choice.get("type") == "array"
+    return choice.get("type") in ("number", "integer") and not isinstance(value, str)
+
+
+def _nodes(node: Any, path: str) -> Iterator[tuple[str, Document]]:
+    if isinstance(node, dict):
+        yield path, node
+    members = node.items() if isinstance(node, dict) else enumerate(node)
+    for key, inner in members:
+        if isinstance(inner, dict | list):
+            yield from _nodes(inner, f"{path}.{key}")
+
+
+def _fields(schema: Document) -> Iterator[tuple[str, Document]]:
+    for name, inner in schema.get("properties", {}).items():
+        yield f".{name}", inner
+    for owner, definition in schema.get("$defs", {}).items():
+        for name, inner in definition.get("properties", {}).items():
+            yield f"{owner}.{name}", inner

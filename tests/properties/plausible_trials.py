@@ -1,0 +1,97 @@
+"""What comes of a plausible request, and of the start that a refusal advises."""
+
+import copy
+import json
+import re
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import Any
+
+from plan_oracle import faults
+
+from app.api.plan_request import read_plan_request
+from app.api.plan_response import plan_json
+from app.errors import problem_of
+from planner.errors import Refusal
+from planner.pipeline import make_plan
+
+Fields = dict[str, Any]
+SLUG = re.compile(r"[a-z]+(-[a-z]+)*")
+OURS = ("internal-error", "verification-failed", "solver-failed")  # never the planner's to mend
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """kind: `planned`, `baseline` for a spline that says it failed, a refusal's, or `bug`.
+
+    faults: all that is wrong with the table or the refusal.  cpu_s: of planning alone.
+    """
+
+    kind: str
+    cpu_s: float
+    problem: Fields = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
+
+    @property
+    def advises(self) -> bool:
+        return "earliest_feasible_start" in self.problem
+
+
+def outcome(request: Fields) -> Outcome:
+    """Plan it and look at what comes."""
+    begun_s = time.process_time()
+    try:
+        plan = make_plan(read_plan_request(json.dumps(request).encode()))
+    except Refusal as refusal:
+        spent_s = time.process_time() - begun_s
+        problem = problem_of(refusal)
+        return Outcome(
+            kind=refusal.slug, cpu_s=spent_s, problem=problem, faults=list(_misshapen(problem))
+        )
+    except Exception as bug:  # noqa: BLE001 (counted, and told with its request)
+        spent_s = time.process_time() - begun_s
+        return Outcome(kind="bug", cpu_s=spent_s, faults=[f"{type(bug).__name__}: {bug}"])
+    spent_s = time.process_time() - begun_s
+    answered = json.loads(plan_json(plan, input_sha256="", planned_at_utc=datetime.now(UTC)))
+    if request["slew"]["method"] == "spline" and answered["state"] == "failed":
+        return Outcome(kind="baseline", cpu_s=spent_s)
+    wrong = faults(request, answered)
+    if answered["state"] != "done":
+        wrong.append(f"its state is {answered['state']}")
+    return Outcome(kind="planned", cpu_s=spent_s, faults=wrong)
+
+
+def answer(request: Fields) -> Fields:
+    """That of a request that can be planned."""
+    plan = make_plan(read_plan_request(json.dumps(request).encode()))
+    return dict(json.loads(plan_json(plan, input_sha256="", planned_at_utc=datetime.now(UTC))))
+
+
+def as_advised(request: Fields, problem: Fields) -> Fields:
+    """The request with the start, and the stop if any, that its refusal advises."""
+    changed = copy.deepcopy(request)
+    named = re.match(r"sessions\.(\d+)", problem.get("field", ""))
+    assert named is not None, problem
+    session = changed["sessions"][int(named[1])]
+    session["start"] = problem["earliest_feasible_start"]
+    session["stop"] = problem.get("feasible_stop", session["stop"])
+    return changed
+
+
+def _misshapen(problem: Fields) -> Iterator[str]:
+    slug = problem["type"].rpartition("/")[2].rpartition(":")[2]
+    if slug in OURS or not SLUG.fullmatch(slug):
+        yield f"is refused as {slug}: {problem['detail']}"
+    if problem["status"] != 422:
+        yield f"is refused with {problem['status']}"
+    if not problem["title"] or not problem["detail"] or len(problem["detail"]) > 3000:
+        yield "is refused without a title or a detail of a page at most"
+    if "feasible_stop" in problem and "earliest_feasible_start" not in problem:
+        yield "is advised a stop without a start"
+    if "earliest_feasible_start" in problem and "field" not in problem:
+        yield "is advised a start for no session"
+    for word in ("nan", "inf", "None", "Traceback"):
+        if re.search(rf"\b{word}\b", problem["detail"]):
+            yield f"is told of {word}: {problem['detail']}"
