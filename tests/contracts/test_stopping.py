@@ -10,8 +10,9 @@ from contextlib import closing
 import pytest
 from fastapi.testclient import TestClient
 from hostile_cases import PLAN, PLANS, head
-from job_cases import KINDS, eventually
+from job_cases import KINDS
 from live_service import live_service
+from waiting import eventually
 
 from app.api import opportunities
 from app.api.examples import LAS_VEGAS
