@@ -1,0 +1,128 @@
+"""Is everybody who waits answered when the service is told to stop?"""
+
+import json
+import os
+import signal
+import socket
+import threading
+from contextlib import closing
+
+import pytest
+from fastapi.testclient import TestClient
+from hostile_cases import PLAN, PLANS, head
+from job_cases import KINDS
+from live_service import live_service
+from waiting import eventually
+
+from app.api import opportunities
+from app.api.examples import LAS_VEGAS
+from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.jobs.kinds import JOB_KINDS, JobKind
+from app.main import create_app
+from app.settings import Settings
+
+PATIENT = {"Prefer": "wait=60"}
+
+
+@pytest.fixture
+def client(tmp_path, monkeypatch):
+    """Of a service whose plans never end."""
+    hanging = JobKind(
+        name="plan",
+        bounds=KINDS["spin"].bounds,
+        work=KINDS["spin"].work,
+        store=JOB_KINDS["plan"].store,
+    )
+    monkeypatch.setitem(JOB_KINDS, "plan", hanging)
+    with TestClient(create_app(Settings(data_dir=tmp_path, workers=1))) as client:
+        yield client
+
+
+def stop(client) -> None:
+    """As the server does it first."""
+    client.portal.call(client.app.state.stopping.set)
+
+
+def answered(client, ask, begun) -> object:
+    """The answer to what is asked before the stop, and only then."""
+    answers = []
+    asking = threading.Thread(target=lambda: answers.append(ask()))
+    asking.start()
+    eventually(begun)
+    assert not answers
+    stop(client)
+    asking.join(timeout=60)
+    [answer] = answers
+    return answer
+
+
+def runs(client) -> bool:
+    return bool(client.get("/v1/plans?state=running").json()["plans"])
+
+
+def test_who_waits_for_a_plan_is_told_where_it_will_be(client):
+    answer = answered(
+        client,
+        lambda: client.post("/v1/plans", json=LAS_VEGAS, headers=PATIENT),
+        lambda: runs(client),
+    )
+    assert answer.status_code == 202
+    assert client.get(answer.headers["location"]).json()["state"] == "running"
+
+
+def test_streams_of_events_end(client):
+    made = client.post("/v1/plans", json=LAS_VEGAS, headers={"Prefer": "respond-async"})
+    seen = threading.Event()
+
+    def follow():
+        seen.set()
+        return client.get(made.headers["location"] + "/events")
+
+    answer = answered(client, follow, seen.is_set)
+    assert answer.status_code == 200
+
+
+def _spin(*_: object) -> None:
+    KINDS["spin"].work(b"")
+
+
+def test_direct_answers_are_given_up(client, monkeypatch):
+    begun = threading.Event()
+    real = opportunities.in_child
+
+    async def in_child(request, bounds, _work, *_given):
+        begun.set()
+        return await real(request, bounds, _spin)
+
+    monkeypatch.setattr(opportunities, "in_child", in_child)
+    example = OPPORTUNITY_EXAMPLES["cities"][1]
+    answer = answered(client, lambda: client.post("/v1/opportunities", json=example), begun.is_set)
+    assert answer.status_code == 503
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert "is being stopped" in answer.json()["detail"]
+    assert int(answer.headers["retry-after"]) > 0
+    assert answer.headers["x-request-id"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "SIGINT"])
+def test_who_still_sends_is_told_in_the_end(tmp_path, number):
+    with live_service(tmp_path) as service:
+        address = ("127.0.0.1", service.port)
+        with closing(socket.create_connection(address, timeout=60)) as connection:
+            told = (f"Content-Length: {len(PLAN)}", "Content-Type: application/json")
+            connection.sendall(head(PLANS, *told, "Expect: 100-continue"))
+            assert connection.recv(65536).startswith(b"HTTP/1.1 100 ")  # its body is waited for
+            os.kill(service.pid, number)
+            answer = b""
+            while piece := connection.recv(65536):
+                answer += piece
+    status, _, rest = answer.partition(b"\r\n")
+    headers, _, body = rest.partition(b"\r\n\r\n")
+    assert status == b"HTTP/1.1 503 Service Unavailable"
+    assert {b"retry-after: 5", b"x-content-type-options: nosniff"} <= set(
+        headers.lower().split(b"\r\n")
+    )
+    assert "is being stopped" in json.loads(body)["detail"]
+    log = service.log.read_text()
+    assert "Traceback" not in log
+    assert "CancelledError" not in log
