@@ -60,7 +60,10 @@ def initial_state(scenario: Scenario) -> States:
 
 
 class Chain:
-    """The ways of each session, and the slews between them that solving found impossible."""
+    """The ways of each session, and the slews between them that solving found impossible.
+
+    What was found out is kept, by identity of ways and by rows: each search goes over it again.
+    """
 
     def __init__(self, scenario: Scenario, sessions: list[tuple[Way, ...]]) -> None:
         self.scenario = scenario
@@ -73,6 +76,7 @@ class Chain:
         self._states: dict[tuple[int, int], States] = {}
         self._shut: dict[Pair, int] = {}
         self._care_left = CARE_SHARE * effort.left()
+        self._is_cut_short = False
 
     def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
         """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
@@ -116,6 +120,7 @@ class Chain:
             with at_most(min(CARE_MOST, self._care_left)) as care:
                 join = joined(self.scenario, way, from_row, state, early=not slew.keep_out)
             self._care_left -= care.done
+            self._is_cut_short |= care.is_spent
         if join is None:
             raise shut
         return join
@@ -135,7 +140,8 @@ class Chain:
             found = replace(join, cut_short=True)
             with at_most(share):
                 found = self._bettered(way, step.leave_row, state, join)
-            better.append(replace(found, stop_row=join.stop_row))
+            cut_short = found.cut_short or self._is_cut_short
+            better.append(replace(found, stop_row=join.stop_row, cut_short=cut_short))
         return better
 
     def _bettered(self, way: Way, from_row: int, state: States, join: Join) -> Join:

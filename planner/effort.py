@@ -35,7 +35,7 @@ class Effort:
     outer: "Effort | None" = None
     done: float = 0.0
     is_spent: bool = False
-    _token: "Token[Effort | None]" = field(init=False, repr=False)
+    _token: Token["Effort | None"] = field(init=False, repr=False)
 
     @property
     def left(self) -> float:

@@ -28,7 +28,7 @@ from planner.slew import BACKENDS, require_brakable, track_states
 
 # Of the work that is left: for finding a plan; where there is none, for saying why, and of that
 # for a proof around cones and for what would help.
-FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.7, 0.4, 0.5
+FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.8, 0.7, 0.5
 
 
 class SessionRefused(Exception):

@@ -105,7 +105,7 @@ def refused_sequences(count):
     found = []
     while len(found) < count:
         sessions, start_s = [], rng.uniform(60.0, 150.0)
-        for _ in range(rng.integers(2, 5)):
+        for _ in range(rng.integers(2, 4)):
             stop_s = start_s + rng.uniform(5.0, 30.0)
             place = GroundTarget(
                 latitude_deg=rng.uniform(33.0, 42.0),
@@ -124,7 +124,7 @@ def refused_sequences(count):
 def test_advice_that_is_followed_plans():
     """With the session moved, and those left out that this costs; with each offer as it stands."""
     advised = 0
-    for asked, refusal in refused_sequences(20):
+    for asked, refusal in refused_sequences(16):
         if refusal.earliest_feasible_start_utc is not None:
             advised += 1
             number = int(refusal.field.split(".")[1])
@@ -141,7 +141,7 @@ def test_advice_that_is_followed_plans():
             assert make_plan(replace(asked, sessions=tuple(kept))).verification.passed
         for mode in {offer.on_conflict for offer in getattr(refusal, "give_up", ())}:
             assert make_plan(replace(asked, on_conflict=mode)).verification.passed
-    assert advised >= 15
+    assert advised >= 12
 
 
 def test_a_start_that_costs_another_session_says_which():
