@@ -109,28 +109,47 @@ class Chain:
         return self._joins[pair, *rows]
 
     def _solved(self, way: Way, from_row: int, state: States) -> Join:
-        """What is found at once, else with care as long as that lasts."""
+        """Around cones what is found at once, else with care; without, with care as it lasts."""
         slew = self.scenario.slew
+        if slew.objective == "minimum_time" and not slew.keep_out:
+            join = self._with_care(way, from_row, state)
+            if join is None:
+                join = joined(self.scenario, way, from_row, state, thorough=False, early=False)
+                join = replace(join, cut_short=True)
+            return join
         try:
             return joined(self.scenario, way, from_row, state, thorough=False, early=False)
         except InfeasibleSlew as refusal:
             shut = refusal
-        join = None
-        if slew.is_searched:
-            with at_most(min(CARE_MOST, self._care_left)) as care:
-                join = joined(self.scenario, way, from_row, state, early=not slew.keep_out)
-            self._care_left -= care.done
-            self._is_cut_short |= care.is_spent
-        if join is None:
+        careful = self._with_care(way, from_row, state, early=False) if slew.keep_out else None
+        if careful is None:
             raise shut
+        return careful
+
+    def _with_care(
+        self, way: Way, from_row: int, state: States, *, early: bool = True
+    ) -> Join | None:
+        """None where the work that may be done with care ends before anything is found."""
+        join = None
+        with at_most(min(CARE_MOST, self._care_left)) as care:
+            try:
+                join = joined(self.scenario, way, from_row, state, early=early)
+            finally:
+                self._care_left -= care.done_rows
+        self._is_cut_short |= join is None
         return join
 
+    def hurry(self) -> None:
+        """From now on whatever is found at once will do."""
+        self._care_left = 0.0
+        self._is_cut_short = True
+
     def improved(self, steps: Steps, joins: list[Join]) -> list[Join]:
-        """The same chain, each track joined as early and each cone passed as smoothly as is found.
+        """The same chain around cones, as early and as smooth as is found.
 
         Each within its share of the work that is left; what isn't bettered by then stays.
         """
-        if not self.scenario.slew.is_searched:
+        if not self.scenario.slew.keep_out:
             return joins
         better = []
         share = CARE_SHARE * effort.left() / len(joins)

@@ -33,14 +33,14 @@ class Effort:
 
     bound: float
     outer: "Effort | None" = None
-    done: float = 0.0
+    done_rows: float = 0.0
     is_spent: bool = False
     _token: Token["Effort | None"] = field(init=False, repr=False)
 
     @property
     def left(self) -> float:
         """Least of its own and of all around it."""
-        own = max(self.bound - self.done, 0.0)
+        own = max(self.bound - self.done_rows, 0.0)
         return own if self.outer is None else min(own, self.outer.left)
 
     def __enter__(self) -> "Effort":
@@ -56,13 +56,13 @@ class Effort:
         """Raises EffortSpent, of the outermost bound that is reached."""
         if self.outer is not None:
             self.outer.require()
-        if self.done >= self.bound:
+        if self.done_rows >= self.bound:
             self.is_spent = True
             raise EffortSpent(self)
 
     def add(self, rows: float) -> None:
         """Counted here and all around."""
-        self.done += rows
+        self.done_rows += rows
         if self.outer is not None:
             self.outer.add(rows)
 

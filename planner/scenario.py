@@ -132,11 +132,6 @@ class SlewOptions:
             if count > most:
                 raise ValueError(f"{name} must hold at most {most} entries, not {count}")
 
-    @property
-    def is_searched(self) -> bool:
-        """Whether slews differ in when they end or which way they go."""
-        return self.objective == "minimum_time" or bool(self.keep_out)
-
     def axis_limits(self, platform: TwoAxisPlatform) -> tuple[AxisLimits, ...]:
         """The platform's limits with the jerk limit asked for, in the order of its axes."""
         if self.jerk_max_deg_s3 is None:

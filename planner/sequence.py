@@ -75,6 +75,10 @@ def sequenced(scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True) -
     found = None
     with at_most(FIND_SHARE * effort.left()) as search:
         found = chain.flown(scenario.on_conflict)
+    if search.is_spent and found is None:
+        chain.hurry()
+        with at_most(FIND_SHARE * effort.left()) as search:
+            found = chain.flown(scenario.on_conflict)
     if found is not None:
         return chain.improved(*found)
     if not search.is_spent:

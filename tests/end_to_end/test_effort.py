@@ -34,7 +34,7 @@ def counted(asked):
             made = make_plan(asked)
         except Refusal as refusal:
             made = refusal
-    return made, work.done
+    return made, work.done_rows
 
 
 def test_a_search_among_many_ways_around_a_cone_ends_with_a_plan():
@@ -66,7 +66,7 @@ def test_a_plan_cut_short_is_verified_and_warns(monkeypatch):
     whole, work = counted(asked)
     assert whole.warnings == ()
     rows = len(whole.table.t_s)
-    monkeypatch.setattr(effort, "PLAN", rows + 0.7 * (work - rows))
+    monkeypatch.setattr(effort, "PLAN", rows + 1.4 * (work - rows))
     plan, _ = counted(asked)
     assert plan.verification.passed
     assert "perhaps not the quickest" in plan.warnings[0]
@@ -94,7 +94,7 @@ def test_an_outer_bound_ends_what_is_inside_and_the_inner_one_does_not_hide_it()
         pytest.fail("the outer bound was reached inside")
     assert outer.is_spent
     assert not inner.is_spent
-    assert outer.done == 12.0
+    assert outer.done_rows == 12.0
     with pytest.raises(EffortSpent), at_most(1.0), at_most(2.0):
         raise EffortSpent(outer)
 
