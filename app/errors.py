@@ -40,6 +40,7 @@ STATUS_OF_REFUSAL: dict[type[errors.Refusal], HTTPStatus] = {
     errors.Unreachable: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.TrackBreaksLimit: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.InfeasibleSlew: HTTPStatus.UNPROCESSABLE_ENTITY,
+    errors.SearchEnded: HTTPStatus.UNPROCESSABLE_ENTITY,
     errors.Unverified: HTTPStatus.UNPROCESSABLE_ENTITY,
     InvalidCamera: HTTPStatus.UNPROCESSABLE_ENTITY,
     InvalidImage: HTTPStatus.UNPROCESSABLE_ENTITY,
@@ -63,7 +64,8 @@ class Problem:
     header X-Request-ID name too.
     `field` is the request field at fault, dotted; `axis`, `limit` and `at` say what breaks
     and when; `earliest_feasible_start` is the nearest session start that works, for a session
-    that stops at `feasible_stop`; `give_up` says what sessions would lose under each
+    that stops at `feasible_stop`, when the sessions in `costs_sessions` are left
+    out; `give_up` says what sessions would lose under each
     `on_conflict`; `errors` lists every field at fault of a request that can't be read.
     """
 
@@ -78,6 +80,7 @@ class Problem:
     at: str | None = None
     earliest_feasible_start: str | None = None
     feasible_stop: str | None = None
+    costs_sessions: tuple[int, ...] = ()
     give_up: tuple[GiveUp, ...] = ()
     errors: tuple[FieldError, ...] = ()
 
@@ -121,6 +124,7 @@ def problem_of(refusal: errors.Refusal) -> dict[str, Any]:
         "at": _text(refusal.at_utc),
         "earliest_feasible_start": _text(refusal.earliest_feasible_start_utc),
         "feasible_stop": _text(refusal.feasible_stop_utc),
+        "costs_sessions": list(refusal.costs_sessions),
         "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
         "errors": [
             {"field": error.field, "detail": error.detail, "value": error.value}

@@ -1,11 +1,15 @@
 """How do slews and tracks become one command table?"""
 
+from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
 
 from planner.commands import ROWS_PER_S, CommandTable
+from planner.frames.time_scales import elapsed_s
+from planner.holding import flown_span
 from planner.joining import Join
+from planner.scenario import Scenario
 
 
 def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]) -> CommandTable:
@@ -36,3 +40,19 @@ def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join
     return CommandTable(
         epoch_utc=epoch_utc, axis_names=axis_names, angle_rad=angle_rad, rate_rad_s=rate_rad_s
     )
+
+
+def as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str]]:
+    """The sessions as they are left after conflicts, and what each of them lost."""
+    epoch_utc = scenario.initial_state.epoch
+    sessions, losses = [], []
+    for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
+        start, stop = flown_span(session, epoch_utc, join.join_row, join.stop_row)
+        sessions.append(replace(session, start=start, stop=stop))
+        late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
+        if late_s or early_s:
+            losses.append(
+                f"session {number} starts {late_s:.1f} s later and stops {early_s:.1f} s earlier "
+                f"than asked, so that the slew between sessions fits ({scenario.on_conflict})"
+            )
+    return replace(scenario, sessions=tuple(sessions)), losses

@@ -39,6 +39,8 @@ class Refusal(Exception):
     axis, limit: the axis and the limit that break ("rate", "acceleration", ...).
     at_utc: when the limit breaks.  earliest_feasible_start_utc: the nearest session start
     that works, on the command grid, for a session that stops at feasible_stop_utc.
+    costs_sessions: others, by number, that can't be flown as asked when it is moved there; with
+    these left out, the whole request was planned.
     """
 
     slug: ClassVar[str] = "refused"
@@ -54,6 +56,7 @@ class Refusal(Exception):
         at_utc: datetime | None = None,
         earliest_feasible_start_utc: datetime | None = None,
         feasible_stop_utc: datetime | None = None,
+        costs_sessions: tuple[int, ...] = (),
     ) -> None:
         detail = with_short_values(detail)
         super().__init__(detail)
@@ -64,6 +67,7 @@ class Refusal(Exception):
         self.at_utc = at_utc
         self.earliest_feasible_start_utc = earliest_feasible_start_utc
         self.feasible_stop_utc = feasible_stop_utc
+        self.costs_sessions = costs_sessions
 
 
 class InvalidInput(Refusal):
@@ -127,6 +131,13 @@ class InfeasibleSlew(Refusal):
     slug = "infeasible-slew"
     title = "The slew doesn't fit in the time available"
     give_up: tuple[GiveUp, ...] = ()
+
+
+class SearchEnded(Refusal):
+    """Neither a plan nor a proof that there is none, by the work that one request may make."""
+
+    slug = "search-ended"
+    title = "No plan was found before the search ended"
 
 
 class SolverFailed(Refusal):

@@ -3,18 +3,21 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import TypeVar
 
 import numpy as np
 
+from planner import effort
 from planner.commands import ROWS_PER_S
-from planner.errors import Refusal
+from planner.effort import at_most
+from planner.errors import InfeasibleSlew, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.joining import Rows
+from planner.holding import Rows
+from planner.joining import Join
 from planner.orbits import Ephemeris
+from planner.other_sessions import Others
 from planner.scenario import Scenario, Session
-from planner.slew import AxisState
-from planner.start_trials import Refused, Trials, Work, WorkSpent
+from planner.sequence import SessionRefused, sequenced
+from planner.start_trials import Refused, Trials
 from planner.targets import BenchMotionTarget
 
 DAY_S = 86400.0
@@ -22,13 +25,20 @@ HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60
 
-# For a refusal in two seconds, cutting the session short and then moving it.
-CUT_SHORT_WORK_US = 900_000.0
-MOVED_WORK_US = 700_000.0  # and what the first leaves
+# Of `planner.effort`: three seconds for either way of moving a session, and of what is left.
+SEARCH, SEARCH_SHARE = 300_000, 0.5
+REFUSALS = 4  # starts that would cost other sessions, before such a one is named
 
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
 
-R = TypeVar("R", bound=Refusal)
+
+@dataclass(frozen=True, kw_only=False)
+class Advice:
+    """words: the way out.  session: as it can be flown, when those in `costs` are left out."""
+
+    words: str
+    session: Session | None = None
+    costs: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,61 +66,98 @@ class _Searched:
     reach_rows: int | None = None
 
 
-def refused_with_nearest_start(
-    scenario: Scenario,
-    number: int,
-    from_row: int,
-    state: tuple[AxisState, ...],
-    refusal: R,
-) -> R:
+def planned(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """A slew and a track for every session, in order, as `sequenced` has them.
+
+    Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the nearest
+    start that can be flown; the last with what each session would have to give up.
+    """
+    try:
+        return sequenced(scenario, ephemeris)
+    except SessionRefused as failed:
+        raise _advised(scenario, failed) from None
+
+
+def _advised(scenario: Scenario, failed: SessionRefused) -> Refusal:
     """The same refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short at its start, then moved as a whole, by at most a day.
-    Every start named has been tried by planning the session there.  Whatever forbids another
-    start, the reason given stays that of the start asked for.
+    Every start named has been tried by planning the whole request with it.  Whatever forbids
+    another start, the reason given stays that of the start asked for.
     """
-    refused = Refused(scenario=scenario, number=number, from_row=from_row, state=state)
+    refusal, number = failed.refusal, failed.number
+    field = refusal.field or f"sessions.{number}.start"
+    refused = Refused(
+        scenario=scenario, number=number, from_row=failed.from_row, state=failed.state
+    )
+    alike = isinstance(refused.session.target, BenchMotionTarget)
+    if alike and not isinstance(refusal, InfeasibleSlew):
+        return refusal  # it breaks its limits at any other time, too
     span = _span(refused)
+    offers = failed.offers()
     if isinstance(span, Refusal):
-        moved, way_out = None, f"no other start was tried: {span.detail.partition(';')[0]}"
+        advice = Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
     else:
-        moved, way_out = _sought(refused, span)
-    return type(refusal)(
-        f"{refusal.detail}; {way_out}",
-        field=refusal.field or f"sessions.{number}.start",
+        advice = _sought(refused, span)
+    advised = type(refusal)(
+        f"{refusal.detail}; {advice.words}",
+        field=field,
         axis=refusal.axis,
         limit=refusal.limit,
         at_utc=refusal.at_utc,
-        earliest_feasible_start_utc=moved.start if moved else None,
-        feasible_stop_utc=moved.stop if moved else None,
+        earliest_feasible_start_utc=advice.session.start if advice.session else None,
+        feasible_stop_utc=advice.session.stop if advice.session else None,
+        costs_sessions=advice.costs,
     )
+    if isinstance(advised, InfeasibleSlew):
+        advised.give_up = offers
+    return advised
 
 
-def _sought(refused: Refused, span: _Span) -> tuple[Session | None, str]:
+def _sought(refused: Refused, span: _Span) -> Advice:
     """The session as it can be flown, and the way out in words."""
     session, epoch_utc, wanted_row = refused.session, refused.epoch_utc, refused.wanted.start
     length_s = elapsed_s(session.stop, session.start)
-    trials = Trials(
+    others = Others(refused)
+    shortened = Trials(
         refused=refused,
         ephemeris=span.ephemeris,
         seen=span.seen,
         stop_utc=lambda _: session.stop,
-        work=Work(CUT_SHORT_WORK_US),
+        accepts=others.stay_as_asked,
     )
-    later = _search(trials, _rows_before_stop(refused, span), wanted_row)
-    if later.session is not None:
-        start = utc_text(later.session.start, 1)
-        return later.session, f"earliest feasible start {start}, keeping the stop"
-    trials = replace(
-        trials,
-        stop_utc=lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s),
-        work=Work(MOVED_WORK_US + trials.work.left_us),
+    moved = replace(
+        shortened, stop_utc=lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s)
     )
-    moved = _search(trials, _rows_by_distance(refused, span), wanted_row)
-    if moved.session is not None:
-        start, stop = utc_text(moved.session.start, 1), utc_text(moved.session.stop, 1)
-        return moved.session, f"earliest feasible start {start}, with the stop moved to {stop}"
-    return None, _not_found(refused, span, later.reach_rows, moved.reach_rows)
+    reaches: list[int | None] = []
+    searches: tuple[tuple[Trials, Iterable[int]], ...] = (
+        (shortened, _rows_before_stop(refused, span)),
+        (moved, _rows_by_distance(refused, span)),
+    )
+    for trials, rows in searches:
+        found = _search(trials, rows, wanted_row)
+        if found.session is not None:
+            return Advice(_way_out(found.session, session), found.session)
+        reaches.append(found.reach_rows)
+    if others.dearer is not None:
+        instead, costs = others.dearer
+        return Advice(f"{_way_out(instead, session)}, {_cost(costs)}", instead, costs)
+    alone = f"; {others.undecided}" if others.undecided else ""
+    return Advice(_not_found(refused, span, *reaches) + alone)
+
+
+def _way_out(found: Session, asked: Session) -> str:
+    start, stop = utc_text(found.start, 1), utc_text(found.stop, 1)
+    kept = found.stop == asked.stop
+    how = "keeping the stop" if kept else f"with the stop moved to {stop}"
+    return f"earliest feasible start {start}, {how}"
+
+
+def _cost(costs: tuple[int, ...]) -> str:
+    if len(costs) == 1:
+        return f"but session {costs[0]} can't be flown then as asked: leave it out, or move it too"
+    numbers = ", ".join(str(number) for number in costs)
+    return f"but sessions {numbers} can't be flown then as asked: leave them out, or move them too"
 
 
 def _not_found(
@@ -147,19 +194,24 @@ def _gone_through(refused: Refused, low: int, high: int, reach_rows: int | None)
 
 
 def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _Searched:
-    """The first row that may succeed, then the nearest to the wanted one that does."""
-    reach_rows = -1
+    """The first row that may succeed, then the nearest to the wanted one that does.
+
+    Where that would cost other sessions, the next ones are tried, too.
+    """
+    reach_rows, refusals = -1, 0
     candidates = list(islice(rows, ATTEMPTS))
-    for row in candidates:
-        try:
+    with at_most(min(SEARCH, SEARCH_SHARE * effort.left())):
+        for row in candidates:
             may = trials.ends_may(row) and trials.may(row)
             session = _nearest_flown(trials, row, wanted_row) if may else None
-        except WorkSpent:
-            return _Searched(reach_rows=reach_rows)
-        reach_rows = abs(row - wanted_row)
-        if may:
-            return _Searched(session=session, reach_rows=reach_rows)
-    return _Searched(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
+            reach_rows = abs(row - wanted_row)
+            if session is not None and trials.accepts(session):
+                return _Searched(session=session, reach_rows=reach_rows)
+            refusals += may
+            if may and (session is None or refusals == REFUSALS):
+                return _Searched(reach_rows=reach_rows)
+        return _Searched(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
+    return _Searched(reach_rows=reach_rows)
 
 
 def _nearest_flown(trials: Trials, row: int, wanted_row: int) -> Session | None:

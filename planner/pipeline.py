@@ -3,26 +3,29 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
 
-from planner.assembly import assembled
+from planner import effort
+from planner.assembly import as_flown, assembled
 from planner.commands import ROWS_PER_S, CommandTable
-from planner.errors import VerificationFailed
+from planner.effort import at_most
+from planner.errors import SearchEnded, VerificationFailed
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
-from planner.joining import Join, covering, flown_span, sampled_sight, session_rows
+from planner.holding import covering, sampled_sight, session_rows
+from planner.joining import Join
+from planner.nearest_start import planned
 from planner.orbits import Ephemeris
 from planner.plan import Plan, Segment, SegmentKind, SlewRun
 from planner.scenario import Scenario, Session
-from planner.sequence import sequenced
 from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
 from planner.targets import BenchMotionTarget
 from planner.uncertainty import PointingBudget, pointing_budget
 from planner.verification import VerificationReport, verify
 
+TABLE_ROW = 1.0  # of `planner.effort`: to assemble and judge a row
 BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
 
 
@@ -41,23 +44,21 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
     with clock.stage("slews and tracks"):
-        joins = sequenced(scenario, ephemeris)
+        joins = _joins(scenario, ephemeris)
     with clock.stage("comparison"):
         slews = tuple(
             _slew_run(scenario, number, join, keeps_limits) for number, join in enumerate(joins)
         )
-    as_flown, losses = _as_flown(scenario, joins)
+    flown, losses = as_flown(scenario, joins)
     table = assembled(epoch_utc, scenario.platform.axis_names, joins)
     with clock.stage("pointing budget"):
-        budgets = tuple(
-            _budget(as_flown, ephemeris, table, session) for session in as_flown.sessions
-        )
+        budgets = tuple(_budget(flown, ephemeris, table, session) for session in flown.sessions)
     with clock.stage("verification"):
-        report = verify(table, as_flown)
+        report = verify(table, flown)
     if keeps_limits and not report.passed:
         raise _rejected(report)
     return Plan(
-        scenario=as_flown,
+        scenario=flown,
         segments=_segments(epoch_utc, joins),
         table=table,
         verification=report,
@@ -65,12 +66,36 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
         budgets=budgets,
         warnings=(
             *losses,
+            *_cut_short(joins),
             *ephemeris.warnings,
             *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
             *_earth_warning(Instants(epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
         ),
         stage_wall_s=clock.wall_s,
+    )
+
+
+def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """Found by no more work than one request may make, what its table takes set aside."""
+    last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
+    with at_most(effort.PLAN - TABLE_ROW * last_row):
+        return planned(scenario, ephemeris)
+    raise SearchEnded(
+        f"the {len(scenario.sessions)} sessions take more work than one request may make before "
+        "any plan is found; ask for fewer or shorter ones at a time",
+        field="sessions",
+    )
+
+
+def _cut_short(joins: list[Join]) -> tuple[str, ...]:
+    numbers = [str(number) for number, join in enumerate(joins) if join.cut_short]
+    if not numbers:
+        return ()
+    sessions = f"session {numbers[0]}" if len(numbers) == 1 else f"sessions {', '.join(numbers)}"
+    return (
+        f"the slew to {sessions} is the best that was found by the work one request may make, "
+        "perhaps not the quickest or the smoothest that there is",
     )
 
 
@@ -91,22 +116,6 @@ def _slew_run(scenario: Scenario, number: int, join: Join, compare: bool) -> Sle
 def _minimum_s(problem: SlewProblem) -> float:
     ends = zip(problem.start, problem.end, problem.limits, strict=True)
     return max(next_duration_s(*axis, 0.0) or 0.0 for axis in ends)
-
-
-def _as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str]]:
-    """The sessions as they are left after conflicts, and what each of them lost."""
-    epoch_utc = scenario.initial_state.epoch
-    sessions, losses = [], []
-    for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
-        start, stop = flown_span(session, epoch_utc, join.join_row, join.stop_row)
-        sessions.append(replace(session, start=start, stop=stop))
-        late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
-        if late_s or early_s:
-            losses.append(
-                f"session {number} starts {late_s:.1f} s later and stops {early_s:.1f} s earlier "
-                f"than asked, so that the slew between sessions fits ({scenario.on_conflict})"
-            )
-    return replace(scenario, sessions=tuple(sessions)), losses
 
 
 def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:

@@ -1,107 +1,95 @@
 """Which way is every session held, and when is each joined and left?"""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
+from planner import effort
+from planner.chain import CONFLICTS, Chain, Stand, States, Steps, initial_state
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.effort import at_most
 from planner.errors import (
     GiveUp,
     InfeasibleSlew,
     NotVisible,
+    Refusal,
+    SearchEnded,
     SolverFailed,
     TrackBreaksLimit,
     Unreachable,
 )
-from planner.frames.time_scales import elapsed_s
 from planner.gimbal.keep_out import keep_out_view
-from planner.joining import (
-    GRID_TOLERANCE_S,
-    Join,
-    Way,
-    flown_span,
-    joined,
-    may_be_slewed,
-    ways_to_hold,
-)
-from planner.nearest_start import refused_with_nearest_start
+from planner.holding import Way, ways_to_hold
+from planner.joining import Join, joined
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario
-from planner.slew import (
-    BACKENDS,
-    AxisState,
-    next_duration_s,
-    require_brakable,
-    track_states,
-)
-from planner.targets import BenchMotionTarget
+from planner.slew import BACKENDS, require_brakable, track_states
 
-SPLITS = 8  # how finely a loss is shared between two sessions
-TRIES_PER_PAIR = 6  # rows at which one slew is tried; the solver needs a row or two more at most
-States = tuple[AxisState, ...]
+# Of the work that is left: for finding a plan; where there is none, for saying why, and of that
+# for a proof around cones and for what would help.
+FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.8, 0.7, 0.5
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Stand:
-    """Where a slew begins: on a session's way, joined at `join_row`, or at rest in row 0."""
+class SessionRefused(Exception):
+    """Why a session can't be flown, and from which row and state its slew would have begun."""
 
-    way: Way | None
-    join_row: int
-    initial: States
+    def __init__(
+        self,
+        number: int,
+        from_row: int,
+        state: States,
+        refusal: Refusal,
+        chain: Chain | None = None,
+    ) -> None:
+        super().__init__(refusal.detail)
+        self.number, self.from_row, self.state, self.refusal = number, from_row, state, refusal
+        self._chain = chain
 
-    @property
-    def last_row(self) -> int:
-        return self.way.rows.stop if self.way else self.join_row
-
-    def state(self, row: int) -> States:
-        return track_states(self.way.track, row / ROWS_PER_S) if self.way else self.initial
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Step:
-    """From a stand to a way: the rows it is left and joined at, and what that costs."""
-
-    way: Way
-    leave_row: int
-    join_row: int
-    lost_rows: int
-    slew_s: float
-
-
-Steps = tuple[_Step, ...]
-Pair = tuple[int, int]  # identities of the ways left and joined
-Resolve = Callable[["_Sequence", _Stand, Way], tuple[int, int] | None]
+    def offers(self) -> tuple[GiveUp, ...]:
+        """What sessions would lose under each `on_conflict` by which all of them can be flown."""
+        found: list[GiveUp] = []
+        if self._chain is not None:
+            with at_most(OFFERS_SHARE * effort.left()):
+                for mode in CONFLICTS:
+                    instead = self._chain.flown(mode)
+                    found += _given_up(mode, instead[0]) if instead is not None else []
+        return tuple(found)
 
 
-def initial_state(scenario: Scenario) -> States:
-    """The platform at row 0, axis by axis."""
-    motions = (scenario.initial_motion(axis) for axis in scenario.platform.axis_names)
-    return tuple(
-        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
-        for q, v, a in motions
-    )
-
-
-def sequenced(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+def sequenced(scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True) -> list[Join]:
     """A slew and a track for every session, in order.
 
     Of all choices of branch and whole turns the one with the least time slewing is taken,
-    after the least time lost to sessions where `on_conflict` allows some to be lost.
-    Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the
-    nearest start that can be flown; the last with what each session would have to give up.
+    after the least time lost to sessions where `on_conflict` allows some to be lost.  Its tracks
+    are then joined as early, and its cones passed as smoothly, as is found by the work that may
+    be done.
+    prove: whether to show, where a slew has no way around cones, that there is none.
+    Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
     """
     state = initial_state(scenario)
     if BACKENDS[scenario.slew.method].keeps_limits:
         require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
     _require_start_outside_cones(scenario, ephemeris)
-    sequence = _Sequence(scenario, _ways_by_session(scenario, ephemeris))
-    flown = sequence.flown(scenario.on_conflict)
-    if flown is None:
-        raise _conflict(sequence)
-    return flown[1]
+    chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
+    found = None
+    with at_most(FIND_SHARE * effort.left()) as search:
+        found = chain.flown(scenario.on_conflict)
+    if search.is_spent and found is None:
+        chain.hurry()
+        with at_most(FIND_SHARE * effort.left()) as search:
+            found = chain.flown(scenario.on_conflict)
+    if found is not None:
+        return chain.improved(*found)
+    if not search.is_spent:
+        with at_most(CONFLICT_SHARE * effort.left()):
+            raise _conflict(chain, prove=prove)
+    raise SearchEnded(
+        f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
+        "impossible, by the work that one request may make; ask for fewer sessions, cones or "
+        'modes at a time, or for the objective "smooth"',
+        field="sessions",
+    )
 
 
 def _require_start_outside_cones(scenario: Scenario, ephemeris: Ephemeris) -> None:
@@ -129,216 +117,47 @@ def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way
         try:
             ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
         except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
-            if isinstance(session.target, BenchMotionTarget):
-                raise  # the same at any other time
-            raise refused_with_nearest_start(scenario, number, from_row, state, refusal) from None
+            raise SessionRefused(number, from_row, state, refusal) from None
         sessions.append(ways)
         from_row = ways[0].rows.stop
         state = track_states(ways[0].track, from_row / ROWS_PER_S)
     return sessions
 
 
-class _Sequence:
-    """The ways of each session, and the slews between them that solving found impossible."""
-
-    def __init__(self, scenario: Scenario, sessions: list[tuple[Way, ...]]) -> None:
-        self.scenario = scenario
-        self.sessions = sessions
-        self._barred: dict[Pair, set[tuple[int, int]]] = {}
-        self._joins: dict[tuple[Pair, int, int], Join] = {}
-        self._steps: dict[tuple[Pair, int, Resolve, int], _Step | None] = {}
-
-    def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
-        """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
-        while (steps := self.cheapest(CONFLICTS[mode], count)) is not None:
-            joins: list[Join] = []
-            for number, step in enumerate(steps):
-                join = self._joined(self.stand(steps[:number]), step)
-                if join is None:
-                    break
-                if joins:
-                    joins[-1] = replace(joins[-1], stop_row=step.leave_row)
-                joins.append(join)
-            else:
-                return steps, joins
-        return None
-
-    def _joined(self, stand: _Stand, step: _Step) -> Join | None:
-        """Solved once, whichever mode asks; None: undecided by closed form, then impossible."""
-        pair, rows = (id(stand.way), id(step.way)), (step.leave_row, step.join_row)
-        if (pair, *rows) not in self._joins:
-            way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
-            state = stand.state(step.leave_row)
-            try:
-                self._joins[pair, *rows] = joined(self.scenario, way, step.leave_row, state)
-            except InfeasibleSlew:
-                self._barred.setdefault(pair, set()).add(rows)
-                return None
-        return self._joins[pair, *rows]
-
-    def stand(self, steps: Steps) -> _Stand:
-        """Where the next slew begins."""
-        initial = initial_state(self.scenario)
-        if not steps:
-            return _Stand(way=None, join_row=0, initial=initial)
-        return _Stand(way=steps[-1].way, join_row=steps[-1].join_row, initial=initial)
-
-    def cheapest(self, resolve: Resolve, count: int | None = None) -> Steps | None:
-        """Dynamic programme over the ways of each session; None when no chain of ways fits."""
-        chains: list[Steps] = [()]
-        for ways in self.sessions[:count]:
-            longer: list[Steps] = []
-            for way in ways:
-                options = [
-                    (*chain, step)
-                    for chain in chains
-                    if (step := self._step(self.stand(chain), way, resolve)) is not None
-                ]
-                if options:
-                    longer.append(min(options, key=_cost))
-            chains = longer
-        return min(chains, key=_cost, default=None)
-
-    def _step(self, stand: _Stand, way: Way, resolve: Resolve) -> _Step | None:
-        """Worked out again only where solving has barred more since."""
-        pair = (id(stand.way), id(way))
-        known = (pair, stand.join_row, resolve, len(self._barred.get(pair, ())))
-        if known not in self._steps:
-            self._steps[known] = self._new_step(stand, way, resolve)
-        return self._steps[known]
-
-    def _new_step(self, stand: _Stand, way: Way, resolve: Resolve) -> _Step | None:
-        asked = (stand.last_row, way.rows.start)
-        rows = asked if self.fits(stand, way, *asked) else resolve(self, stand, way)
-        if rows is None:
-            return None
-        leave_row, join_row = rows
-        there = track_states(way.track, join_row / ROWS_PER_S)
-        least_s = [
-            next_duration_s(*ends, 0.0)
-            for ends in zip(stand.state(leave_row), there, self.scenario.axis_limits, strict=True)
-        ]
-        return _Step(
-            way=way,
-            leave_row=leave_row,
-            join_row=join_row,
-            lost_rows=stand.last_row - leave_row + join_row - way.rows.start,
-            slew_s=max(0.0 if least is None else least for least in least_s),
-        )
-
-    def fits(self, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
-        """Whether nothing known forbids the slew, and something is left of both sessions."""
-        barred = self._barred.get((id(stand.way), id(way)), set())
-        if (leave_row, join_row) in barred or len(barred) >= TRIES_PER_PAIR:
-            return False
-        if not stand.join_row <= leave_row < join_row or not self._leaves_something(
-            stand, way, leave_row, join_row
-        ):
-            return False
-        later = replace(way, rows=replace(way.rows, start=join_row))
-        return may_be_slewed(self.scenario, later, leave_row, stand.state(leave_row))
-
-    def _leaves_something(self, stand: _Stand, way: Way, leave_row: int, join_row: int) -> bool:
-        epoch_utc = self.scenario.initial_state.epoch
-        spans = [flown_span(way.session, epoch_utc, join_row, way.rows.stop)]
-        if stand.way is not None:
-            spans.append(flown_span(stand.way.session, epoch_utc, stand.join_row, leave_row))
-        return all(
-            elapsed_s(stop_utc, start_utc) > COMMAND_STEP_S - GRID_TOLERANCE_S
-            for start_utc, stop_utc in spans
-        )
-
-
-def _cost(steps: Steps) -> tuple[int, float]:
-    return sum(step.lost_rows for step in steps), sum(step.slew_s for step in steps)
-
-
-def _refuse(sequence: _Sequence, stand: _Stand, way: Way) -> None:
-    """Nothing is given up."""
-
-
-def _shorten_later(sequence: _Sequence, stand: _Stand, way: Way) -> tuple[int, int] | None:
-    """The later session begins late."""
-    return _shared(sequence, stand, way, (0,))
-
-
-def _shorten_earlier(sequence: _Sequence, stand: _Stand, way: Way) -> tuple[int, int] | None:
-    """The earlier session ends early."""
-    return _shared(sequence, stand, way, (SPLITS,))
-
-
-def _least_loss(sequence: _Sequence, stand: _Stand, way: Way) -> tuple[int, int] | None:
-    """Both give something, so that the sum is least."""
-    return _shared(sequence, stand, way, tuple(range(SPLITS + 1)))
-
-
-CONFLICTS: dict[str, Resolve] = {
-    "refuse": _refuse,
-    "shorten_later": _shorten_later,
-    "shorten_earlier": _shorten_earlier,
-    "least_loss": _least_loss,
-}
-
-
-def _shared(
-    sequence: _Sequence, stand: _Stand, way: Way, eighths: tuple[int, ...]
-) -> tuple[int, int] | None:
-    """The rows of least loss, of which the earlier session bears one of the given eighths."""
-
-    def fitting(loss: int) -> tuple[int, int] | None:
-        for share in eighths:
-            early = round(loss * share / SPLITS)
-            rows = (stand.last_row - early, way.rows.start + loss - early)
-            if sequence.fits(stand, way, *rows):
-                return rows
-        return None
-
-    overlap = max(stand.last_row - way.rows.start, 0)
-    most = stand.last_row - stand.join_row + way.rows.stop - way.rows.start
-    low, high, found = overlap, overlap + 1, fitting(overlap + 1)
-    while found is None:
-        low, high = high, overlap + 2 * (high - overlap)
-        if low > most:
-            return None
-        found = fitting(high)
-    while high - low > 1:
-        middle = (low + high) // 2
-        nearer = fitting(middle)
-        if nearer is None:
-            low = middle
-        else:
-            high, found = middle, nearer
-    return found
-
-
-def _conflict(sequence: _Sequence) -> InfeasibleSlew:
-    """The refusal of the first session that can't be joined in time, and what would help."""
-    scenario = sequence.scenario
+def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
+    """The first session that can't be joined in time, and why."""
+    scenario = chain.scenario
     steps: Steps = ()
-    for number in range(len(sequence.sessions)):
-        longer = sequence.flown(scenario.on_conflict, number + 1)
+    for number in range(len(chain.sessions)):
+        longer = chain.flown(scenario.on_conflict, number + 1)
         if longer is None:
             break
         steps = longer[0]
-    stand = sequence.stand(steps)
-    state = stand.state(stand.last_row)
-    refusal = _refused(sequence, number, stand)
-    found = refused_with_nearest_start(scenario, number, stand.last_row, state, refusal)
-    found.give_up = tuple(
-        offer
-        for mode in CONFLICTS
-        if (instead := sequence.flown(mode, number + 1)) is not None
-        for offer in _given_up(mode, instead[0])
-    )
-    return found
+    stand = chain.stand(steps)
+    state = chain.state(stand, stand.last_row)
+    refusal = None
+    if prove:
+        with at_most(PROOF_SHARE * effort.left()):
+            refusal = _refused(chain, number, stand, prove=True)
+    refusal = refusal or _refused(chain, number, stand, prove=False)
+    return SessionRefused(number, stand.last_row, state, refusal, chain)
 
 
-def _refused(sequence: _Sequence, number: int, stand: _Stand) -> InfeasibleSlew:
-    for way in sequence.sessions[number]:
+def _refused(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
+    state = chain.state(stand, stand.last_row)
+    for way in chain.sessions[number]:
         try:
-            joined(sequence.scenario, way, stand.last_row, stand.state(stand.last_row))
+            joined(
+                chain.scenario,
+                way,
+                stand.last_row,
+                state,
+                thorough=False,
+                early=not chain.scenario.slew.keep_out,
+                prove=prove,
+            )
         except InfeasibleSlew as refusal:
-            return _with_mode(refusal, sequence.scenario.on_conflict) if stand.way else refusal
+            return _with_mode(refusal, chain.scenario.on_conflict) if stand.way else refusal
     raise SolverFailed(
         f"the slew to session {number} was found impossible and then possible",
         field=f"sessions.{number}.start",

@@ -1,64 +1,21 @@
-"""Can a session be flown if it is moved, and what does it cost to find out?
-
-The cost is counted, not timed: one request always gets one answer, however busy the machine.
-"""
+"""Can a session be flown if it is moved?"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.errors import Refusal
 from planner.frames.time_scales import elapsed_s, shifted_utc
-from planner.gimbal.track import AxisTrack
-from planner.joining import EARLY_ROWS, Rows, Way, joined, may_be_slewed, session_rows, ways_to_hold
+from planner.holding import Rows, Way, session_rows, ways_to_hold
+from planner.joining import joined, may_be_slewed
 from planner.line_of_sight import STENCIL
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
-from planner.slew import BACKENDS, AxisState
+from planner.slew import AxisState
 from planner.targets import BenchMotionTarget, Target, TimedTarget
-
-# About microseconds on a core of 2024.
-HOLD_US = 5_000  # of any stretch of a target
-HOLD_ROW_US = 10  # of each of its rows: line of sight, angles, limits
-CONES_SHARE = 0.5  # more, with cones to keep out of
-CLOSED_FORM_US = 250  # of both axes at one row
-SOLVE_US, SOLVE_ROW_US = 120_000, 2  # of a slew's rows
-EARLY_SOLVES = 4  # slews solved until a track is joined early or not at all
-DETOUR_US, DETOUR_ROW_US = 350_000, 8
-
-
-class WorkSpent(Exception):
-    """What was to be done next is more than is left: no refusal, the search ends."""
-
-
-@dataclass
-class Work:
-    """What a search may still cost."""
-
-    left_us: float
-
-    def spend(self, us: float) -> None:
-        """Raises WorkSpent, before the work is begun."""
-        if us > self.left_us:
-            raise WorkSpent
-        self.left_us -= us
-
-
-@dataclass(frozen=True, kw_only=True)
-class _CountedTrack(AxisTrack):
-    """A track each look at which is counted: closed forms look at it once a row."""
-
-    work: Work
-
-    def motion(
-        self, t_s: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        self.work.spend(CLOSED_FORM_US)
-        return super().motion(t_s)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,17 +45,18 @@ class Refused:
 
 @dataclass(frozen=True, kw_only=True)
 class Trials:
-    """The refused session from a start row on; every method raises WorkSpent.
+    """The refused session from a start row on; every method may end by EffortSpent.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
-    stop that goes with a start row.
+    stop that goes with a start row.  accepts: whether the rest of the request bears a session
+    that can be flown by itself.
     """
 
     refused: Refused
     ephemeris: Ephemeris
     seen: list[Rows]
     stop_utc: Callable[[int], datetime]
-    work: Work
+    accepts: Callable[[Session], bool]
 
     def session(self, start_row: int) -> Session | None:
         """With its times moved; None where there is no such session."""
@@ -166,20 +124,13 @@ class Trials:
         refused = self.refused
         rows = session_rows(session, refused.epoch_utc)
         from_row = refused.from_row if early else rows.start
-        count = rows.stop - rows.start
-        if early and refused.scenario.slew.objective == "minimum_time":
-            count += min(rows.start - from_row, EARLY_ROWS)
-        cones = CONES_SHARE * len(refused.scenario.slew.keep_out)
-        self.work.spend((HOLD_US + HOLD_ROW_US * count) * (1.0 + cones))
         angle_rad = np.array([axis.angle_rad for axis in refused.state])
         try:
-            ways = ways_to_hold(
+            return ways_to_hold(
                 refused.scenario, self.ephemeris, refused.number, session, from_row, angle_rad
             )
         except Refusal:
             return ()
-        counted = (_CountedTrack(**vars(way.track), work=self.work) for way in ways)
-        return tuple(replace(way, track=track) for way, track in zip(ways, counted, strict=True))
 
     def _may_be_slewed(self, way: Way) -> bool:
         refused = self.refused
@@ -190,30 +141,28 @@ class Trials:
 
         Where cones leave no way that is found quickly, none is sought for long.
         """
-        scenario = self.refused.scenario
-        cones = bool(scenario.slew.keep_out)
-        rows = way.rows.start - self.refused.from_row
-        solve_us = SOLVE_US + SOLVE_ROW_US * rows
-        if cones:
-            solve_us = DETOUR_US + DETOUR_ROW_US * rows
-        if scenario.slew.objective != "minimum_time" or not self._keeps_limits:
-            return self._found(scenario, way, solve_us)
-        smooth = replace(scenario, slew=replace(scenario.slew, objective="smooth"))
-        if self._found(smooth, way, solve_us):
+        if self._is_found(way, early=False):
             return True
-        return not cones and self._found(scenario, way, EARLY_SOLVES * solve_us)
+        slew = self.refused.scenario.slew
+        return (
+            slew.objective == "minimum_time"
+            and not slew.keep_out
+            and self._is_found(way, early=True)
+        )
 
-    @property
-    def _keeps_limits(self) -> bool:
-        return BACKENDS[self.refused.scenario.slew.method].keeps_limits
-
-    def _found(self, scenario: Scenario, way: Way, solve_us: float) -> bool:
+    def _is_found(self, way: Way, *, early: bool) -> bool:
         refused = self.refused
-        if not may_be_slewed(scenario, way, refused.from_row, refused.state):
+        if not may_be_slewed(refused.scenario, way, refused.from_row, refused.state):
             return False
-        self.work.spend(solve_us)
         try:
-            joined(scenario, way, refused.from_row, refused.state, thorough=False)
+            joined(
+                refused.scenario,
+                way,
+                refused.from_row,
+                refused.state,
+                thorough=False,
+                early=early,
+            )
         except Refusal:
             return False
         return True

@@ -53,6 +53,22 @@ def flown_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRa
     )
 
 
+def met_range(
+    step_s: float, angle_rad: Array, rate_rad_s: Array, acceleration_rad_s2: Array
+) -> HermiteRange:
+    """As flown, and on rows, where a slew must meet the motion itself, its own acceleration, too.
+
+    The Hermite's differs from it by the jerk's change over a cell.
+    """
+    flown = flown_range(step_s, angle_rad, rate_rad_s)
+    before, after = acceleration_rad_s2[:-1], acceleration_rad_s2[1:]
+    return flown._replace(
+        acceleration_rad_s2=_least_and_greatest(
+            np.stack([*flown.acceleration_rad_s2, before, after])
+        )
+    )
+
+
 def quintic_motion(
     t_s: Array, rows_s: Array, angle_rad: Array, rate_rad_s: Array, acceleration_rad_s2: Array
 ) -> tuple[Array, Array, Array]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.gimbal.angles import axis_angles, axis_motion, singular_margin_rad
-from planner.gimbal.hermite import flown_range, quintic_motion
+from planner.gimbal.hermite import met_range, quintic_motion
 from planner.line_of_sight import LineOfSight
 from planner.platforms import AxisLimits, TwoAxisPlatform
 
@@ -82,7 +82,8 @@ def track_candidates(
     before the slew.  A way is a branch of `axis_angles` and a number of whole turns per
     axis, one choice for the whole session.  Preferred is the shortest slew (largest
     distance over rate limit of the axes), then the smaller inner angle (Sumarokov 2016,
-    p. 88).  Limits are tested on the flown cubic Hermite, so between rows too.
+    p. 88).  Limits are tested on the flown cubic Hermite, so between rows too; the acceleration
+    also as it is on rows, where a slew may have to begin or end with it.
     Raises Unreachable (no angles, or none within the stops) and TrackBreaksLimit (rate,
     acceleration or jerk) when there is no way.
     """
@@ -111,7 +112,7 @@ def track_candidates(
         session = slice(first - here.start, last - here.start)
         nearest = first + int(np.argmin(margin[first:last]))
         for turned in _whole_turns(continuous, session, platform.axis_limits):
-            breaks_at = _breaks(platform, t_s[here], turned, rate)
+            breaks_at = _breaks(platform, t_s[here], turned, rate, acceleration)
             session_break = _first_break(platform, breaks_at, session)
             if session_break is not None:
                 breaks.append(session_break._replace(row=here.start + session_break.row))
@@ -170,9 +171,13 @@ def _whole_turns(continuous: Array, session: slice, limits: tuple[AxisLimits, ..
 
 
 def _breaks(
-    platform: TwoAxisPlatform, t_s: Array, angle_rad: Array, rate_rad_s: Array
+    platform: TwoAxisPlatform,
+    t_s: Array,
+    angle_rad: Array,
+    rate_rad_s: Array,
+    acceleration_rad_s2: Array,
 ) -> list[_LimitBreaks]:
-    flown = flown_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s)
+    flown = met_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
     limits = platform.axis_limits
     angle_min = np.array([axis.angle_min_rad for axis in limits])
     angle_max = np.array([axis.angle_max_rad for axis in limits])

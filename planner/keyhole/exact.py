@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.gimbal.angles import axis_angles, axis_motion, boresight_platform, singular_margin_rad
-from planner.gimbal.hermite import flown_range
+from planner.gimbal.hermite import met_range
 from planner.line_of_sight import LineOfSight
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.slew.solution import bounds
@@ -42,7 +42,7 @@ class RowMotion:
         return np.asarray(self.angle_rad[row - self.first_row])
 
     def within(self, limits: tuple[AxisLimits, ...]) -> Mask:
-        """Cells (n - 1,) in which angle, rate, acceleration and jerk keep the limits, as flown."""
+        """Cells (n - 1,) in which angle, rate, acceleration and jerk keep the limits, as met."""
         return np.asarray(~self._beyond(limits).any(axis=(0, 2)))
 
     def within_but_stops(self, limits: tuple[AxisLimits, ...]) -> Mask:
@@ -51,7 +51,7 @@ class RowMotion:
 
     def _beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
         """(4, n - 1, 2): by order of derivative, cell and axis; also where not a number."""
-        flown = flown_range(COMMAND_STEP_S, self.angle_rad, self.rate_rad_s)
+        flown = met_range(COMMAND_STEP_S, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2)
         beyond = []
         for order, (least, greatest) in enumerate(flown):
             low, high = np.array([bounds(axis)[order] for axis in limits]).T

@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.commands import ROWS_PER_S
 from planner.platforms import AxisLimits, TwoAxisPlatform
-from planner.slew.backends.detour_ocp import cosine_coefficients
+from planner.slew.backends.detour_ocp import ITERATION_ROW, cosine_coefficients
+from planner.slew.backends.spline_ocp import SOLVE
 from planner.slew.solution import bounds
 
 Array = NDArray[np.float64]
@@ -184,6 +186,7 @@ class NearestOcp:
             ubg.append(np.ones(spans * len(SAMPLES)))
             x_start, x_low = np.append(x_start, 1.0), np.append(x_low, 0.0)
             x_high = np.append(x_high, UNBOUNDED)
+        effort.spend(SOLVE)
         found = self._solver(
             x0=x_start,
             p=np.concatenate(
@@ -200,6 +203,8 @@ class NearestOcp:
             lbg=np.concatenate(lbg),
             ubg=np.concatenate(ubg),
         )
+        iterations = int(self._solver.stats()["iter_count"])
+        effort.count(iterations * ITERATION_ROW * (len(x_start) + sum(map(len, lbg))))
         x = np.asarray(found["x"]).ravel()[: x0.size].reshape(x0.shape) / scale
         return Motion(
             rows=guess.rows,

@@ -5,8 +5,8 @@ from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spli
 from planner.slew.detour import cleared
 from planner.slew.feasibility import next_duration_s, require_brakable, verdict
 from planner.slew.grid import flown
-from planner.slew.join import earliest_join, may_be_joined, track_states
-from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.join import earliest_join, rows_within_reach, track_states
+from planner.slew.problem import AxisState, SlewProblem, broken_limit
 from planner.slew.solution import SlewSolution
 
 __all__ = [
@@ -16,13 +16,14 @@ __all__ = [
     "SlewComparison",
     "SlewProblem",
     "SlewSolution",
+    "broken_limit",
     "cleared",
     "compare_with_spline",
     "earliest_join",
     "flown",
-    "may_be_joined",
     "next_duration_s",
     "require_brakable",
+    "rows_within_reach",
     "track_states",
     "verdict",
 ]

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.gimbal.keep_out import KeepOutView
 from planner.platforms import AxisLimits
 from planner.slew.backends.detour_ocp import cosine_coefficients
@@ -32,6 +33,7 @@ FINE_CELLS_RAD = (math.radians(0.3), math.radians(0.15))
 LOOKED_AT_MAX = 1_000_000_000  # cells in one flood: 3 s
 LAYER_MAX = 10_000_000  # cells: 90 MB
 LAYERS_MIN = 60
+LAYER, CELLS_A_ROW = 5, 3_000  # of `planner.effort`
 ROUNDING = 1e-6  # of a cell
 CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
 
@@ -72,6 +74,7 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         ]
         size = math.prod(max(span.stop - span.start, 0) for span in spans)
         looked_at += size
+        effort.spend(LAYER + size / CELLS_A_ROW)
         if size > LAYER_MAX or looked_at > LOOKED_AT_MAX:
             return False
         wet = _grown(wet)[_within(spans, corner)]

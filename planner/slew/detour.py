@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
 from planner.gimbal.keep_out import KeepOutView
 from planner.slew.backends.ipopt import graded_ocp
@@ -33,13 +34,14 @@ KICKS, KICK_RAD = 8, 0.3
 SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
 
 
-def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
+def cleared(solution: SlewSolution, *, thorough: bool = True, prove: bool = True) -> SlewSolution:
     """The slew itself, or the smoothest one found around the cones it enters.
 
     Both axes are then solved together from guesses on both sides; the better one that keeps
     every limit, also when flown from rows, and stays outside on a 10 ms grid is taken.
     thorough: also try guesses near what was found, and two dozen others where that is dear, or
-    none is found, and prove that there is none.  Raises InfeasibleSlew.
+    none is found.  prove: where there is no way, show it before searching long; else that is
+    only said after the search.  Raises InfeasibleSlew.
     """
     problem = solution.problem
     if problem.keep_out is None:
@@ -49,9 +51,9 @@ def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
     if entry.depth_rad <= -TOUCH_RAD:
         return solution
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
-    found = _between_ends(solution, problem.keep_out, thorough=thorough)
+    found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
     if found is None:
-        if thorough and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
+        if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
             raise _no_way(solution, problem.keep_out)
         raise InfeasibleSlew(
             f"the straight slew enters the cone about {entry.about} by "
@@ -66,6 +68,7 @@ def cleared(solution: SlewSolution, *, thorough: bool = True) -> SlewSolution:
         status=("detour",) * len(found.profiles),
         iterations=solution.iterations + found.iterations,
         wall_s=solution.wall_s + time.perf_counter() - began_s,
+        cut_short=found.cut_short,
     )
 
 
@@ -82,25 +85,28 @@ def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: f
             )
 
 
-def _between_ends(straight: SlewSolution, view: KeepOutView, *, thorough: bool) -> Detour | None:
+def _between_ends(
+    straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
+) -> Detour | None:
     """Around the cones, after and before what the ends must brake."""
     part = free_part(straight, view)
     if part is None:
-        return _around(straight, view, thorough=thorough)
+        return _around(straight, view, thorough=thorough, prove=prove)
     free, shifted, begins_s = part
-    if thorough:
+    if prove:
         _require_way(straight, view)
     depths = shifted.depths_rad(
         np.array([0.0, free.duration_s]), free.motion(np.array([0.0, free.duration_s]))[0]
     )
     if depths.max() >= 0.0:
-        return _around(straight, view, thorough=thorough)
-    found = _around(free, shifted, thorough=thorough, is_whole=False)
+        return _around(straight, view, thorough=thorough, prove=prove)
+    # Of a part of a slew nothing is proven: another motion at its ends may be possible.
+    found = _around(free, shifted, thorough=thorough, prove=False)
     if found is None:
         return None
     profiles = whole(straight, begins_s, found.profiles)
     if entered(profiles, view).depth_rad > -TOUCH_RAD:
-        return _around(straight, view, thorough=thorough)
+        return _around(straight, view, thorough=thorough, prove=prove)
     return found._replace(profiles=profiles)
 
 
@@ -119,31 +125,36 @@ def _no_way(straight: SlewSolution, view: KeepOutView) -> InfeasibleSlew:
 
 
 def _around(
-    straight: SlewSolution, view: KeepOutView, *, thorough: bool, is_whole: bool = True
+    straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
 ) -> Detour | None:
     """Both sides first; where neither leads on, the way that flooding the angles finds.
 
-    Where that is dear or fails too, guesses that wander.
+    Where that is dear or fails too, guesses that wander: not all, where the work that may be done
+    ends before and some way is found.
     """
     spline = graded_ocp(SPANS)
     search = DetourSearch(straight, view, spline)
     found = search.near(_both_sides(view, straight, spline))
     sides_fail = not any(one.off_rows or math.isfinite(one.cost) for one in found)
     if sides_fail:
-        # Of a part of a slew nothing is proven: another motion at its ends may be possible.
-        if is_whole and thorough:
+        if prove:
             _require_way(straight, view)
         found += _along_rough_paths(straight, view)
-    best = min(found, key=lambda one: one.cost)
+    best, cut_short = min(found, key=lambda one: one.cost), False
     if thorough:
         dear = sides_fail or best.cost > DEAR * straight.jerk_squared_integral
-        found += _more(straight, search, spline, best, dear=dear)
+        try:
+            found += _more(straight, search, spline, best, dear=dear)
+        except EffortSpent:
+            if not math.isfinite(best.cost):
+                raise
+            cut_short = True
     if any(one.off_rows for one in found) and not any(math.isfinite(one.cost) for one in found):
         found += _on_rows(straight, view, min(found, key=lambda one: not one.off_rows))
     best = min(found, key=lambda one: one.cost)
     if not math.isfinite(best.cost):
         return None
-    return best._replace(iterations=sum(one.iterations for one in found))
+    return best._replace(iterations=sum(one.iterations for one in found), cut_short=cut_short)
 
 
 def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour]:

@@ -39,7 +39,7 @@ class Detour(NamedTuple):
 
     play_share: share by which many instants cost more or less than few; where it is large, so was
     the play between these, and other optima may be near.  sunk_rad: how much deeper than the
-    margin a path goes between few instants.
+    margin a path goes between few instants.  cut_short: whether the search for a better one was.
     """
 
     profiles: Profiles
@@ -48,6 +48,7 @@ class Detour(NamedTuple):
     iterations: int
     play_share: float = 0.0
     sunk_rad: float = 0.0
+    cut_short: bool = False
 
 
 class DetourSearch:

@@ -3,14 +3,19 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits
 from planner.slew.least_jerk import least_jerk_profile
-from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.problem import AxisState, SlewProblem, broken_limit
 from planner.slew.quickest import DURATION_TOLERANCE, profile_lasting, quickest_profile
 from planner.slew.solution import AxisProfile, obeys
 from planner.slew.stops import margins_on_rows, rate_margin_rad_s, stop_margin_rad
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,9 +23,10 @@ class AxisVerdict:
     """Whether one axis can slew in exactly the given time.
 
     profile: a motion of that duration within every limit, the proof of feasibility.
-    limit: set on a proof of the contrary: "angle" or "rate" when the start or end can't be
-    left or reached without breaking it, else "duration".  Neither: undecided, the stops are
-    in the way and a solver must look for a motion; about one case in 5,000.
+    limit: set on a proof of the contrary: "angle", "rate" or "acceleration" when the start or
+    end breaks it or can't be left or reached without breaking it, else "duration".
+    Neither: undecided, the stops are in the way and a solver must look for a motion; about one
+    case in 5,000.
     """
 
     profile: AxisProfile | None = None
@@ -33,6 +39,9 @@ def verdict(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: fl
     The time itself is tested, not only against the least one: the durations an axis can
     take may have a gap.
     """
+    limit = broken_limit(start, limits) or broken_limit(end, limits)
+    if limit is not None:
+        return AxisVerdict(limit=limit)
     limit = dead_end(start, end, limits)
     if not passes_certificate(start, end, limits, duration_s):
         return AxisVerdict(limit=limit or "duration")
@@ -48,29 +57,37 @@ def verdict(start: AxisState, end: AxisState, limits: AxisLimits, duration_s: fl
 def passes_certificate(
     start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
 ) -> bool:
-    """Whether the slew would fit with unlimited jerk and no stops: necessary, exact, cheap.
+    """Whether the slew would fit with unlimited jerk and no stops: necessary, exact, cheap."""
+    fits = fits_without_jerk(
+        start, np.array(end.angle_rad), np.array(end.rate_rad_s), limits, np.array(duration_s)
+    )
+    return bool(fits)
+
+
+def fits_without_jerk(
+    start: AxisState, angle_rad: Array, rate_rad_s: Array, limits: AxisLimits, duration_s: Array
+) -> NDArray[np.bool_]:
+    """The same to many ends at once: arrays of one shape.
 
     Source: extreme displacement of a bang-coast-bang rate profile between the two rates.
     """
-    v0, v1 = start.rate_rad_s, end.rate_rad_s
+    v0, v1 = start.rate_rad_s, rate_rad_s
     a, v = limits.acceleration_max_rad_s2, limits.rate_max_rad_s
     enough = duration_s * (1.0 + DURATION_TOLERANCE)
-    if enough < abs(v1 - v0) / a:
-        return False
-    delta = end.angle_rad - start.angle_rad
+    delta = angle_rad - start.angle_rad
     slack = DURATION_TOLERANCE * v * duration_s
-    return (
-        -_farthest_rad(-v0, -v1, a, v, enough) - slack
-        <= delta
-        <= _farthest_rad(v0, v1, a, v, enough) + slack
+    return np.asarray(
+        (enough >= np.abs(v1 - v0) / a)
+        & (-_farthest_rad(-v0, -v1, a, v, enough) - slack <= delta)
+        & (delta <= _farthest_rad(v0, v1, a, v, enough) + slack)
     )
 
 
-def _farthest_rad(v0: float, v1: float, a: float, v: float, t: float) -> float:
+def _farthest_rad(v0: float, v1: Array, a: float, v: float, t: Array) -> Array:
     peak = (a * t + v0 + v1) / 2.0
-    if peak <= v:
-        return (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
-    return (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
+    gathered = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
+    coasted = (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
+    return np.where(peak <= v, gathered, coasted)
 
 
 def dead_end(start: AxisState, end: AxisState, limits: AxisLimits) -> str | None:

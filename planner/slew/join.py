@@ -5,8 +5,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from planner import effort
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
 from planner.gimbal.keep_out import KeepOutView
 from planner.gimbal.track import AxisTrack
@@ -14,11 +17,12 @@ from planner.platforms import AxisLimits
 from planner.scenario import SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.slew.detour import cleared
-from planner.slew.feasibility import next_duration_s, verdict
+from planner.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.slew.grid import flown
 from planner.slew.problem import AxisState, SlewProblem, within
 from planner.slew.solution import SlewSolution
 
+LOOK, GLANCE = 8, 0.1  # of `planner.effort`: a row by itself, and among all
 NEAR_S = 4.0  # closer than this to feasibility every row is tried
 ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
 FAILURES_MOST = 8  # then the track is not joined early; each may take half a second
@@ -28,14 +32,19 @@ CAUTION = 4.0  # a receding or approaching track changes the time needed by a se
 
 @dataclass(frozen=True, kw_only=True)
 class Join:
-    """The slew that meets the track at t_s, on the track's clock and on a command row."""
+    """The slew that meets the track at t_s, on the track's clock and on a command row.
+
+    cut_short: whether the search for an earlier row was, by the work that may be done.
+    """
 
     t_s: float
     solution: SlewSolution
+    cut_short: bool = False
 
 
 def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
     """What a slew must arrive with to follow the track from t_s on."""
+    effort.count(LOOK)
     angle, rate, acceleration = track.motion(np.array([t_s]))
     return tuple(
         AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
@@ -79,14 +88,15 @@ def earliest_join(
             keep_out=keep_out,
         )
         try:
-            return cleared(flown(BACKENDS["ocp"].solve(problem, options)), thorough=False)
+            straight = flown(BACKENDS["ocp"].solve(problem, options))
+            return cleared(straight, thorough=False, prove=False)
         except InfeasibleSlew:
             return None
 
     last_s = min(until_s, float(track.t_s[-1]))
     bad: int | None = None
     failures = 0
-    for row in _rows_within_reach(track, limits, start, start_s, after_s, last_s):
+    for row in rows_within_reach(track, limits, start, start_s, after_s, last_s):
         step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
         if bad is not None and row < bad + step:
             continue
@@ -99,21 +109,7 @@ def earliest_join(
     return None
 
 
-def may_be_joined(
-    track: AxisTrack,
-    limits: tuple[AxisLimits, ...],
-    start: tuple[AxisState, ...],
-    start_s: float,
-    *,
-    after_s: float,
-    until_s: float,
-) -> bool:
-    """Whether closed forms leave open that the track is joined on some row up to until_s."""
-    rows = _rows_within_reach(track, limits, start, start_s, after_s, until_s)
-    return next(rows, None) is not None
-
-
-def _rows_within_reach(
+def rows_within_reach(
     track: AxisTrack,
     limits: tuple[AxisLimits, ...],
     start: tuple[AxisState, ...],
@@ -121,16 +117,42 @@ def _rows_within_reach(
     after_s: float,
     until_s: float,
 ) -> Iterator[int]:
-    """Rows in order on which no closed form forbids the slew to end."""
+    """Rows in order on which no closed form forbids the slew to end.
+
+    The cheapest of them is asked for all rows at once, the others for those that it leaves.
+    """
     first_s = max(start_s + COMMAND_STEP_S, float(track.t_s[0]), after_s)
-    row = math.ceil(first_s * ROWS_PER_S - 1e-6)
-    while row <= math.floor(until_s * ROWS_PER_S + 1e-6):
+    next_row = math.ceil(first_s * ROWS_PER_S - 1e-6)
+    all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
+    if not all_rows.size:
+        return
+    effort.spend(GLANCE * all_rows.size)
+    for row in all_rows[_certified(track, limits, start, start_s, all_rows)].tolist():
+        if row < next_row:
+            continue
         end = track_states(track, row / ROWS_PER_S)
         lacking_s = _lacking_s(start, end, limits, row / ROWS_PER_S - start_s)
         if lacking_s <= 0.0 and _possible(start, end, limits, row / ROWS_PER_S - start_s):
             yield row
         skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
-        row += max(1, math.floor(skipped_s * ROWS_PER_S))
+        next_row = row + max(1, math.floor(skipped_s * ROWS_PER_S))
+
+
+def _certified(
+    track: AxisTrack,
+    limits: tuple[AxisLimits, ...],
+    start: tuple[AxisState, ...],
+    start_s: float,
+    rows: NDArray[np.intp],
+) -> NDArray[np.bool_]:
+    """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
+    duration_s = rows / ROWS_PER_S - start_s
+    angle, rate, _ = track.motion(rows / ROWS_PER_S)
+    fits = [
+        fits_without_jerk(here, angle[:, axis], rate[:, axis], limit, duration_s)
+        for axis, (here, limit) in enumerate(zip(start, limits, strict=True))
+    ]
+    return np.asarray(np.all(fits, axis=0))
 
 
 def _possible(
@@ -148,10 +170,13 @@ def _possible(
 def _earlier(
     joined_at: Callable[[int], SlewSolution | None], bad: int, good: int, solution: SlewSolution
 ) -> Join:
-    """Between a row too early and a good one: the first good one."""
+    """Between a row too early and a good one: the first good one, or the first one found."""
     while good - bad > 1:
         middle = (good + bad) // 2
-        found = joined_at(middle)
+        try:
+            found = joined_at(middle)
+        except EffortSpent:
+            return Join(t_s=good / ROWS_PER_S, solution=solution, cut_short=True)
         if found is None:
             bad = middle
         else:

@@ -67,7 +67,13 @@ class SlewProblem:
 
 def within(state: AxisState, limits: AxisLimits) -> bool:
     """Whether angle, rate and acceleration keep their limits at this instant."""
-    return _first_outside(state, limits) is None
+    return broken_limit(state, limits) is None
+
+
+def broken_limit(state: AxisState, limits: AxisLimits) -> str | None:
+    """Which of "angle", "rate", "acceleration" the state itself breaks."""
+    outside = _first_outside(state, limits)
+    return None if outside is None else outside[0].partition("_")[0]
 
 
 def _require_within(where: str, state: AxisState, limits: AxisLimits) -> None:

@@ -7,12 +7,14 @@ exact, hard stops are left to `planner.slew.stops`.
 import numpy as np
 import ruckig
 
+from planner import effort
 from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile, chained
 
 LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; any slew of an hour can rest on its way
 SLOW_UNIT_S = 100.0  # for axes that need longer than Ruckig can count in seconds
+LOOK_UP = 8  # of `planner.effort`: with what else is looked at beside it
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
 _SUCCESS = (ruckig.Result.Working, ruckig.Result.Finished)
 
@@ -39,6 +41,7 @@ def _by_ruckig(
     start: AxisState, end: AxisState, limits: AxisLimits, at_least_s: float, unit_s: float
 ) -> AxisProfile | None:
     """unit_s: what Ruckig takes for a second."""
+    effort.spend(LOOK_UP)
     request = ruckig.InputParameter(1)
     rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
     # Scaled so that Ruckig's absolute tolerances (1e-8) mean the same for every platform.

@@ -163,6 +163,7 @@ class SlewSolution:
     violations: every limit the exact extremes break, none from the "ocp" backend.
     end_error_rad: distance from the wanted end angle, per axis; on the track it dies away
     with the time constant settling_s.
+    cut_short: whether the search for a better one was, by the work that may be done.
     """
 
     problem: SlewProblem
@@ -174,6 +175,7 @@ class SlewSolution:
     violations: tuple[LimitViolation, ...]
     end_error_rad: tuple[float, ...]
     settling_s: float = 0.0
+    cut_short: bool = False
 
     @property
     def duration_s(self) -> float:

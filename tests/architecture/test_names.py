@@ -13,7 +13,7 @@ FILES = sorted(
 UNIT = re.compile(
     r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px|kg"
     r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|deg2_s5"
-    r"|per_s2?|ticks)$"
+    r"|per_s2?|ticks|rows)$"
 )
 # What has no unit, by the word a name holds.
 PURE = re.compile(

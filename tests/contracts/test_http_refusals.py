@@ -82,11 +82,10 @@ def test_a_refused_sequence_says_what_each_session_would_give_up(client):
     problem = post(client, json.dumps(document)).json()
     assert problem["type"] == "urn:slewtrack:problem:infeasible-slew"
     assert problem["field"] == "sessions.1.start"
-    offers = {offer["on_conflict"]: offer for offer in problem["give_up"]}
-    assert set(offers) == {"shorten_later", "shorten_earlier", "least_loss"}
-    document["sessions"] = document["sessions"][:2]
-    for mode, offer in offers.items():
-        document["on_conflict"] = mode
+    modes = {offer["on_conflict"] for offer in problem["give_up"]}
+    assert modes == {"shorten_later", "shorten_earlier", "least_loss"}
+    for offer in problem["give_up"]:
+        document["on_conflict"] = offer["on_conflict"]
         flown = post(client, json.dumps(document)).json()["pointing"][offer["session"]]
         asked = document["sessions"][offer["session"]]
         assert _apart_s(asked["start"], flown["start"]) == pytest.approx(offer["start_later_s"])

@@ -95,15 +95,14 @@ def test_the_refusal_says_how_far_was_searched():
 def test_a_search_that_ends_early_says_so_and_always_ends_at_the_same_place(monkeypatch):
     asked = scenario(session(OVERHEAD, 10.0, 40.0))
     whole = refused(asked, NotVisible)
-    monkeypatch.setattr(nearest_start, "MOVED_WORK_US", 0.0)
-    monkeypatch.setattr(nearest_start, "CUT_SHORT_WORK_US", 30_000.0)
+    monkeypatch.setattr(nearest_start, "SEARCH", 3_000)
     cut, again = refused(asked, NotVisible), refused(asked, NotVisible)
     assert whole.earliest_feasible_start_utc is not None
     assert cut.earliest_feasible_start_utc is None
     assert "nor looked for farther off" in cut.detail
     assert gone_through(cut)[1] < whole.earliest_feasible_start_utc
     assert again.detail == cut.detail
-    monkeypatch.setattr(nearest_start, "CUT_SHORT_WORK_US", 0.0)
+    monkeypatch.setattr(nearest_start, "SEARCH", 0)
     assert "none was decided before the search ends" in refused(asked, NotVisible).detail
 
 

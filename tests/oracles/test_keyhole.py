@@ -14,7 +14,7 @@ from scipy_boresight import scipy_boresight
 
 from planner.commands import CommandTable
 from planner.errors import TrackBreaksLimit, Unreachable
-from planner.joining import session_rows, sight
+from planner.holding import session_rows, sight
 from planner.pipeline import make_plan
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions

@@ -11,9 +11,16 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.gimbal.keep_out import MovingCone
 from planner.platforms import TwoAxisPlatform
-from planner.slew.backends.spline_ocp import IPOPT, PosedAxis, SplineOcp
+from planner.slew.backends.spline_ocp import (
+    IPOPT,
+    ITERATION_ENTRY,
+    SOLVE,
+    PosedAxis,
+    SplineOcp,
+)
 from planner.slew.solution import AxisProfile
 
 if TYPE_CHECKING:
@@ -22,6 +29,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
+# Of `planner.effort`: a row or variable in an iteration; cones fill what is factorised.
+ITERATION_ROW = 0.4
 OPTIONS = {
     name: value
     for name, value in IPOPT.items()
@@ -177,6 +186,7 @@ def _solved(
     guess: Array,
 ) -> tuple[Array, int, bool]:
     """y of both axes (2, k), iterations, and whether the solver thinks it was good."""
+    effort.spend(SOLVE)
     found = solver(
         x0=guess.ravel(),
         p=parameters,
@@ -188,8 +198,11 @@ def _solved(
         ubg=np.concatenate([*(axis.rows_high[:hull_rows] for axis in axes), cosine_most]),
     )
     stats: dict[str, Any] = solver.stats()
-    y = np.asarray(found["x"]).reshape(2, -1)
-    return y, int(stats["iter_count"]), bool(stats["success"])
+    y, iterations = np.asarray(found["x"]).reshape(2, -1), int(stats["iter_count"])
+    full = sum(axis.hessian.size for axis in axes if axis.hessian is not None)
+    rows = 2 * hull_rows + len(cosine_most) + y.size
+    effort.count(iterations * (ITERATION_ROW * rows + ITERATION_ENTRY * full))
+    return y, iterations, bool(stats["success"])
 
 
 def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Array:

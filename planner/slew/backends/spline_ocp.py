@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.platforms import AxisLimits, StructuralMode
 from planner.slew.backends.spline_basis import derivative_matrices, jerk_cost, spline_basis
 from planner.slew.problem import AxisState
@@ -47,6 +48,10 @@ WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 CALM = 0.95  # of the residual that is wanted, so that rows don't exceed it
 FAINT, LOUD = 0.3, 3.0  # of it: so much less or more a mode weighs next
 HOPELESS = 20.0  # of it: no weights have been seen to gain a tenfold
+
+
+# Of `planner.effort`: a solve, a row or variable in an iteration, an entry of a full hessian.
+SOLVE, ITERATION_ROW, ITERATION_ENTRY = 100, 0.3, 0.03
 
 
 class OcpResult(NamedTuple):
@@ -210,6 +215,7 @@ class SplineOcp:
             greatest = np.concatenate([posed.high, posed.rows_high])
             if ((least <= bounded) & (bounded <= greatest)).all():
                 return optimum, 0, UNCONSTRAINED
+        effort.spend(SOLVE)
         found = solver(
             x0=np.clip(optimum, posed.low, posed.high),
             p=parameters,
@@ -219,8 +225,10 @@ class SplineOcp:
             ubg=posed.rows_high,
         )
         stats = solver.stats()
-        y = np.asarray(found["x"]).ravel()
-        return y, int(stats["iter_count"]), str(stats["return_status"])
+        y, iterations = np.asarray(found["x"]).ravel(), int(stats["iter_count"])
+        dense = 0.0 if posed.hessian is None else ITERATION_ENTRY * posed.hessian.size
+        effort.count(iterations * (ITERATION_ROW * (len(y) + len(posed.rows_low)) + dense))
+        return y, iterations, str(stats["return_status"])
 
     @property
     def free_count(self) -> int:
