@@ -221,5 +221,4 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
     with database.writing() as connection:
         audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
         assert [job.id for job in jobs.latest(connection, "note", 9, name=name)] == [job_id]
-        assert jobs.find_idempotent(connection, name) is None
     KeyStore(database).create(name, ["read"])
