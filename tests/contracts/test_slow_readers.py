@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 from hostile_cases import head
-from job_cases import eventually
 from live_service import Service, live_service
 from typer.testing import CliRunner
+from waiting import eventually
 
 from app.cli import main
 from app.security.connections import to_cut, to_give_way

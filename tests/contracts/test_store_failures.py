@@ -15,9 +15,10 @@ import httpx2 as httpx
 import pytest
 from databases import SERVER, fresh_database
 from fastapi.testclient import TestClient
-from job_cases import eventually, new_job
+from job_cases import new_job
 from live_service import ROOT, children_of, live_service
 from sqlalchemy import create_engine, text
+from waiting import eventually
 
 from app.api.examples import LAS_VEGAS
 from app.main import create_app

@@ -9,7 +9,6 @@ import random
 import signal
 import time
 from contextlib import suppress
-from pathlib import Path
 
 import httpx2 as httpx
 import pytest
