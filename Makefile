@@ -4,7 +4,7 @@ BIN := .venv/bin
 LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header --no-emit-find-links
 
 # What stores anything, to be run on PostgreSQL, too.
-STORING := tests/contracts/test_store.py tests/contracts/test_*jobs.py tests/contracts/test_access.py \
+STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py tests/contracts/test_*jobs.py tests/contracts/test_access.py \
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 

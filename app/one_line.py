@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 import typer
 
+from app.observability.exceptions import described
 from planner.errors import Refusal, SolverFailed, Unverified, VerificationFailed
 
 FAILED, REFUSED = 1, 2
@@ -25,7 +26,9 @@ def one_line_for_what_goes_wrong() -> Iterator[None]:
         say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         raise typer.Exit(REFUSED) from None
     except Exception as error:  # noqa: BLE001 (the edge: a user gets one line, not a traceback)
-        say(f"internal error: {type(error).__name__}: {error}")
+        by_driver = type(error).__module__.startswith(("sqlalchemy", "psycopg", "sqlite3"))
+        told = described(error) if by_driver else f"{type(error).__name__}: {error}"
+        say(f"internal error: {told}")
         raise typer.Exit(FAILED) from None
 
 

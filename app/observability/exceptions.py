@@ -20,6 +20,7 @@ _WORDS = (
     "file is not a database",
     "database disk image is malformed",
     "disk I/O error",
+    "invalid connection option",
     "connection refused",
     "connection timeout expired",
     "timeout expired",

@@ -29,6 +29,9 @@ log: structlog.stdlib.BoundLogger = structlog.wrap_logger(
     wrapper_class=structlog.stdlib.BoundLogger,
 )
 
+# Commands say in one line of their own what is wrong, and Python would write ours below it.
+logging.getLogger(OURS).addHandler(logging.NullHandler())
+
 
 def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
     """Send all records from `level` on to stderr, and nothing around them."""

@@ -112,7 +112,7 @@ def open_database(database_url: str, data_dir: Path) -> Database:
         return Database(URL.create("sqlite", database=str(file)))
     try:
         url = make_url(database_url)
-    except ArgumentError:
+    except (ArgumentError, ValueError):
         url = None
     if url is None or url.drivername not in DRIVERS:
         raise InvalidInput(

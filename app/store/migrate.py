@@ -10,6 +10,7 @@ from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
+from sqlalchemy.exc import ProgrammingError
 
 from app.observability.exceptions import reason
 from app.store.database import Database, open_database
@@ -48,14 +49,20 @@ def upgrade(database: Database) -> None:
                 _upgrade(connection)
         except StoreUnavailable as error:
             if not _is_locked(error) or time.monotonic() > until_s:
-                why = reason(error.__cause__ or error)
-                raise InvalidInput(
-                    f"the database can't be used{': ' * bool(why)}{why}",
-                    field=database.name,
-                ) from error
+                raise _unusable(database, error.__cause__ or error) from error
             time.sleep(_PAUSE_S)
+        except ProgrammingError as error:
+            if getattr(error.orig, "sqlstate", None) is not None:
+                raise
+            raise _unusable(database, error) from error  # the URL has what libpq doesn't know
         else:
             return
+
+
+def _unusable(database: Database, error: BaseException) -> InvalidInput:
+    why = reason(error)
+    told = f"the database can't be used: {why}" if why else "the database can't be used"
+    return InvalidInput(told, field=database.name)
 
 
 def _is_locked(error: StoreUnavailable) -> bool:

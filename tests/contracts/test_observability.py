@@ -10,9 +10,9 @@ import uuid
 
 import pytest
 from fastapi.testclient import TestClient
-from job_cases import eventually
 from live_service import ROOT, live_service
 from prometheus_client.parser import text_string_to_metric_families
+from waiting import eventually
 
 from app.main import create_app
 from app.observability import readiness

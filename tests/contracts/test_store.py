@@ -19,6 +19,7 @@ from sqlalchemy.exc import DatabaseError
 from app.store import audit, events, jobs, models_security, plans
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
+from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.store.models import JobRow, PlanRow
 from app.store.packed import Packed, pack, unpack
@@ -211,3 +212,13 @@ def test_a_transaction_that_fails_leaves_nothing(database, tmp_path):
     with database.reading() as connection:
         assert jobs.get(connection, new.id) is None
     assert audit.entries(database, limit=1, before=10**9) == []
+
+
+@pytest.mark.parametrize("name", ["a\0b", "\0", "\ud800", "a\u202eb"])
+def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
+    """PostgreSQL has no U+0000, and UTF-8 no lone surrogate."""
+    job_id, _ = accepted(database, tmp_path, name=name)
+    with database.writing() as connection:
+        audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
+        assert [job.id for job in jobs.latest(connection, "note", 9, name=name)] == [job_id]
+    KeyStore(database).create(name, ["read"])
