@@ -23,6 +23,8 @@ sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from plausible_requests import plausible_request
 from plausible_trials import Outcome, as_advised, outcome
 
+from planner import effort
+
 SLOWEST = 10
 
 
@@ -111,8 +113,16 @@ def _summary(trials: list[Trial]) -> int:
     cpu_s = np.array([run.cpu_s for run in all_runs])
     p50, p99 = np.quantile(cpu_s, [0.5, 0.99])
     print(f"CPU s per request: p50 {p50:.2f}, p99 {p99:.2f}, most {cpu_s.max():.2f}")
+    work = np.array([run.work_rows for run in all_runs])
+    print(
+        f"counted work, of {effort.PLAN} that one request may make: p50 {np.median(work):.0f}, "
+        f"p99 {np.quantile(work, 0.99):.0f}, most {work.max():.0f}"
+    )
     slowest = sorted(trials, key=lambda trial: -trial.asked.cpu_s)[:SLOWEST]
-    told = ", ".join(f"{t.seed} ({t.asked.kind}, {t.asked.cpu_s:.1f} s)" for t in slowest)
+    told = ", ".join(
+        f"{t.seed} ({t.asked.kind}, {t.asked.cpu_s:.1f} s, work {t.asked.work_rows:.0f})"
+        for t in slowest
+    )
     print(f"slowest seeds: {told}")
     wrong = any(True for trial in trials for _ in _wrong(trial))
     return int(wrong)

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 import re
 import time
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from plan_oracle import faults
 from app.api.plan_request import read_plan_request
 from app.api.plan_response import plan_json
 from app.errors import problem_of
+from planner.effort import at_most
 from planner.errors import Refusal
 from planner.pipeline import make_plan
 
@@ -27,10 +29,12 @@ class Outcome:
     """kind: `planned`, `baseline` for a spline that says it failed, a refusal's, or `bug`.
 
     faults: all that is wrong with the table or the refusal.  cpu_s: of planning alone.
+    work_rows: what of it `planner.effort` counted.
     """
 
     kind: str
     cpu_s: float
+    work_rows: float
     problem: Fields = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
 
@@ -41,26 +45,28 @@ class Outcome:
 
 def outcome(request: Fields) -> Outcome:
     """Plan it and look at what comes."""
+    plan, refusal, bug = None, None, None
     begun_s = time.process_time()
-    try:
-        plan = make_plan(read_plan_request(json.dumps(request).encode()))
-    except Refusal as refusal:
-        spent_s = time.process_time() - begun_s
+    with at_most(math.inf) as work:
+        try:
+            plan = make_plan(read_plan_request(json.dumps(request).encode()))
+        except Refusal as refused:
+            refusal = refused
+        except Exception as error:  # noqa: BLE001 (counted, and told with its request)
+            bug = f"{type(error).__name__}: {error}"
+    seen = {"cpu_s": time.process_time() - begun_s, "work_rows": work.done_rows}
+    if refusal is not None:
         problem = problem_of(refusal)
-        return Outcome(
-            kind=refusal.slug, cpu_s=spent_s, problem=problem, faults=list(_misshapen(problem))
-        )
-    except Exception as bug:  # noqa: BLE001 (counted, and told with its request)
-        spent_s = time.process_time() - begun_s
-        return Outcome(kind="bug", cpu_s=spent_s, faults=[f"{type(bug).__name__}: {bug}"])
-    spent_s = time.process_time() - begun_s
+        return Outcome(kind=refusal.slug, problem=problem, faults=list(_misshapen(problem)), **seen)
+    if plan is None:
+        return Outcome(kind="bug", faults=[str(bug)], **seen)
     answered = json.loads(plan_json(plan, input_sha256="", planned_at_utc=datetime.now(UTC)))
     if request["slew"]["method"] == "spline" and answered["state"] == "failed":
-        return Outcome(kind="baseline", cpu_s=spent_s)
+        return Outcome(kind="baseline", **seen)
     wrong = faults(request, answered)
     if answered["state"] != "done":
         wrong.append(f"its state is {answered['state']}")
-    return Outcome(kind="planned", cpu_s=spent_s, faults=wrong)
+    return Outcome(kind="planned", faults=wrong, **seen)
 
 
 def answer(request: Fields) -> Fields:
@@ -70,14 +76,16 @@ def answer(request: Fields) -> Fields:
 
 
 def as_advised(request: Fields, problem: Fields) -> Fields:
-    """The request with the start, and the stop if any, that its refusal advises."""
+    """The request with the start and stop that its refusal advises, less what it costs."""
     changed = copy.deepcopy(request)
     named = re.match(r"sessions\.(\d+)", problem.get("field", ""))
     assert named is not None, problem
     session = changed["sessions"][int(named[1])]
     session["start"] = problem["earliest_feasible_start"]
     session["stop"] = problem.get("feasible_stop", session["stop"])
-    return changed
+    costs = problem.get("costs_sessions", ())
+    kept = [one for number, one in enumerate(changed["sessions"]) if number not in costs]
+    return changed | {"sessions": kept}
 
 
 def _misshapen(problem: Fields) -> Iterator[str]:
