@@ -16,7 +16,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
 from app.api.json_reader import FieldError, InvalidRequest, field_errors
-from app.jobs.disposable import TooDemanding
+from app.jobs.child import TooDemanding
 from app.jobs.refusals import Conflict, Interrupted, KeyReused, QueueFull
 from app.observability import request_id
 from app.store.failures import StoreUnavailable

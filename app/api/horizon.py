@@ -22,7 +22,8 @@ from app.api.horizon_work import PictureOut, estimate_json, picture, picture_wit
 from app.api.in_child import in_child
 from app.api.negotiation import JSON, accepts_json, json_body, preferred
 from app.api.provenance import provenance
-from app.jobs.disposable import Bounds, ChildDied
+from app.jobs.child import Bounds
+from app.jobs.disposable import ChildDied
 from app.openapi import REF, request_body
 from estimator.errors import InvalidImage
 from estimator.request import HorizonRequest

@@ -8,7 +8,8 @@ import anyio.to_thread
 from fastapi import Request
 from starlette.requests import ClientDisconnect
 
-from app.jobs.disposable import Bounds, Stop, Stopped, run_disposable
+from app.jobs.child import Bounds
+from app.jobs.disposable import Stop, Stopped, run_disposable
 from app.stopping import service_stops
 
 T = TypeVar("T")

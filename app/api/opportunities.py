@@ -14,7 +14,7 @@ from app.api.opportunity_request import read_opportunity_request
 from app.api.opportunity_response import OpportunitiesResponse
 from app.api.opportunity_work import opportunities_found
 from app.api.provenance import provenance
-from app.jobs.disposable import Bounds
+from app.jobs.child import Bounds
 from app.openapi import request_body
 
 SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)

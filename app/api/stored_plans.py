@@ -14,7 +14,7 @@ from app.api.plan_head import PlanHead, whole_answer
 from app.api.plan_resource import PlanResource
 from app.api.reading import read
 from app.api.table_export import file_name
-from app.jobs.disposable import Bounds
+from app.jobs.child import Bounds
 from app.jobs.refusals import Conflict
 from app.store import jobs, plans
 from app.store.jobs import Job

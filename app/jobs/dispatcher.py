@@ -17,7 +17,8 @@ from typing import Any
 from sqlalchemy import Connection
 from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
-from app.jobs.disposable import Bounds, Stop
+from app.jobs.child import Bounds
+from app.jobs.disposable import Stop
 from app.jobs.executors import SolveExecutor, Task
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.progress import Progress

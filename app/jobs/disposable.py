@@ -8,70 +8,32 @@ which Linux applies to heaps and private mappings.
 """
 
 import atexit
-import ctypes
 import multiprocessing
 import os
 import pickle
-import resource
 import signal
 import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from multiprocessing import connection, forkserver
-from multiprocessing.connection import Connection
-from pathlib import Path
 from threading import Lock, Timer
 from typing import Any, ClassVar, TypeVar
 
-from app.jobs.progress import Progress, report_through
-from app.observability.exceptions import traceback_text
+from app.jobs.child import DONE, FAILED, PROGRESS, REFUSED, Bounds, TooDemanding, do_all
+from app.jobs.progress import Progress
 from app.observability.logs import log
-from planner.errors import Refusal
 
 T = TypeVar("T")
 # What the children run: the server imports it, and warms it up, once for all of them.
 _IMPORTED = ["app.jobs.warm"]
-_MEBIBYTE = 2**20
-# A child that nothing is asked of for so long makes the server's pages it will write its own.
-_IDLE_S = 0.02
 # A spare is forked and warmed up, 60 ms of a processor, when the answer is out so that it takes
 # nothing from that.
 _ANSWER_S = 0.05
-# A child that holds so much more than when it was born is thrown away: all kinds of plan one after
-# the other take 64 MiB.
-_GROWN_BYTES = 150 * _MEBIBYTE
 # Most time a child may take to begin: the first of all waits until the server is warm.
 _START_S = 120.0
 # Most time from when a child has closed its line until it has ended by itself.
 _END_S = 1.0
-# What RLIMIT_DATA counts, used or not; and what is really held.
-_LIMITED, _HELD = "VmData:", "RssAnon:"
-_PR_SET_PDEATHSIG = 1  # linux/prctl.h
-
-# What a child sends of a piece of work: that it begins, progress any number of times, then one of
-# the others.
-_BEGUN, _PROGRESS, _DONE, _REFUSED, _FAILED = range(5)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Bounds:
-    """Most time a piece of work may take, and most memory beyond what its process has already.
-
-    alone: its process does nothing after, as what it reads may have taken it over.
-    """
-
-    deadline_s: float
-    memory_mib: int
-    alone: bool = False
-
-
-class TooDemanding(Refusal):
-    """Sound, but more work than one request may make."""
-
-    slug: ClassVar[str] = "too-demanding"
-    title: ClassVar[str] = "The request asks for too much at a time"
 
 
 class ChildFailed(RuntimeError):
@@ -128,7 +90,7 @@ class _Child:
     def __init__(self) -> None:
         context = multiprocessing.get_context("forkserver")
         self.line, childs_end = context.Pipe(duplex=True)
-        self._process = context.Process(target=_do_all, args=(childs_end,), daemon=True)
+        self._process = context.Process(target=do_all, args=(childs_end,), daemon=True)
         try:
             with self._books:
                 start_server()
@@ -295,9 +257,9 @@ def run_disposable(
         raise
     finally:
         _children.give_back(child, may_do_more and not stop.requested)
-    if kind == _REFUSED:
+    if kind == REFUSED:
         raise value
-    if kind == _FAILED:
+    if kind == FAILED:
         raise ChildFailed(value)
     done: T = value
     return done
@@ -314,98 +276,12 @@ def _outcome(
         until_s = time.monotonic() + bounds.deadline_s
         while child.line.poll(max(until_s - time.monotonic(), 0.0)):
             kind, value, may_do_more = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our child's)
-            if kind in (_DONE, _REFUSED, _FAILED):
+            if kind in (DONE, REFUSED, FAILED):
                 return kind, value, may_do_more
-            if kind == _PROGRESS and on_progress is not None:
+            if kind == PROGRESS and on_progress is not None:
                 on_progress(value)
     except (EOFError, OSError):  # nothing comes any more, or not the rest of a message
         raise ChildDied(f"exit code {child.exit_code()}") from None
     raise TooDemanding(
         f"this takes more than the {bounds.deadline_s:g} s it may; ask for less at a time"
     )
-
-
-def _do_all(line: Connection) -> None:
-    """The child's whole life."""
-    from app.jobs import warm  # here already, since the server imported it
-
-    _die_with_service(warm.SERVER_PID)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
-    _limit(resource.RLIMIT_CORE, 0)
-    _say_nothing()
-    if not line.poll(_IDLE_S):
-        warm.warm_up()
-    report_through(lambda progress: line.send_bytes(_packed(_PROGRESS, progress)))
-    grown_bytes = _bytes(_HELD) + _GROWN_BYTES
-    while True:
-        try:
-            bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
-        except (EOFError, ConnectionResetError):  # the service has ended
-            return
-        line.send_bytes(_packed(_BEGUN, None))
-        _bind(bounds)
-        line.send_bytes(_answer(bounds, work, given, grown_bytes))
-
-
-def _answer(
-    bounds: Bounds, work: Callable[..., object], given: tuple[object, ...], grown_bytes: int
-) -> bytes:
-    try:
-        try:
-            kind, value = _DONE, work(*given)
-        except Refusal as refusal:
-            kind, value = _REFUSED, refusal
-        return _packed(kind, value, not bounds.alone and _bytes(_HELD) < grown_bytes)
-    except MemoryError:
-        too_much = TooDemanding(
-            f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
-            "a time"
-        )
-        return _packed(_REFUSED, too_much)
-    except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
-        return _packed(_FAILED, traceback_text(error))
-
-
-def _packed(kind: int, value: object, may_do_more: bool = False) -> bytes:
-    return pickle.dumps((kind, value, may_do_more))
-
-
-def _bind(bounds: Bounds) -> None:
-    """From here on, beyond what was used and is held already."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    may_use_s = bounds.deadline_s * (os.cpu_count() or 1)
-    # However long it may hold the interpreter.
-    _limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime + may_use_s) + 1)
-    _limit(resource.RLIMIT_DATA, _bytes(_LIMITED) + bounds.memory_mib * _MEBIBYTE)
-
-
-def _die_with_service(server_pid: int) -> None:
-    """However the service ends, and whatever the child is at, the child is killed.
-
-    The server ends when no process holds the far end of its pipe, which multiprocessing gives
-    to every child too; let go of here, only the service holds it.
-    """
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != server_pid:  # it was gone before the kernel was asked
-        os.kill(os.getpid(), signal.SIGKILL)
-    os.close(forkserver._forkserver._forkserver_alive_fd)  # type: ignore[attr-defined]
-
-
-def _say_nothing() -> None:
-    """What libraries print in C, and Python of what nobody catches, may hold the request."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    for stream in (1, 2):
-        os.dup2(nowhere, stream)
-    os.close(nowhere)
-
-
-def _limit(which: int, most: int) -> None:
-    resource.setrlimit(which, (most, resource.RLIM_INFINITY))
-
-
-def _bytes(kind: str) -> int:
-    """What this process has of a kind of memory, a line of Linux's proc_pid_status."""
-    for line in Path("/proc/self/status").read_text().splitlines():
-        if line.startswith(kind):
-            return int(line.split()[1]) * 1024
-    raise RuntimeError(f"the kernel doesn't say {kind}")

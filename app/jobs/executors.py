@@ -5,7 +5,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from app.jobs.disposable import Bounds, Stop, run_disposable
+from app.jobs.child import Bounds
+from app.jobs.disposable import Stop, run_disposable
 from app.jobs.progress import Progress
 
 

@@ -12,7 +12,7 @@ from sqlalchemy import Connection
 from app.api.campaign_work import Chosen, choose
 from app.api.plan_work import planned
 from app.api.spacecraft_work import session_planned
-from app.jobs.disposable import Bounds
+from app.jobs.child import Bounds
 from app.jobs.parts import add_part
 from app.jobs.planned import Planned
 from app.jobs.states import JobState

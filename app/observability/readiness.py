@@ -9,7 +9,8 @@ from typing import Any, Literal
 
 from anyio import to_thread
 
-from app.jobs.disposable import Bounds, run_disposable
+from app.jobs.child import Bounds
+from app.jobs.disposable import run_disposable
 from app.observability.logs import log
 from app.store import probes
 from app.store.database import Database

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from sqlalchemy import Connection
 
-from app.jobs.disposable import Bounds
+from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, JobKind
 from app.jobs.planned import Planned
 from app.jobs.states import JobState

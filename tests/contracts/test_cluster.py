@@ -13,10 +13,11 @@ from distributed import Client
 from job_cases import KINDS
 from waiting import alive, eventually
 
+from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import DaskExecutor
 from app.jobs.dask_worker import SLOT
-from app.jobs.disposable import Bounds, ChildDied, ChildFailed, Stop, Stopped, TooDemanding
+from app.jobs.disposable import ChildDied, ChildFailed, Stop, Stopped
 from app.jobs.executors import Task
 from planner.errors import InvalidInput
 

@@ -24,14 +24,13 @@ from waiting import alive, eventually
 
 from app.api.examples import PLAN_EXAMPLES
 from app.api.plan_work import planned
-from app.jobs import disposable
+from app.jobs import child, disposable
+from app.jobs.child import Bounds, TooDemanding
 from app.jobs.disposable import (
-    Bounds,
     ChildDied,
     ChildFailed,
     Stop,
     Stopped,
-    TooDemanding,
     run_disposable,
     spare_children,
 )
@@ -271,7 +270,7 @@ def look_after_parent_is_gone():
     orphan = os.fork()
     if orphan == 0:
         with suppress(OSError):  # this child has let go of the pipe itself
-            disposable._die_with_service(warm.SERVER_PID)
+            child._die_with_service(warm.SERVER_PID)
         os._exit(0)
     return os.waitstatus_to_exitcode(os.waitpid(orphan, 0)[1])
 

@@ -15,7 +15,7 @@ from app.api import horizon, opportunities, stored_plans
 from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
 from app.api.plans import PLANS
-from app.jobs.disposable import Bounds
+from app.jobs.child import Bounds
 from app.main import create_app
 from app.serving import server
 from app.settings import Settings

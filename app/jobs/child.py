@@ -1,0 +1,136 @@
+"""What a child process does from its fork to its end: work, one piece after the other."""
+
+import ctypes
+import os
+import pickle
+import resource
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing import forkserver
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import ClassVar
+
+from app.jobs.progress import report_through
+from app.observability.exceptions import traceback_text
+from planner.errors import Refusal
+
+_MEBIBYTE = 2**20
+# A child that nothing is asked of for so long makes the server's pages it will write its own.
+_IDLE_S = 0.02
+# A child that holds so much more than when it was born is thrown away: all kinds of plan one after
+# the other take 64 MiB.
+_GROWN_BYTES = 150 * _MEBIBYTE
+# What RLIMIT_DATA counts, used or not; and what is really held.
+_LIMITED, _HELD = "VmData:", "RssAnon:"
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
+
+# What a child sends of a piece of work: that it begins, progress any number of times, then one of
+# the others.
+BEGUN, PROGRESS, DONE, REFUSED, FAILED = range(5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bounds:
+    """Most time a piece of work may take, and most memory beyond what its process has already.
+
+    alone: its process does nothing after, as what it reads may have taken it over.
+    """
+
+    deadline_s: float
+    memory_mib: int
+    alone: bool = False
+
+
+class TooDemanding(Refusal):
+    """Sound, but more work than one request may make."""
+
+    slug: ClassVar[str] = "too-demanding"
+    title: ClassVar[str] = "The request asks for too much at a time"
+
+
+def do_all(line: Connection) -> None:
+    """The child's whole life."""
+    from app.jobs import warm  # here already, since the server imported it
+
+    _die_with_service(warm.SERVER_PID)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
+    _limit(resource.RLIMIT_CORE, 0)
+    _say_nothing()
+    if not line.poll(_IDLE_S):
+        warm.warm_up()
+    report_through(lambda progress: line.send_bytes(_packed(PROGRESS, progress)))
+    grown_bytes = _bytes(_HELD) + _GROWN_BYTES
+    while True:
+        try:
+            bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
+        except (EOFError, ConnectionResetError):  # the service has ended
+            return
+        line.send_bytes(_packed(BEGUN, None))
+        _bind(bounds)
+        line.send_bytes(_answer(bounds, work, given, grown_bytes))
+
+
+def _answer(
+    bounds: Bounds, work: Callable[..., object], given: tuple[object, ...], grown_bytes: int
+) -> bytes:
+    try:
+        try:
+            kind, value = DONE, work(*given)
+        except Refusal as refusal:
+            kind, value = REFUSED, refusal
+        return _packed(kind, value, not bounds.alone and _bytes(_HELD) < grown_bytes)
+    except MemoryError:
+        too_much = TooDemanding(
+            f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
+            "a time"
+        )
+        return _packed(REFUSED, too_much)
+    except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
+        return _packed(FAILED, traceback_text(error))
+
+
+def _packed(kind: int, value: object, may_do_more: bool = False) -> bytes:
+    return pickle.dumps((kind, value, may_do_more))
+
+
+def _bind(bounds: Bounds) -> None:
+    """From here on, beyond what was used and is held already."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    may_use_s = bounds.deadline_s * (os.cpu_count() or 1)
+    # However long it may hold the interpreter.
+    _limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime + may_use_s) + 1)
+    _limit(resource.RLIMIT_DATA, _bytes(_LIMITED) + bounds.memory_mib * _MEBIBYTE)
+
+
+def _die_with_service(server_pid: int) -> None:
+    """However the service ends, and whatever the child is at, the child is killed.
+
+    The server ends when no process holds the far end of its pipe, which multiprocessing gives
+    to every child too; let go of here, only the service holds it.
+    """
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != server_pid:  # it was gone before the kernel was asked
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.close(forkserver._forkserver._forkserver_alive_fd)  # type: ignore[attr-defined]
+
+
+def _say_nothing() -> None:
+    """What libraries print in C, and Python of what nobody catches, may hold the request."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(nowhere, stream)
+    os.close(nowhere)
+
+
+def _limit(which: int, most: int) -> None:
+    resource.setrlimit(which, (most, resource.RLIM_INFINITY))
+
+
+def _bytes(kind: str) -> int:
+    """What this process has of a kind of memory, a line of Linux's proc_pid_status."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith(kind):
+            return int(line.split()[1]) * 1024
+    raise RuntimeError(f"the kernel doesn't say {kind}")
