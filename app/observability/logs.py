@@ -104,4 +104,4 @@ def _tell_warning(
     **__: object,
 ) -> None:
     kind = described(message) if isinstance(message, Warning) else category.__name__
-    log.warning("a warning of Python's", kind=kind, at=f"{filename}:{lineno}")
+    log.warning("a warning of Python's", kind=kind, file=filename, line=lineno)
