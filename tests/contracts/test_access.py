@@ -73,7 +73,8 @@ def refused(answer, status: int, says: str) -> None:
 
 @pytest.mark.parametrize("path", ["/healthz", "/readyz", "/docs", "/redoc", "/openapi.json"])
 def test_probes_and_pages_need_no_key(there, path):
-    assert there.get(path).status_code == 200
+    # Who is asked while it still warms up says 503.
+    assert there.get(path).status_code in ((200, 503) if path == "/readyz" else (200,))
 
 
 @pytest.mark.parametrize("path", ["/v1/platforms", "/metrics", "/v1/audit", "/no/such/route"])
