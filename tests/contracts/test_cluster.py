@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from dask import config
 from distributed import Client
-from job_cases import KINDS
+from job_cases import KINDS, BoundsWithABug
 from waiting import alive, eventually
 
 from app.jobs.child import Bounds, TooDemanding
@@ -176,8 +176,8 @@ def test_a_worker_tells_no_request_whatever_fails(tmp_path, log_format):
         worker(address, stderr=stderr, **settings) as process,
     ):
         executor = DaskExecutor(address, 4)
-        for work, bounds in (("fail", None), ("die", None), ("note", "no bounds")):
-            # The last is a bug on the worker, which Dask tells with what it was called by.
+        for work, bounds in (("fail", None), ("die", None), ("note", BoundsWithABug(CANARY))):
+            # The last is a bug on the worker, which Dask tells in its words.
             failed = submitted(executor, work, tmp_path / CANARY, bounds=bounds)
             assert failed.exception(WITHIN_S) is not None
         stop = Stop()
