@@ -298,12 +298,15 @@ def worker(
     """Solve for services that are set to the same Dask scheduler."""
     with one_line_for_what_goes_wrong():
         from app.jobs.dask_address import check_scheduler
+        from app.observability.logs import configure_logs
         from app.settings import settings_of_environment
 
+        settings = settings_of_environment()
         check_scheduler(scheduler, "worker", "--scheduler")
         from app.jobs.dask_worker import work_for
 
-        work_for(scheduler, solves or settings_of_environment().workers)
+        configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers
+        work_for(scheduler, solves or settings.workers)
 
 
 @dataclass(frozen=True)

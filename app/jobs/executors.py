@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from app.jobs.child import Bounds
@@ -17,7 +17,7 @@ class Task:
     job_id: str
     bounds: Bounds
     work: Callable[[bytes], Any]
-    request: bytes
+    request: bytes = field(repr=False)
 
 
 class SolveExecutor(Protocol):

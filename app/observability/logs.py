@@ -53,23 +53,25 @@ def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
     handler.setFormatter(
         structlog.stdlib.ProcessorFormatter(foreign_pre_chain=shared, processors=last)
     )
+    handler.setLevel(level.upper())  # for loggers with a level of their own, too
     root = logging.getLogger()
     root.handlers = [handler]
     root.setLevel(level.upper())
-    take_over("uvicorn", "uvicorn.error")
+    _take_over()
+    # Of its doings, values withheld, little is left.
+    logging.getLogger("distributed").setLevel("INFO" if level == "debug" else "WARNING")
     sys.excepthook = lambda _, error, __: _tell_uncaught(error)
     threading.excepthook = lambda what: _tell_uncaught(what.exc_value)
     sys.unraisablehook = lambda what: _tell_uncaught(what.exc_value)
     warnings.showwarning = _tell_warning
 
 
-def take_over(*names: str, level: int = logging.NOTSET) -> None:
-    """Have loggers that bring handlers of their own write where all others do."""
-    for name in names:
-        logger = logging.getLogger(name)
-        logger.handlers = []
-        logger.propagate = True
-        logger.setLevel(level)
+def _take_over() -> None:
+    """Have loggers that brought handlers of their own, as Dask's do, write where all others do."""
+    for logger in logging.getLogger().manager.loggerDict.values():
+        if isinstance(logger, logging.Logger):
+            logger.handlers = []
+            logger.propagate = True
 
 
 class _Handler(logging.StreamHandler[TextIO]):
@@ -102,4 +104,4 @@ def _tell_warning(
     **__: object,
 ) -> None:
     kind = described(message) if isinstance(message, Warning) else category.__name__
-    log.warning("a warning of Python's", kind=kind, at=f"{filename}:{lineno}")
+    log.warning("a warning of Python's", kind=kind, file=filename, line=lineno)

@@ -21,8 +21,9 @@ from planner.frames.time_scales import DAY_S, elapsed_s
 State = Literal["ok", "degraded", "failed"]
 # Asked for by everyone without a key: answered anew no more often than this.
 _KEPT_S = 5.0
-# Most time for an answer; a check that takes longer is told as it was found before, for a while.
-_WAIT_S, _OLD_S = 1.5, 20.0
+# Most time for an answer, more than a silent database is waited for; a check that takes longer is
+# told as it was found before, for a while.
+_WAIT_S, _OLD_S = 1.8, 20.0
 _CHILD_BOUNDS = Bounds(deadline_s=10.0, memory_mib=300)
 IERS_WARNING_DAYS = 30.0
 

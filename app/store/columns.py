@@ -2,23 +2,30 @@
 
 from datetime import UTC, datetime
 
-from sqlalchemy import DateTime, Dialect, Float, Text
+from sqlalchemy import DateTime, Dialect, Float, String, Text
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 from sqlalchemy.types import TypeDecorator
 
 
-class PlainText(TypeDecorator[str]):
+class PlainString(TypeDecorator[str]):
     """Text that every database takes: PostgreSQL knows no U+0000, UTF-8 no lone surrogate."""
 
-    impl = Text
+    impl = String
     cache_ok = True
 
     def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
         if value is None:
             return None
         return value.replace("\0", "\ufffd").encode("utf-8", "replace").decode()
+
+
+class PlainText(PlainString):
+    """Of any length."""
+
+    impl = Text
+    cache_ok = True
 
 
 class UtcDateTime(TypeDecorator[datetime]):

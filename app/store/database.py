@@ -60,11 +60,21 @@ class Database:
     @contextmanager
     def writing(self) -> Iterator[Connection]:
         """A transaction that may change data; SQLite lets one in at a time."""
+        with self._writer() as connection, connection.begin():
+            yield connection
+
+    @contextmanager
+    def migrating(self) -> Iterator[Connection]:
+        """As `writing`, for what may take the database long."""
+        with self._writer() as connection, _as_long_as_it_takes(connection), connection.begin():
+            yield connection
+
+    @contextmanager
+    def _writer(self) -> Iterator[Connection]:
         with (
             _told_apart(self._writers),
             self._turn(),
             self._engine.connect().execution_options(**{_WRITES: True}) as connection,
-            connection.begin(),
         ):
             yield connection
 
@@ -135,7 +145,9 @@ def _keep_to_owner(file: Path) -> None:
 
 def _engine(url: URL) -> Engine:
     if url.drivername != "sqlite":
-        return create_engine(
+        from app.store.postgresql import bound_silence
+
+        server = create_engine(
             url,
             pool_size=_POOLED,
             max_overflow=_POOLED_MORE,
@@ -150,6 +162,8 @@ def _engine(url: URL) -> Engine:
                 "options": f"-c lock_timeout={PATIENCE_S * 1e3:.0f}",
             },
         )
+        bound_silence(server)
+        return server
     engine = create_engine(
         url,
         pool_size=_POOLED,
@@ -161,6 +175,14 @@ def _engine(url: URL) -> Engine:
     event.listen(engine, "connect", _set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)
     return engine
+
+
+def _as_long_as_it_takes(connection: Connection) -> AbstractContextManager[None]:
+    if connection.dialect.name == "sqlite":
+        return nullcontext()
+    from app.store.postgresql import any_silence
+
+    return any_silence(connection)
 
 
 def _set_up_sqlite(connection: DBAPIConnection, _: ConnectionPoolEntry) -> None:

@@ -42,7 +42,7 @@ def upgrade(database: Database) -> None:
     until_s = time.monotonic() + _OTHERS_S
     while True:
         try:
-            with database.writing() as connection:
+            with database.migrating() as connection:
                 if connection.dialect.name == "postgresql":
                     connection.execute(text(f"SET LOCAL lock_timeout = '{_OTHERS_S:.0f}s'"))
                     connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})

@@ -10,16 +10,15 @@ from sqlalchemy import (
     Index,
     LargeBinary,
     MetaData,
-    String,
     UniqueConstraint,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 from app.jobs.states import STATES, JobState
-from app.store.columns import PlainText, UtcDateTime
+from app.store.columns import PlainString, PlainText, UtcDateTime
 
 _STATES = ", ".join(f"'{state}'" for state in STATES)
-_ID = String(36)
+_ID = PlainString(36)
 
 
 class Base(DeclarativeBase):
@@ -49,18 +48,18 @@ class JobRow(Base):
     __tablename__ = "jobs"
 
     id: Mapped[str] = mapped_column(_ID, primary_key=True)
-    kind: Mapped[str] = mapped_column(String(32))
-    state: Mapped[JobState] = mapped_column(String(16))
+    kind: Mapped[str] = mapped_column(PlainString(32))
+    state: Mapped[JobState] = mapped_column(PlainString(16))
     name: Mapped[str] = mapped_column(PlainText)
     request: Mapped[bytes] = mapped_column(LargeBinary)
-    request_sha256: Mapped[str] = mapped_column(String(64))
+    request_sha256: Mapped[str] = mapped_column(PlainString(64))
     options: Mapped[dict[str, Any]] = mapped_column(JSON)
-    key_id: Mapped[str | None] = mapped_column(String(64))
-    idempotency: Mapped[str | None] = mapped_column(String(64), unique=True)
+    key_id: Mapped[str | None] = mapped_column(PlainString(64))
+    idempotency: Mapped[str | None] = mapped_column(PlainString(64), unique=True)
     parent_id: Mapped[str | None] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"))
     rank: Mapped[int]
     attempts: Mapped[int]
-    lease_token: Mapped[str | None] = mapped_column(String(32))
+    lease_token: Mapped[str | None] = mapped_column(PlainString(32))
     lease_until_s: Mapped[float | None]
     deadline_s: Mapped[float]
     created_utc: Mapped[datetime] = mapped_column(UtcDateTime)
@@ -90,13 +89,13 @@ class PlanRow(Base):
     __tablename__ = "plans"
 
     id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    kind: Mapped[str] = mapped_column(String(32))
+    kind: Mapped[str] = mapped_column(PlainString(32))
     series: Mapped[str] = mapped_column(_ID)
     revision: Mapped[int]
     revises: Mapped[str | None] = mapped_column(_ID)
     name: Mapped[str] = mapped_column(PlainText)
-    state: Mapped[JobState] = mapped_column(String(16))
-    input_sha256: Mapped[str] = mapped_column(String(64))
+    state: Mapped[JobState] = mapped_column(PlainString(16))
+    input_sha256: Mapped[str] = mapped_column(PlainString(64))
     versions: Mapped[dict[str, str]] = mapped_column(JSON)
     document: Mapped[bytes] = mapped_column(LargeBinary)
     table_columns: Mapped[bytes] = mapped_column(LargeBinary)
@@ -113,7 +112,7 @@ class EventRow(Base):
     job_id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     seq: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     at_utc: Mapped[datetime] = mapped_column(UtcDateTime)
-    kind: Mapped[str] = mapped_column(String(32))
+    kind: Mapped[str] = mapped_column(PlainString(32))
     data: Mapped[dict[str, Any]] = mapped_column(JSON)
 
 

@@ -2,10 +2,10 @@
 
 from datetime import datetime
 
-from sqlalchemy import JSON, Index, String
+from sqlalchemy import JSON, Index
 from sqlalchemy.orm import Mapped, mapped_column
 
-from app.store.columns import PlainText, UtcDateTime
+from app.store.columns import PlainString, PlainText, UtcDateTime
 from app.store.models import Base
 
 
@@ -14,9 +14,9 @@ class KeyRow(Base):
 
     __tablename__ = "keys"
 
-    id: Mapped[str] = mapped_column(String(64), primary_key=True)
+    id: Mapped[str] = mapped_column(PlainString(64), primary_key=True)
     name: Mapped[str] = mapped_column(PlainText)
-    secret_sha256: Mapped[str] = mapped_column(String(64))
+    secret_sha256: Mapped[str] = mapped_column(PlainString(64))
     scopes: Mapped[list[str]] = mapped_column(JSON)
     created_utc: Mapped[datetime] = mapped_column(UtcDateTime)
     revoked_utc: Mapped[datetime | None] = mapped_column(UtcDateTime)
@@ -35,9 +35,9 @@ class AuditRow(Base):
 
     id: Mapped[int] = mapped_column(primary_key=True, autoincrement=True)
     at_utc: Mapped[datetime] = mapped_column(UtcDateTime)
-    key_id: Mapped[str | None] = mapped_column(String(64))
-    action: Mapped[str] = mapped_column(String(32))
-    subject: Mapped[str] = mapped_column(String(64))
+    key_id: Mapped[str | None] = mapped_column(PlainString(64))
+    action: Mapped[str] = mapped_column(PlainString(32))
+    subject: Mapped[str] = mapped_column(PlainString(64))
     detail: Mapped[str] = mapped_column(PlainText)
 
     __table_args__ = (Index(None, "subject"),)

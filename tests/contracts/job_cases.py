@@ -30,6 +30,17 @@ def made() -> Planned:
     )
 
 
+@dataclass(frozen=True)
+class BoundsWithABug:
+    """Whoever looks at them fails, and says what it was at."""
+
+    told: str
+
+    @property
+    def deadline_s(self) -> float:
+        raise RuntimeError(self.told)
+
+
 def note(request: bytes) -> Planned:
     """Adds its process to a file."""
     with Path(os.fsdecode(request)).open("a") as file:

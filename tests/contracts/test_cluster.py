@@ -1,5 +1,6 @@
 """Is work on other machines done, stopped, bounded and, when a machine dies, done again?"""
 
+import json
 import os
 import re
 import subprocess
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 from dask import config
 from distributed import Client
-from job_cases import KINDS
+from job_cases import KINDS, BoundsWithABug
 from waiting import alive, eventually
 
 from app.jobs.child import Bounds, TooDemanding
@@ -23,13 +24,14 @@ from planner.errors import InvalidInput
 
 BIN = Path(sys.executable).parent
 HERE = Path(__file__).parent
+CANARY = "canarybody4711"
 WITHIN_S = 200.0  # a loaded machine takes long to start a worker
 
 
 @contextmanager
-def running(*command, stderr=subprocess.DEVNULL):
+def running(*command, stderr=subprocess.DEVNULL, **settings):
     places = os.pathsep.join((str(HERE), str(HERE.parent), os.environ.get("PYTHONPATH", "")))
-    environment = os.environ | {"PYTHONPATH": places, "OMP_NUM_THREADS": "1"}
+    environment = os.environ | {"PYTHONPATH": places, "OMP_NUM_THREADS": "1"} | settings
     process = subprocess.Popen(
         [str(BIN / command[0]), *command[1:]], env=environment, stderr=stderr
     )
@@ -40,14 +42,19 @@ def running(*command, stderr=subprocess.DEVNULL):
         process.wait()
 
 
-@pytest.fixture(scope="module")
-def scheduler(tmp_path_factory):
-    log = tmp_path_factory.mktemp("scheduler") / "log"
+@contextmanager
+def a_scheduler(log):
     loopback = ("--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0")
     command = ("dask", "scheduler", "--no-dashboard", *loopback)
     with log.open("wb") as stderr, running(*command, stderr=stderr):
         found = eventually(lambda: re.search(r"Scheduler at: +(tcp://\S+)", log.read_text()))
         yield found[1]
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory):
+    with a_scheduler(tmp_path_factory.mktemp("scheduler") / "log") as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +64,8 @@ def executor(scheduler):
     executor.close()
 
 
-def worker(scheduler):
-    return running("slewtrack", "worker", "--scheduler", scheduler, "--solves", "2")
+def worker(scheduler, **how):
+    return running("slewtrack", "worker", "--scheduler", scheduler, "--solves", "2", **how)
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +145,8 @@ def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_wor
 
 def test_worker_that_waits_for_its_scheduler_ends_when_told():
     nobody = ("--scheduler", "tcp://127.0.0.1:1", "--solves", "1")
-    with running("slewtrack", "worker", *nobody, stderr=subprocess.PIPE) as process:
+    told = {"stderr": subprocess.PIPE, "SLEWTRACK_LOG_LEVEL": "debug"}
+    with running("slewtrack", "worker", *nobody, **told) as process:
         while b"Local Directory" not in (line := process.stderr.readline()):
             assert line, "it ended by itself"
         process.terminate()
@@ -156,6 +164,36 @@ def test_worker_ends_when_told_whatever_it_is_at(executor, scheduler, tmp_path):
         eventually(lambda: not alive(pid))
     with worker(scheduler):
         assert future.result(WITHIN_S).state == "done"
+
+
+@pytest.mark.parametrize("log_format", ["json", "console"])
+def test_a_worker_tells_no_request_whatever_fails(tmp_path, log_format):
+    logs = [tmp_path / name for name in ("scheduler", "worker")]
+    settings = {"SLEWTRACK_LOG_FORMAT": log_format, "SLEWTRACK_LOG_LEVEL": "debug"}
+    with (
+        a_scheduler(logs[0]) as address,
+        logs[1].open("wb") as stderr,
+        worker(address, stderr=stderr, **settings) as process,
+    ):
+        executor = DaskExecutor(address, 4)
+        for work, bounds in (("fail", None), ("die", None), ("note", BoundsWithABug(CANARY))):
+            # The last is a bug on the worker, which Dask tells in its words.
+            failed = submitted(executor, work, tmp_path / CANARY, bounds=bounds)
+            assert failed.exception(WITHIN_S) is not None
+        stop = Stop()
+        hung = submitted(executor, "hang", tmp_path / f"{CANARY}2", stop)
+        eventually(lambda: pids(tmp_path / f"{CANARY}2"))
+        process.terminate()
+        assert process.wait(WITHIN_S) == 0
+        stop.request()
+        with pytest.raises(Stopped):
+            hung.result(WITHIN_S)
+        executor.close()
+    scheduler_told, worker_told = (log.read_text() for log in logs)
+    assert "Compute Failed" in worker_told
+    assert CANARY not in scheduler_told + worker_told
+    if log_format == "json":
+        assert all(isinstance(json.loads(line), dict) for line in worker_told.splitlines())
 
 
 TLS = "distributed.comm.tls."

@@ -161,7 +161,7 @@ def test_the_log_tells_each_request_and_no_secret(tmp_path):
     with live_service(tmp_path, SLEWTRACK_LOG_FORMAT="json") as service:
         bearer = {"Authorization": f"Bearer {secret}"}
         path = f"{service.address}/v1/platforms?token={secret}"
-        assert ask(path, **bearer, **{"X-Request-ID": "id-7"}) == 200
+        assert ask(path, **bearer, **{"X-Request-ID": "id-7"}) == 422
         assert ask(f"{service.address}/v1/%1b%5b31m%0aforged", **bearer) == 404
         assert ask(f"{service.address}/v1/platforms", Authorization=f"Bearer {secret}x") == 401
     text = service.log.read_text()
@@ -173,7 +173,7 @@ def test_the_log_tells_each_request_and_no_secret(tmp_path):
     [told] = [line for line in lines if "id-7" in line]
     key_id = re.match("slewtrack_([0-9a-f]+)_", secret)[1]
     record = json.loads(told)
-    assert record["status"] == 200
+    assert record["status"] == 422
     assert record["path"] == "/v1/platforms"
     assert record["key_id"] == key_id
     assert record["level"] == "info"

@@ -13,10 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from job_cases import made, new_job
-from sqlalchemy import text, update
+from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
 from app.store import audit, events, jobs, models_security, plans
+from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
@@ -222,3 +223,26 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
         audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
         assert [job.id for job in jobs.latest(connection, "note", 9, name=name)] == [job_id]
     KeyStore(database).create(name, ["read"])
+
+
+@pytest.mark.parametrize("strange", ["a\0b", "\ud800", "x" * 10_000])
+def test_every_column_of_text_can_be_asked_for_any_text(database, strange):
+    texts = [
+        column
+        for table in models_security.Base.metadata.tables.values()
+        for column in table.columns
+        if isinstance(column.type, String | Text | PlainString)
+    ]
+    with database.reading() as connection:
+        for column in texts:
+            assert connection.execute(select(column).where(column == strange)).all() == []
+        assert connection.execute(select(JobRow.id).where(JobRow.id.in_([strange]))).all() == []
+
+
+@pytest.mark.parametrize("strange", ["a\0b", "\ud800"])
+def test_any_text_can_be_stored_beside_a_job(database, tmp_path, strange):
+    job_id, _ = accepted(database, tmp_path, options={strange: strange})
+    with database.writing() as connection:
+        audit.record(connection, key_id=strange, action=strange, subject=strange)
+        events.record(connection, job_id, "progress", {strange: strange})
+        assert jobs.get(connection, job_id).options == {strange: strange}

@@ -17,6 +17,7 @@ from databases import SERVER, fresh_database
 from fastapi.testclient import TestClient
 from job_cases import new_job
 from live_service import ROOT, children_of, live_service
+from relay import Relay
 from sqlalchemy import create_engine, text
 from waiting import eventually
 
@@ -45,7 +46,7 @@ def disconnect(name: str) -> str:
 
 
 @contextmanager
-def locked(database, service):
+def locked(database, service, relay):
     if SERVER:
         engine = create_engine(database.url)
         with engine.connect() as connection:
@@ -61,7 +62,7 @@ def locked(database, service):
 
 
 @contextmanager
-def full(database, service):
+def full(database, service, relay):
     """PostgreSQL: no transaction may write.  SQLite: its files may not grow."""
     if SERVER:
         name = database.url.database
@@ -80,7 +81,7 @@ def full(database, service):
 
 
 @contextmanager
-def away(database, service):
+def away(database, service, relay):
     """PostgreSQL lets nobody in; where SQLite's file was is something else."""
     if SERVER:
         name = database.url.database
@@ -100,22 +101,36 @@ def away(database, service):
             opened.write(kept)
 
 
-FAILURES = (locked, full, away)
+@contextmanager
+def silent(database, service, relay):
+    """Connections stay open, and nothing comes."""
+    relay.is_silent = True
+    yield
+    relay.is_silent = False
 
 
-def url_with_password(database) -> str:
-    """Which PostgreSQL's `trust` doesn't look at."""
-    url = database.url if not SERVER else database.url.set(password=PASSWORD)
-    return url.render_as_string(hide_password=False)
+FAILURES = (locked, full, away, silent) if SERVER else (locked, full, away)
+
+
+@contextmanager
+def network_to(database):
+    """URL with a password, which PostgreSQL's `trust` doesn't look at, and what lies between."""
+    if SERVER:
+        relay = Relay(database.url.host, database.url.port)
+        url = database.url.set(password=PASSWORD, host="127.0.0.1", port=relay.port)
+        yield url.render_as_string(hide_password=False), relay
+        relay.hang_up()
+    else:
+        yield database.url.render_as_string(), None
 
 
 @pytest.mark.parametrize("log_format", ["json", "console"])
 @pytest.mark.parametrize("failure", FAILURES)
 def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path, failure, log_format):
-    with fresh_database(tmp_path) as database:
+    with fresh_database(tmp_path) as database, network_to(database) as (url, relay):
         _, secret = KeyStore(database).create("k", ["admin"])
         settings = {
-            "SLEWTRACK_DATABASE_URL": url_with_password(database),
+            "SLEWTRACK_DATABASE_URL": url,
             "SLEWTRACK_LOG_FORMAT": log_format,
             "SLEWTRACK_LOG_LEVEL": "debug",
             "SLEWTRACK_REQUIRE_KEYS": "true",
@@ -126,7 +141,7 @@ def test_a_failing_store_answers_503_and_tells_no_secret(tmp_path, failure, log_
             accepted = client.post(f"/v1/plans?revises={QUERY}", json=ORDER)
             assert accepted.status_code == 422
             location = client.post("/v1/plans", json=ORDER).headers["location"]
-            with failure(database, service):
+            with failure(database, service, relay):
                 answers = eventually(lambda: failing(client, location, failure))
                 eventually(lambda: client.get("/readyz").status_code == 503)
                 for child in children_of(service.pid):

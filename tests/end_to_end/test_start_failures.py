@@ -31,14 +31,18 @@ def line_of(code: int, stderr: str) -> str:
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
-def test_a_corrupt_file(tmp_path, words):
-    """Seen from outside, where Python would write what nobody else does."""
+@pytest.mark.parametrize(
+    ("url", "why"),
+    [("", "not a database"), ("postgresql+psycopg://u:canary@127.0.0.1:1/x", "connection refused")],
+)
+def test_one_line_whoever_else_could_write(tmp_path, words, url, why):
+    """Seen from outside, where Python writes what is logged and nobody takes."""
     (tmp_path / FILE).write_bytes(b"\xa5" * 8192)
-    environment = os.environ | {"SLEWTRACK_DATA_DIR": str(tmp_path), "SLEWTRACK_DATABASE_URL": ""}
+    environment = os.environ | {"SLEWTRACK_DATA_DIR": str(tmp_path), "SLEWTRACK_DATABASE_URL": url}
     ran = subprocess.run(
         [SLEWTRACK, *words], capture_output=True, text=True, cwd=ROOT, env=environment
     )
-    assert "not a database" in line_of(ran.returncode, ran.stderr)
+    assert why in line_of(ran.returncode, ran.stderr)
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
