@@ -22,16 +22,16 @@ class Within:
     `@spec` refuses what lies outside, and the JSON schema states the range.
     """
 
-    low: float
-    high: float
+    least: float
+    greatest: float
 
     def __str__(self) -> str:
-        return f"{_exact(self.low)}..{_exact(self.high)}"
+        return f"{_exact(self.least)}..{_exact(self.greatest)}"
 
     def __get_pydantic_json_schema__(
         self, core_schema: object, handler: Callable[[object], dict[str, Any]]
     ) -> dict[str, Any]:
-        return handler(core_schema) | {"minimum": self.low, "maximum": self.high}
+        return handler(core_schema) | {"minimum": self.least, "maximum": self.greatest}
 
 
 # Of a unit vector; wider, so that one not yet divided by its norm is told that.
@@ -92,7 +92,7 @@ def _require(name: str, value: object, within: Within) -> None:
     elif isinstance(value, tuple):
         for index, part in enumerate(value):
             _require(f"{name}.{index}", part, within)
-    elif isinstance(value, int | float) and not within.low <= value <= within.high:
+    elif isinstance(value, int | float) and not within.least <= value <= within.greatest:
         raise ValueError(f"{name} must lie in {within}, not {value}")
 
 

@@ -49,7 +49,7 @@ def test_what_may_be_left_out():
         (("position", "position_km"), [100.0, 0.0, 0.0], "above"),
         (("cameras",), [], "1 to 16"),
         (("cameras",), [CAMERA, CAMERA], "names"),
-        (("cameras", 0, "fx_px"), -1.0, "1..1e+06"),
+        (("cameras", 0, "fx_px"), -1.0, r"1..1e\+06"),
         (("cameras", 0, "width_px"), 10**6, "16..16384"),
         (("cameras", 0, "q_camera_from_body_xyzw"), [0, 0, 0, 2], "unit quaternion"),
         (("cameras", 0, "focal_mm"), 50.0, "focal_mm"),

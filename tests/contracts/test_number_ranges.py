@@ -42,6 +42,7 @@ from planner.errors import InvalidInput
 Document = dict[str, Any]
 REFERENCE = "#/$defs/"
 FAR = (1e300, -1e300, 1e9, -1e9, 5e-324, -5e-324, 0.0)
+FAR_WHOLE = (10**60, -(10**60), 10**9, -(10**9), 0)  # numbers of over 80 digits aren't read
 
 
 def _with(**changes: object) -> Document:
@@ -171,8 +172,7 @@ def test_numbers_outside_are_refused_by_name_with_value_and_range(kind: Asked):
         below, above = math.nextafter(number.low, -math.inf), math.nextafter(number.high, math.inf)
         if number.is_whole:
             below, above = int(number.low) - 1, int(number.high) + 1
-        tried = [below, above, *(int(far) if number.is_whole else far for far in FAR)]
-        for value in tried:
+        for value in (below, above, *(FAR_WHOLE if number.is_whole else FAR)):
             if number.low <= value <= number.high:
                 continue
             with pytest.raises(InvalidRequest) as refusal:

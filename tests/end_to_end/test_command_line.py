@@ -148,7 +148,7 @@ def test_windows_refuses_in_one_line():
     assert one_line(result.stderr).startswith("slewtrack: stop: ")
 
 
-@pytest.mark.parametrize("name", ["a $\\frac$ b", "x" * 10_000])
+@pytest.mark.parametrize("name", ["a $\\frac$ b", "x" * 200])
 def test_a_picture_takes_any_name(tmp_path, name):
     document = json.dumps(LAS_VEGAS | {"name": name})
     words = ["plan", "-", "--plot", f"{tmp_path}/plan.png"]
