@@ -3,7 +3,7 @@
 import sqlite3
 from typing import ClassVar
 
-from sqlalchemy.exc import DBAPIError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as NoConnectionFree
 
 from planner.errors import Refusal
@@ -53,7 +53,8 @@ def is_of_the_store(error: Exception) -> bool:
     if isinstance(error, DBAPIError):
         sqlstate: str | None = getattr(cause, "sqlstate", None)
         if sqlstate is None:  # never reached, or lost
-            return error.connection_invalidated or type(cause).__name__ == "OperationalError"
+            # Of psycopg's, ConnectionTimeout is one, too.
+            return error.connection_invalidated or isinstance(error, OperationalError)
         return sqlstate.startswith(_SQLSTATES)
     return False
 

@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import httpx2 as httpx
+import psycopg
 import pytest
 from databases import SERVER, fresh_database
 from fastapi.testclient import TestClient
@@ -19,12 +20,14 @@ from job_cases import new_job
 from live_service import ROOT, children_of, live_service
 from relay import Relay
 from sqlalchemy import create_engine, text
+from sqlalchemy.exc import DBAPIError
 from waiting import eventually
 
 from app.api.examples import LAS_VEGAS
 from app.main import create_app
 from app.settings import Settings
 from app.store import jobs
+from app.store.failures import is_of_the_store, keeps_all_waiting
 from app.store.keys import KeyStore
 
 PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
@@ -283,3 +286,10 @@ def test_one_of_many_deletes_deletes(tmp_path, path):
                 threads.map(lambda _: client.delete(f"{path}/{new.id}").status_code, range(16))
             )
     assert sorted(codes) == [204] + [404] * 15
+
+
+def test_a_server_that_takes_no_connection_in_time_is_at_fault():
+    timeout = psycopg.errors.ConnectionTimeout("connection timeout expired")
+    error = DBAPIError.instance("", {}, timeout, psycopg.Error)
+    assert is_of_the_store(error)
+    assert keeps_all_waiting(error)
