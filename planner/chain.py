@@ -8,7 +8,7 @@ from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew
 from planner.frames.time_scales import elapsed_s
-from planner.holding import GRID_TOLERANCE_S, Way, flown_span
+from planner.holding import GRID_TOLERANCE_S, Way
 from planner.joining import Join, first_row_in_reach, joined, may_be_slewed_between
 from planner.scenario import Scenario
 from planner.slew import AxisState, next_duration_s, track_states
@@ -75,6 +75,7 @@ class Chain:
         self._early_rows: dict[tuple[Pair, int], int | None] = {}
         self._states: dict[tuple[int, int], States] = {}
         self._shut: dict[Pair, int] = {}
+        self._spans_s: dict[int, tuple[float, float]] = {}
         self._care_left = CARE_SHARE * effort.left()
         self._is_cut_short = False
 
@@ -269,14 +270,21 @@ class Chain:
         return self._states[id(way), row]
 
     def _leaves_something(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
-        epoch_utc = self.scenario.initial_state.epoch
-        spans = [flown_span(way.session, epoch_utc, join_row, way.rows.stop)]
+        left_s = [self._left_s(way, join_row, way.rows.stop)]
         if stand.way is not None:
-            spans.append(flown_span(stand.way.session, epoch_utc, stand.join_row, leave_row))
-        return all(
-            elapsed_s(stop_utc, start_utc) > COMMAND_STEP_S - GRID_TOLERANCE_S
-            for start_utc, stop_utc in spans
-        )
+            left_s.append(self._left_s(stand.way, stand.join_row, leave_row))
+        return min(left_s) > COMMAND_STEP_S - GRID_TOLERANCE_S
+
+    def _left_s(self, way: Way, join_row: int, stop_row: int) -> float:
+        """Of a session between the rows at which its track is joined and left."""
+        if id(way) not in self._spans_s:
+            epoch_utc, session = self.scenario.initial_state.epoch, way.session
+            self._spans_s[id(way)] = (
+                elapsed_s(session.start, epoch_utc),
+                elapsed_s(session.stop, epoch_utc),
+            )
+        start_s, stop_s = self._spans_s[id(way)]
+        return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, join_row / ROWS_PER_S)
 
 
 def _cost(steps: Steps) -> tuple[int, float]:

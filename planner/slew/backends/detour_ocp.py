@@ -17,7 +17,6 @@ from planner.platforms import TwoAxisPlatform
 from planner.slew.backends.spline_ocp import (
     IPOPT,
     ITERATION_ENTRY,
-    SOLVE,
     PosedAxis,
     SplineOcp,
 )
@@ -29,8 +28,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
-# Of `planner.effort`: a row or variable in an iteration; cones fill what is factorised.
-ITERATION_ROW = 0.4
+# Of `planner.effort`: a solve and each of its cones' instants, with their share of making the
+# programme, which takes 85 to 350 ms once a process; a row or variable in an iteration, as cones
+# fill what is factorised.
+SOLVE, SOLVE_INSTANT, ITERATION_ROW = 1_000, 30, 0.4
 OPTIONS = {
     name: value
     for name, value in IPOPT.items()
@@ -186,7 +187,7 @@ def _solved(
     guess: Array,
 ) -> tuple[Array, int, bool]:
     """y of both axes (2, k), iterations, and whether the solver thinks it was good."""
-    effort.spend(SOLVE)
+    effort.spend(SOLVE + SOLVE_INSTANT * len(cosine_most))
     found = solver(
         x0=guess.ravel(),
         p=parameters,
