@@ -42,7 +42,9 @@ def _sqlite_full(siege: Siege) -> Iterator[None]:
 @contextmanager
 def _sqlite_corrupt(siege: Siege) -> Iterator[None]:
     path = siege.folder / "slewtrack.sqlite3"
-    siege.client.get("/v1/plans")
+    other = sqlite3.connect(path)
+    other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    other.close()
     whole = path.read_bytes()
     with path.open("r+b") as file:
         file.write(os.urandom(len(whole)))

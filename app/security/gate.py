@@ -2,6 +2,7 @@
 
 import asyncio
 from contextlib import AbstractContextManager, nullcontext
+from http import HTTPStatus
 
 from fastapi import Request
 from starlette.exceptions import HTTPException
@@ -48,6 +49,9 @@ class Gate:
             with await self._place(scope):
                 await self._app(scope, body.receive, begin_and_send)
         except HTTPException as refusal:
+            if _is_too_much_without_key(scope, refusal):
+                # What it has sent on ahead would be refused too, one by one, before others.
+                refusal.headers = {**(refusal.headers or {}), "Connection": "close"}
             await http_error(Request(scope), refusal)(scope, receive, send)
         except asyncio.CancelledError:
             if not self._stopping.is_set():
@@ -69,3 +73,8 @@ class Gate:
         self._rate.spend(caller.name, per_minute)
         most = (key and key.concurrency) or settings.concurrency_per_key
         return self._at_once.one_more(caller.name, most)
+
+
+def _is_too_much_without_key(scope: Scope, refusal: HTTPException) -> bool:
+    too_much = refusal.status_code == HTTPStatus.TOO_MANY_REQUESTS
+    return too_much and scope["state"].get("key_id") is None

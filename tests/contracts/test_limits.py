@@ -125,6 +125,7 @@ def test_failures_shut_out_those_who_fail_and_nobody_else(tmp_path, failing):
         assert answer.status_code == 429
         assert "5 requests a minute from one address may come without a good key" in answer.text
         assert 1 <= int(answer.headers["retry-after"]) <= 12
+        assert answer.headers["connection"] == "close"
         assert client.get("/v1/platforms", headers=bearer(secret)).status_code == 200
         KeyStore(app.state.database).revoke(good_id)
         assert client.get("/v1/platforms", headers=bearer(secret)).status_code == 429
