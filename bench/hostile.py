@@ -62,12 +62,15 @@ Family = Callable[[Siege], Toll]
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--postgresql", default="", help="URL of a server; SQLite only without")
+    parser.add_argument("--log-formats", nargs="*", default=["json", "console"])
+    parser.add_argument("--postgresql-only", action="store_true")
     parser.add_argument("--families", nargs="*", help="only these, by the names that are printed")
     asked = parser.parse_args()
     print(f"{'':<44}{'tried':>7}{'5xx':>5}{'>2 s':>6}{'leaks':>7}{'wrong':>7}", flush=True)
     tolls = []
-    for server in (Server(""), *([Server(asked.postgresql)] if asked.postgresql else [])):
-        for log_format in ("json", "console"):
+    urls = [*([] if asked.postgresql_only else [""]), *filter(None, [asked.postgresql])]
+    for server in map(Server, urls):
+        for log_format in asked.log_formats:
             for name, toll in _tolls(server, log_format, asked.families):
                 tolls.append(toll)
                 print(f"{server.name} {log_format} {name:<30}{toll}", flush=True)

@@ -13,6 +13,7 @@ from sqlalchemy import create_engine, text
 from app.api.examples import LAS_VEGAS
 
 _FAILS_S = 5.0
+_LOOK_S = 1.0  # /readyz looks every 5 s
 
 Fault = Callable[[Siege], AbstractContextManager[None]]
 
@@ -113,14 +114,14 @@ def _attack(fault: Fault, *, reads_work: bool, heals: bool = True) -> Callable[[
         with fault(siege):
             until_s = time.monotonic() + _FAILS_S
             while time.monotonic() < until_s:
-                ready = siege.get("/readyz", toll, may_fail=True)
                 refused = siege.post("/v1/plans", plan, toll, may_fail=True)
                 read = siege.get(f"/v1/plans?name={QUERY}", toll, may_fail=True)
                 siege.get(f"/v1/plans/{kept}", toll, may_fail=True)
                 siege.ask("DELETE", "/v1/plans/nothing", toll, may_fail=True)
                 toll.require(refused, 503)
                 toll.require(read, *((200, 503) if reads_work else (503,)))
-            toll.require(ready, 503)
+            time.sleep(max(until_s + _LOOK_S - time.monotonic(), 0.0))
+            toll.require(siege.get("/readyz", toll, may_fail=True), 503)
         if heals:
             _require_recovery(siege, toll, plan)
         return toll
