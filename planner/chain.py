@@ -35,7 +35,7 @@ class Stand:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class ChainStep:
     """From a stand to a way: the rows it is left and joined at, and what that costs."""
 
     way: Way
@@ -45,7 +45,7 @@ class Step:
     slew_s: float
 
 
-Steps = tuple[Step, ...]
+Steps = tuple[ChainStep, ...]
 Pair = tuple[int, int]  # identities of the ways left and joined
 Resolve = Callable[["Chain", Stand, Way], tuple[int, int] | None]
 
@@ -70,7 +70,7 @@ class Chain:
         self.sessions = sessions
         self._barred: dict[Pair, set[tuple[int, int]]] = {}
         self._joins: dict[tuple[Pair, int, int], Join] = {}
-        self._steps: dict[tuple[Pair, int, Resolve, int], Step | None] = {}
+        self._steps: dict[tuple[Pair, int, Resolve, int], ChainStep | None] = {}
         self._may: dict[tuple[Pair, int, int], bool] = {}
         self._early_rows: dict[tuple[Pair, int], int | None] = {}
         self._states: dict[tuple[int, int], States] = {}
@@ -94,7 +94,7 @@ class Chain:
                 return steps, joins
         return None
 
-    def _joined(self, stand: Stand, step: Step) -> Join | None:
+    def _joined(self, stand: Stand, step: ChainStep) -> Join | None:
         """Solved once, whichever mode asks; None: undecided by closed form, then impossible."""
         pair, rows = (id(stand.way), id(step.way)), (step.leave_row, step.join_row)
         if (pair, *rows) not in self._joins:
@@ -193,7 +193,7 @@ class Chain:
             chains = longer
         return min(chains, key=_cost, default=None)
 
-    def _step(self, stand: Stand, way: Way, resolve: Resolve) -> Step | None:
+    def _step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
         """Worked out again only where solving has barred more since."""
         pair = (id(stand.way), id(way))
         known = (pair, stand.join_row, resolve, len(self._barred.get(pair, ())))
@@ -201,7 +201,7 @@ class Chain:
             self._steps[known] = self._new_step(stand, way, resolve)
         return self._steps[known]
 
-    def _new_step(self, stand: Stand, way: Way, resolve: Resolve) -> Step | None:
+    def _new_step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
         asked = (stand.last_row, way.rows.start)
         rows = asked if self.fits_as_asked(stand, way) else resolve(self, stand, way)
         if rows is None:
@@ -214,7 +214,7 @@ class Chain:
                 self.state(stand, leave_row), there, self.scenario.axis_limits, strict=True
             )
         ]
-        return Step(
+        return ChainStep(
             way=way,
             leave_row=leave_row,
             join_row=join_row,

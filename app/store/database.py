@@ -21,7 +21,7 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from app.observability.logs import log
 from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
-from app.store.turns import PATIENCE_S, Patience, Turns
+from app.store.turns import PATIENCE_S, Outage, Turns
 from planner.errors import InvalidInput
 
 FILE = "slewtrack.sqlite3"
@@ -44,7 +44,7 @@ class Database:
     def __init__(self, url: URL) -> None:
         self.url = url
         self._engine = _engine(url)
-        self._readers, self._writers = Patience(), Patience()
+        self._readers, self._writers = Outage(), Outage()
         self._turns = Turns(self._writers) if url.drivername == "sqlite" else None
 
     @contextmanager
@@ -94,16 +94,16 @@ class Database:
 
 
 @contextmanager
-def _told_apart(patience: Patience) -> Iterator[None]:
+def _told_apart(outage: Outage) -> Iterator[None]:
     """Failures of the database from bugs in what it was asked."""
-    patience.require()
+    outage.require_over()
     try:
         yield
     except (SQLAlchemyError, sqlite3.Error) as error:
         if not is_of_the_store(error):
             raise
         if keeps_all_waiting(error):
-            patience.lose()
+            outage.begin()
         log.warning("the database can't be used", error=error)
         raise StoreUnavailable(
             "the database can't be read or written now; ask again later"

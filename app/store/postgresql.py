@@ -13,7 +13,7 @@ from psycopg.rows import TupleRow
 from sqlalchemy import Connection, Dialect, Engine, event
 from sqlalchemy.pool import ConnectionPoolEntry
 
-from app.store.turns import Patience
+from app.store.turns import Outage
 
 # More than a lock is waited for, which the server tells itself; less than two seconds in all.
 SILENCE_MAX_S = 1.6
@@ -25,7 +25,7 @@ class BoundedConnection(psycopg.Connection[TupleRow]):
     """Hangs up on a server that says nothing for `silence_max_s`."""
 
     silence_max_s = SILENCE_MAX_S
-    patience: Patience
+    outage: Outage
 
     def wait(
         self,
@@ -47,7 +47,7 @@ class BoundedConnection(psycopg.Connection[TupleRow]):
                 if ready:
                     heard_s = now_s
                 elif now_s - heard_s > self.silence_max_s:
-                    self.patience.lose()
+                    self.outage.begin()
                     self.pgconn.finish()
                     raise psycopg.OperationalError("timeout expired")
                 wanted = exchange.send(ready)
@@ -58,14 +58,14 @@ class BoundedConnection(psycopg.Connection[TupleRow]):
 
 def bound_silence(engine: Engine) -> None:
     """Have all its connections hang up on a silent server, and none be made just after."""
-    patience = Patience()
+    outage = Outage()
 
     def connect(
         _: Dialect, __: ConnectionPoolEntry, words: tuple[Any, ...], options: dict[str, Any]
     ) -> BoundedConnection:
-        patience.require()
+        outage.require_over()
         connection = BoundedConnection.connect(*words, **options)
-        connection.patience = patience
+        connection.outage = outage
         return connection
 
     event.listen(engine, "do_connect", connect)

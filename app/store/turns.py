@@ -13,18 +13,18 @@ PATIENCE_S = 1.2
 _REST_S = 0.5
 
 
-class Patience:
+class Outage:
     """Remembers when all who tried waited in vain."""
 
     def __init__(self) -> None:
         self._until_s = 0.0
 
-    def require(self) -> None:
+    def require_over(self) -> None:
         """Raises StoreUnavailable while there is no use in trying."""
         if time.monotonic() < self._until_s:
             raise StoreUnavailable("the database was not to be reached just now; ask again later")
 
-    def lose(self) -> None:
+    def begin(self) -> None:
         """Somebody waited in vain."""
         self._until_s = time.monotonic() + _REST_S
 
@@ -32,9 +32,9 @@ class Patience:
 class Turns:
     """A queue of writers: it moves as long as one of them gets through."""
 
-    def __init__(self, patience: Patience) -> None:
+    def __init__(self, outage: Outage) -> None:
         self._lock = threading.Lock()
-        self._patience = patience
+        self._outage = outage
         self._done = 0
 
     @contextmanager
@@ -42,13 +42,13 @@ class Turns:
         """Raises StoreUnavailable when no writer got through for PATIENCE_S."""
         done = self._done
         while not self._lock.acquire(timeout=PATIENCE_S):
-            self._patience.require()
+            self._outage.require_over()
             if done == self._done:
-                self._patience.lose()
-                self._patience.require()
+                self._outage.begin()
+                self._outage.require_over()
             done = self._done
         try:
-            self._patience.require()
+            self._outage.require_over()
             yield
         finally:
             self._done += 1
