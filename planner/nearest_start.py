@@ -25,8 +25,8 @@ HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60
 
-# Of `planner.effort`: three seconds for either way of moving a session, and of what is left.
-SEARCH, SEARCH_SHARE = 300_000, 0.5
+# Of `planner.effort`: five seconds for either way of moving a session, and of what is left.
+SEARCH, SEARCH_SHARE = 500_000, 0.6
 REFUSALS = 4  # starts that would cost other sessions, before such a one is named
 
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say

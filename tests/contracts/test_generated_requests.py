@@ -71,7 +71,9 @@ def address(tmp_path_factory):
 @document.parametrize()
 @settings(**BOUNDED)
 def test_one_by_one(case, address):
-    case.call_and_validate(base_url=address, checks=CHECKS)
+    may_fail = case.path == "/readyz"  # a machine that is busy enough isn't ready, and says so
+    checks = [check for check in CHECKS if not (may_fail and check is not_a_server_error)]
+    case.call_and_validate(base_url=address, checks=checks)
 
 
 class _Sessions(document.as_state_machine()):

@@ -15,7 +15,7 @@ from unittest.mock import patch
 import httpx2 as httpx
 from fastapi.testclient import TestClient
 from job_cases import spin
-from waiting import eventually
+from waiting import eventually, eventually
 
 from app.api import job_routes
 from app.api.campaign_examples import CAMPAIGN_EXAMPLES
@@ -105,6 +105,7 @@ def all_answers(folder: Path) -> dict[str, Any]:
     """Of every operation."""
     with _service(folder / "works") as client:
         answers = Answers(client)
+        eventually(lambda: client.get("/readyz").status_code == 200)
         for path in ("/healthz", "/readyz", "/metrics", "/v1/platforms"):
             answers.ask("GET", path)
         for path in KEPT:
