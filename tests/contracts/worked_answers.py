@@ -15,7 +15,7 @@ from unittest.mock import patch
 import httpx2 as httpx
 from fastapi.testclient import TestClient
 from job_cases import spin
-from waiting import eventually, eventually
+from waiting import eventually
 
 from app.api import job_routes
 from app.api.campaign_examples import CAMPAIGN_EXAMPLES
