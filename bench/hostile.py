@@ -106,16 +106,7 @@ def _tolls(server: Server, log_format: str, wanted: list[str] | None) -> Iterato
 
 def names(siege: Siege) -> Toll:
     """In every place of a request where a name goes."""
-    toll = Toll()
-    for path, body in _worked():
-        for where, value in _leaves(body):
-            if where[-1] != "name" or not isinstance(value, str):
-                continue
-            for name in NO_NAMES:
-                answer = siege.post(path, _with(body, where, name), toll)
-                toll.require(answer, 422, 413)
-                toll.require_short(answer, ANSWER_BYTES_MAX)
-    return toll
+    return _texts(siege, NO_NAMES, lambda where, _: where[-1] == "name")
 
 
 def queries(siege: Siege) -> Toll:
@@ -131,14 +122,20 @@ def queries(siege: Siege) -> Toll:
 
 def times(siege: Siege) -> Toll:
     """That RFC 3339 doesn't have, wherever a time goes."""
+    return _texts(siege, NO_TIMES, lambda _, text: text[:2] == "20" and text.endswith("Z"))
+
+
+def _texts(siege: Siege, texts: tuple[str, ...], goes: Callable[[tuple, str], bool]) -> Toll:
+    """Each text in each place of the worked requests where it goes."""
     toll = Toll()
     for path, body in _worked():
         for where, value in _leaves(body):
-            if isinstance(value, str) and value[:2] == "20" and value.endswith("Z"):
-                for time in NO_TIMES:
-                    answer = siege.post(path, _with(body, where, time), toll)
-                    toll.require(answer, 422, 413)
-                    toll.require_short(answer, ANSWER_BYTES_MAX)
+            if not (isinstance(value, str) and goes(where, value)):
+                continue
+            for text in texts:
+                answer = siege.post(path, _with(body, where, text), toll)
+                toll.require(answer, 422, 413)
+                toll.require_short(answer, ANSWER_BYTES_MAX)
     return toll
 
 
