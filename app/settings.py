@@ -6,7 +6,7 @@ from pathlib import Path
 from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
-from app.observability.logs import LogFormat, LogLevel
+from app.log.logs import LogFormat, LogLevel
 from planner.errors import InvalidInput
 
 

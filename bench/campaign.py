@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
+from planner.campaigns import CampaignRequest, CampaignTarget, chosen_campaign, scenario_of
 from planner.opportunities import OpportunityConditions
 from planner.orbits import TleOrbit
 from planner.platforms import PLATFORMS
-from planner.schedule import CampaignRequest, CampaignTarget, chosen_campaign, scenario_of
 from planner.targets import GroundTarget
 
 ROOT = Path(__file__).parent.parent
@@ -57,7 +57,7 @@ def main() -> None:
     )
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
     if asked.plan:
-        from planner.pipeline import make_plan
+        from planner.sessions.pipeline import make_plan
     planned = 0
     for number, flight in enumerate(campaign.passes[: asked.plan]):
         began_s = time.process_time()

@@ -23,10 +23,10 @@ from hostile_servers import Server
 from hostile_siege import Siege, Toll, besieged
 from hostile_starts import few_descriptors, impossible_starts
 
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 
 CASES = Path(__file__).parents[1] / "tests" / "data" / "cases"
 EXTREMES = (1e300, -1e300, 1e9, -1e9, 5e-324, -1, 0)

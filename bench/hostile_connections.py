@@ -10,8 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 import httpx2 as httpx
 from hostile_siege import PATIENCE_S, Siege, Toll
 
-from app.api.examples import LAS_VEGAS
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 
 _HOLDERS = 512
 _PIPELINED = 20

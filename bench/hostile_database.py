@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, contextmanager
 from hostile_siege import BODY, QUERY, Siege, Toll
 from sqlalchemy import create_engine, text
 
-from app.api.examples import LAS_VEGAS
+from app.requests.examples.plan import LAS_VEGAS
 
 _FAILS_S = 5.0
 _LOOK_S = 1.0  # /readyz looks every 5 s

@@ -19,11 +19,11 @@ import numpy as np
 sys.path.extend(str(Path(__file__).parents[1] / "tests" / folder) for folder in (".", "properties"))
 from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
+from planner.detour.detour import SPANS, cleared
+from planner.detour.search import DetourSearch
 from planner.errors import InfeasibleSlew
 from planner.slew import SlewSolution
 from planner.slew.backends.ipopt import graded_ocp
-from planner.slew.detour import SPANS, cleared
-from planner.slew.detour_search import DetourSearch
 
 WITHIN = 1.01
 REPORT_EVERY = 10

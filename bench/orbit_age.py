@@ -1,4 +1,4 @@
-"""How fast do orbit predictions go wrong?  The figures behind `planner/uncertainty.py`.
+"""How fast do orbit predictions go wrong?  The figures behind `planner/sessions/uncertainty.py`.
 
     python bench/orbit_age.py --tles iss_tles.txt [--tles more.txt] ephemeris.oem.xml.gz ...
 

@@ -19,8 +19,8 @@ import httpx2 as httpx
 import numpy as np
 from plan import EXAMPLE, running_service
 
-from app.api.plan_head import new_head, whole_answer
-from app.api.plan_work import planned, stored_table_json
+from app.answers.plan_head import new_head, whole_answer
+from app.work.plan import planned, stored_table_json
 
 WARM_UP = 10
 

@@ -10,7 +10,7 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_ROOMS = ("spacecraft", "schedule")  # which have kernels
+_ROOMS = ("spacecraft", "campaigns")  # which have kernels
 
 
 def _digest(planner: Path) -> str:

@@ -1,14 +1,14 @@
 """What can be refused, and what does a refusal tell the planner?
 
-Each class is one kind of refusal; `app/errors.py` maps classes to HTTP statuses in one
-table.  The message explains the physics and the way out; the attributes carry the same
+Each class is one kind of refusal and says who is to blame, which decides how it is answered.
+The message explains the physics and the way out; the attributes carry the same
 facts for programs.  Bugs are not refusals: they are left to crash.
 """
 
 import re
 from dataclasses import dataclass
 from datetime import datetime
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 VALUE_CHARACTERS_MAX = 200  # of what was sent, in what is said of it
 _LONG_WORD = re.compile(rf"(\S{{{VALUE_CHARACTERS_MAX}}})\S+")
@@ -32,6 +32,11 @@ def figures(value: float, *limits: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}"
 
 
+# What stands in the way: the request itself; the state of what it is about; a service that has
+# too much to do or is partly away, so that the same works later; or a failure of our own.
+Blame = Literal["request", "conflict", "busy", "ours"]
+
+
 class Refusal(Exception):
     """A request that can't be fulfilled as it stands.
 
@@ -45,6 +50,7 @@ class Refusal(Exception):
 
     slug: ClassVar[str] = "refused"
     title: ClassVar[str] = "The request can't be fulfilled"
+    blame: ClassVar[Blame] = "request"
 
     def __init__(
         self,
@@ -75,6 +81,30 @@ class InvalidInput(Refusal):
 
     slug = "invalid-input"
     title = "The request holds a value that makes no sense"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldError:
+    """One field at fault: its dotted name, what is wrong and the way out, its value if scalar."""
+
+    field: str
+    detail: str
+    value: str | float | int | bool | None = None
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.detail}" if self.field else self.detail
+
+
+class InvalidRequest(InvalidInput):
+    """The request as text, not what it asks for, is at fault; errors: field by field."""
+
+    slug = "invalid-request"
+    title = "The request can't be read"
+
+    def __init__(self, *errors: FieldError) -> None:
+        more = f"; {len(errors) - 1} more under errors" if len(errors) > 1 else ""
+        super().__init__(f"{errors[0]}{more}", field=errors[0].field or None)
+        self.errors = errors
 
 
 class InvalidMessage(InvalidInput):
@@ -145,6 +175,7 @@ class SolverFailed(Refusal):
 
     slug = "solver-failed"
     title = "The solver found no trajectory"
+    blame = "ours"
 
 
 class VerificationFailed(Refusal):
@@ -152,6 +183,7 @@ class VerificationFailed(Refusal):
 
     slug = "verification-failed"
     title = "The plan failed its verification"
+    blame = "ours"
 
 
 class Unverified(Refusal):

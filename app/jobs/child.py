@@ -12,8 +12,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import ClassVar
 
-from app.jobs.progress import report_through
-from app.observability.exceptions import traceback_text
+from app.log.exceptions import traceback_text
+from app.work.progress import report_through
 from planner.errors import Refusal
 
 _MEBIBYTE = 2**20
@@ -52,7 +52,7 @@ class TooDemanding(Refusal):
 
 def do_all(line: Connection) -> None:
     """The child's whole life."""
-    from app.jobs import warm  # here already, since the server imported it
+    from app.work import warm  # here already, since the server imported it
 
     _die_with_service(warm.SERVER_PID)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle

@@ -18,8 +18,8 @@ from distributed.comm.core import CommClosedError
 from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
 from app.jobs.disposable import Stop, Stopped
 from app.jobs.executors import Task
-from app.jobs.progress import Progress
-from app.observability.logs import log
+from app.log.logs import log
+from app.work.progress import Progress
 
 _CONNECT_S = 5.0
 _PAUSE_S = 1.0

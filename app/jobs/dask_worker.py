@@ -19,9 +19,9 @@ from app.jobs.disposable import (
     start_server,
 )
 from app.jobs.executors import Task
-from app.jobs.progress import Progress
-from app.observability.logs import log
+from app.log.logs import log
 from app.versions import VERSION
+from app.work.progress import Progress
 from planner.errors import Refusal
 
 PROGRESS_TOPIC = "slewtrack-progress"

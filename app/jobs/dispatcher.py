@@ -21,15 +21,15 @@ from app.jobs.child import Bounds
 from app.jobs.disposable import Stop
 from app.jobs.executors import SolveExecutor, Task
 from app.jobs.kinds import JOB_KINDS, JobKind
-from app.jobs.progress import Progress
 from app.jobs.refusals import QueueFull
 from app.jobs.settling import give_up, settle, take_up_again
-from app.jobs.states import OPEN_STATES, JobState
-from app.observability.logs import log
+from app.log.logs import log
 from app.store import audit, events, jobs
 from app.store.database import Database
 from app.store.failures import StoreUnavailable
 from app.store.jobs import Claimed, Job, NewJob
+from app.store.states import OPEN_STATES, JobState
+from app.work.progress import Progress
 
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote
 PROGRESS_S = 0.5  # least time between two progress events of one job

@@ -21,12 +21,12 @@ from threading import Lock, Timer
 from typing import Any, ClassVar, TypeVar
 
 from app.jobs.child import DONE, FAILED, PROGRESS, REFUSED, Bounds, TooDemanding, do_all
-from app.jobs.progress import Progress
-from app.observability.logs import log
+from app.log.logs import log
+from app.work.progress import Progress
 
 T = TypeVar("T")
 # What the children run: the server imports it, and warms it up, once for all of them.
-_IMPORTED = ["app.jobs.warm"]
+_IMPORTED = ["app.work.warm"]
 # A spare is forked and warmed up, 60 ms of a processor, when the answer is out so that it takes
 # nothing from that.
 _ANSWER_S = 0.05

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from app.jobs.child import Bounds
 from app.jobs.disposable import Stop, run_disposable
-from app.jobs.progress import Progress
+from app.work.progress import Progress
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,15 +9,15 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from app.api.campaign_work import Chosen, choose
-from app.api.plan_work import planned
-from app.api.spacecraft_work import session_planned
 from app.jobs.child import Bounds
 from app.jobs.parts import add_part
-from app.jobs.planned import Planned
-from app.jobs.states import JobState
 from app.store import campaigns, plans
 from app.store.jobs import Job
+from app.store.planned import Planned
+from app.store.states import JobState
+from app.work.campaign import Chosen, choose
+from app.work.plan import planned
+from app.work.spacecraft import session_planned
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,10 +7,10 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from app.api.campaign_work import Part, without_refused
 from app.store import jobs
 from app.store.ids import new_id
 from app.store.jobs import Job, NewJob
+from app.work.campaign import Part, without_refused
 
 KIND = "plan"
 RANK = 1  # after what somebody waits for

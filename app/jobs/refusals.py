@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from planner.errors import Refusal
+from planner.errors import Blame, Refusal
 
 
 class QueueFull(Refusal):
@@ -10,6 +10,7 @@ class QueueFull(Refusal):
 
     slug: ClassVar[str] = "queue-full"
     title: ClassVar[str] = "Too many requests wait to be worked on"
+    blame: ClassVar[Blame] = "busy"
 
 
 class Interrupted(Refusal):
@@ -17,6 +18,7 @@ class Interrupted(Refusal):
 
     slug: ClassVar[str] = "interrupted"
     title: ClassVar[str] = "The work was interrupted too often"
+    blame: ClassVar[Blame] = "ours"
 
 
 class Conflict(Refusal):
@@ -24,6 +26,7 @@ class Conflict(Refusal):
 
     slug: ClassVar[str] = "conflict"
     title: ClassVar[str] = "The state of the job doesn't admit this"
+    blame: ClassVar[Blame] = "conflict"
 
 
 class KeyReused(Refusal):

@@ -6,15 +6,15 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from app.errors import bug, problem_of
+from app.answers.problem import bug, problem_of
 from app.jobs.disposable import ChildFailed, Stopped
 from app.jobs.kinds import JobKind
 from app.jobs.parts import replace_refused
 from app.jobs.refusals import Interrupted
-from app.jobs.states import JobState
-from app.observability.logs import log
+from app.log.logs import log
 from app.store import jobs
 from app.store.jobs import Job
+from app.store.states import JobState
 from planner.errors import Refusal
 
 

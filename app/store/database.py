@@ -19,7 +19,7 @@ from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 from sqlalchemy.pool import ConnectionPoolEntry
 
-from app.observability.logs import log
+from app.log.logs import log
 from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
 from app.store.turns import PATIENCE_S, Outage, Turns
 from planner.errors import InvalidInput

@@ -6,7 +6,7 @@ from typing import ClassVar
 from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as NoConnectionFree
 
-from planner.errors import Refusal
+from planner.errors import Blame, Refusal
 
 # Primary result codes, https://sqlite.org/rescode.html; SQLITE_ERROR is faulty SQL.
 _SQLITE = frozenset(
@@ -39,6 +39,7 @@ class StoreUnavailable(Refusal):
 
     slug: ClassVar[str] = "store-unavailable"
     title: ClassVar[str] = "The database can't be used now"
+    blame: ClassVar[Blame] = "busy"
 
 
 def is_of_the_store(error: Exception) -> bool:

@@ -6,8 +6,8 @@ from typing import Any
 
 from sqlalchemy import RowMapping, exists, insert, select, update
 
-from app.security.keys import Key, KeyScope, digest, id_in, matches, new_secret
 from app.store import audit
+from app.store.api_keys import Key, KeyScope, digest, id_in, matches, new_secret
 from app.store.database import Database
 from app.store.models_security import KeyRow
 from planner.errors import InvalidInput

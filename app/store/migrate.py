@@ -12,7 +12,7 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, text
 from sqlalchemy.exc import ProgrammingError
 
-from app.observability.exceptions import reason
+from app.log.exceptions import reason
 from app.store.database import Database, open_database
 from app.store.failures import StoreUnavailable
 from planner.errors import InvalidInput

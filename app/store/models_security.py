@@ -10,7 +10,7 @@ from app.store.models import Base
 
 
 class KeyRow(Base):
-    """An API key; see `app.security.keys.Key`.  Never deleted: the audit log names it."""
+    """An API key; see `app.store.api_keys.Key`.  Never deleted: the audit log names it."""
 
     __tablename__ = "keys"
 

@@ -6,9 +6,9 @@ from datetime import datetime
 
 from sqlalchemy import Connection, func, insert, select
 
-from app.jobs.planned import Planned
-from app.jobs.states import JobState
 from app.store.models import PlanRow
+from app.store.planned import Planned
+from app.store.states import JobState
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.gimbal.angles import axis_angles, axis_motion, boresight_platform, singular_margin_rad
-from planner.gimbal.hermite import met_range
-from planner.line_of_sight import LineOfSight
 from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.pointing.angles import (
+    axis_angles,
+    axis_motion,
+    boresight_platform,
+    singular_margin_rad,
+)
+from planner.pointing.hermite import met_range
+from planner.pointing.line_of_sight import LineOfSight
 from planner.slew.solution import bounds
 
 Array = NDArray[np.float64]

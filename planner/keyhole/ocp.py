@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.commands import ROWS_PER_S
+from planner.detour.ocp import ITERATION_ROW, cosine_coefficients
 from planner.platforms import AxisLimits, TwoAxisPlatform
-from planner.slew.backends.detour_ocp import ITERATION_ROW, cosine_coefficients
 from planner.slew.backends.spline_ocp import SOLVE
 from planner.slew.solution import bounds
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from planner.commands import ROWS_PER_S
 from planner.errors import Refusal, SolverFailed, TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.gimbal.track import AxisTrack, track_candidates
 from planner.keyhole.crossing import Crossed, Crossing, Window
 from planner.keyhole.exact import ExactFollowing, RowMotion, Way
-from planner.line_of_sight import LineOfSight
 from planner.platforms import TwoAxisPlatform
+from planner.pointing.line_of_sight import LineOfSight
+from planner.pointing.track import AxisTrack, track_candidates
 from planner.scenario import Keyhole
 
 HOPELESS_SHARE = 1.0  # of the frame beyond it: no optimum in the frame is near such a one

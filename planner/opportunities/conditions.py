@@ -8,13 +8,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.gimbal.angles import axis_angles
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.interpolation import UniformTable
 from planner.opportunities.request import OpportunityConditions
 from planner.opportunities.sights import EarthSight, Sight
 from planner.opportunities.spans import Indices, Margin
 from planner.platforms import TwoAxisPlatform
+from planner.pointing.angles import axis_angles
 from planner.targets.apparent import aberrated
 from planner.targets.earth_limb import limb_clearance_rad
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.gimbal.angles import axis_angles, axis_motion
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.conditions import (
     off_nadir_rad,
@@ -18,6 +17,7 @@ from planner.opportunities.sights import EarthSight, Sight
 from planner.opportunities.spans import Indices, Margin, Spans, nodes_over, turning_point
 from planner.opportunities.windows import Sightings, Windows
 from planner.platforms import TwoAxisPlatform
+from planner.pointing.angles import axis_angles, axis_motion
 
 Array = NDArray[np.float64]
 _DELTA_S = 0.05  # rates are differences over twice this: 1e-7 of the rate on a 400 km pass

@@ -2,10 +2,8 @@
 
 from planner.slew.backends import BACKENDS
 from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spline
-from planner.slew.detour import cleared
 from planner.slew.feasibility import next_duration_s, require_brakable, verdict
 from planner.slew.grid import flown
-from planner.slew.join import earliest_join, rows_within_reach, track_states
 from planner.slew.problem import AxisState, SlewProblem, broken_limit
 from planner.slew.solution import SlewSolution
 
@@ -17,13 +15,9 @@ __all__ = [
     "SlewProblem",
     "SlewSolution",
     "broken_limit",
-    "cleared",
     "compare_with_spline",
-    "earliest_join",
     "flown",
     "next_duration_s",
     "require_brakable",
-    "rows_within_reach",
-    "track_states",
     "verdict",
 ]

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
-from planner.gimbal.hermite import flown_range
 from planner.platforms import AxisLimits, StructuralMode
+from planner.pointing.hermite import flown_range
 from planner.slew.backends.ipopt import SPANS, graded_ocp, motion_between
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.braking import braked_ends

@@ -2,8 +2,8 @@
 
 from typing import Literal
 
-from planner.gimbal.keep_out import KeepOutView
 from planner.platforms import AxisLimits, StructuralMode
+from planner.pointing.keep_out import KeepOutView
 from planner.spec import spec
 
 Objective = Literal["smooth", "minimum_time"]

@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 FILES = sorted((ROOT / "app").rglob("*.py"))
 LEVELS = {"debug", "info", "warning", "error", "exception", "critical"}
-# What would make text of an exception or a request, out of the reach of `app.observability`.
+# What would make text of an exception or a request, out of the reach of `app.log`.
 AS_TEXT = {"repr", "str", "format", "ascii", "format_exc", "format_exception", "join"}
 
 

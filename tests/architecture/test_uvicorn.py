@@ -10,7 +10,7 @@ import uvicorn
 from packaging.requirements import Requirement
 from uvicorn.protocols.http import flow_control, h11_impl
 
-from app.security import protocol
+from app.http.door import protocol
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 BASE, CYCLE = h11_impl.H11Protocol, h11_impl.RequestResponseCycle

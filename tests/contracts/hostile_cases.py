@@ -4,14 +4,9 @@ import json
 import zlib
 from dataclasses import dataclass
 
-from app.api.examples import LAS_VEGAS
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.security.request_form import (
-    HEAD_BYTES_MAX,
-    HEADERS_MAX,
-    PATH_BYTES_MAX,
-    QUERY_BYTES_MAX,
-)
+from app.http.door.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
 
 MEBIBYTE = 2**20

@@ -12,10 +12,10 @@ from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, JobKind
-from app.jobs.planned import Planned
-from app.jobs.states import JobState
 from app.store.ids import new_id
 from app.store.jobs import Job, NewJob
+from app.store.planned import Planned
+from app.store.states import JobState
 
 
 def made() -> Planned:

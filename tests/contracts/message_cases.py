@@ -4,7 +4,7 @@ import gzip
 import json
 from typing import Any
 
-from app.api.example_messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
+from app.requests.examples.messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
 
 Changes = tuple[tuple[str, object], ...]
 READ, MESSAGE, UNCOVERED = "invalid-request", "invalid-message", "outside-coverage"

@@ -9,8 +9,8 @@ from typing import Any
 from message_cases import MESSAGE_CASES
 from pydantic import TypeAdapter
 
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
-from app.api.platforms import definition_of
+from app.http.routes.platforms import definition_of
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from planner.platforms import PLATFORMS
 
 Request = dict[str, Any]

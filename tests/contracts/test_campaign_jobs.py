@@ -9,15 +9,15 @@ import pytest
 from databases import fresh_database
 from job_cases import made
 
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.campaign_response import campaign_json
-from app.api.campaign_work import choose, without_refused
-from app.api.plan_work import planned
+from app.answers.campaign import campaign_json
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN
 from app.jobs.settling import settle
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
 from app.store import campaigns, events, jobs
 from app.store.ids import new_id
 from app.store.jobs import NewJob
+from app.work.campaign import choose, without_refused
+from app.work.plan import planned
 from planner.errors import Unreachable
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()

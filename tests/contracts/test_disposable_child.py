@@ -22,8 +22,6 @@ import pytest
 from job_cases import Notes, hang
 from waiting import alive, eventually
 
-from app.api.examples import PLAN_EXAMPLES
-from app.api.plan_work import planned
 from app.jobs import child, disposable
 from app.jobs.child import Bounds, TooDemanding
 from app.jobs.disposable import (
@@ -34,6 +32,8 @@ from app.jobs.disposable import (
     run_disposable,
     spare_children,
 )
+from app.requests.examples.plan import PLAN_EXAMPLES
+from app.work.plan import planned
 from planner.errors import InvalidInput
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
@@ -265,7 +265,7 @@ def test_a_fork_that_fails_leaves_nothing_open(monkeypatch):
 
 def look_after_parent_is_gone():
     """In a process whose parent isn't the server children are forked from."""
-    from app.jobs import warm
+    from app.work import warm
 
     orphan = os.fork()
     if orphan == 0:

@@ -21,9 +21,9 @@ from schemathesis.specs.openapi.checks import (
     use_after_free,
 )
 
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.examples import LAS_VEGAS
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
 
 CHECKS = [
     not_a_server_error,

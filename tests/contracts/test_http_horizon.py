@@ -11,15 +11,15 @@ from fastapi.testclient import TestClient
 from scipy.spatial.transform import Rotation
 from upload_cases import ANSWERED, REFUSED
 
-from app.api.examples import LAS_VEGAS
-from app.api.horizon_examples import (
+from app.http.app import create_app
+from app.requests.examples.horizon import (
     AHEAD,
     ESTIMATE_EXAMPLE,
     PICTURE_EXAMPLES,
     PREDICTION_EXAMPLES,
     RIGHT,
 )
-from app.main import create_app
+from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
 
 ESTIMATES = "/v1/horizon/estimates"

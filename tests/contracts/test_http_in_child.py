@@ -11,13 +11,13 @@ from job_cases import Notes, note
 from refusal_cases import request
 from waiting import PatientClient, alive, eventually
 
-from app.api import horizon, opportunities, stored_plans
-from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.api.plans import PLANS
+from app.http.app import create_app
+from app.http.routes import horizon, opportunities, stored_plans
+from app.http.routes.plans import PLANS
+from app.http.serving import server
 from app.jobs.child import Bounds
-from app.main import create_app
-from app.serving import server
+from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.settings import Settings
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]

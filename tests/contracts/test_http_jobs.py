@@ -9,15 +9,15 @@ from job_cases import KINDS, Notes, new_job
 from refusal_cases import request
 from waiting import PatientClient, eventually
 
-from app.api.plan_request import read_plan_request
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.http.app import create_app
 from app.jobs.kinds import JOB_KINDS, JobKind
-from app.main import create_app
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.plan import read_plan_request
 from app.settings import Settings
 from app.store import audit, jobs, plans
 from app.store.packed import unpack
 from planner.export import EXPORTERS
-from planner.pipeline import make_plan
+from planner.sessions.pipeline import make_plan
 
 PLANS = "/v1/plans"
 # The first ten seconds of the session, to keep it quick.

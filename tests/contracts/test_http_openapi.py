@@ -8,9 +8,9 @@ import pytest
 from openapi_spec_validator import OpenAPIV31SpecValidator
 from waiting import PatientClient
 
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from planner.attitude import ATTITUDES
 from planner.export import EXPORTERS
 from planner.orbits import ORBITS

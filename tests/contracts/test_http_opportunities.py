@@ -9,9 +9,9 @@ import pytest
 from fastapi.testclient import TestClient
 from skyfield.api import EarthSatellite, load, wgs84
 
-from app.api.examples import LAS_VEGAS
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
 STAR = {"id": "Vega", "target": {"mode": "star", "hip": 91262}}

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicHermiteSpline
 from skyfield.api import EarthSatellite, load, wgs84
 from waiting import PatientClient
 
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 
 JSON = {"Content-Type": "application/json"}
 

@@ -6,9 +6,9 @@ import uuid
 import pytest
 from fastapi.testclient import TestClient
 
-from app.api import stored_plans
-from app.api.examples import LAS_VEGAS
-from app.main import create_app
+from app.http.app import create_app
+from app.http.routes import stored_plans
+from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
 
 JSON = {"Content-Type": "application/json"}

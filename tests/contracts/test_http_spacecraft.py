@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 from waiting import PatientClient
 
-from app.api.spacecraft_examples import FOUR_MODES, SPACECRAFT_EXAMPLES
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.spacecraft import FOUR_MODES, SPACECRAFT_EXAMPLES
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 PLANS = "/v1/spacecraft/plans"

@@ -10,8 +10,8 @@ from refusal_cases import request
 from scipy.io import netcdf_file
 from waiting import PatientClient
 
-from app.api.examples import LAS_VEGAS
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.plan import LAS_VEGAS
 from planner.export import EXPORTERS
 
 # The first ten seconds of the session, to keep every format quick.

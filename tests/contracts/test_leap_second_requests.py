@@ -7,9 +7,9 @@ import json
 
 import pytest
 
-from app.api.examples import LAS_VEGAS
-from app.api.json_reader import InvalidRequest
-from app.api.plan_request import read_plan_request
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.plan import read_plan_request
+from planner.errors import InvalidRequest
 from planner.frames.time_scales import elapsed_s
 
 BEFORE, WITHIN, AFTER = (

@@ -9,15 +9,15 @@ import pytest
 from fastapi.testclient import TestClient
 from starlette.exceptions import HTTPException
 
-from app.api.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
-from app.main import create_app
-from app.observability.metrics import Metrics
-from app.security import key_ring
-from app.security.access import Access
-from app.security.key_ring import KeyRing
-from app.security.keys import Key, digest, new_secret
-from app.security.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
+from app.http.app import create_app
+from app.http.door import key_ring
+from app.http.door.access import Access
+from app.http.door.key_ring import KeyRing
+from app.http.door.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
+from app.http.metrics import Metrics
+from app.requests.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
 from app.settings import Settings
+from app.store.api_keys import Key, digest, new_secret
 from app.store.keys import KeyStore
 
 

@@ -15,29 +15,28 @@ from typing import Any
 
 import pytest
 
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.campaign_request import campaign_request_json_schema, read_campaign_request
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
-from app.api.horizon_examples import (
+from app.requests.campaign import campaign_request_json_schema, read_campaign_request
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.horizon import (
     ESTIMATE_EXAMPLE,
     PICTURE_EXAMPLES,
     PREDICTION_EXAMPLES,
     SESSION_EXAMPLE,
 )
-from app.api.horizon_request import (
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.horizon import (
     horizon_request_json_schemas,
     read_estimate_request,
     read_picture_request,
     read_prediction_request,
 )
-from app.api.horizon_series import _SESSION
-from app.api.json_reader import InvalidRequest
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.api.opportunity_request import opportunity_request_json_schema, read_opportunity_request
-from app.api.plan_request import plan_request_json_schema, read_plan_request
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
-from app.api.spacecraft_request import read_spacecraft_request, spacecraft_request_json_schema
-from planner.errors import InvalidInput
+from app.requests.opportunities import opportunity_request_json_schema, read_opportunity_request
+from app.requests.plan import plan_request_json_schema, read_plan_request
+from app.requests.spacecraft import read_spacecraft_request, spacecraft_request_json_schema
+from app.work.horizon_series import _SESSION
+from planner.errors import InvalidInput, InvalidRequest
 
 Document = dict[str, Any]
 REFERENCE = "#/$defs/"

@@ -14,9 +14,9 @@ from live_service import ROOT, live_service
 from prometheus_client.parser import text_string_to_metric_families
 from waiting import eventually
 
-from app.main import create_app
-from app.observability import readiness
-from app.observability.metrics import Metrics
+from app.http import readiness
+from app.http.app import create_app
+from app.http.metrics import Metrics
 from app.settings import Settings
 from app.store.database import open_database
 from app.store.keys import KeyStore
@@ -124,7 +124,7 @@ def test_not_ready(tmp_path, monkeypatch, caplog, broken, name):
     def fails(*_):
         raise OSError("password=hunter2 /var/lib/secret")
 
-    monkeypatch.setattr(f"app.main.{broken}", fails)
+    monkeypatch.setattr(f"app.http.app.{broken}", fails)
     with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
         answer = client.get("/readyz")
         assert client.get("/healthz").status_code == 200
@@ -182,7 +182,7 @@ def test_the_log_tells_each_request_and_no_secret(tmp_path):
 
 def test_a_console_is_not_steered_by_what_is_logged():
     code = (
-        "from app.observability.logs import configure_logs, log\n"
+        "from app.log.logs import configure_logs, log\n"
         "configure_logs('info', 'console')\n"
         "log.info('request', path='a\\n\\x1b[31mforged', status=200)"
     )

@@ -6,8 +6,8 @@ import re
 import pytest
 from fastapi.testclient import TestClient
 
-from app.api.examples import LAS_VEGAS
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
 from app.store.ids import new_id
 

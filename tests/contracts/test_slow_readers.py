@@ -14,8 +14,8 @@ from live_service import Service, live_service
 from typer.testing import CliRunner
 from waiting import eventually
 
-from app.cli import main
-from app.security.connections import to_cut, to_give_way
+from app.cli.main import main
+from app.http.door.connections import to_cut, to_give_way
 
 CONNECTIONS = 40
 PIPELINE = 20 * head("GET /openapi.json HTTP/1.1")

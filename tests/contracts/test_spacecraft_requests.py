@@ -6,11 +6,10 @@ from pathlib import Path
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from app.api.json_bounds import VALUES_MAX
-from app.api.json_reader import InvalidRequest
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
-from app.api.spacecraft_request import read_spacecraft_request
-from planner.errors import InvalidMessage
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.json_bounds import VALUES_MAX
+from app.requests.spacecraft import read_spacecraft_request
+from planner.errors import InvalidMessage, InvalidRequest
 from planner.spacecraft.geojson import requests_from_features
 from planner.spacecraft.requests import MODES, ImagingPlanRequest
 

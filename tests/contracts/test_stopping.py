@@ -14,11 +14,11 @@ from job_cases import KINDS
 from live_service import live_service
 from waiting import eventually
 
-from app.api import opportunities
-from app.api.examples import LAS_VEGAS
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
+from app.http.app import create_app
+from app.http.routes import opportunities
 from app.jobs.kinds import JOB_KINDS, JobKind
-from app.main import create_app
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
 
 PATIENT = {"Prefer": "wait=60"}

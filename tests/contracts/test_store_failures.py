@@ -23,8 +23,8 @@ from sqlalchemy import create_engine, text
 from sqlalchemy.exc import DBAPIError
 from waiting import eventually
 
-from app.api.examples import LAS_VEGAS
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.examples.plan import LAS_VEGAS
 from app.settings import Settings
 from app.store import jobs
 from app.store.failures import is_of_the_store, keeps_all_waiting
@@ -194,8 +194,8 @@ def ended(address, headers):
 RAISING = f"""
 import asyncio, json, logging, sys, threading, warnings
 from fastapi.testclient import TestClient
-from app.main import create_app
-from app.observability.logs import configure_logs, log
+from app.http.app import create_app
+from app.log.logs import configure_logs, log
 
 configure_logs("debug", sys.argv[1])
 app = create_app()
@@ -260,7 +260,7 @@ def test_no_bug_tells_what_it_was_at(tmp_path, log_format):
 def test_of_many_lines_of_a_kind_one_a_second_is_told():
     code = (
         "import logging, time\n"
-        "from app.observability.logs import configure_logs, log\n"
+        "from app.log.logs import configure_logs, log\n"
         "configure_logs('info', 'json')\n"
         "def burst():\n"
         "    for n in range(1000): logging.getLogger('library').error('out of %d', n)\n"

@@ -10,18 +10,18 @@ import pytest
 from databases import own_postgresql
 from fastapi.testclient import TestClient
 
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.campaign_request import read_campaign_request
-from app.api.example_messages import OEM
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
-from app.api.horizon_examples import PREDICTION_EXAMPLES
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.api.opportunity_request import read_opportunity_request
-from app.api.plan_request import read_whole_plan_request
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
-from app.api.spacecraft_request import read_spacecraft_request
-from app.errors import problem_of
-from app.main import create_app
+from app.answers.problem import problem_of
+from app.http.app import create_app
+from app.requests.campaign import read_campaign_request
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.horizon import PREDICTION_EXAMPLES
+from app.requests.examples.messages import OEM
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.opportunities import read_opportunity_request
+from app.requests.plan import read_whole_plan_request
+from app.requests.spacecraft import read_spacecraft_request
 from app.settings import Settings
 from planner.errors import InvalidInput, Refusal
 

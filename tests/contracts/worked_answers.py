@@ -17,17 +17,17 @@ from fastapi.testclient import TestClient
 from job_cases import spin
 from waiting import eventually
 
-from app.api import job_routes
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.event_stream import EVENT_STREAM
-from app.api.examples import LAS_VEGAS
-from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
-from app.api.negotiation import JSON
-from app.api.opportunity_examples import OPPORTUNITY_EXAMPLES
-from app.api.spacecraft_examples import SPACECRAFT_EXAMPLES
+from app.http.app import create_app
+from app.http.event_stream import EVENT_STREAM
+from app.http.negotiation import JSON
+from app.http.openapi.answers import ANSWERS
+from app.http.routes import jobs as job_routes
 from app.jobs.kinds import JOB_KINDS
-from app.main import create_app
-from app.openapi_answers import ANSWERS
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.settings import Settings
 from app.store import jobs
 from app.store.ids import new_id

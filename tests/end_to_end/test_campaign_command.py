@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.api.campaign_examples import CAMPAIGN_EXAMPLES
-from app.api.plan_request import read_plan_request
-from app.cli import main
+from app.cli.main import main
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.plan import read_plan_request
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "campaign_cities.json"
 CITIES = CAMPAIGN_EXAMPLES["cities"][1]

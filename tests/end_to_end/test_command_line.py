@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app import cli
-from app.api.examples import LAS_VEGAS, PLAN_EXAMPLES
+from app.cli import main as cli
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from planner.errors import VerificationFailed
 from planner.export import EXPORTERS
 
@@ -84,7 +84,7 @@ def test_an_unknown_picture_format(tmp_path):
 
 
 def test_a_picture_where_nothing_can_draw(tmp_path, monkeypatch):
-    monkeypatch.delitem(sys.modules, "app.figure", raising=False)
+    monkeypatch.delitem(sys.modules, "app.cli.figure", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.axes", None)
     result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--plot", f"{tmp_path}/a.png"])
     assert result.exit_code == 2
@@ -178,7 +178,7 @@ def test_a_bug_is_one_line_and_exit_code_1(monkeypatch):
     def broken(_scenario):
         raise RuntimeError("a bug")
 
-    monkeypatch.setattr("planner.pipeline.make_plan", broken)
+    monkeypatch.setattr("planner.sessions.pipeline.make_plan", broken)
     result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE)])
     assert result.exit_code == 1
     assert "internal error" in one_line(result.stderr)
@@ -188,7 +188,7 @@ def test_our_failures_are_exit_code_1(monkeypatch):
     def rejected(_scenario):
         raise VerificationFailed("the judge says no")
 
-    monkeypatch.setattr("planner.pipeline.make_plan", rejected)
+    monkeypatch.setattr("planner.sessions.pipeline.make_plan", rejected)
     result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE)])
     assert result.exit_code == 1
     assert one_line(result.stderr) == "slewtrack: the judge says no"
@@ -198,7 +198,7 @@ def test_our_failures_are_exit_code_1(monkeypatch):
 def test_planning_does_not_load_what_it_does_not_need(heavy):
     """Start-up time, told by what is imported rather than by a clock."""
     code = (
-        "import sys; from app.cli import main\n"
+        "import sys; from app.cli.main import main\n"
         f"sys.argv = ['slewtrack', 'plan', {str(EXAMPLE)!r}]\n"
         "try:\n    main()\nexcept SystemExit as done:\n    assert not done.code\n"
         f"assert {heavy!r} not in sys.modules"

@@ -17,10 +17,10 @@ from live_service import children_of, live_service
 from sqlalchemy import func, select
 from waiting import PATIENCE_S, alive, eventually
 
-from app.api.examples import LAS_VEGAS
-from app.jobs.states import OPEN_STATES
+from app.requests.examples.plan import LAS_VEGAS
 from app.store import events, jobs
 from app.store.models import EventRow, JobRow, PlanRow
+from app.store.states import OPEN_STATES
 
 ROUNDS = int(os.environ.get("SLEWTRACK_CRASH_ROUNDS", "2"))
 PLANS_PER_ROUND = 8

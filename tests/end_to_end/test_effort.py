@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from scenarios import LAS_VEGAS, SALT_LAKE, at, scenario, session
 
-from app.api.plan_request import read_plan_request
+from app.requests.plan import read_plan_request
 from planner import effort
 from planner.effort import EffortSpent, at_most, spend
 from planner.errors import Refusal, SearchEnded, Unreachable
-from planner.pipeline import make_plan
 from planner.scenario import SlewOptions
+from planner.sessions.pipeline import make_plan
 from planner.targets import GroundTarget
 
 CASES = Path(__file__).parents[1] / "data" / "cases"

@@ -6,7 +6,7 @@ import pytest
 from scenarios import EPOCH, LAS_VEGAS, scenario, session
 
 from planner.errors import NotVisible, TrackBreaksLimit
-from planner.pipeline import make_plan
+from planner.sessions.pipeline import make_plan
 from planner.targets import (
     BenchMotionTarget,
     BodyTarget,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from skyfield.api import EarthSatellite, load, wgs84
 
-from app.api.plan_request import read_plan_request
-from planner.pipeline import make_plan
+from app.requests.plan import read_plan_request
+from planner.sessions.pipeline import make_plan
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 THREE_SESSIONS = EXAMPLES / "three_sessions.json"

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from app.api.horizon_examples import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, SESSION_EXAMPLE
-from app.api.horizon_request import read_picture_request
-from app.api.horizon_work import picture
-from app.cli import main
+from app.cli.main import main
+from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, SESSION_EXAMPLE
+from app.requests.horizon import read_picture_request
+from app.work.horizon import picture
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ESTIMATE = EXAMPLES / "horizon_estimate.json"

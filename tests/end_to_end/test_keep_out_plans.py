@@ -12,8 +12,8 @@ from scipy_boresight import scipy_boresight
 from skyfield.api import EarthSatellite, load, load_file, wgs84
 
 from planner.errors import InfeasibleSlew, NotVisible
-from planner.pipeline import make_plan
 from planner.scenario import SlewOptions
+from planner.sessions.pipeline import make_plan
 from planner.targets import BodyTarget, KeepOut
 from planner.verification import verify
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scenarios import EPOCH, LAS_VEGAS, TLE, at, scenario, session
 
-from app.api.example_messages import ATTITUDE, OEM
-from planner import nearest_start
+from app.requests.examples.messages import ATTITUDE, OEM
 from planner.attitude.aem import AemAttitude
 from planner.errors import InfeasibleSlew, NotVisible
 from planner.frames.time_scales import Instants, utc_from_text
 from planner.orbits import OemOrbit, state_vector
 from planner.orbits.state_vector import StateVectorOrbit
-from planner.pipeline import make_plan
+from planner.sessions import nearest_start
+from planner.sessions.pipeline import make_plan
 from planner.targets import GroundTarget, MovingGroundTarget
 from planner.targets.ground_moving import LEAD_MAX_S
 

@@ -10,10 +10,10 @@ from fastapi.testclient import TestClient
 from live_service import ROOT, SLEWTRACK, live_service
 from pydantic_core import PydanticUndefined
 
-from app.api.json_bounds import DEPTH_MAX, VALUES_MAX
-from app.api.json_reader import OBJECTS_MAX
-from app.main import create_app
-from app.security.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
+from app.http.app import create_app
+from app.http.door.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
+from app.requests.json_bounds import DEPTH_MAX, VALUES_MAX
+from app.requests.json_reader import OBJECTS_MAX
 from app.settings import Settings
 
 PAGE = (ROOT / "docs" / "operations.md").read_text()

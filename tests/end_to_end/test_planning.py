@@ -14,8 +14,8 @@ from scenarios import (
 )
 
 from planner.errors import InfeasibleSlew, NotVisible, Refusal
-from planner.pipeline import make_plan
 from planner.scenario import SlewOptions
+from planner.sessions.pipeline import make_plan
 from planner.targets import GroundTarget
 
 

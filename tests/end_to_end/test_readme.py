@@ -14,18 +14,18 @@ from typing import Any, get_args
 import pytest
 from fastapi.testclient import TestClient
 from live_service import live_service
+from refusal_kinds import refusal_kinds
 
-from app.api.opportunity_request import read_opportunity_request
-from app.api.plan_request import read_plan_request
-from app.errors import STATUS_OF_REFUSAL
-from app.main import create_app
+from app.http.app import create_app
+from app.requests.opportunities import read_opportunity_request
+from app.requests.plan import read_plan_request
 from planner.attitude import ATTITUDES
 from planner.errors import Refusal
 from planner.export import EXPORTERS
 from planner.opportunities import OpportunityConditions, find_opportunities
 from planner.orbits import ORBITS
-from planner.pipeline import make_plan
-from planner.sequence import CONFLICTS
+from planner.sessions.pipeline import make_plan
+from planner.sessions.sequence import CONFLICTS
 from planner.slew import BACKENDS
 from planner.targets import TARGETS
 from planner.targets.test_motion import Motion
@@ -220,6 +220,6 @@ def test_links_lead_somewhere(page):
 
 def test_every_refusal_is_explained():
     pages = "".join((ROOT / page).read_text() for page in PAGES)
-    for refusal in STATUS_OF_REFUSAL:
+    for refusal in refusal_kinds():
         if refusal is not Refusal:
             assert f"`{refusal.slug}`" in pages

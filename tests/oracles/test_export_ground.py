@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from export_cases import CREATED_UTC, EXAMPLE, ISS, LAS_VEGAS, case, state_vector
 
-from app.api.plan_request import read_plan_request
+from app.requests.plan import read_plan_request
 from planner.export import EXPORTERS
 from planner.frames.time_scales import elapsed_s, utc_from_text
-from planner.pipeline import make_plan
 from planner.platforms import ISS_HRC
+from planner.sessions.pipeline import make_plan
 
 WGS84 = 1  # ERFA's number for it
 

@@ -14,10 +14,10 @@ from scipy_boresight import scipy_boresight
 
 from planner.commands import CommandTable
 from planner.errors import TrackBreaksLimit, Unreachable
-from planner.holding import session_rows, sight
-from planner.pipeline import make_plan
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
+from planner.sessions.holding import session_rows, sight
+from planner.sessions.pipeline import make_plan
 from planner.verification import verify
 
 OUTER, INNER = ISS_HRC.axes_platform

@@ -16,8 +16,6 @@ from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.time_scales import Instants
-from planner.gimbal.angles import axis_angles
-from planner.line_of_sight import line_of_sight
 from planner.opportunities import (
     OpportunityConditions,
     OpportunityTarget,
@@ -26,6 +24,8 @@ from planner.opportunities import (
 from planner.orbits import OemOrbit, TleOrbit
 from planner.platforms import PLATFORMS, PlatformDefinition
 from planner.platforms.definition import AxisDefinition
+from planner.pointing.angles import axis_angles
+from planner.pointing.line_of_sight import line_of_sight
 from planner.targets import BodyTarget, GroundTarget, MovingGroundTarget, StarTarget
 from planner.targets.earth_limb import limb_clearance_rad
 

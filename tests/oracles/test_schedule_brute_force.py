@@ -11,10 +11,10 @@ from datetime import timedelta
 import pytest
 from opportunity_requests import ISS, START
 
+from planner.campaigns import CampaignRequest, CampaignTarget, chosen_campaign
+from planner.campaigns import campaign as campaigns
 from planner.opportunities import OpportunityConditions
 from planner.platforms import PLATFORMS
-from planner.schedule import CampaignRequest, CampaignTarget, chosen_campaign
-from planner.schedule import campaign as campaigns
 from planner.slew import AxisState, next_duration_s
 from planner.targets import GroundTarget
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from planner.campaigns.slew_time import limit_table, slew_time_s
 from planner.platforms import PLATFORMS
-from planner.schedule.slew_time import limit_table, slew_time_s
 from planner.slew import AxisState
 from planner.slew.quickest import quickest_profile
 

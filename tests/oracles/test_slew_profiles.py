@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 
-from planner.gimbal.hermite import flown_range, quintic_motion
 from planner.platforms import ISS_HRC
+from planner.pointing.hermite import flown_range, quintic_motion
 from planner.scenario import SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.slew.compare import compare_with_spline

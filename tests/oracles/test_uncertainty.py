@@ -10,11 +10,11 @@ from scipy.stats import multivariate_normal, norm
 
 from planner.attitude import InertialAttitude, LvlhAttitude
 from planner.frames.time_scales import Instants, utc_from_text
-from planner.line_of_sight import line_of_sight
 from planner.orbits import StateVectorOrbit, TleOrbit
 from planner.platforms.iss_hrc import ISS_HRC
+from planner.pointing.line_of_sight import line_of_sight
+from planner.sessions.uncertainty import BudgetAssumptions, pointing_budget, probability_inside
 from planner.targets.ground import GroundTarget
-from planner.uncertainty import BudgetAssumptions, pointing_budget, probability_inside
 
 START = utc_from_text("2015-02-27T17:36:20Z")
 TLE = TleOrbit(

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 from scipy_boresight import scipy_boresight
 
 from planner.errors import InfeasibleSlew
-from planner.gimbal.keep_out import KeepOutView, MovingCone
 from planner.platforms import ISS_HRC
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.scenario import SlewOptions
 from planner.slew import BACKENDS, AxisState, SlewProblem, SlewSolution, flown, next_duration_s
 

@@ -12,12 +12,12 @@ from typing import Any
 
 from plan_oracle import faults
 
-from app.api.plan_request import read_plan_request
-from app.api.plan_response import plan_json
-from app.errors import problem_of
+from app.answers.plan import plan_json
+from app.answers.problem import problem_of
+from app.requests.plan import read_plan_request
 from planner.effort import at_most
 from planner.errors import Refusal
-from planner.pipeline import make_plan
+from planner.sessions.pipeline import make_plan
 
 Fields = dict[str, Any]
 SLUG = re.compile(r"[a-z]+(-[a-z]+)*")

@@ -7,10 +7,10 @@ import pytest
 from keep_out_cases import LIMITS
 from scipy_boresight import scipy_boresight
 
-from planner.gimbal.keep_out import KeepOutView, MovingCone
+from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred
 from planner.platforms import ISS_HRC
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew import AxisState, SlewProblem
-from planner.slew.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred
 
 DURATION_S = 100.0
 BETA_END_RAD = math.radians(150.0)

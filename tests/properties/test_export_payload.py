@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from planner.export.payload import omega_payload_rad_s, q_payload_from_platform
-from planner.gimbal.angles import boresight_platform
 from planner.platforms import ISS_HRC, TwoAxisPlatform
+from planner.pointing.angles import boresight_platform
 
 ROUNDING = 1e-12
 numbers = st.floats(-1.0, 1.0)

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from keep_out_cases import LIMITS, away_rad, draw_cases, hermite
 
+from planner.detour.barrier import CELLS_RAD, is_barred
+from planner.detour.detour import cleared
 from planner.errors import InfeasibleSlew
-from planner.gimbal.keep_out import KeepOutView, MovingCone
 from planner.platforms import ISS_HRC
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.scenario import SlewOptions
-from planner.slew import BACKENDS, AxisState, SlewProblem, cleared, flown
-from planner.slew.barrier import CELLS_RAD, is_barred
+from planner.slew import BACKENDS, AxisState, SlewProblem, flown
 from planner.slew.solution import obeys
 
 CASES = list(draw_cases(21, 12))

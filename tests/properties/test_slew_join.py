@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from slew_cases import LIMITS, NAMES, deg_state
 
-from planner.gimbal.track import AxisTrack
+from planner.pointing.track import AxisTrack
 from planner.scenario import SlewOptions
+from planner.sessions.earliest_join import earliest_join, track_states
 from planner.slew.feasibility import verdict
-from planner.slew.join import earliest_join, track_states
 
 OPTIONS = SlewOptions()
 

@@ -7,7 +7,7 @@ import pytest
 from slew_cases import LIMITS, draw_cases, sampled
 
 from planner.errors import InfeasibleSlew
-from planner.gimbal.hermite import flown_range
+from planner.pointing.hermite import flown_range
 from planner.scenario import SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.slew.feasibility import next_duration_s

@@ -11,9 +11,9 @@ from scipy_boresight import scipy_boresight
 
 from planner.errors import TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import Instants
-from planner.gimbal.track import track_candidates
-from planner.line_of_sight import LineOfSight
 from planner.platforms import ISS_HRC
+from planner.pointing.line_of_sight import LineOfSight
+from planner.pointing.track import track_candidates
 
 EPOCH = datetime(2015, 2, 27, 17, 36, tzinfo=UTC)
 REST = np.zeros(2)

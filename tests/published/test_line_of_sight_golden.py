@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants, shifted_utc, utc_from_text
-from planner.line_of_sight import line_of_sight
 from planner.orbits import OemOrbit, TleOrbit
+from planner.pointing.line_of_sight import line_of_sight
 from planner.targets import GroundTarget
 
 DATA = Path(__file__).parents[1] / "data"

@@ -47,7 +47,7 @@ def solve(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
     whatever the solver says.  Structural modes to spare cost extra, above 1.01 of the least
     time.  Raises InfeasibleSlew.
     Neglects coupling between the axes, which share nothing but the duration: cones to keep
-    out of are left to `planner.slew.detour`.
+    out of are left to `planner.detour.detour`.
     """
     del options  # the optimal control problem has no options beyond its limits
     began_s = time.perf_counter()

@@ -1,0 +1,169 @@
+"""What is told of a campaign: what was chosen, and how far it is planned?"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from app.answers.job import JobProblem, JobResponse, ListedJobs, job_out
+from app.store.jobs import Job
+from app.store.states import JobState
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceOut:
+    """What the looks chosen are worth together, and what they could be at most.
+
+    bound: no choice is worth more whose looks begin on the grid of `step_s`, have one of the
+    lengths tried (least, wanted, half-way) and lie in the same passes.  gap_share: how much
+    more than `value` that is at most, as a share of the bound.  greedy_value: what taking pass
+    after pass whatever is worth most there is worth.  windows: there were to choose from.
+    unseen: targets that can't be looked at for as long as they must.  left_out: that can, but
+    others are worth more.
+    """
+
+    value: float
+    bound: float
+    gap_share: float
+    greedy_value: float
+    windows: int
+    looks: int
+    passes: int
+    unseen: list[str]
+    left_out: list[str]
+    warnings: list[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignLookOut:
+    """A look at a target as it was chosen; its plan tells what a slew took from it."""
+
+    target: str
+    start: str
+    stop: str
+    value: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOutOut:
+    """A look that planning refused, and why."""
+
+    target: str
+    because: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignPassOut:
+    """Looks planned together: from rest at `start` to rest at `stop`.
+
+    plan: its id, GET /v1/plans/{id}.  state: of that plan.  left_out: looks that could not be
+    flown; a plan without them took the place of the one that was refused.
+    """
+
+    number: int
+    plan: str
+    state: JobState
+    start: str
+    stop: str
+    looks: list[CampaignLookOut]
+    left_out: list[LeftOutOut]
+    problem: JobProblem | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedOut:
+    """How far the passes are planned.
+
+    value: of the looks in plans that are made.
+    """
+
+    done: int
+    open: int
+    refused: int
+    failed: int
+    cancelled: int
+    looks: int
+    value: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignResponse(JobResponse):
+    """A campaign as it stands; `choice` is null until it is made."""
+
+    choice: ChoiceOut | None
+    planned: PlannedOut
+    passes: list[CampaignPassOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignList:
+    """The latest first; `next` is the `cursor` of what comes after, null at the end."""
+
+    campaigns: list[JobResponse]
+    next: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignDryRun:
+    """The request is sound; nothing was chosen."""
+
+    valid: bool
+    name: str
+    targets: int
+
+
+_CAMPAIGN = TypeAdapter(CampaignResponse)
+_LIST = TypeAdapter(CampaignList)
+_CHOICE = TypeAdapter(ChoiceOut)
+_LOOKS = TypeAdapter(list[CampaignLookOut])
+_LEFT_OUT = TypeAdapter(list[LeftOutOut])
+DRY_RUN = TypeAdapter(CampaignDryRun)
+
+
+def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Job]) -> bytes:
+    """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
+    latest = {part.options["campaign"]["pass"]: part for part in parts}
+    passes = [_pass_out(latest[number]) for number in sorted(latest)]
+    told = job_out(job)
+    return _CAMPAIGN.dump_json(
+        CampaignResponse(
+            **{name: getattr(told, name) for name in JobResponse.__dataclass_fields__},
+            choice=None if choice is None else _CHOICE.validate_python(choice),
+            planned=_planned(passes),
+            passes=passes,
+        )
+    )
+
+
+def _pass_out(part: Job) -> CampaignPassOut:
+    told = part.options["campaign"]
+    return CampaignPassOut(
+        number=told["pass"],
+        plan=part.id,
+        state=part.state,
+        start=told["start"],
+        stop=told["stop"],
+        looks=_LOOKS.validate_python(told["looks"]),
+        left_out=_LEFT_OUT.validate_python(told["left_out"]),
+        problem=job_out(part).problem,
+    )
+
+
+def _planned(passes: Sequence[CampaignPassOut]) -> PlannedOut:
+    states = [one.state for one in passes]
+    looks = [look for one in passes if one.state == "done" for look in one.looks]
+    return PlannedOut(
+        done=states.count("done"),
+        open=states.count("queued") + states.count("running"),
+        refused=states.count("refused"),
+        failed=states.count("failed"),
+        cancelled=states.count("cancelled"),
+        looks=len(looks),
+        value=sum(look.value for look in looks),
+    )
+
+
+def campaign_list_json(listed: ListedJobs) -> bytes:
+    """A CampaignList."""
+    return _LIST.dump_json(CampaignList(campaigns=listed.jobs, next=listed.next))

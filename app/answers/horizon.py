@@ -1,0 +1,211 @@
+"""What do answers about the horizon hold?  Degrees, pixels and plain numbers."""
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.answers.horizon_view import ViewOut
+from app.answers.provenance import ProvenanceOut
+from estimator.check import AttitudeCheck, Verdict
+from estimator.errors import Reason
+from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
+from estimator.prediction import HorizonPrediction
+
+Floats = NDArray[np.float64]
+DECIMALS = 9
+PIXEL_DECIMALS = 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckOut:
+    """The measured nadir against the predicted one.
+
+    angle_deg: between them; along_deg, across_deg: its parts on the two `axes_body`, from the
+    prediction to the measurement.  probability: that errors of the stated sizes differ by as
+    much or more.  The turn about nadir is not measured.
+    """
+
+    angle_deg: float
+    along_deg: float
+    across_deg: float
+    probability: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class CameraOut:
+    """One camera's part in the estimate.
+
+    reason: why its frame was not used, as a word; explanation: in full.  arc_deg: limb found,
+    as azimuth about nadir; residual_px: rms distance of the limb points from the fit.
+    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb
+    points used in green, the predicted limb in orange.
+    """
+
+    name: str
+    used: bool
+    reason: str | None
+    explanation: str | None
+    arc_deg: float
+    residual_px: float | None
+    overlay_png: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class EstimateResponse:
+    """The local vertical in body axes.
+
+    nadir_body: geocentric, nadir_geodetic_body: normal to the ellipsoid; both null when the
+    verdict is `not_observable`, for `reason`.  covariance_deg2: of geocentric nadir on the
+    two unit vectors `axes_body` across it; sigma_deg: rms of its angle to the true one; the
+    same of geodetic nadir under `geodetic_...`.  check: null without a prediction.
+    """
+
+    verdict: Verdict
+    reason: str | None
+    explanation: str | None
+    nadir_body: list[float] | None
+    nadir_geodetic_body: list[float] | None
+    axes_body: list[list[float]] | None
+    covariance_deg2: list[list[float]] | None
+    sigma_deg: float | None
+    geodetic_axes_body: list[list[float]] | None
+    geodetic_covariance_deg2: list[list[float]] | None
+    geodetic_sigma_deg: float | None
+    limb_height_km: float | None
+    limb_height_sigma_km: float | None
+    check: CheckOut | None
+    cameras: list[CameraOut]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class PredictionResponse:
+    """One view per instant and camera, instants in the order asked for."""
+
+    views: list[ViewOut]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+def estimate_out(
+    estimate: VerticalEstimate, overlays: Sequence[bytes], provenance: ProvenanceOut
+) -> EstimateResponse:
+    """overlays: PNG files, one per camera, or none at all."""
+    geocentric, geodetic = _told(estimate.geocentric), _told(estimate.geodetic)
+    pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
+    return EstimateResponse(
+        verdict=estimate.verdict,
+        reason=word(estimate.reason),
+        explanation=_text(estimate.reason),
+        nadir_body=geocentric.nadir_body,
+        nadir_geodetic_body=geodetic.nadir_body,
+        axes_body=geocentric.axes_body,
+        covariance_deg2=geocentric.covariance_deg2,
+        sigma_deg=geocentric.sigma_deg,
+        geodetic_axes_body=geodetic.axes_body,
+        geodetic_covariance_deg2=geodetic.covariance_deg2,
+        geodetic_sigma_deg=geodetic.sigma_deg,
+        limb_height_km=_kilometres(estimate.limb_height_m),
+        limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
+        check=None if estimate.check is None else _check(estimate.check),
+        cameras=[
+            _camera(report, overlay_png)
+            for report, overlay_png in zip_longest(estimate.cameras, pictures)
+        ],
+        warnings=list(estimate.warnings),
+        provenance=provenance,
+    )
+
+
+def view_out(view: HorizonPrediction, at: str) -> ViewOut:
+    """In degrees."""
+    seen = view.limb_px[np.all(np.isfinite(view.limb_px), axis=1)]
+    return ViewOut(
+        at=at,
+        camera=view.camera,
+        usable=view.reason is None,
+        reason=word(view.reason),
+        explanation=_text(view.reason),
+        limb_in_frame=view.arc_rad > 0.0,
+        arc_deg=degrees(view.arc_rad),
+        lit_arc_deg=degrees(view.lit_arc_rad),
+        lit=view.lit_arc_rad > 0.0,
+        sun_angle_deg=degrees(view.sun_angle_rad),
+        sun_in_frame=view.sun_in_frame,
+        sigma_deg=None if view.sigma_rad is None else degrees(view.sigma_rad),
+        limb_px=rows(seen, PIXEL_DECIMALS),
+    )
+
+
+def _camera(report: CameraReport, overlay_png: str | None) -> CameraOut:
+    return CameraOut(
+        name=report.name,
+        used=report.used,
+        reason=word(report.reason),
+        explanation=_text(report.reason),
+        arc_deg=round(report.arc_deg, DECIMALS),
+        residual_px=None if math.isnan(report.residual_px) else round(report.residual_px, 4),
+        overlay_png=overlay_png,
+    )
+
+
+def _check(check: AttitudeCheck) -> CheckOut:
+    return CheckOut(
+        angle_deg=degrees(check.angle_rad),
+        along_deg=degrees(check.along_rad),
+        across_deg=degrees(check.across_rad),
+        probability=check.probability,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Told:
+    nadir_body: list[float] | None = None
+    axes_body: list[list[float]] | None = None
+    covariance_deg2: list[list[float]] | None = None
+    sigma_deg: float | None = None
+
+
+def _told(nadir: Nadir | None) -> _Told:
+    if nadir is None:
+        return _Told()
+    return _Told(
+        nadir_body=rounded(nadir.nadir_body),
+        axes_body=rows(nadir.axes_body),
+        covariance_deg2=rows(nadir.covariance_rad2 * math.degrees(1.0) ** 2, 12),
+        sigma_deg=degrees(nadir.sigma_rad),
+    )
+
+
+def word(reason: Reason | None) -> str | None:
+    """As the answers name it."""
+    return None if reason is None else reason.name.lower()
+
+
+def _text(reason: Reason | None) -> str | None:
+    return None if reason is None else reason.value
+
+
+def _kilometres(metres: float | None) -> float | None:
+    return None if metres is None else round(metres / 1e3, 3)
+
+
+def degrees(angle_rad: float) -> float:
+    """Rounded to 1e-9 deg."""
+    return round(math.degrees(angle_rad), DECIMALS)
+
+
+def rounded(values: Floats, decimals: int = DECIMALS) -> list[float]:
+    """A vector as plain numbers."""
+    return [round(float(value), decimals) + 0.0 for value in values]
+
+
+def rows(values: Floats, decimals: int = DECIMALS) -> list[list[float]]:
+    """The rows of a matrix as plain numbers."""
+    return [rounded(row, decimals) for row in values]

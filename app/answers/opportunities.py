@@ -1,0 +1,181 @@
+"""What does the answer to a request for opportunities hold?  Degrees, UTC text, plain numbers."""
+
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from app.answers.provenance import ProvenanceOut
+from planner.frames.time_scales import Instants, utc_text
+from planner.opportunities import Opportunities, Sightings
+
+DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
+
+Number = float | None
+Column = list[Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SightingOut:
+    """A target seen at an instant; null where a number has no meaning or no end.
+
+    elevation_deg: of the carrier in the target's sky; of a target in space its height above
+    the raised limb.  range_km, ground_sample_*: null for a star; a pixel on the ground across
+    and along the lean of the line of sight.  sun_elevation_deg: in the target's sky, null for
+    a target in space.  angles_deg, rates_deg_s: by axis.
+    """
+
+    at: str
+    elevation_deg: float
+    range_km: Number
+    off_nadir_deg: float
+    ground_sample_across_m: Number
+    ground_sample_along_m: Number
+    sun_elevation_deg: Number
+    sun_separation_deg: float
+    moon_separation_deg: float
+    angles_deg: dict[str, Number]
+    rates_deg_s: dict[str, Number]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SightingsOut:
+    """The members of a sighting as arrays, at instants spread evenly from rise to set."""
+
+    at: list[str]
+    elevation_deg: list[float]
+    range_km: list[Number]
+    off_nadir_deg: list[float]
+    ground_sample_across_m: list[Number]
+    ground_sample_along_m: list[Number]
+    sun_elevation_deg: list[Number]
+    sun_separation_deg: list[float]
+    moon_separation_deg: list[float]
+    angles_deg: dict[str, list[Number]]
+    rates_deg_s: dict[str, list[Number]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowOut:
+    """One stretch in which all conditions hold for the target with this id.
+
+    opened_by, closed_by: the condition at each edge; "interval" is the request's own start
+    or stop.  highest_*: greatest elevation.  closest: at the least range; of a target in
+    space, at its greatest height above the limb.
+    branch: which of the two pairs of axis angles is told, the one with less turn of the inner
+    axis; branches: which of them keep within the stops through the window (none where the
+    axes would have to change over).
+    """
+
+    target: str
+    rise: str
+    set: str
+    duration_s: float
+    opened_by: str
+    closed_by: str
+    highest_at: str
+    highest_deg: float
+    closest: SightingOut
+    through: SightingsOut
+    branch: int
+    branches: list[int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpportunitiesResponse:
+    """Windows in the order of the request's targets, each target's in order of time.
+
+    unseen: ids of the targets without any window.
+    """
+
+    start: str
+    stop: str
+    windows: list[WindowOut]
+    unseen: list[str]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+_ADAPTER = TypeAdapter(OpportunitiesResponse)
+
+
+def opportunities_json(found: Opportunities, made: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    return _ADAPTER.dump_json(
+        OpportunitiesResponse(
+            start=utc_text(found.start_utc),
+            stop=utc_text(found.stop_utc),
+            windows=windows_out(found),
+            unseen=[
+                found.ids[row]
+                for row in np.setdiff1d(np.arange(len(found.ids)), found.windows.target)
+            ],
+            warnings=list(found.warnings),
+            provenance=made,
+        )
+    )
+
+
+def windows_out(found: Opportunities) -> list[WindowOut]:
+    """All windows, in order."""
+    windows = found.windows
+    columns: dict[str, Column] = {
+        "target": [found.ids[row] for row in windows.target],
+        "rise": _utc(found.start_utc, windows.rise_s),
+        "set": _utc(found.start_utc, windows.set_s),
+        "duration_s": _numbers(windows.set_s - windows.rise_s),
+        "opened_by": windows.opened_by.tolist(),
+        "closed_by": windows.closed_by.tolist(),
+        "highest_at": _utc(found.start_utc, windows.highest_s),
+        "highest_deg": _numbers(np.degrees(windows.highest_rad)),
+        "closest": _sightings(SightingOut, found, windows.closest),
+        "through": _sightings(SightingsOut, found, windows.through),
+        "branch": windows.branch.tolist(),
+        "branches": [np.flatnonzero(usable).tolist() for usable in windows.branches],
+    }
+    return [WindowOut(**row) for row in _rows(columns)]
+
+
+def _sightings(
+    kind: type[SightingOut] | type[SightingsOut], found: Opportunities, seen: Sightings
+) -> Column:
+    columns: dict[str, Column] = {
+        "at": _utc(found.start_utc, seen.t_s),
+        "range_km": _numbers(seen.range_m / 1e3),
+        "ground_sample_across_m": _numbers(seen.ground_sample_across_m),
+        "ground_sample_along_m": _numbers(seen.ground_sample_along_m),
+        "angles_deg": _by_axis(found.axis_names, seen.angle_rad),
+        "rates_deg_s": _by_axis(found.axis_names, seen.rate_rad_s),
+    }
+    for field in fields(kind):
+        if field.name not in columns:
+            radians = getattr(seen, field.name.replace("_deg", "_rad"))
+            columns[field.name] = _numbers(np.degrees(radians))
+    return [kind(**row) for row in _rows(columns)]
+
+
+def _by_axis(axis_names: tuple[str, str], radians: NDArray[np.float64]) -> Column:
+    return _rows(
+        {name: _numbers(np.degrees(radians[..., axis])) for axis, name in enumerate(axis_names)}
+    )
+
+
+def _rows(columns: dict[str, Column]) -> list[dict[str, Any]]:
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _utc(start_utc: datetime, t_s: NDArray[np.float64]) -> Column:
+    texts = np.array(Instants(start_utc, t_s.ravel()).utc_text(3), dtype=object)
+    listed: Column = texts.reshape(t_s.shape).tolist()
+    return listed
+
+
+def _numbers(values: NDArray[np.float64]) -> Column:
+    rounded = np.round(values, DECIMALS) + 0.0  # no -0.0
+    told = rounded.astype(object)
+    told[~np.isfinite(rounded)] = None
+    listed: Column = told.tolist()
+    return listed

@@ -1,0 +1,96 @@
+"""What a refusal or a failure of ours is answered with: RFC 9457 problem details."""
+
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from http import HTTPStatus
+from typing import Any
+
+from planner.errors import FieldError, GiveUp, Refusal
+from planner.frames.time_scales import utc_text
+
+TYPE_PREFIX = "urn:slewtrack:problem:"
+_TEXT_MAX = 2000
+_STATUS = {
+    "request": HTTPStatus.UNPROCESSABLE_ENTITY,
+    "conflict": HTTPStatus.CONFLICT,
+    "busy": HTTPStatus.SERVICE_UNAVAILABLE,
+    "ours": HTTPStatus.INTERNAL_SERVER_ERROR,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """RFC 9457 problem details.
+
+    `type` names the kind of refusal; `instance` this request, by the id that the log and the
+    header X-Request-ID name too.
+    `field` is the request field at fault, dotted; `axis`, `limit` and `at` say what breaks
+    and when; `earliest_feasible_start` is the nearest session start that works, for a session
+    that stops at `feasible_stop`, when the sessions in `costs_sessions` are left
+    out; `give_up` says what sessions would lose under each
+    `on_conflict`; `errors` lists every field at fault of a request that can't be read.
+    """
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str
+    field: str | None = None
+    axis: str | None = None
+    limit: str | None = None
+    at: str | None = None
+    earliest_feasible_start: str | None = None
+    feasible_stop: str | None = None
+    costs_sessions: tuple[int, ...] = ()
+    give_up: tuple[GiveUp, ...] = ()
+    errors: tuple[FieldError, ...] = ()
+
+
+def problem_of(refusal: Refusal) -> dict[str, Any]:
+    """A problem's members, but for the instance."""
+    members = {
+        "type": TYPE_PREFIX + refusal.slug,
+        "title": refusal.title,
+        "status": _STATUS[refusal.blame].value,
+        "detail": refusal.detail,
+        "field": refusal.field,
+        "axis": refusal.axis,
+        "limit": refusal.limit,
+        "at": _text(refusal.at_utc),
+        "earliest_feasible_start": _text(refusal.earliest_feasible_start_utc),
+        "feasible_stop": _text(refusal.feasible_stop_utc),
+        "costs_sessions": list(refusal.costs_sessions),
+        "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
+        "errors": [
+            {"field": error.field, "detail": error.detail, "value": error.value}
+            for error in getattr(refusal, "errors", ())
+        ],
+    }
+    return {name: _short(value) for name, value in members.items() if value not in (None, [])}
+
+
+def _short(value: object) -> object:
+    """Cut to what a person reads, wherever it came from."""
+    if isinstance(value, str):
+        return value if len(value) <= _TEXT_MAX else value[:_TEXT_MAX] + "..."
+    if isinstance(value, list):
+        return [_short(item) for item in value]
+    if isinstance(value, dict):
+        return {name: _short(item) for name, item in value.items()}
+    return value
+
+
+def _text(utc: datetime | None) -> str | None:
+    return None if utc is None else utc_text(utc)
+
+
+def bug() -> dict[str, Any]:
+    """A problem's members that tell no more of our failure than that there was one."""
+    status = HTTPStatus.INTERNAL_SERVER_ERROR
+    return {
+        "type": TYPE_PREFIX + "internal-error",
+        "title": status.phrase,
+        "status": status.value,
+        "detail": "the service failed; its log says why under this instance",
+    }

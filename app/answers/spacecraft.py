@@ -1,0 +1,328 @@
+"""What does the answer to an imaging session hold?  Degrees, UTC text and plain numbers."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+from scipy.spatial.transform import Rotation
+
+from app.answers.plan_head import PlanHead, new_head, whole_answer
+from app.answers.provenance import ProvenanceOut
+from planner.export.flown import continuous
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.spacecraft.plan import ImagingPlan
+from planner.spacecraft.stabilisation import FlownWindow, StabilisationReport
+from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
+from planner.spacecraft.timeline import PlannedTurn
+from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
+
+Array = NDArray[np.float64]
+DECIMALS = 9
+QUATERNION_DECIMALS = 13
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttitudeTableOut:
+    """One row per 0.2 s; vectors as [x, y, z] in body axes, gimbals 1 to 4.
+
+    Between rows the attitude is the quintic Hermite in modified Rodrigues parameters, and
+    gimbal rates are held.
+    """
+
+    epoch: str
+    step_s: float
+    t_s: list[float]
+    q_body_from_eci_xyzw: list[list[float]]
+    omega_body_deg_s: list[list[float]]
+    alpha_body_deg_s2: list[list[float]]
+    gimbal_deg: list[list[float]]
+    gimbal_rate_deg_s: list[list[float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowOut:
+    """One stretch with the camera on, as the judge finds it on the ground.
+
+    look: which strip, look or leg of the request, from 0.  speed_spread: largest deviation
+    from the speed asked for, relative.  drift_deg: between the detector's columns and the
+    image's motion.  miss_m: of the scanned line from that asked for.
+    """
+
+    request: str
+    look: int
+    start: str
+    stop: str
+    first_row: int
+    last_row: int
+    scan_speed_m_s: float
+    speed_spread: float
+    drift_deg: float
+    miss_m: float
+    along_deg: float
+    across_deg: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class TurnOut:
+    """One turn beside its baselines at the same limits.
+
+    onto: number of the window it leads to, null for orbital orientation.  eigenaxis_s: least
+    time about the Euler axis with the same torque and torque rate; bang_coast_bang_s: the
+    paper's, with any torque rate.
+    """
+
+    start: str
+    stop: str
+    onto: int | None
+    angle_deg: float
+    duration_s: float
+    eigenaxis_s: float
+    bang_coast_bang_s: float
+    torque_rate_peak_n_m_s: float
+    eigenaxis_torque_rate_peak_n_m_s: float
+    method: str
+    status: str
+    solve_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceOut:
+    """How good the choice among the requests is: no choice is worth more than `bound`."""
+
+    value: float
+    bound: float
+    proven_optimal: bool
+    greedy_value: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOutOut:
+    """A request that isn't imaged, and why."""
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftVerificationOut:
+    """The verdict of a judge that sees the table and the request only; extremes between rows."""
+
+    passed: bool
+    findings: list[str]
+    rate_max_deg_s: list[float]
+    torque_max_n_m: float
+    momentum_max_n_m_s: float
+    gimbal_rate_max_deg_s: float
+    gimbal_margin: float
+    momentum_mismatch_n_m_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadinessOut:
+    """One imaging interval over all dispersed closed-loop runs.
+
+    rate_error_deg_s: largest per body axis; steady: within 0.001 deg/s on every axis in every
+    run.  settled_s: from the end of the interval before until steady for good; spare_s: from
+    then to the start, negative when the camera starts too early.  smear_px: over one exposure.
+    """
+
+    request: str
+    look: int
+    steady: bool
+    rate_error_deg_s: list[float]
+    rate_error_rms_deg_s: float
+    pointing_error_deg: float
+    settled_s: float
+    spare_s: float
+    smear_px: float
+    momentum_margin_n_m_s: float
+    gimbal_margin: float
+    gimbal_rate_max_deg_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilisationOut:
+    """Closed-loop runs of the table; share_steady: of intervals times runs."""
+
+    runs: int
+    share_steady: float | None
+    worst_deg_s: float | None
+    windows: list[SteadinessOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftPlanDocument:
+    """What is known of a session beside its table."""
+
+    name: str
+    spacecraft: str
+    windows: list[WindowOut]
+    left_out: list[LeftOutOut]
+    choice: ChoiceOut
+    turns: list[TurnOut]
+    verification: SpacecraftVerificationOut
+    stabilisation: StabilisationOut
+    assumptions: list[str]
+    warnings: list[str]
+    provenance: ProvenanceOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftPlanResponse(PlanHead, SpacecraftPlanDocument):
+    """A session of the imaging spacecraft and the judge's verdict on it.
+
+    assumptions: what the numbers rest on that the paper doesn't give.
+    """
+
+    table: AttitudeTableOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftDryRunResponse:
+    """The request can be read; nothing was planned."""
+
+    valid: Literal[True]
+    name: str
+    spacecraft: str
+    requests: int
+    provenance: ProvenanceOut
+
+
+_DOCUMENT = TypeAdapter(SpacecraftPlanDocument)
+_TABLE = TypeAdapter(AttitudeTableOut)
+
+
+def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON, under a new id."""
+    document = spacecraft_document(plan, provenance)
+    return whole_answer(new_head("done"), document, attitude_table_json(plan.table))
+
+
+def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+    """A SpacecraftPlanDocument as UTF-8 JSON."""
+    return _DOCUMENT.dump_json(
+        SpacecraftPlanDocument(
+            name=plan.request.name,
+            spacecraft=plan.spacecraft.name,
+            windows=[_window(found, plan.table) for found in plan.verification.windows],
+            left_out=[LeftOutOut(name=one.name, reason=one.reason) for one in plan.left_out],
+            choice=ChoiceOut(
+                value=plan.choice.value,
+                bound=plan.choice.bound,
+                proven_optimal=plan.choice.proven_optimal,
+                greedy_value=plan.choice.greedy_value,
+            ),
+            turns=[_turn(turn, plan.table) for turn in plan.turns],
+            verification=_verification(plan.verification),
+            stabilisation=_stabilisation(plan.stabilisation),
+            assumptions=list(plan.assumptions),
+            warnings=list(plan.warnings),
+            provenance=provenance,
+        )
+    )
+
+
+def row_text(table: AttitudeTable, row: int) -> str:
+    """UTC of a row to a tenth of a second."""
+    return utc_text(shifted_utc(table.epoch_utc, row * TICK_S), 1)
+
+
+def attitude_table_json(table: AttitudeTable) -> bytes:
+    """An AttitudeTableOut as UTF-8 JSON."""
+    q_body_from_eci = continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv())
+    return _TABLE.dump_json(
+        AttitudeTableOut(
+            epoch=utc_text(table.epoch_utc, 1),
+            step_s=TICK_S,
+            t_s=table.t_s.tolist(),
+            q_body_from_eci_xyzw=np.round(q_body_from_eci, QUATERNION_DECIMALS).tolist(),
+            omega_body_deg_s=_degrees(table.omega_body_rad_s),
+            alpha_body_deg_s2=_degrees(table.alpha_body_rad_s2),
+            gimbal_deg=_degrees(table.gimbal_rad),
+            gimbal_rate_deg_s=_degrees(table.gimbal_rate_rad_s),
+        )
+    )
+
+
+def _window(found: VerifiedWindow, table: AttitudeTable) -> WindowOut:
+    window: ImagingWindow = found.window
+    return WindowOut(
+        request=window.request,
+        look=window.look,
+        start=row_text(table, window.first_row),
+        stop=row_text(table, window.last_row),
+        first_row=window.first_row,
+        last_row=window.last_row,
+        scan_speed_m_s=found.scan_speed_m_s,
+        speed_spread=found.speed_spread,
+        drift_deg=math.degrees(found.drift_rad),
+        miss_m=found.miss_m,
+        along_deg=found.along_deg,
+        across_deg=found.across_deg,
+    )
+
+
+def _turn(turn: PlannedTurn, table: AttitudeTable) -> TurnOut:
+    compared = turn.comparison
+    return TurnOut(
+        start=row_text(table, turn.first_row),
+        stop=row_text(table, turn.last_row),
+        onto=turn.look,
+        angle_deg=math.degrees(compared.angle_rad),
+        duration_s=compared.duration_s,
+        eigenaxis_s=compared.eigenaxis_s,
+        bang_coast_bang_s=compared.bang_coast_bang_s,
+        torque_rate_peak_n_m_s=compared.torque_rate_peak_n_m_s,
+        eigenaxis_torque_rate_peak_n_m_s=compared.eigenaxis_torque_rate_peak_n_m_s,
+        method=compared.method,
+        status=compared.status,
+        solve_s=compared.solve_s,
+    )
+
+
+def _verification(found: SpacecraftVerification) -> SpacecraftVerificationOut:
+    return SpacecraftVerificationOut(
+        passed=found.passed,
+        findings=list(found.findings),
+        rate_max_deg_s=found.rate_deg_s.tolist(),
+        torque_max_n_m=found.torque_n_m,
+        momentum_max_n_m_s=found.momentum_n_m_s,
+        gimbal_rate_max_deg_s=found.gimbal_rate_deg_s,
+        gimbal_margin=found.gimbal_margin,
+        momentum_mismatch_n_m_s=found.momentum_mismatch_n_m_s,
+    )
+
+
+def _stabilisation(report: StabilisationReport) -> StabilisationOut:
+    worst = report.worst_rad_s
+    return StabilisationOut(
+        runs=report.runs,
+        share_steady=report.share_steady,
+        worst_deg_s=None if worst is None else math.degrees(worst),
+        windows=[_steadiness(flown) for flown in report.windows],
+    )
+
+
+def _steadiness(flown: FlownWindow) -> SteadinessOut:
+    return SteadinessOut(
+        request=flown.window.request,
+        look=flown.window.look,
+        steady=flown.steady,
+        rate_error_deg_s=np.degrees(flown.rate_error_rad_s).tolist(),
+        rate_error_rms_deg_s=math.degrees(flown.rms_rad_s),
+        pointing_error_deg=math.degrees(flown.pointing_error_rad),
+        settled_s=flown.settled_s,
+        spare_s=flown.spare_s,
+        smear_px=flown.smear_px,
+        momentum_margin_n_m_s=flown.momentum_margin_n_m_s,
+        gimbal_margin=flown.gimbal_margin,
+        gimbal_rate_max_deg_s=math.degrees(flown.gimbal_rate_rad_s),
+    )
+
+
+def _degrees(values_rad: Array) -> list[list[float]]:
+    degrees: list[list[float]] = (np.round(np.degrees(values_rad), DECIMALS) + 0.0).tolist()
+    return degrees

@@ -1,0 +1,84 @@
+"""What does `slewtrack horizon` do with its files?"""
+
+from collections.abc import Iterator, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+import cv2
+from pydantic import TypeAdapter
+
+from app.answers.horizon import EstimateResponse, estimate_out
+from app.answers.provenance import provenance
+from app.cli.horizon_report import print_estimate, print_series
+from app.http.horizon_upload import HorizonUpload
+from app.requests.horizon import read_estimate_request
+from app.work.horizon import measure
+from app.work.horizon_series import (
+    HorizonFrames,
+    HorizonSession,
+    frame_requests,
+    measure_series,
+    series_json,
+    video_frames,
+)
+from estimator.errors import InvalidImage
+from estimator.images import Pixels, decode_image
+from estimator.request import HorizonRequest
+
+_VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".ts"}
+
+
+def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> bytes:
+    """Report on one frame; the service's answer."""
+    cv2.setNumThreads(1)  # a frame is too small to share
+    upload = HorizonUpload(request=body, images=tuple(path.read_bytes() for path in paths))
+    request = read_estimate_request(upload.request)
+    measured = measure(request, upload.images, draw=overlay is not None)
+    print_estimate(measured.estimate)
+    if overlay is not None:
+        names = [camera.name for camera in request.cameras]
+        for path, png in zip(overlay_paths(overlay, names), measured.overlays, strict=True):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(png)
+    made = provenance(upload.sha256, datetime.now(UTC))
+    answer = estimate_out(measured.estimate, measured.overlays if request.overlay else (), made)
+    return TypeAdapter(EstimateResponse).dump_json(answer)
+
+
+def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
+    """The path itself for one camera, with each camera's place and name for several."""
+    if len(cameras) == 1:
+        return [path]
+    plain = ["".join(c if c.isalnum() else "-" for c in name)[:40] for name in cameras]
+    if len(set(plain)) < len(plain):
+        plain = [f"{k}-{name}" for k, name in enumerate(plain)]
+    return [path.with_name(f"{path.stem}-{name}{path.suffix or '.png'}") for name in plain]
+
+
+def measure_frames(
+    asked: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
+) -> bytes:
+    """Report on a series of frames; as JSON."""
+    cv2.setNumThreads(1)
+    if all(path.suffix.lower() in _VIDEOS for path in paths):
+        if not isinstance(asked, HorizonSession) or len(paths) != len(asked.cameras):
+            raise InvalidImage(
+                "videos go with a session (orbit, cameras, start, step_s), one per camera",
+                field="images",
+            )
+        count, films = video_frames([str(path) for path in paths], asked.step_s)
+        series = measure_series(asked.requests(count), films)
+    else:
+        requests = frame_requests(asked, len(paths))
+        series = measure_series(requests, _pictures(requests, iter(paths)))
+    print_series(series)
+    digest = HorizonUpload(request=body, images=()).sha256
+    return series_json(series, provenance(digest, datetime.now(UTC)))
+
+
+def _pictures(requests: Sequence[HorizonRequest], paths: Iterator[Path]) -> Iterator[list[Pixels]]:
+    for number, request in enumerate(requests):
+        yield [
+            decode_image(next(paths).read_bytes(), f"frames.{number}.{camera.name}", camera)
+            for camera in request.cameras
+        ]

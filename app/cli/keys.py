@@ -1,0 +1,103 @@
+"""What does `slewtrack keys` do?  It works on the database the service uses, running or not."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import datetime
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.one_line import one_line_for_what_goes_wrong
+from app.store.api_keys import SCOPES, Key, KeyScope
+from planner.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from app.store.keys import KeyStore
+
+NAME_CHARACTERS_MAX = 100
+
+keys = typer.Typer(help="API keys of the service.", no_args_is_help=True)
+
+
+@keys.command()
+def create(
+    name: Annotated[str, typer.Argument(help="Whose key it is, for people.")],
+    scope: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="read (GET), write (also POST and DELETE) or admin (also the audit log); "
+            "may be repeated; read without any."
+        ),
+    ] = None,
+    rate_per_minute: Annotated[
+        int | None, typer.Option(min=1, help="Most requests a minute, if not the service's.")
+    ] = None,
+    concurrency: Annotated[
+        int | None, typer.Option(min=1, help="Most requests at a time, if not the service's.")
+    ] = None,
+) -> None:
+    """Make a key; its secret is shown now and never again."""
+    with one_line_for_what_goes_wrong():
+        scopes = tuple(_scope(text) for text in scope or ["read"])
+        with _store() as store:
+            key, secret = store.create(
+                _printable(name), scopes, rate_per_minute=rate_per_minute, concurrency=concurrency
+            )
+        told = f"Key {key.id} ({', '.join(key.scopes)}). Keep its secret, shown only once:"
+        typer.echo(told, err=True)
+        typer.echo(secret)
+
+
+@keys.command(name="list")
+def list_keys() -> None:
+    """Show all keys, without their secrets."""
+    with one_line_for_what_goes_wrong():
+        with _store() as store:
+            found = store.all()
+        for key in found:
+            typer.echo(_line(key))
+        if not found:
+            typer.echo("There are no keys; `slewtrack keys create NAME` makes one.", err=True)
+
+
+@keys.command()
+def revoke(
+    key_id: Annotated[str, typer.Argument(metavar="ID", help="As `slewtrack keys list` shows it.")],
+) -> None:
+    """Refuse a key from its next request on."""
+    with one_line_for_what_goes_wrong(), _store() as store:
+        store.revoke(key_id)
+
+
+@contextmanager
+def _store() -> Iterator["KeyStore"]:
+    from app.settings import settings_of_environment
+    from app.store.keys import KeyStore
+    from app.store.migrate import opened
+
+    settings = settings_of_environment()
+    with opened(settings.database_url, settings.data_dir) as database:
+        yield KeyStore(database)
+
+
+def _scope(text: str) -> KeyScope:
+    for scope in SCOPES:
+        if text == scope:
+            return scope
+    raise InvalidInput(f"must be {', '.join(SCOPES)}, not {text[:80]!r}", field="--scope")
+
+
+def _printable(name: str) -> str:
+    if not name.isprintable() or not 1 <= len(name) <= NAME_CHARACTERS_MAX:
+        raise InvalidInput(f"must be 1 to {NAME_CHARACTERS_MAX} printable characters", field="NAME")
+    return name
+
+
+def _line(key: Key) -> str:
+    state = "valid" if key.revoked_utc is None else f"revoked {_day_and_time(key.revoked_utc)}"
+    scopes = ",".join(key.scopes)
+    return f"{key.id}  {scopes:16}  created {_day_and_time(key.created_utc)}  {state}  {key.name}"
+
+
+def _day_and_time(at_utc: datetime) -> str:
+    return f"{at_utc:%Y-%m-%d %H:%M}Z"

@@ -1,0 +1,45 @@
+"""How does a command say what went wrong?  One line on stderr, and an exit code."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import typer
+
+from app.log.exceptions import described
+from planner.errors import Refusal, Unverified
+
+FAILED, REFUSED = 1, 2
+_CHARACTERS_MAX = 2000
+
+
+@contextmanager
+def one_line_for_what_goes_wrong() -> Iterator[None]:
+    """Turn whatever is raised inside into that line and the exit."""
+    try:
+        yield
+    except Refusal as refusal:
+        failed = refusal.blame == "ours" or isinstance(refusal, Unverified)
+        say(_with_field(refusal))
+        raise typer.Exit(FAILED if failed else REFUSED) from None
+    except OSError as error:
+        say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        raise typer.Exit(REFUSED) from None
+    except Exception as error:  # noqa: BLE001 (the edge: a user gets one line, not a traceback)
+        by_driver = type(error).__module__.startswith(("sqlalchemy", "psycopg", "sqlite3"))
+        told = described(error) if by_driver else f"{type(error).__name__}: {error}"
+        say(f"internal error: {told}")
+        raise typer.Exit(FAILED) from None
+
+
+def say(text: str) -> None:
+    """One line that steers no terminal, whatever the text holds."""
+    line = " ".join(text.split())[:_CHARACTERS_MAX]
+    shown = "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in line)
+    print(f"slewtrack: {shown}", file=sys.stderr)
+
+
+def _with_field(refusal: Refusal) -> str:
+    if refusal.field is None or refusal.detail.startswith(refusal.field):
+        return refusal.detail
+    return f"{refusal.field}: {refusal.detail}"

@@ -1,0 +1,81 @@
+"""What does a person want to know of an imaging session at first sight?"""
+
+import math
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from app.answers.spacecraft import row_text
+from app.cli.report_parts import print_warnings, report_table
+from planner.spacecraft.plan import ImagingPlan
+
+
+def print_session(plan: ImagingPlan) -> None:
+    """Windows with how steady they were, turns, what is left out, limits, the verdict."""
+    console = Console(highlight=False)
+    console.print(
+        Text.assemble(
+            (plan.request.name or "Session", "bold"),
+            f", {plan.spacecraft.name}: {len(plan.table.t_s)} rows from "
+            f"{row_text(plan.table, 0)}, worth {plan.choice.value:g} of at most "
+            f"{plan.choice.bound:g}, by priority alone {plan.choice.greedy_value:g}",
+        ),
+        soft_wrap=True,
+    )
+    for part in (_windows(plan), _turns(plan)):
+        if part.row_count:
+            console.print(part)
+    for one in plan.left_out:
+        console.print(Text(f"left out: {one.name}: {one.reason}", style="yellow"))
+    found = plan.verification
+    console.print(
+        f"torque {found.torque_n_m:.1f} N m, momentum {found.momentum_n_m_s:.1f} of "
+        f"{plan.spacecraft.slew.momentum_sphere_n_m_s:.0f} N m s, gimbals "
+        f"{found.gimbal_rate_deg_s:.1f} deg/s"
+    )
+    if plan.stabilisation.share_steady is not None:
+        console.print(
+            f"steady within 0.001 deg/s in {plan.stabilisation.share_steady:.0%} of the intervals "
+            f"of {plan.stabilisation.runs} closed-loop runs"
+        )
+    print_warnings(console, plan.warnings)
+    console.print(Text("verification passed", style="green"))
+
+
+def _windows(plan: ImagingPlan) -> Table:
+    table = report_table(
+        "imaging", "<request", "look", "<start", "<stop", "across", "along", "deg/s off", "smear px"
+    )
+    flown = plan.stabilisation.windows or [None] * len(plan.verification.windows)
+    for seen, steady in zip(plan.verification.windows, flown, strict=True):
+        window = seen.window
+        table.add_row(
+            Text(window.request),
+            str(window.look),
+            row_text(plan.table, window.first_row)[11:-1],
+            row_text(plan.table, window.last_row)[11:-1],
+            f"{seen.across_deg:.1f}",
+            f"{seen.along_deg:.1f}",
+            "-" if steady is None else f"{math.degrees(max(steady.rate_error_rad_s)):.5f}",
+            "-" if steady is None else f"{steady.smear_px:.3f}",
+        )
+    return table
+
+
+def _turns(plan: ImagingPlan) -> Table:
+    table = report_table(
+        "turns", "<start", "deg", "seconds", "eigenaxis", "<by", "Nm/s", "eigenaxis"
+    )
+    for turn in plan.turns:
+        compared = turn.comparison
+        table.add_row(
+            row_text(plan.table, turn.first_row)[11:-1],
+            f"{math.degrees(compared.angle_rad):.1f}",
+            f"{compared.duration_s:.1f}",
+            f"{compared.eigenaxis_s:.1f}",
+            compared.method,
+            f"{compared.torque_rate_peak_n_m_s:.1f}",
+            f"{compared.eigenaxis_torque_rate_peak_n_m_s:.1f}",
+        )
+    return table

@@ -1,0 +1,83 @@
+"""What does a person want to know of opportunities at first sight, and a spreadsheet?"""
+
+import csv
+import io
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from app.answers.opportunities import WindowOut
+from app.cli.report_parts import or_dash, print_warnings
+from planner.opportunities import Opportunities
+
+SHOWN_MAX = 100
+FAR_KM = 1e5
+
+
+def print_windows(found: Opportunities, windows: list[WindowOut]) -> None:
+    """One line per window, seen at its closest approach; the first SHOWN_MAX of them."""
+    console = Console(highlight=False)
+    console.print(
+        Text.assemble((f"{len(windows)} windows", "bold"), f" of {len(found.ids)} targets")
+    )
+    if windows:
+        console.print(_table(found.axis_names, windows[:SHOWN_MAX]))
+    if len(windows) > SHOWN_MAX:
+        console.print(f"and {len(windows) - SHOWN_MAX} more: see --csv or --json")
+    print_warnings(console, found.warnings)
+
+
+def _table(axis_names: tuple[str, str], windows: list[WindowOut]) -> Table:
+    table = Table(
+        box=None, pad_edge=False, title="edges UTC, the rest at closest approach", title_style="dim"
+    )
+    for heading in ("target", "rise", "set"):
+        table.add_column(heading, no_wrap=True, min_width=8)
+    for heading in ("elev", "km", "m/px", "Sun", *axis_names):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for window in windows:
+        seen = window.closest
+        table.add_row(
+            Text(window.target),
+            window.rise[:10] + " " + window.rise[11:-5],
+            window.set[11:-5],
+            f"{seen.elevation_deg:.1f}",
+            or_dash(seen.range_km, ".3g" if (seen.range_km or 0.0) > FAR_KM else ".0f"),
+            or_dash(seen.ground_sample_across_m, ".2f"),
+            or_dash(seen.sun_elevation_deg, ".0f"),
+            *(or_dash(seen.angles_deg[axis], ".1f") for axis in axis_names),
+        )
+    return table
+
+
+def windows_csv(axis_names: tuple[str, str], windows: list[WindowOut]) -> str:
+    """One line per window: its edges, then the view at its closest approach."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    edges = ("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg")
+    view = (
+        "at",
+        "elevation_deg",
+        "range_km",
+        "off_nadir_deg",
+        "ground_sample_across_m",
+        "ground_sample_along_m",
+        "sun_elevation_deg",
+        "sun_separation_deg",
+        "moon_separation_deg",
+    )
+    angles = [f"{axis}_deg" for axis in axis_names]
+    rates = [f"{axis}_rate_deg_s" for axis in axis_names]
+    writer.writerow([*edges, *(f"closest_{name}" for name in (*view, *angles, *rates))])
+    for window in windows:
+        seen = window.closest
+        writer.writerow(
+            [
+                *(getattr(window, name) for name in edges),
+                *(getattr(seen, name) for name in view),
+                *(seen.angles_deg[axis] for axis in axis_names),
+                *(seen.rates_deg_s[axis] for axis in axis_names),
+            ]
+        )
+    return text.getvalue()

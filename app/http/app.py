@@ -1,0 +1,156 @@
+"""What does the HTTP service consist of?"""
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import anyio
+import anyio.to_thread
+from fastapi import Depends, FastAPI
+
+from app.http import pages
+from app.http import problems as errors
+from app.http.door.access import Access
+from app.http.door.gate import Gate
+from app.http.door.key_ring import KeyRing
+from app.http.door.watch import Watch
+from app.http.head_as_get import HeadAsGet
+from app.http.metrics import Metrics
+from app.http.openapi.schema import complete
+from app.http.query import require_sound_query
+from app.http.readiness import (
+    Readiness,
+    database_takes_writes,
+    earth_orientation_covers_now,
+    solver_answers,
+)
+from app.http.routes import (
+    audit,
+    campaigns,
+    horizon,
+    opportunities,
+    plans,
+    platforms,
+    spacecraft,
+    system,
+)
+from app.http.running import dispatching
+from app.jobs.disposable import start_server
+from app.settings import Settings, settings_of_environment
+from app.store.database import open_database
+from app.store.keys import KeyStore
+from app.store.migrate import upgrade
+from app.versions import VERSION
+
+_DESCRIPTION = """\
+Plans how a two-axis platform on a spacecraft points its camera: target and session time in,
+a verified command table every 0.2 s out.
+
+Angles are in degrees, times RFC 3339 with an offset, quaternions scalar last. Whatever is
+refused is refused as `application/problem+json` with the field, the reason and the way out.
+Every answer carries `X-Request-ID`, yours if you sent one; a problem's `instance` and the
+service's log name the same. Beyond loopback send `Authorization: Bearer` with an API key."""
+
+_TAGS = [
+    {"name": name, "description": meaning}
+    for name, meaning in (
+        ("plans", "Command tables of a two-axis platform: sessions in, a verified table out."),
+        ("opportunities", "When each target can be seen."),
+        ("campaigns", "Many targets over days: which sessions, in what order, all planned."),
+        (
+            "horizon",
+            "The local vertical, measured in images of the horizon; what cameras will see.",
+        ),
+        ("spacecraft", "Imaging sessions of the agile CMG spacecraft."),
+        ("platforms", "What can be asked for by name."),
+        ("system", "For operators and monitors."),
+    )
+]
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The service; settings default to the environment's."""
+    settings = settings or settings_of_environment()
+    app = FastAPI(
+        title="slewtrack",
+        version=VERSION,
+        description=_DESCRIPTION,
+        redirect_slashes=False,
+        lifespan=_ready_for_children,
+        separate_input_output_schemas=False,
+        openapi_tags=_TAGS,
+        docs_url=None,  # our own work without a CDN
+        redoc_url=None,
+        openapi_url=None,  # pages.py answers it without building it anew each time
+        dependencies=[Depends(require_sound_query)],
+    )
+    app.state.settings = settings
+    app.state.stopping = asyncio.Event()  # set as soon as the service is told to
+    app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
+    for resource in (
+        plans,
+        opportunities,
+        campaigns,
+        horizon,
+        spacecraft,
+        platforms,
+        system,
+        audit,
+        pages,
+    ):
+        app.include_router(resource.router)
+    pages.serve_files(app)
+    errors.install(app)
+    _guard_and_watch(app, settings)
+    _describe(app)
+    return app
+
+
+def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
+    app.state.metrics = Metrics()
+    app.state.readiness = Readiness(
+        {
+            "database": lambda: database_takes_writes(app.state.database),
+            "solver": solver_answers,
+            "earth_orientation": earth_orientation_covers_now,
+        }
+    )
+    access = Access(
+        KeyRing(
+            lambda secret: KeyStore(app.state.database).find(secret),
+            lambda: KeyStore(app.state.database).good_digests(),
+        ),
+        require_keys=settings.require_keys,
+        hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
+        failures_per_minute=settings.failures_per_minute,
+    )
+    app.add_middleware(HeadAsGet)
+    app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
+    app.add_middleware(Watch, metrics=app.state.metrics)  # the last added is the outermost
+
+
+@asynccontextmanager
+async def _ready_for_children(app: FastAPI) -> AsyncIterator[None]:
+    start_server()
+    settings: Settings = app.state.settings
+    app.state.database = open_database(settings.database_url, settings.data_dir)
+    try:
+        await anyio.to_thread.run_sync(upgrade, app.state.database)
+        with dispatching(settings, app.state.database, app.state.metrics) as dispatcher:
+            app.state.dispatcher = dispatcher
+            yield
+    finally:
+        app.state.database.close()
+
+
+def _describe(app: FastAPI) -> None:
+    generate = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = complete(generate())
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's documented way

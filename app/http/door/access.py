@@ -1,0 +1,198 @@
+"""Who is asking, and may they?
+
+Open only between processes of this machine: both ends of the connection on loopback, nothing
+that says a proxy passed it on, a Host of ours, and no web page behind it.  All else needs a key.
+"""
+
+import ipaddress
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from http import HTTPStatus
+
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+from starlette.types import Scope
+
+from app.http.door.key_ring import KeyRing
+from app.http.door.limits import RateLimit
+from app.store.api_keys import Key, KeyScope
+
+CHALLENGE = {"WWW-Authenticate": 'Bearer realm="slewtrack"'}
+# They say what is in the repository, not what the installation holds; and a browser that opens
+# a page can't send a key.
+PAGES = frozenset({"/docs", "/redoc", "/openapi.json"})
+PAGE_FILES = "/page-files/"
+PROBES = frozenset({"/healthz", "/readyz"})
+_PASSED_ON = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Caller:
+    """Whom limits count: a key, or an address without one."""
+
+    name: str
+    key: Key | None
+
+
+class Access:
+    """Decides by the connection and the head of a request.
+
+    failures_per_minute: of one address; more cost the others nothing.
+    """
+
+    def __init__(
+        self,
+        keys: KeyRing,
+        *,
+        require_keys: bool,
+        hosts: tuple[str, ...],
+        failures_per_minute: int,
+        clock_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._keys = keys
+        self._require_keys = require_keys
+        self._hosts = frozenset(host.lower() for host in hosts)
+        self._failures = RateLimit(
+            "{per_minute} requests a minute from one address may come without a good key, and "
+            "more did; one with a good key is answered all the same, others again in {wait_s} s",
+            clock_s,
+        )
+        self._failures_per_minute = failures_per_minute
+
+    async def caller(self, scope: Scope, address: str) -> Caller:
+        """Who asks; raises 401, 403, 421 or, where too many came without a good key, 429."""
+        most, failed = self._failures_per_minute, False
+        if may_fail := self._failures.has_room(address, most):
+            self._failures.spend(address, most)  # at once, so that many at a time don't look, too
+        try:
+            return await self._caller(scope, address, sparing=not may_fail)
+        except HTTPException as refusal:
+            failed = refusal.status_code == HTTPStatus.UNAUTHORIZED
+            if failed and not may_fail:
+                self._failures.spend(address, most)
+            raise
+        finally:
+            if may_fail and not failed:
+                self._failures.give_back(address, most)
+
+    async def _caller(self, scope: Scope, address: str, *, sparing: bool) -> Caller:
+        headers = Headers(scope=scope)
+        secret = _bearer(headers)
+        if secret is not None:
+            key = await self._key(secret, scope, sparing=sparing)
+            return Caller(name=f"key {key.id}", key=key)
+        anonymous = Caller(name=f"address {address}", key=None)
+        if not is_page(scope):
+            self._require_open(scope, headers)
+        return anonymous
+
+    async def _key(self, secret: str, scope: Scope, *, sparing: bool) -> Key:
+        key = await self._keys.find(secret, sparing=sparing)
+        if key is None:
+            raise HTTPException(
+                HTTPStatus.UNAUTHORIZED,
+                "this API key is unknown or revoked",
+                {"WWW-Authenticate": CHALLENGE["WWW-Authenticate"] + ', error="invalid_token"'},
+            )
+        needed = scope_needed(scope["method"], scope["path"])
+        if not key.may(needed):
+            raise HTTPException(
+                HTTPStatus.FORBIDDEN,
+                f"this needs a key with the scope {needed}; this one has {', '.join(key.scopes)}",
+            )
+        return key
+
+    def _require_open(self, scope: Scope, headers: Headers) -> None:
+        if self._require_keys or not _within_this_machine(scope):
+            raise HTTPException(
+                HTTPStatus.UNAUTHORIZED,
+                "send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one",
+                CHALLENGE,
+            )
+        if any(name in headers for name in _PASSED_ON):
+            raise HTTPException(
+                HTTPStatus.UNAUTHORIZED,
+                "this request was passed on by a proxy, so it needs an API key: "
+                "Authorization: Bearer ...",
+                CHALLENGE,
+            )
+        host = headers.get("host", "")
+        if _name_of(host) not in self._hosts:
+            raise HTTPException(
+                HTTPStatus.MISDIRECTED_REQUEST,
+                f"without a key this service answers to {', '.join(sorted(self._hosts))} only, "
+                "which the Host header doesn't name; SLEWTRACK_ALLOWED_HOSTS adds names",
+            )
+        if not _from_no_other_site(scope, headers, host):
+            raise HTTPException(
+                HTTPStatus.FORBIDDEN, "web pages of other sites may not use this service"
+            )
+
+
+def scope_needed(method: str, path: str) -> KeyScope:
+    """What a key must allow."""
+    if path.startswith("/v1/audit"):
+        return "admin"
+    return "read" if method in ("GET", "HEAD") else "write"
+
+
+def is_page(scope: Scope) -> bool:
+    """Documentation, the same for everyone."""
+    path: str = scope["path"]
+    return scope["method"] in ("GET", "HEAD") and (path in PAGES or path.startswith(PAGE_FILES))
+
+
+def is_loopback(host: str) -> bool:
+    """Whether what listens there can be reached from this machine only."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _bearer(headers: Headers) -> str | None:
+    given = headers.get("authorization")
+    if given is None:
+        return None
+    kind, _, secret = given.partition(" ")
+    if kind.lower() != "bearer" or not secret.strip():
+        raise HTTPException(
+            HTTPStatus.UNAUTHORIZED,
+            "the Authorization header must hold an API key: Bearer ...",
+            CHALLENGE,
+        )
+    return secret.strip()
+
+
+def _within_this_machine(scope: Scope) -> bool:
+    return all(_is_here(scope.get(end)) for end in ("client", "server"))
+
+
+def _is_here(end: tuple[str, int | None] | None) -> bool:
+    """A name or nothing is no network's: a Unix socket, or a client in this process."""
+    if end is None:
+        return True
+    try:
+        return ipaddress.ip_address(end[0]).is_loopback
+    except ValueError:
+        return True
+
+
+def _name_of(host: str) -> str:
+    """Without the port: `[::1]:8000` is `[::1]`."""
+    name, colon, port = host.rpartition(":")
+    return (name if colon and port.isdecimal() else host).lower()
+
+
+def _from_no_other_site(scope: Scope, headers: Headers, host: str) -> bool:
+    """A browser says who asks; other clients say nothing."""
+    origin = headers.get("origin")
+    if origin is not None and origin.partition("://")[2].lower() != host.lower():
+        return False
+    if headers.get("sec-fetch-site", "none") in ("none", "same-origin"):
+        return True
+    # Following a link shows the answer to the user, never to the page with the link.
+    return scope["method"] == "GET" and headers.get("sec-fetch-mode") == "navigate"

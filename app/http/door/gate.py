@@ -1,0 +1,80 @@
+"""What must a request get past before the service looks at what it asks?"""
+
+import asyncio
+from contextlib import AbstractContextManager, nullcontext
+from http import HTTPStatus
+
+from fastapi import Request
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.http.door import connections
+from app.http.door.access import PROBES, Access, is_page
+from app.http.door.bodies import GuardedBody, HeldBytes
+from app.http.door.limits import ConcurrencyLimit, RateLimit, network_of
+from app.http.door.request_form import require_sound_head
+from app.http.problems import http_error
+from app.http.stopping import service_stops
+from app.settings import Settings
+
+
+class Gate:
+    """ASGI middleware: shape of the head, who asks, how often, how slowly."""
+
+    def __init__(
+        self, app: ASGIApp, access: Access, settings: Settings, stopping: asyncio.Event
+    ) -> None:
+        self._app = app
+        self._stopping = stopping
+        self._access = access
+        self._settings = settings
+        self._held = HeldBytes(settings.max_held_bytes)
+        self._rate = RateLimit()
+        self._at_once = ConcurrencyLimit()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        body = GuardedBody(receive, self._held, self._settings.body_timeout_s)
+        begun = False
+
+        async def begin_and_send(message: Message) -> None:
+            nonlocal begun
+            begun = True
+            await send(message)
+
+        try:
+            require_sound_head(scope)
+            with await self._place(scope):
+                await self._app(scope, body.receive, begin_and_send)
+        except HTTPException as refusal:
+            if _is_too_much_without_key(scope, refusal):
+                # What it has sent on ahead would be refused too, one by one, before others.
+                refusal.headers = {**(refusal.headers or {}), "Connection": "close"}
+            await http_error(Request(scope), refusal)(scope, receive, send)
+        except asyncio.CancelledError:
+            if not self._stopping.is_set():
+                raise
+            if not begun:  # else the connection breaks off, so that none takes it for whole
+                await http_error(Request(scope), service_stops())(scope, receive, send)
+        finally:
+            body.release()
+
+    async def _place(self, scope: Scope) -> AbstractContextManager[None]:
+        if scope["path"] in PROBES:  # an orchestrator has no key and must not be locked out
+            return nullcontext()
+        address = network_of((scope.get("client") or ("local",))[0])
+        caller = await self._access.caller(scope, address)
+        key, settings = caller.key, self._settings
+        connections.remember(scope, has_key=key is not None, is_let_in=not is_page(scope))
+        scope["state"]["key_id"] = key.id if key else None
+        per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
+        self._rate.spend(caller.name, per_minute)
+        most = (key and key.concurrency) or settings.concurrency_per_key
+        return self._at_once.one_more(caller.name, most)
+
+
+def _is_too_much_without_key(scope: Scope, refusal: HTTPException) -> bool:
+    too_much = refusal.status_code == HTTPStatus.TOO_MANY_REQUESTS
+    return too_much and scope["state"].get("key_id") is None

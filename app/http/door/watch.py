@@ -1,0 +1,116 @@
+"""What happens around every request: its id, its log line, its metrics, its last resort.
+
+The outermost layer: whatever an answer comes from, refusals of the gate and bugs included, it
+carries the id and the security headers.
+"""
+
+import time
+from collections.abc import MutableMapping
+from typing import Any
+
+import structlog
+from fastapi import Request
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import ClientDisconnect
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.http.door import request_id
+from app.http.door.headers import harden
+from app.http.metrics import UNMATCHED, Metrics
+from app.http.problems import bug_response, problem_type, refusal_answer
+from app.log.logs import log
+from app.store.failures import StoreUnavailable
+
+_PATH_SHOWN = 200
+CLIENT_GONE = 499  # as nginx logs it; never sent
+_QUIET = frozenset({"/healthz", "/readyz", "/metrics"})  # asked every few seconds for ever
+
+
+class Watch:
+    """ASGI middleware."""
+
+    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
+        self._app = app
+        self._metrics = metrics
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        this = _Answer(scope, send)
+        began_s = time.perf_counter()
+        with (
+            structlog.contextvars.bound_contextvars(request_id=this.request_id),
+            self._metrics.http_in_flight.track_inprogress(),
+        ):
+            try:
+                await self._app(scope, receive, this.send)
+            except ClientDisconnect:
+                this.status = this.status or CLIENT_GONE
+            except StoreUnavailable as error:  # before the request was let in, or after its answer
+                await this.refuse(error, receive)
+            except Exception as error:  # noqa: BLE001 (the edge: the log gets all, the client none)
+                await this.fail(error, receive)
+            finally:
+                self._tell(scope, this, time.perf_counter() - began_s)
+
+    def _tell(self, scope: Scope, answer: "_Answer", took_s: float) -> None:
+        status = int(answer.status or CLIENT_GONE)
+        problem = problem_type(scope)
+        route = getattr(scope.get("route"), "path", UNMATCHED)
+        self._metrics.count_answer(
+            method=scope["method"], route=route, status=status, took_s=took_s, problem=problem
+        )
+        write = log.debug if scope["path"] in _QUIET and status < 400 else log.info
+        write(
+            "request",
+            method=scope["method"],
+            path=_shown_path(scope),
+            status=status,
+            took_ms=round(took_s * 1e3, 1),
+            client=(scope.get("client") or ("local",))[0],
+            key_id=scope["state"].get("key_id"),
+            problem=problem,
+        )
+
+
+class _Answer:
+    """What becomes of one request's answer on its way out."""
+
+    def __init__(self, scope: Scope, send: Send) -> None:
+        self.status = 0
+        self._scope = scope
+        self._send = send
+        _own_state(scope)
+        self.request_id = request_id.given_or_new(Headers(scope=scope).get(request_id.HEADER))
+        request_id.remember(scope, self.request_id)
+
+    async def send(self, message: Message) -> None:
+        if message["type"] == "http.response.start":
+            self.status = message["status"]
+            headers = MutableHeaders(scope=message)
+            headers[request_id.HEADER] = self.request_id
+            harden(headers)
+        await self._send(message)
+
+    async def refuse(self, error: StoreUnavailable, receive: Receive) -> None:
+        if self.status:  # too late for another answer: break off, so that none takes it for whole
+            raise error
+        await refusal_answer(Request(self._scope), error)(self._scope, receive, self.send)
+
+    async def fail(self, error: Exception, receive: Receive) -> None:
+        log.error("bug", exc_info=error)
+        if self.status:  # too late for another answer: break off, so that none takes it for whole
+            raise error
+        response = bug_response(Request(self._scope))
+        await response(self._scope, receive, self.send)
+
+
+def _shown_path(scope: Scope) -> str:
+    """As it was sent, in ASCII, so that no terminal is steered by it; no query, which may tell."""
+    raw: bytes = scope.get("raw_path") or scope["path"].encode("ascii", "backslashreplace")
+    return raw[:_PATH_SHOWN].decode("ascii", "replace")
+
+
+def _own_state(scope: MutableMapping[str, Any]) -> None:
+    scope["state"] = dict(scope.get("state", {}))

@@ -1,0 +1,64 @@
+"""How is the progress of a job told as server-sent events?
+
+Source: HTML Living Standard, section 9.2.
+"""
+
+import asyncio
+import json
+import time
+from collections.abc import AsyncIterator
+
+import anyio
+from fastapi import Request
+from fastapi.sse import format_sse_event
+from sqlalchemy import Connection
+
+from app.http.reading import read
+from app.store import events, jobs
+from app.store.events import Event
+from app.store.failures import StoreUnavailable
+from planner.frames.time_scales import utc_text
+
+EVENT_STREAM = "text/event-stream"
+_LOOK_S = 0.25
+_SILENCE_S = 15.0  # proxies cut connections nothing comes over
+
+
+async def told(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
+    """Events after the seq-th, until the job has ended or the service is told to stop."""
+    stopping: asyncio.Event = request.app.state.stopping
+    said_s = time.monotonic()
+    while True:
+        try:
+            found, is_open = await _after(request, job_id, seq)
+        except StoreUnavailable:  # the stream has begun: it goes on when the database is back
+            found, is_open = [], True
+        for event in found:
+            seq, said_s = event.seq, time.monotonic()
+            yield _text(event)
+        if not is_open or stopping.is_set():
+            return
+        if time.monotonic() - said_s > _SILENCE_S:
+            said_s = time.monotonic()
+            yield format_sse_event(comment="still at it")
+        with anyio.move_on_after(_LOOK_S):
+            await stopping.wait()
+
+
+async def last_seq(request: Request, job_id: str) -> int:
+    """Of what has happened until now."""
+    found, _ = await _after(request, job_id, 0)
+    return found[-1].seq if found else 0
+
+
+async def _after(request: Request, job_id: str, seq: int) -> tuple[list[Event], bool]:
+    def reading(connection: Connection) -> tuple[list[Event], bool]:
+        job = jobs.get(connection, job_id)
+        return events.after(connection, job_id, seq), job is not None and job.is_open
+
+    return await read(request, reading)
+
+
+def _text(event: Event) -> bytes:
+    data = {"at": utc_text(event.at_utc), **event.data}
+    return format_sse_event(data_str=json.dumps(data), event=event.kind, id=str(event.seq))

@@ -1,0 +1,50 @@
+"""How does a route that answers directly have its work done where it can do no harm?"""
+
+import asyncio
+from collections.abc import Callable
+from typing import TypeVar
+
+import anyio.to_thread
+from fastapi import Request
+from starlette.requests import ClientDisconnect
+
+from app.http.stopping import service_stops
+from app.jobs.child import Bounds
+from app.jobs.disposable import Stop, Stopped, run_disposable
+
+T = TypeVar("T")
+
+
+async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
+    """`run_disposable` when its turn has come; stopped when the client or the service goes away.
+
+    Raises ClientDisconnect or 503 then, and else what `run_disposable` does.  The request's body
+    must have been read.
+    """
+    stop = Stop()
+    stopping: asyncio.Event = request.app.state.stopping
+    watches = [
+        asyncio.create_task(_stop_when_gone(request, stop)),
+        asyncio.create_task(_stop_with_service(stopping, stop)),
+    ]
+    try:
+        return await anyio.to_thread.run_sync(
+            lambda: run_disposable(bounds, work, *given, stop=stop),
+            limiter=request.app.state.children,
+        )
+    except Stopped:
+        raise (service_stops() if stopping.is_set() else ClientDisconnect()) from None
+    finally:
+        for watch in watches:
+            watch.cancel()
+
+
+async def _stop_when_gone(request: Request, stop: Stop) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+    stop.request()
+
+
+async def _stop_with_service(stopping: asyncio.Event, stop: Stop) -> None:
+    await stopping.wait()
+    stop.request()

@@ -1,0 +1,99 @@
+"""The HTTP answers to refusals, to errors of HTTP itself and to bugs.
+
+Every answer above 399 is `application/problem+json` (RFC 9457) and says no more of an
+internal error than that there was one.
+"""
+
+import json
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+
+from app.answers.problem import Problem, bug, problem_of
+from app.http.door import request_id
+from app.requests.json_reader import field_errors
+from planner.errors import InvalidRequest, Refusal
+
+PROBLEM_JSON = "application/problem+json"
+RETRY_AFTER_S = 5  # said with every 503
+
+
+def install(app: FastAPI) -> None:
+    """Answer every refusal, HTTP error and bug of `app` with a problem."""
+    app.add_exception_handler(Refusal, refusal_answer)
+    app.add_exception_handler(HTTPException, http_error)
+    app.add_exception_handler(RequestValidationError, _bad_parameter)
+
+
+def problem_type(scope: Mapping[str, Any]) -> str | None:
+    """The type of the problem a request was answered with, None for a good answer."""
+    kind: str | None = scope["state"].get(_PROBLEM_TYPE)
+    return kind
+
+
+def refusal_answer(request: Request, refusal: Exception) -> Response:
+    """The answer to what was refused."""
+    assert isinstance(refusal, Refusal)
+    return problem_answer(request, problem_of(refusal))
+
+
+def _bad_parameter(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    document = {"query": dict(request.query_params)}
+    return refusal_answer(request, InvalidRequest(*field_errors(error.errors(), document)))
+
+
+def http_error(request: Request, error: Exception) -> Response:
+    """The answer to an error of HTTP itself; its headers are kept."""
+    assert isinstance(error, HTTPException)
+    status = HTTPStatus(error.status_code)
+    detail = error.detail
+    if detail == status.phrase:  # Starlette's own: say what would have worked
+        detail = _WAY_OUT.get(status, status.description)
+    return problem_answer(
+        request,
+        {"type": "about:blank", "title": status.phrase, "status": status.value, "detail": detail},
+        _allowed(request) if status == HTTPStatus.METHOD_NOT_ALLOWED else error.headers,
+    )
+
+
+def _allowed(request: Request) -> dict[str, str]:
+    """All methods of the address; Starlette names those of its first route only."""
+    path = getattr(request.scope.get("route"), "path", "")
+    methods = {*request.app.openapi()["paths"].get(path, {"get": {}})}  # else one of our pages
+    methods |= {"head"} if "get" in methods else set()
+    return {"Allow": ", ".join(sorted(method.upper() for method in methods))}
+
+
+_WAY_OUT = {
+    HTTPStatus.NOT_FOUND: "there is nothing at this address; /docs lists what there is",
+    HTTPStatus.METHOD_NOT_ALLOWED: "this address has other methods: see the Allow header",
+}
+
+
+def bug_response(request: Request) -> Response:
+    """The answer when the service is at fault; why is in its log only."""
+    return problem_answer(request, bug())
+
+
+def problem_answer(
+    request: Request, problem: Mapping[str, Any], headers: Mapping[str, str] | None = None
+) -> Response:
+    """The answer to this request that tells a problem."""
+    members = {**problem, "instance": request_id.instance(request.scope)}
+    request.scope["state"][_PROBLEM_TYPE] = members["type"]
+    status = HTTPStatus(members["status"])
+    if status is HTTPStatus.SERVICE_UNAVAILABLE:
+        headers = {"Retry-After": str(RETRY_AFTER_S), **(headers or {})}
+    kept = {name: members[name] for name in _ORDER if name in members}
+    # ASCII, so that no text of the request can break the encoding of the answer.
+    body = json.dumps(kept, allow_nan=False).encode("ascii")
+    return Response(body, status, headers, media_type=PROBLEM_JSON)
+
+
+_ORDER = tuple(Problem.__dataclass_fields__)
+_PROBLEM_TYPE = "problem_type"

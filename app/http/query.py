@@ -1,0 +1,54 @@
+"""What may the query of an address hold?  Each parameter known, once, written as documented."""
+
+import re
+from collections import Counter
+from typing import Any
+from urllib.parse import unquote_to_bytes
+
+from fastapi import Request
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+from pydantic_core import PydanticKnownError
+
+from app.requests.plain_text import require_plain
+from planner.errors import FieldError, InvalidRequest
+
+_WHOLE = re.compile(r"-?[0-9]{1,18}", re.ASCII)
+
+
+class Parameters(BaseModel):
+    """Of one route; a misspelled one is refused, not ignored, and so is one half understood."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _as_documented(cls, given: object, info: ValidationInfo) -> object:
+        if isinstance(given, str) and info.field_name is not None:
+            wanted = cls.model_fields[info.field_name].annotation
+            if wanted is int and not _WHOLE.fullmatch(given):
+                raise PydanticKnownError("int_parsing")
+            if wanted is bool and given not in ("true", "false"):
+                raise PydanticKnownError("bool_parsing")
+            require_plain(given)
+        return given
+
+
+async def require_sound_query(request: Request) -> None:
+    """Refuse what is given twice, and whatever is given to a route that takes nothing."""
+    try:
+        unquote_to_bytes(request.scope["query_string"]).decode()
+    except UnicodeDecodeError:
+        told = "must be UTF-8 text, its other characters written as %XX"
+        raise InvalidRequest(FieldError(field="query", detail=told)) from None
+    times = Counter(name for name, _ in request.query_params.multi_items())
+    route: Any = request.scope["route"]
+    errors = [
+        FieldError(field=f"query.{name}", detail=f"is given {count} times; send it once")
+        for name, count in times.items()
+        if count > 1
+    ]
+    if not route.dependant.query_params:
+        told = "is not known here; remove it or mend its name"
+        errors += [FieldError(field=f"query.{name}", detail=told) for name in times]
+    if errors:
+        raise InvalidRequest(*errors)

@@ -1,0 +1,136 @@
+"""How are campaigns asked for, followed and ended over HTTP?"""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Annotated
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
+from pydantic import Field
+from sqlalchemy import Connection
+
+from app.answers.campaign import (
+    DRY_RUN,
+    CampaignDryRun,
+    CampaignList,
+    CampaignResponse,
+    campaign_json,
+    campaign_list_json,
+)
+from app.http.negotiation import JSON, accepts_json, json_body
+from app.http.openapi.schema import request_body
+from app.http.problems import problem_answer
+from app.http.query import Parameters
+from app.http.reading import read
+from app.http.routes.jobs import PREFER, accepted, add_delete, add_events, job_of, listed, no_such
+from app.http.routes.plan_queries import ListQuery, PathId, idempotency_key
+from app.http.waiting import patience, wait_for_end
+from app.jobs.kinds import CAMPAIGN, JobKind
+from app.requests.campaign import read_campaign_request
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.store import campaigns, jobs
+from app.store.jobs import Job
+
+
+@dataclass(frozen=True)
+class _Campaigns:
+    """The resource."""
+
+    kind: JobKind = CAMPAIGN
+    path: str = "/v1/campaigns"
+    singular: str = "campaign"
+
+
+RESOURCE = _Campaigns()
+router = APIRouter(tags=["campaigns"], prefix=RESOURCE.path)
+
+
+class CampaignPost(Parameters):
+    """Parameters of the POST."""
+
+    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+
+
+@router.post(
+    "",
+    summary="Many targets over days: choose, order and plan the sessions",
+    status_code=HTTPStatus.ACCEPTED,
+    response_model=CampaignResponse,
+    responses={
+        200: {"model": CampaignDryRun, "description": "`dry_run`: the request is sound"},
+        201: {"model": CampaignResponse, "description": "All passes are planned already"},
+        202: {
+            "description": "Accepted; GET Location tells how far it is, and each pass's plan",
+            "headers": {"Location": {"schema": {"type": "string"}}},
+        },
+    },
+    openapi_extra=request_body("CampaignQuery", CAMPAIGN_EXAMPLES),
+    dependencies=[Depends(accepts_json)],
+)
+async def post_campaign(
+    request: Request,
+    body: Annotated[bytes, Depends(json_body)],
+    query: Annotated[CampaignPost, Query()],
+    key: Annotated[str | None, Depends(idempotency_key)],
+    prefer: Annotated[str | None, Header(description=PREFER)] = None,
+) -> Response:
+    """Opportunities of all targets, the looks worth most together, and a verified plan per pass.
+
+    Answered at once with 202 unless `Prefer: wait` asks to wait.
+    """
+    asked = await anyio.to_thread.run_sync(read_campaign_request, body)
+    if query.dry_run:
+        sound = CampaignDryRun(valid=True, name=asked.name, targets=len(asked.targets))
+        return Response(DRY_RUN.dump_json(sound), media_type=JSON)
+    job = await anyio.to_thread.run_sync(accepted, request, CAMPAIGN, asked.name, body, key, {})
+    waits = patience(prefer, 0)
+    await wait_for_end(request, job.id, waits.wait_s)
+    job, told = await _found(request, job.id)
+    headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer"}
+    if waits.applied is not None:
+        headers["Preference-Applied"] = waits.applied
+    if waits.is_none:  # though it may be done by now
+        return Response(told, HTTPStatus.ACCEPTED, headers, JSON)
+    if job.problem is not None:
+        return problem_answer(request, job.problem, headers)
+    status = HTTPStatus.CREATED if job.state == "done" else HTTPStatus.ACCEPTED
+    return Response(told, status, headers, JSON)
+
+
+@router.get(
+    "",
+    summary="Which campaigns are there?",
+    response_model=CampaignList,
+    dependencies=[Depends(accepts_json)],
+)
+async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
+    """The latest first."""
+    return Response(campaign_list_json(await listed(request, RESOURCE, query)), media_type=JSON)
+
+
+@router.get(
+    "/{id}",
+    summary="A campaign as far as it is",
+    response_model=CampaignResponse,
+    responses={404: no_such(RESOURCE)},
+    dependencies=[Depends(accepts_json)],
+)
+async def get_campaign(request: Request, campaign_id: PathId) -> Response:
+    """What was chosen and how far from the best that can be; each pass with its plan's state."""
+    _, told = await _found(request, campaign_id)
+    return Response(told, media_type=JSON, headers={"Cache-Control": "no-cache"})
+
+
+add_delete(router, RESOURCE)
+add_events(router, RESOURCE)
+
+
+async def _found(request: Request, job_id: str) -> tuple[Job, bytes]:
+    """The job, and the answer that tells of it; raises 404."""
+
+    def reading(connection: Connection) -> tuple[Job, bytes]:
+        job = job_of(connection, RESOURCE, job_id)
+        choice = campaigns.choice_of(connection, job_id)
+        return job, campaign_json(job, choice, jobs.parts_of(connection, job_id))
+
+    return await read(request, reading)

@@ -1,0 +1,196 @@
+"""How is work accepted, followed, cancelled and deleted, whatever resource it is for?"""
+
+import hashlib
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Annotated, Any, Protocol
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, HTTPException, Request, Response
+from fastapi.responses import StreamingResponse
+from sqlalchemy import Connection
+
+from app.answers.job import JobResponse, ListedJobs, job_json, listed_jobs
+from app.http.event_stream import EVENT_STREAM, last_seq, told
+from app.http.negotiation import JSON, accepts_json, preferred
+from app.http.reading import read
+from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
+from app.http.waiting import wait_for_end
+from app.jobs.dispatcher import Dispatcher
+from app.jobs.kinds import JobKind
+from app.jobs.refusals import KeyReused
+from app.store import audit, jobs
+from app.store.database import Database
+from app.store.ids import new_id
+from app.store.jobs import Job, NewJob
+
+CANCEL_WAIT_S = 5.0
+PREFER = (
+    "`wait=N`: answer 202 when it isn't done within N seconds (30 unless said, at most 60); "
+    "`respond-async`, `wait=0`: answer 202 at once."
+)
+
+
+class JobResource(Protocol):
+    """What is at `path` and made by jobs of one kind; singular: what one of them is called."""
+
+    @property
+    def kind(self) -> JobKind: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def singular(self) -> str: ...
+
+
+def no_such(resource: JobResource) -> dict[str, Any]:
+    """The answer to an id of nothing, documented."""
+    return {"description": f"There is no such {resource.singular}"}
+
+
+def accepted(
+    request: Request,
+    kind: JobKind,
+    name: str,
+    body: bytes,
+    key: str | None,
+    options: Mapping[str, Any],
+) -> Job:
+    """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
+    state = request.app.state
+    dispatcher: Dispatcher = state.dispatcher
+    key_id = getattr(request.state, "key_id", None)
+    new = NewJob(
+        id=new_id(),
+        kind=kind.name,
+        name=name,
+        request=body,
+        request_sha256=hashlib.sha256(body).hexdigest(),
+        deadline_s=min(kind.bounds.deadline_s, state.settings.job_deadline_s),
+        options=options,
+        key_id=key_id,
+        idempotency=None if key is None else _digest(key_id or "", kind.name, key),
+    )
+    job = dispatcher.submit(new)
+    if (job.request_sha256, job.options) != (new.request_sha256, new.options):
+        raise KeyReused(
+            "this Idempotency-Key came with another request before; send a new key with a new "
+            "request",
+            field="header.Idempotency-Key",
+        )
+    return job
+
+
+def _digest(*parts: str) -> str:
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+async def find_job(request: Request, resource: JobResource, job_id: str) -> Job:
+    """Raises 404."""
+    return await read(request, lambda connection: job_of(connection, resource, job_id))
+
+
+def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
+    """The job that makes one of them; raises 404."""
+    job = jobs.get(connection, job_id)
+    if job is None or job.kind != resource.kind.name:
+        raise _nothing(resource)
+    return job
+
+
+def _nothing(resource: JobResource) -> HTTPException:
+    return HTTPException(
+        HTTPStatus.NOT_FOUND,
+        f"there is no {resource.singular} with this id; GET {resource.path} lists them",
+    )
+
+
+async def listed(
+    request: Request, resource: JobResource, query: ListQuery, campaign_id: str | None = None
+) -> ListedJobs:
+    """Those the query asks for, the latest first; a campaign's passes only under its id."""
+    found = await read(
+        request,
+        lambda connection: jobs.latest(
+            connection,
+            resource.kind.name,
+            query.limit + 1,  # to know whether more come after
+            before=query.cursor,
+            state=query.state,
+            name=query.name,
+            parent_id=campaign_id,
+        ),
+    )
+    return listed_jobs(found, query.limit)
+
+
+def add_delete(router: APIRouter, resource: JobResource) -> None:
+    """DELETE one of them: cancel or forget."""
+
+    async def delete(request: Request, job_id: PathId) -> Response:
+        """Work that runs is killed; its processor is free within a second."""
+        job = await find_job(request, resource, job_id)
+        key_id = getattr(request.state, "key_id", None)
+        if not job.is_open:
+            if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
+                raise _nothing(resource)  # another removed it just now
+            return Response(status_code=HTTPStatus.NO_CONTENT)
+        dispatcher: Dispatcher = request.app.state.dispatcher
+        await anyio.to_thread.run_sync(dispatcher.cancel, job_id, key_id)
+        await wait_for_end(request, job_id, CANCEL_WAIT_S)
+        job = await find_job(request, resource, job_id)
+        status = HTTPStatus.ACCEPTED if job.is_open else HTTPStatus.OK
+        return Response(job_json(job), status, media_type=JSON)
+
+    router.delete(
+        "/{id}",
+        summary=f"Cancel a {resource.singular}, or delete one that is finished",
+        response_model=JobResponse,
+        responses={
+            200: {"description": "What waited or ran has ended; `state` tells how"},
+            202: {"model": JobResponse, "description": "It will end soon, elsewhere"},
+            204: {"description": "Deleted; nothing but the audit trail remembers it"},
+            404: no_such(resource),
+        },
+        dependencies=[Depends(accepts_json)],
+        name=f"delete_{resource.singular}",
+    )(delete)
+
+
+def _remove(request: Request, job: Job, key_id: str | None) -> bool:
+    database: Database = request.app.state.database
+    with database.writing() as connection:
+        gone = jobs.remove(connection, job.id)
+        if gone:
+            audit.record(connection, key_id=key_id, action=f"{job.kind}.delete", subject=job.id)
+    return gone
+
+
+def add_events(router: APIRouter, resource: JobResource) -> None:
+    """GET what happens to one of them."""
+
+    @router.get(
+        "/{id}/events",
+        summary=f"What happens to a {resource.singular}, as it happens",
+        response_class=StreamingResponse,
+        responses={
+            200: {
+                "description": "Server-sent events `state` and `progress`, until it has ended",
+                "content": {EVENT_STREAM: {}},
+            },
+            204: {"description": "Nothing comes after Last-Event-ID: don't reconnect"},
+            404: no_such(resource),
+        },
+    )
+    async def get_events(
+        request: Request, job_id: PathId, seq: Annotated[int, Depends(last_event_id)]
+    ) -> Response:
+        """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done` and `of`."""
+        preferred(request, (EVENT_STREAM,))
+        job = await find_job(request, resource, job_id)
+        if not job.is_open and seq >= await last_seq(request, job_id):
+            return Response(status_code=HTTPStatus.NO_CONTENT)
+        return StreamingResponse(
+            told(request, job_id, seq),
+            media_type=EVENT_STREAM,
+            headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
+        )

@@ -1,0 +1,113 @@
+"""Which parameters do the resources that hold plans take?  A misspelled one is refused."""
+
+from typing import Annotated
+
+from fastapi import Header, Path
+from pydantic import AfterValidator, Field, create_model
+
+from app.http.query import Parameters
+from app.http.routes.plan_resource import PlanResource
+from app.store.ids import is_id
+from app.store.states import JobState
+from planner.errors import InvalidInput
+
+LIST_MAX = 200
+_KEY_CHARACTERS_MAX = 255
+
+
+def _id(text: str) -> str:
+    if not is_id(text):
+        raise ValueError("must be the id of a plan, such as an answer names it")
+    return text
+
+
+PlanId = Annotated[str, AfterValidator(_id)]
+PathId = Annotated[PlanId, Path(alias="id")]
+
+
+class ListQuery(Parameters):
+    """Which plans to list."""
+
+    limit: int = Field(default=50, ge=1, le=LIST_MAX, description="Most plans to list.")
+    cursor: PlanId | None = Field(default=None, description="`next` of the list before.")
+    state: JobState | None = Field(default=None, description="Only those in this state.")
+    name: str | None = Field(
+        default=None, min_length=1, max_length=200, description="Only those with this in the name."
+    )
+
+
+class PlanListQuery(ListQuery):
+    """Which plans to list, where campaigns make some."""
+
+    campaign: PlanId | None = Field(
+        default=None, description="The passes of this campaign; without it none of any campaign."
+    )
+
+
+class TableQuery(Parameters):
+    """In which format to hand a table out."""
+
+    format: str | None = None
+
+
+class PostQuery(TableQuery):
+    """How to plan."""
+
+    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+    revises: PlanId | None = Field(
+        default=None,
+        description="The plan this one replaces: it becomes the next revision, the old one stays.",
+    )
+
+
+def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQuery]:
+    """The same parameters, `format` one of the resource's."""
+    names = list(resource.exporters)
+
+    def registered(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"must be one of {', '.join(names)}")
+        return name
+
+    told = "The table by itself in this format, whatever the Accept header says: " + "; ".join(
+        f"`{name}` {exporter.title}" for name, exporter in resource.exporters.items()
+    )
+    described = Field(default=None, description=told, json_schema_extra={"enum": [*names]})
+    return create_model(
+        query.__name__,
+        __base__=query,
+        __doc__=query.__doc__,
+        format=(Annotated[str, AfterValidator(registered)] | None, described),
+    )
+
+
+def idempotency_key(
+    key: Annotated[
+        str | None,
+        Header(
+            alias="Idempotency-Key",
+            description="The same key and request again get the same plan, not another one.",
+        ),
+    ] = None,
+) -> str | None:
+    """The header, when it is one."""
+    if key is not None and not (0 < len(key) <= _KEY_CHARACTERS_MAX and key.isprintable()):
+        raise InvalidInput(
+            f"must have 1 to {_KEY_CHARACTERS_MAX} printable characters",
+            field="header.Idempotency-Key",
+        )
+    return key
+
+
+def last_event_id(
+    seq: Annotated[
+        str | None,
+        Header(alias="Last-Event-ID", description="Only what comes after this event."),
+    ] = None,
+) -> int:
+    """The header's number; 0 without one."""
+    if seq is None or seq == "":
+        return 0
+    if not (seq.isascii() and seq.isdecimal() and len(seq) <= 9):
+        raise InvalidInput("must be the id of an event", field="header.Last-Event-ID")
+    return int(seq)

@@ -1,0 +1,259 @@
+"""How are plans asked for, found, listed, followed and removed over HTTP?
+
+The same for every resource that holds plans.
+"""
+
+import hashlib
+from datetime import UTC, datetime
+from http import HTTPStatus
+from typing import Annotated, Any
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
+from pydantic import BaseModel, TypeAdapter
+
+from app.answers.job import JobResponse, PlanList, job_json, list_json
+from app.answers.provenance import provenance
+from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred
+from app.http.openapi.schema import request_body
+from app.http.problems import problem_answer
+from app.http.routes.jobs import PREFER, accepted, add_delete, add_events, listed, no_such
+from app.http.routes.plan_queries import (
+    ListQuery,
+    PathId,
+    PlanListQuery,
+    PostQuery,
+    TableQuery,
+    idempotency_key,
+    with_formats,
+)
+from app.http.routes.plan_resource import PlanResource
+from app.http.routes.stored_plans import Found, find, immutable_tag, table_answer, whole_json
+from app.http.waiting import WAIT_S, Patience, patience, wait_for_end
+from app.jobs.refusals import Conflict
+from app.store import jobs
+from app.store.database import Database
+from app.store.jobs import Job
+from planner.errors import InvalidInput
+
+_VARY = {"Vary": "Accept, Prefer"}
+_REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
+
+
+def plan_routes(resource: PlanResource) -> APIRouter:
+    """All routes of a resource."""
+    router = APIRouter(tags=[resource.tag], prefix=resource.path)
+    _add_post(router, resource)
+    _add_list(router, resource)
+    _add_one(router, resource)
+    _add_table(router, resource)
+    add_delete(router, resource)
+    add_events(router, resource)
+    return router
+
+
+def _add_post(router: APIRouter, resource: PlanResource) -> None:
+    query_model = with_formats(PostQuery, resource)
+
+    async def post(
+        request: Request,
+        body: Annotated[bytes, Depends(json_body)],
+        query: Annotated[PostQuery, Query()],
+        key: Annotated[str | None, Depends(idempotency_key)],
+        prefer: Annotated[str | None, Header(description=PREFER)] = None,
+    ) -> Response:
+        form = _form(request, resource, query)
+        asked = await anyio.to_thread.run_sync(resource.read, body)
+        if query.dry_run:
+            return Response(_dry_run(resource, asked, body), media_type=JSON)
+        job = await anyio.to_thread.run_sync(
+            _accepted, request, resource, asked.name, body, query, key
+        )
+        waits = patience(prefer, WAIT_S)
+        await wait_for_end(request, job.id, waits.wait_s)
+        found = await find(request, resource, job.id)
+        return await _posted(request, resource, found, form, waits)
+
+    post.__doc__ = resource.about
+    post.__annotations__["query"] = Annotated[query_model, Query()]
+    router.post(
+        "",
+        summary=f"Plan {resource.what}",
+        status_code=HTTPStatus.CREATED,
+        response_model=_answer_in_json(resource),
+        responses=_answers_to_post(resource),
+        openapi_extra=request_body(resource.request_schema, resource.examples),
+    )(post)
+
+
+class TableAlone(BaseModel, extra="allow"):
+    """The table by itself, as `format=json` asks: a list per column, and what they mean."""
+
+    name: str
+    epoch: str
+    step_s: float
+    t_s: list[float]
+    description: dict[str, Any]
+
+
+def _answer_in_json(resource: PlanResource) -> Any:  # noqa: ANN401 (a type, as FastAPI takes it)
+    return resource.response | TableAlone if "json" in resource.exporters else resource.response
+
+
+def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
+    location = {"Location": {"description": "Where the plan is", "schema": {"type": "string"}}}
+    return {
+        200: {"model": resource.dry_run_response, "description": "`dry_run`: the request is sound"},
+        201: {
+            "description": "The plan; or its table by itself, as `format` or Accept asks",
+            "content": {media_type: {} for media_type in resource.format_by_media_type},
+            "headers": location,
+        },
+        202: {
+            "model": JobResponse,
+            "description": "Accepted; the plan will be at Location",
+            "headers": location,
+        },
+        409: {"description": "Cancelled while it was waited for, or `revises` names no plan made"},
+    }
+
+
+def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | None:
+    """The format asked for, None for JSON; raises 406."""
+    by_media_type = resource.format_by_media_type
+    return query.format or by_media_type.get(preferred(request, (JSON, *by_media_type)))
+
+
+def _dry_run(resource: PlanResource, asked: Any, body: bytes) -> bytes:  # noqa: ANN401 (resource's)
+    made = provenance(hashlib.sha256(body).hexdigest(), datetime.now(UTC))
+    answer = resource.dry_run(asked, made)
+    return TypeAdapter[object](resource.dry_run_response).dump_json(answer)
+
+
+def _accepted(
+    request: Request,
+    resource: PlanResource,
+    name: str,
+    body: bytes,
+    query: PostQuery,
+    key: str | None,
+) -> Job:
+    """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
+    if query.revises is not None:
+        _require_made(request.app.state.database, resource, query.revises)
+    options = {} if query.revises is None else {"revises": query.revises}
+    return accepted(request, resource.kind, name, body, key, options)
+
+
+def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
+    with database.reading() as connection:
+        job = jobs.get(connection, plan_id)
+    if job is None or job.kind != resource.kind.name:
+        raise InvalidInput(
+            f"there is no plan {plan_id}; GET {resource.path} lists them", field="query.revises"
+        )
+    if job.state not in ("done", "failed") or job.problem is not None:
+        raise Conflict(
+            f"the plan to revise was not made: its state is {job.state}", field="query.revises"
+        )
+
+
+async def _posted(
+    request: Request, resource: PlanResource, found: Found, form: str | None, waits: Patience
+) -> Response:
+    job = found.job
+    headers = _VARY | {"Location": f"{resource.path}/{job.id}"}
+    if waits.applied is not None:
+        headers["Preference-Applied"] = waits.applied
+    if job.is_open or waits.is_none:  # though it may be done by now
+        return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
+    if job.problem is not None:
+        return problem_answer(request, job.problem, headers)
+    if found.plan is None:
+        raise Conflict("the plan was cancelled while it was waited for; ask again")
+    if form is not None:
+        return await table_answer(request, resource, found, form, HTTPStatus.CREATED, headers)
+    answer = await whole_json(request, resource, found.plan)
+    return Response(answer, HTTPStatus.CREATED, headers, JSON)
+
+
+def _add_list(router: APIRouter, resource: PlanResource) -> None:
+    async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
+        """The latest first, those that wait, run, were refused or cancelled included."""
+        campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
+        found = await listed(request, resource, query, campaign_id)
+        return Response(list_json(found), media_type=JSON)
+
+    query_model = PlanListQuery if resource.in_campaigns else ListQuery
+    get_plans.__annotations__["query"] = Annotated[query_model, Query()]
+    router.get(
+        "",
+        summary="Which plans are there?",
+        response_model=PlanList,
+        dependencies=[Depends(accepts_json)],
+    )(get_plans)
+
+
+def _add_one(router: APIRouter, resource: PlanResource) -> None:
+    @router.get(
+        "/{id}",
+        summary="A plan, or where the work on it stands",
+        response_model=resource.response | JobResponse,
+        responses={304: _UNCHANGED, 404: no_such(resource)},
+        dependencies=[Depends(accepts_json)],
+    )
+    async def get_plan(request: Request, plan_id: PathId) -> Response:
+        """The answer to its POST once it is made; it never changes after that."""
+        found = await find(request, resource, plan_id)
+        if found.plan is not None:
+            tag = immutable_tag(found.plan)
+            if is_known_already(request, tag):
+                return _unchanged(tag)
+            answer = await whole_json(request, resource, found.plan)
+        else:
+            answer = job_json(found.job)
+            tag = f'"{hashlib.sha256(answer).hexdigest()[:32]}"'
+            if is_known_already(request, tag):
+                return _unchanged(tag)
+        return Response(answer, HTTPStatus.OK, _REVALIDATE | {"ETag": tag}, JSON)
+
+
+_UNCHANGED = {"description": "If-None-Match names what the plan still is"}
+
+
+def _unchanged(tag: str) -> Response:
+    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=_REVALIDATE | {"ETag": tag})
+
+
+def _add_table(router: APIRouter, resource: PlanResource) -> None:
+    query_model = with_formats(TableQuery, resource)
+
+    async def get_table(
+        request: Request, plan_id: PathId, query: Annotated[TableQuery, Query()]
+    ) -> Response:
+        """In the format `format` names or the Accept header asks for."""
+        form = _form(request, resource, query)
+        found = await find(request, resource, plan_id)
+        headers = dict(_REVALIDATE)
+        if found.plan is not None:
+            headers["ETag"] = immutable_tag(found.plan, form or "table")
+            if is_known_already(request, headers["ETag"]):
+                return _unchanged(headers["ETag"])
+        return await table_answer(request, resource, found, form, HTTPStatus.OK, headers)
+
+    get_table.__annotations__["query"] = Annotated[query_model, Query()]
+    router.get(
+        "/{id}/table",
+        summary="The table of a plan by itself",
+        response_class=Response,
+        responses={
+            200: {
+                "description": "As JSON the `table` of the plan",
+                "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
+            },
+            304: _UNCHANGED,
+            404: no_such(resource),
+            409: {"description": "There is no table, or not yet"},
+            422: {"description": "A table the judge rejects is in the whole plan only"},
+        },
+    )(get_table)

@@ -1,0 +1,48 @@
+"""How are sessions of the imaging spacecraft asked for over HTTP?"""
+
+from app.answers.provenance import ProvenanceOut
+from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
+from app.http.routes.plan_resource import PlanResource
+from app.http.routes.plan_routes import plan_routes
+from app.jobs.kinds import SPACECRAFT_PLAN
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.spacecraft import read_spacecraft_request
+from app.work.spacecraft import stored_session_file, stored_session_json
+from planner.spacecraft.export import IMAGING_EXPORTERS
+from planner.spacecraft.requests import ImagingPlanRequest
+
+
+def _dry_run(asked: ImagingPlanRequest, made: ProvenanceOut) -> SpacecraftDryRunResponse:
+    return SpacecraftDryRunResponse(
+        valid=True,
+        name=asked.name,
+        spacecraft=asked.definition().name,
+        requests=len(asked.requests),
+        provenance=made,
+    )
+
+
+SPACECRAFT_PLANS = PlanResource(
+    kind=SPACECRAFT_PLAN,
+    path="/v1/spacecraft/plans",
+    tag="spacecraft",
+    what="an imaging session of the CMG spacecraft: attitude and gimbal table",
+    about="""Chooses and orders what fits, turns between scans, and flies the table closed loop.
+
+    Every table is checked by a judge of its own before it is returned.  Requests that don't
+    fit are listed in `left_out` with the reason; when none fits, the session is refused with
+    the nearest way out.
+    """,
+    request_schema="ImagingPlanRequest",
+    examples=SPACECRAFT_EXAMPLES,
+    response=SpacecraftPlanResponse,
+    read=read_spacecraft_request,
+    dry_run=_dry_run,
+    dry_run_response=SpacecraftDryRunResponse,
+    exporters=IMAGING_EXPORTERS,
+    table_json=stored_session_json,
+    table_file=stored_session_file,
+    file_stem="session",
+)
+
+router = plan_routes(SPACECRAFT_PLANS)

@@ -1,0 +1,98 @@
+"""How is a stored plan found and answered with, whole or its table by itself?"""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+
+import anyio.to_thread
+from fastapi import Request, Response
+from sqlalchemy import Connection
+
+from app.answers.plan_head import PlanHead, whole_answer
+from app.answers.table_export import file_name
+from app.http.in_child import in_child
+from app.http.negotiation import JSON
+from app.http.reading import read
+from app.http.routes.jobs import job_of
+from app.http.routes.plan_resource import PlanResource
+from app.jobs.child import Bounds
+from app.jobs.refusals import Conflict
+from app.store import jobs, plans
+from app.store.jobs import Job
+from app.store.plans import StoredPlan
+from app.versions import VERSION
+
+# Enough for many times a pass; the longest table there is covers a day.
+EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
+# Turning more than this of a packed table into JSON would hold the interpreter for long.
+_PACKED_MAX_BYTES = 200_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """A job of a resource, with its plan where there is one."""
+
+    job: Job
+    plan: StoredPlan | None
+
+
+async def find(request: Request, resource: PlanResource, plan_id: str) -> Found:
+    """Raises 404."""
+
+    def reading(connection: Connection) -> Found:
+        job = job_of(connection, resource, plan_id)
+        made = job.state in ("done", "failed")
+        return Found(job=job, plan=plans.get(connection, plan_id) if made else None)
+
+    return await read(request, reading)
+
+
+def immutable_tag(plan: StoredPlan, form: str = "json") -> str:
+    """The ETag of a plan in one form: it never changes, the program that writes it may."""
+    return f'"{plan.id}-{form}-{VERSION}"'
+
+
+async def whole_json(request: Request, resource: PlanResource, plan: StoredPlan) -> bytes:
+    """The answer to the request it was planned for."""
+    head = PlanHead(id=plan.id, state=plan.state, revision=plan.revision, revises=plan.revises)
+    if len(plan.table_columns) > _PACKED_MAX_BYTES:
+        table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
+    else:
+        table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
+    return whole_answer(head, plan.document, table)
+
+
+async def table_answer(
+    request: Request,
+    resource: PlanResource,
+    found: Found,
+    format_name: str | None,
+    status: HTTPStatus,
+    headers: dict[str, str],
+) -> Response:
+    """The table by itself, without a format as the whole answer holds it.
+
+    Raises Conflict when there is none (yet), Unverified, OutsideCoverage.
+    """
+    plan = found.plan
+    if plan is None:
+        raise Conflict(
+            f"there is no table: the plan's state is {found.job.state}; GET "
+            f"{resource.path}/{found.job.id} tells more"
+        )
+    if format_name is None:
+        table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
+        return Response(table, status, headers, JSON)
+    exporter = resource.exporters[format_name]
+    asked = await read(request, lambda connection: jobs.request_of(connection, plan.id))
+    content = await in_child(
+        request,
+        EXPORT_BOUNDS,
+        resource.table_file,
+        asked or b"",
+        plan.table_columns,
+        format_name,
+        plan.planned_utc,
+    )
+    name = file_name(plan.name, resource.file_stem, exporter.suffix)
+    told = {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(content, status, headers | told, exporter.media_type)

@@ -1,0 +1,80 @@
+"""Is the service alive and ready, which version is it, and what has it counted?"""
+
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any, Literal
+
+from anyio import to_thread
+from fastapi import APIRouter, Depends, HTTPException, Request, Response
+
+from app.http.metrics import CONTENT_TYPE
+from app.http.negotiation import accepts_json, preferred
+from app.http.readiness import CheckOut
+from app.versions import VERSION
+
+router = APIRouter(tags=["system"])
+
+_TEXT = "text/plain"
+_METRICS: dict[int | str, dict[str, Any]] = {
+    200: {"description": "Prometheus's text format", "content": {_TEXT: {}}}
+}
+_NOT_READY: dict[int | str, dict[str, Any]] = {
+    503: {"description": "Something the service needs doesn't answer; `detail` says what"}
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Health:
+    """The process answers."""
+
+    status: Literal["ok"]
+    version: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadinessResponse:
+    """What the service depends on; `degraded` when a check is, which plans then warn of."""
+
+    status: Literal["ready", "degraded"]
+    checks: list[CheckOut]
+
+
+@router.get("/healthz", summary="Is the service alive?", dependencies=[Depends(accepts_json)])
+async def get_health() -> Health:
+    """Answers as long as the process does; says nothing of what it depends on."""
+    return Health(status="ok", version=VERSION)
+
+
+@router.get(
+    "/readyz",
+    summary="Can the service do its work?",
+    dependencies=[Depends(accepts_json)],
+    responses=_NOT_READY,
+)
+async def get_readiness(request: Request) -> ReadinessResponse:
+    """Database, solver (a child process really solves something) and Earth orientation data.
+
+    Asked as often as you like, looked at every 5 s.
+    """
+    checks = await request.app.state.readiness.now()
+    failed = [check for check in checks if check.state == "failed"]
+    if failed:
+        raise HTTPException(
+            HTTPStatus.SERVICE_UNAVAILABLE,
+            "; ".join(f"{check.name}: {check.detail}" for check in failed),
+        )
+    degraded = any(check.state == "degraded" for check in checks)
+    return ReadinessResponse(status="degraded" if degraded else "ready", checks=list(checks))
+
+
+@router.get(
+    "/metrics",
+    summary="What has been counted and timed since the start?",
+    response_class=Response,
+    responses=_METRICS,
+)
+async def get_metrics(request: Request) -> Response:
+    """Requests by route, refusals by type, solve times, iterations, jobs by state."""
+    preferred(request, (_TEXT,))
+    text = await to_thread.run_sync(request.app.state.metrics.text)
+    return Response(text, headers={"Content-Type": CONTENT_TYPE})

@@ -1,0 +1,106 @@
+"""How is the service brought to a port?"""
+
+import asyncio
+import socket
+import sys
+
+import uvicorn
+
+from app.http.app import create_app
+from app.http.door.access import is_loopback
+from app.http.door.protocol import GuardedProtocol
+from app.http.door.request_form import HEAD_BYTES_MAX
+from app.jobs.dask_address import check_scheduler
+from app.log.logs import configure_logs
+from app.settings import Settings
+from app.store.keys import KeyStore
+from app.store.migrate import opened
+from planner.errors import Refusal
+
+# For requests at work when the service is told to stop: who only waits is answered at once.
+_GRACE_S = 5
+
+
+def serve_on(host: str, port: int, settings: Settings) -> None:
+    """Until it is told to stop; raises Refusal where others could reach it without a key.
+
+    And where a Dask scheduler is set that can't be asked.
+    """
+    if settings.dask_scheduler:
+        check_scheduler(settings.dask_scheduler, "client", "SLEWTRACK_DASK_SCHEDULER")
+    if not is_loopback(host):
+        settings = settings.model_copy(update={"require_keys": True})
+        _require_a_key(host, settings)
+    with opened(settings.database_url, settings.data_dir):
+        pass  # what is wrong with it is told before anything starts
+    _require_free(host, port)
+    configure_logs(settings.log_level, settings.log_format)
+    service = server(host, port, settings)
+    service.run()
+    if not service.started:
+        sys.exit(1)
+
+
+def _require_free(host: str, port: int) -> None:
+    """Raises Refusal where it can't be listened on: uvicorn would start all else first."""
+    try:
+        for family, kind, _, _, address in socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        ):
+            with socket.socket(family, kind) as listener:
+                listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                listener.bind(address)
+    except OSError as error:
+        told = f"{host} port {port} can't be listened on: {error.strerror}"
+        raise Refusal(told, field="--port") from None
+
+
+def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
+    """Ready to run, with limits on what a connection may do."""
+
+    class Protocol(GuardedProtocol):
+        connections_max = settings.max_connections
+        head_timeout_s = settings.head_timeout_s
+        write_timeout_s = settings.write_timeout_s
+        unsent_max_bytes = settings.max_unsent_bytes
+
+    app = create_app(settings)
+    return _Server(
+        uvicorn.Config(
+            app,
+            host=host,
+            port=port,
+            http=Protocol,
+            ws="none",
+            log_config=None,
+            access_log=False,  # our own says more
+            server_header=False,
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=settings.trusted_proxies,
+            h11_max_incomplete_event_size=HEAD_BYTES_MAX,
+            timeout_graceful_shutdown=_GRACE_S,
+        ),
+        app.state.stopping,
+    )
+
+
+class _Server(uvicorn.Server):
+    """Tells the application of the stop before it waits for what is at work."""
+
+    def __init__(self, config: uvicorn.Config, stopping: asyncio.Event) -> None:
+        super().__init__(config)
+        self._stopping = stopping
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._stopping.set()
+        await super().shutdown(sockets)
+
+
+def _require_a_key(host: str, settings: Settings) -> None:
+    with opened(settings.database_url, settings.data_dir) as database:
+        if not KeyStore(database).any_valid():
+            raise Refusal(
+                f"{host} can be reached from other machines and there is no API key yet; make one "
+                "with `slewtrack keys create NAME --scope write`, or use 127.0.0.1 or ::1",
+                field="--host",
+            )

@@ -1,0 +1,74 @@
+"""How long does a client want to wait for a plan, and how is waited?
+
+Source: RFC 7240 (Prefer).
+"""
+
+import asyncio
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import Request
+
+from app.http.reading import read
+from app.jobs.dispatcher import Dispatcher
+from app.store import jobs
+
+WAIT_S, WAIT_MAX_S = 30, 60
+_LOOK_S = 1.0  # between looks at a job that another service may work on
+_WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Patience:
+    """How long to wait; applied: what to say of the client's wish, None where it has none."""
+
+    wait_s: float
+    applied: str | None
+
+    @property
+    def is_none(self) -> bool:
+        """Whether the answer is 202 wherever the work is by then."""
+        return self.wait_s == 0
+
+
+def patience(prefer: str | None, unless_said_s: float) -> Patience:
+    """Of a Prefer header; what isn't understood in it is ignored, as the RFC asks."""
+    wishes = [wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")]
+    if "respond-async" in wishes:
+        return Patience(wait_s=0, applied="respond-async")
+    for wish in wishes:
+        if found := _WAIT.fullmatch(wish):
+            seconds = min(int(found[1]), WAIT_MAX_S)
+            return Patience(wait_s=seconds, applied=f"wait={seconds}")
+    return Patience(wait_s=unless_said_s, applied=None)
+
+
+async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
+    """Until a job has ended, here or with another service on the database, or time is up.
+
+    Or this service is told to stop: the job is kept.
+    """
+    stops = asyncio.create_task(request.app.state.stopping.wait())
+    try:
+        await _wait_for_end(request, job_id, wait_s, stops)
+    finally:
+        stops.cancel()
+
+
+async def _wait_for_end(
+    request: Request, job_id: str, wait_s: float, stops: asyncio.Task[Any]
+) -> None:
+    dispatcher: Dispatcher = request.app.state.dispatcher
+    until_s = asyncio.get_running_loop().time() + wait_s
+    while (left_s := until_s - asyncio.get_running_loop().time()) > 0.0 and not stops.done():
+        with dispatcher.watching(job_id) as (ended, is_here):
+            if not is_here:
+                job = await read(request, lambda connection: jobs.get(connection, job_id))
+                if job is None or not job.is_open:
+                    return
+                left_s = min(left_s, _LOOK_S)
+            waits: list[asyncio.Future[Any]] = [asyncio.wrap_future(ended), stops]
+            await asyncio.wait(waits, timeout=left_s, return_when=asyncio.FIRST_COMPLETED)
+            if ended.done() and ended.result():
+                return

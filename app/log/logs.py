@@ -1,0 +1,107 @@
+"""What does the service write to its log, and in which form?
+
+Every record, libraries' too, goes to stderr as one JSON object or one line; on the console the
+places an exception went through follow it.
+"""
+
+import json
+import logging
+import sys
+import threading
+import warnings
+from typing import Any, Literal, TextIO
+
+import structlog
+
+from app.log.exceptions import described
+from app.log.records import OURS, OneASecond, SafeRecord, only_what_may_be_told
+
+LogFormat = Literal["json", "console"]
+LogLevel = Literal["debug", "info", "warning", "error"]
+
+# Bound to the standard library's logger, so that whoever embeds us keeps control of the output.
+log: structlog.stdlib.BoundLogger = structlog.wrap_logger(
+    logging.getLogger(OURS),
+    processors=[
+        structlog.contextvars.merge_contextvars,
+        structlog.stdlib.render_to_log_kwargs,
+    ],
+    wrapper_class=structlog.stdlib.BoundLogger,
+)
+
+# Commands say in one line of their own what is wrong, and Python would write ours below it.
+logging.getLogger(OURS).addHandler(logging.NullHandler())
+
+
+def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
+    """Send all records from `level` on to stderr, and nothing around them."""
+    logging.setLogRecordFactory(SafeRecord)
+    shared: list[Any] = [
+        structlog.stdlib.add_log_level,
+        structlog.stdlib.add_logger_name,
+        structlog.stdlib.ExtraAdder(),
+        structlog.processors.TimeStamper(fmt="iso", utc=True),
+        only_what_may_be_told,
+    ]
+    last: list[Any] = [structlog.stdlib.ProcessorFormatter.remove_processors_meta]
+    if log_format == "json":
+        last.append(structlog.processors.JSONRenderer(serializer=_strict_json))
+    else:
+        last.append(structlog.dev.ConsoleRenderer(colors=False))
+    handler = _Handler(sys.stderr)
+    handler.addFilter(OneASecond())
+    handler.setFormatter(
+        structlog.stdlib.ProcessorFormatter(foreign_pre_chain=shared, processors=last)
+    )
+    handler.setLevel(level.upper())  # for loggers with a level of their own, too
+    root = logging.getLogger()
+    root.handlers = [handler]
+    root.setLevel(level.upper())
+    _take_over()
+    # Of its doings, values withheld, little is left.
+    logging.getLogger("distributed").setLevel("INFO" if level == "debug" else "WARNING")
+    sys.excepthook = lambda _, error, __: _tell_uncaught(error)
+    threading.excepthook = lambda what: _tell_uncaught(what.exc_value)
+    sys.unraisablehook = lambda what: _tell_uncaught(what.exc_value)
+    warnings.showwarning = _tell_warning
+
+
+def _take_over() -> None:
+    """Have loggers that brought handlers of their own, as Dask's do, write where all others do."""
+    for logger in logging.getLogger().manager.loggerDict.values():
+        if isinstance(logger, logging.Logger):
+            logger.handlers = []
+            logger.propagate = True
+
+
+class _Handler(logging.StreamHandler[TextIO]):
+    """Tells where a record came from that can't be formatted, not what was in it."""
+
+    _UNTELLABLE = "a record can't be written"
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (logging's own)
+        if record.msg == self._UNTELLABLE:
+            return  # nothing can: stderr is closed
+        where = (record.pathname, record.lineno)
+        self.emit(SafeRecord(OURS, logging.ERROR, *where, self._UNTELLABLE, (), sys.exc_info()))
+
+
+def _strict_json(event: dict[str, Any], **_: object) -> str:
+    return json.dumps(event)  # without structlog's way with other objects, their repr
+
+
+def _tell_uncaught(error: BaseException | None) -> None:
+    if error is not None and not isinstance(error, KeyboardInterrupt | SystemExit):
+        log.critical("uncaught", exc_info=error)
+
+
+def _tell_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    *_: object,
+    **__: object,
+) -> None:
+    kind = described(message) if isinstance(message, Warning) else category.__name__
+    log.warning("a warning of Python's", kind=kind, file=filename, line=lineno)

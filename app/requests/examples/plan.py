@@ -1,0 +1,300 @@
+"""What do requests look like?  Worked examples for the API's pages; the tests run them all."""
+
+from typing import Any
+
+from app.requests.examples.messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
+
+_LAS_VEGAS_TARGET = {
+    "mode": "ground",
+    "latitude_deg": 36.1147,
+    "longitude_deg": -115.1728,
+    "height_m": 610.0,
+}
+_SESSION = {
+    "target": _LAS_VEGAS_TARGET,
+    "start": "2015-02-27T17:36:20Z",
+    "stop": "2015-02-27T17:37:50Z",
+}
+
+# The pass of Sumarokov 2016, Fig. 3, with the elements published for that day.
+LAS_VEGAS: dict[str, Any] = {
+    "name": "Las Vegas",
+    "platform": "iss-hrc",
+    "orbit": {
+        "source": "tle",
+        "line1": "1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
+        "line2": "2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964",
+    },
+    "attitude": {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 0.0},
+    "initial_state": {
+        "epoch": "2015-02-27T17:34:00Z",
+        "angles_deg": {"alpha": 0.0, "beta": 0.0},
+        "rates_deg_s": {"alpha": 0.0, "beta": 0.0},
+    },
+    "sessions": [_SESSION],
+    "slew": {"method": "ocp", "objective": "smooth"},
+}
+
+
+def _aimed(name: str, target: dict[str, Any]) -> dict[str, Any]:
+    return {**LAS_VEGAS, "name": name, "sessions": [{**_SESSION, "target": target}]}
+
+
+_AXIS = {
+    "angle_min_deg": -175.0,
+    "angle_max_deg": 175.0,
+    "rate_max_deg_s": 2.0,
+    "acceleration_max_deg_s2": 0.8,
+    "jerk_max_deg_s3": 0.5,
+    "rate_min_deg_s": 0.0166667,
+}
+
+PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
+    "tle": ("Las Vegas from the ISS by a TLE, 27 February 2015", LAS_VEGAS),
+    "oem": (
+        "The orbit from a CCSDS OEM",
+        {**LAS_VEGAS, "name": "OEM", "orbit": {"source": "oem", "content": OEM}},
+    ),
+    "state": (
+        "The orbit from a state vector, propagated numerically",
+        {
+            **LAS_VEGAS,
+            "name": "state vector",
+            "orbit": {
+                "source": "state",
+                "frame": "GCRF",
+                "epoch": "2015-02-27T17:34:00Z",
+                "position_km": [2478.460528, -5510.960698, 3057.568431],
+                "velocity_km_s": [3.854332385, 4.469967194, 4.910924946],
+            },
+        },
+    ),
+    "inertial": (
+        "An attitude measured at an epoch and a constant body rate",
+        {
+            **LAS_VEGAS,
+            "name": "inertial attitude",
+            "attitude": {
+                "law": "inertial",
+                "epoch": "2015-02-27T17:36:00Z",
+                "q_body_from_eci_xyzw": [0.702681592, 0.52279416, 0.050583198, 0.479964776],
+                "omega_body_deg_s": [0.0, -0.06497, 0.0],
+            },
+        },
+    ),
+    "platform": (
+        "A platform of one's own: the paper's effective limits, mounted with a yaw of 90 deg",
+        {
+            **LAS_VEGAS,
+            "name": "own platform",
+            "platform": {
+                "name": "bench model",
+                "outer": {
+                    "name": "azimuth",
+                    "axis_platform": [0.0, -1.0, 0.0],
+                    **_AXIS,
+                },
+                "inner": {"name": "tilt", "axis_platform": [1.0, 0.0, 0.0], **_AXIS},
+                "q_platform_from_body_xyzw": [0.0, 0.0, 0.7071067811865476, 0.7071067811865476],
+            },
+            "initial_state": {
+                "epoch": "2015-02-27T17:34:00Z",
+                "angles_deg": {"azimuth": 0.0, "tilt": 0.0},
+            },
+        },
+    ),
+    "spline": (
+        "The paper's cubic spline in place of the optimal slew",
+        {**LAS_VEGAS, "name": "spline", "slew": {"method": "spline"}},
+    ),
+    "minimum_time": (
+        "As fast as the limits allow, from a moving start",
+        {
+            **LAS_VEGAS,
+            "name": "minimum time",
+            "initial_state": {
+                "epoch": "2015-02-27T17:34:00Z",
+                "angles_deg": {"alpha": 40.0, "beta": -20.0},
+                "rates_deg_s": {"alpha": -0.5, "beta": 0.25},
+            },
+            "slew": {"method": "ocp", "objective": "minimum_time"},
+        },
+    ),
+    "omm": (
+        "The orbit from a CCSDS OMM as catalogues send it",
+        {**LAS_VEGAS, "name": "OMM", "orbit": {"source": "omm", "content": OMM}},
+    ),
+    "opm": (
+        "The orbit from a CCSDS OPM, propagated numerically",
+        {**LAS_VEGAS, "name": "OPM", "orbit": {"source": "opm", "content": OPM}},
+    ),
+    "aem": (
+        "The attitude from a CCSDS AEM",
+        {**LAS_VEGAS, "name": "AEM", "attitude": {"law": "aem", "content": ATTITUDE}},
+    ),
+    "harmonic": (
+        "An attitude history that ends before the session, carried on",
+        {
+            **LAS_VEGAS,
+            "name": "attitude carried on",
+            "attitude": {"law": "harmonic", "content": ATTITUDE_HISTORY},
+        },
+    ),
+    "refraction": (
+        "Aimed where the standard atmosphere makes the target appear",
+        _aimed(
+            "refraction", {**_LAS_VEGAS_TARGET, "min_elevation_deg": 10.0, "refraction": "standard"}
+        ),
+    ),
+    "ground_moving": (
+        "A ship off San Diego under way",
+        _aimed(
+            "ship",
+            {
+                "mode": "ground_moving",
+                "epoch": "2015-02-27T17:00:00Z",
+                "latitude_deg": 32.5,
+                "longitude_deg": -118.0,
+                "course_deg": 315.0,
+                "speed_m_s": 8.0,
+            },
+        ),
+    ),
+    "ground_path": (
+        "A strip with a bend, scanned at 200 m/s over the ground",
+        _aimed(
+            "strip",
+            {
+                "mode": "ground_path",
+                "points": [
+                    {"latitude_deg": 36.05, "longitude_deg": -115.25, "height_m": 600.0},
+                    {"latitude_deg": 36.12, "longitude_deg": -115.17, "height_m": 600.0},
+                    {"latitude_deg": 36.15, "longitude_deg": -115.03, "height_m": 550.0},
+                ],
+                "speed_m_s": 200.0,
+            },
+        ),
+    ),
+    "star": (
+        "Vega by its Hipparcos number",
+        _aimed("Vega", {"mode": "star", "hip": 91262}),
+    ),
+    "star_coordinates": (
+        "Barnard's star by Gaia's coordinates, proper motion and parallax",
+        _aimed(
+            "Barnard's star",
+            {
+                "mode": "star",
+                "ra_deg": 269.4485,
+                "dec_deg": 4.7394,
+                "epoch_jyear": 2016.0,
+                "pm_ra_cosdec_mas_yr": -801.551,
+                "pm_dec_mas_yr": 10362.394,
+                "parallax_mas": 546.976,
+                "radial_velocity_km_s": -110.47,
+            },
+        ),
+    ),
+    "body": (
+        "Saturn, from JPL's ephemeris",
+        _aimed("Saturn", {"mode": "body", "name": "saturn"}),
+    ),
+    "test_motion": (
+        "Signals to identify the platform on the bench: a chirp and a multisine",
+        _aimed(
+            "identification",
+            {
+                "mode": "test_motion",
+                "axes": {
+                    "alpha": {
+                        "kind": "chirp",
+                        "angle_deg": 10.0,
+                        "amplitude_deg": 0.2,
+                        "start_frequency_hz": 0.01,
+                        "stop_frequency_hz": 0.2,
+                        "sweep_s": 80.0,
+                    },
+                    "beta": {
+                        "kind": "multisine",
+                        "amplitudes_deg": [0.1, 0.1, 0.1],
+                        "frequencies_hz": [0.02, 0.05, 0.11],
+                    },
+                },
+            },
+        ),
+    ),
+    "sequence": (
+        "Three cities in one pass, too close together: sessions shortened by the least time",
+        {
+            **LAS_VEGAS,
+            "name": "Las Vegas, Salt Lake City, Laramie",
+            "sessions": [
+                {
+                    "target": _LAS_VEGAS_TARGET,
+                    "start": "2015-02-27T17:36:20Z",
+                    "stop": "2015-02-27T17:37:20Z",
+                },
+                {
+                    "target": {
+                        "mode": "ground",
+                        "latitude_deg": 40.76,
+                        "longitude_deg": -111.89,
+                        "height_m": 1288.0,
+                    },
+                    "start": "2015-02-27T17:37:28Z",
+                    "stop": "2015-02-27T17:38:30Z",
+                },
+                {
+                    "target": {
+                        "mode": "ground",
+                        "latitude_deg": 41.31,
+                        "longitude_deg": -105.59,
+                        "height_m": 2184.0,
+                    },
+                    "start": "2015-02-27T17:38:35Z",
+                    "stop": "2015-02-27T17:39:50Z",
+                },
+            ],
+            "on_conflict": "least_loss",
+        },
+    ),
+    "keep_out": (
+        "Led around the Sun, which the straight slew would pass at 2 deg",
+        {
+            **LAS_VEGAS,
+            "name": "around the Sun",
+            "initial_state": {
+                "epoch": "2015-02-27T17:34:00Z",
+                "angles_deg": {"alpha": 40.0, "beta": -170.0},
+            },
+            "slew": {"method": "ocp", "keep_out": [{"body": "sun", "half_angle_deg": 25.0}]},
+        },
+    ),
+    "keyhole": (
+        "Kochab past the outer axis of the platform, tracked as near as its limits allow",
+        {
+            **LAS_VEGAS,
+            "name": "keyhole",
+            "attitude": {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 45.4},
+            "sessions": [
+                {
+                    "target": {"mode": "star", "hip": 72607},
+                    "start": "2015-02-27T17:42:00Z",
+                    "stop": "2015-02-27T17:46:00Z",
+                    "keyhole": "nearest",
+                }
+            ],
+        },
+    ),
+    "avoid_modes": (
+        "A slew that leaves two modes of the structure at rest",
+        {
+            **LAS_VEGAS,
+            "name": "modes spared",
+            "slew": {
+                "method": "ocp",
+                "avoid_modes": [{"frequency_hz": 0.1}, {"frequency_hz": 0.35, "damping": 0.01}],
+            },
+        },
+    ),
+}

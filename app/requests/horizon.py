@@ -1,0 +1,96 @@
+"""What do requests about the horizon hold, besides those for an estimate?"""
+
+from datetime import datetime
+from typing import Annotated, Any
+
+from pydantic import FailFast, Field
+
+from app.requests.horizon_cameras import require_cameras
+from app.requests.json_reader import JsonReader
+from estimator.camera import HorizonCamera
+from estimator.request import Body, HorizonRequest
+from estimator.sensor import Sensor
+from estimator.synthetic import Scene
+from planner.attitude import Attitude
+from planner.attitude.lvlh import LvlhAttitude
+from planner.frames.time_scales import DAY_S, elapsed_s, require_offset, utc_text
+from planner.orbits import Orbit
+from planner.spec import Within, spec
+
+VIEWS_MAX = 2000
+SPAN_MAX_DAYS = 3.0
+ATTITUDE_SIGMA_DEG = 0.5
+PICTURE_PIXELS_MAX = 4_200_000
+
+
+@spec
+class PredictionRequest:
+    """A carrier, its attitude, its horizon cameras, and the instants one wants to look ahead to.
+
+    attitude_sigma_deg: 1-sigma error of the attitude about each axis.
+    """
+
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    attitude_sigma_deg: Annotated[float, Within(0.0, 180.0)] = ATTITUDE_SIGMA_DEG
+    cameras: tuple[HorizonCamera, ...]
+    body: Body = Body()
+    instants: Annotated[tuple[datetime, ...], Field(max_length=VIEWS_MAX), FailFast()]
+
+    def __post_init__(self) -> None:
+        require_cameras("cameras", self.cameras)
+        if not 1 <= len(self.instants) * len(self.cameras) <= VIEWS_MAX:
+            raise ValueError(
+                f"instants times cameras must come to 1 to {VIEWS_MAX}, not "
+                f"{len(self.instants)} x {len(self.cameras)}"
+            )
+        for instant in self.instants:
+            require_offset("instants", instant)
+        first, last = min(self.instants), max(self.instants)
+        if elapsed_s(last, first) > SPAN_MAX_DAYS * DAY_S:
+            raise ValueError(
+                f"instants must lie within {SPAN_MAX_DAYS:.0f} days, not from "
+                f"{utc_text(first)} to {utc_text(last)}"
+            )
+
+
+@spec
+class PictureRequest:
+    """One camera's picture of the horizon, to be rendered.
+
+    at: when.  The same seed gives the same clouds and the same noise.
+    """
+
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    camera: HorizonCamera
+    at: datetime
+    scene: Scene = Scene()
+    sensor: Sensor = Sensor()
+    seed: Annotated[int, Within(0, 2**32 - 1)] = 0
+
+    def __post_init__(self) -> None:
+        require_offset("at", self.at)
+        pixels = self.camera.width_px * self.camera.height_px
+        if pixels > PICTURE_PIXELS_MAX:
+            raise ValueError(
+                f"camera: pictures up to {PICTURE_PIXELS_MAX} pixels are rendered, not {pixels}"
+            )
+
+
+_ESTIMATE = JsonReader(HorizonRequest)
+_PREDICTION = JsonReader(PredictionRequest)
+_PICTURE = JsonReader(PictureRequest)
+
+read_estimate_request = _ESTIMATE.read
+read_prediction_request = _PREDICTION.read
+read_picture_request = _PICTURE.read
+
+
+def horizon_request_json_schemas(ref_template: str) -> dict[str, dict[str, Any]]:
+    """JSON Schemas by name; their `$defs` hold what they refer to by `ref_template`."""
+    return {
+        "HorizonRequest": _ESTIMATE.json_schema(ref_template),
+        "PredictionRequest": _PREDICTION.json_schema(ref_template),
+        "PictureRequest": _PICTURE.json_schema(ref_template),
+    }

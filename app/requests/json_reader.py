@@ -1,0 +1,292 @@
+"""How is a JSON text read as a `@spec` value, and how is each field at fault named?
+
+The HTTP service and the command line read requests here and nowhere else.
+"""
+
+import dataclasses
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from typing import Any, Generic, Literal, TypeVar, get_args, get_origin
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.json_schema import GenerateJsonSchema
+from pydantic_core import CoreSchema, SchemaValidator, core_schema
+
+from app.requests.json_bounds import beyond_bounds
+from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain
+from planner.errors import FieldError, InvalidRequest, with_short_values
+from planner.frames.time_scales import utc_from_text
+
+ERRORS_SHOWN = 50
+FIELDS_MAX = 1000  # of one object, and
+OBJECTS_MAX = 20_000  # of one request: bounds on the work a hostile one can make
+VALUE_SHOWN_CHARACTERS = 80
+DIGITS_MAX = VALUE_SHOWN_CHARACTERS  # of one number
+_MESSAGE = "content"  # the field of orbits and attitudes that holds a whole CCSDS message
+
+T = TypeVar("T")
+
+
+class JsonReader(Generic[T]):
+    """Reads JSON as one `@spec` class, strictly.
+
+    Beyond what `@spec` makes pydantic refuse (unknown fields, NaN, `true` for a number):
+    times go through `utc_from_text`, so they carry an offset and may be leap seconds; the
+    member of a union is chosen by its kind alone, which must be given; no object holds a
+    field twice; all text but CCSDS messages is short and plain.
+    plain: of a request that may be written in another way, the document as the class reads it;
+    the very same where nothing is to be changed.
+    """
+
+    def __init__(
+        self, cls: type[T], plain: Callable[[object], object] = lambda document: document
+    ) -> None:
+        self._plain = plain
+        self._schema = _told_apart(TypeAdapter(cls).core_schema)
+        self._validator = SchemaValidator(_with_our_text(self._schema))
+
+    def read(self, body: bytes) -> T:
+        """The value; raises InvalidRequest with the fields at fault."""
+        sent = _document(body)
+        document = self._plain(sent)
+        if document is not sent:
+            body = json.dumps(document).encode()
+        try:
+            value: T = self._validator.validate_json(body)
+        except ValidationError as error:
+            found = error.errors(include_url=False)
+        else:
+            return value
+        raise InvalidRequest(*field_errors(found, document))
+
+    def json_schema(self, ref_template: str) -> dict[str, Any]:
+        """JSON Schema 2020-12; its `$defs` hold what it refers to by `ref_template`."""
+        schema = _JsonSchema(ref_template=ref_template).generate(self._schema)
+        definitions = schema.get("$defs", {})
+        for definition in definitions.values():
+            # A kind has a default for Python's sake; in a request it must be given.
+            kinds = [name for name, field in definition["properties"].items() if "const" in field]
+            definition["required"] = kinds + definition.get("required", [])
+        return schema
+
+
+class _JsonSchema(GenerateJsonSchema):
+    """Without titles, which only repeat the names of the fields."""
+
+    def field_title_should_be_set(self, schema: Any) -> bool:  # noqa: ANN401 (pydantic's)
+        return False
+
+
+def field_errors(errors: Sequence[Mapping[str, Any]], document: object) -> list[FieldError]:
+    """Pydantic's findings in our words, by the fields of the document as it was sent."""
+    return [_field_error(error, document) for error in errors[:ERRORS_SHOWN]]
+
+
+def _document(body: bytes) -> object:
+    """The JSON value, to look field names up in; refuses what isn't JSON."""
+    objects = 0
+
+    def members(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        nonlocal objects
+        objects += 1
+        if objects > OBJECTS_MAX:
+            raise ValueError(f"it has more than {OBJECTS_MAX} objects")
+        return _members(pairs)
+
+    try:
+        text = body.decode("utf-8")
+        if too_much := beyond_bounds(body):
+            raise ValueError(too_much)
+        return json.loads(
+            text, object_pairs_hook=members, parse_int=_whole_number, parse_float=_number
+        )
+    except UnicodeDecodeError as error:
+        fault = f"the request must be UTF-8 text; byte {error.start} is not"
+    except ValueError as error:  # also a field twice, a number of 5000 digits
+        fault = f"the request can't be read as JSON: {error}"
+    raise InvalidRequest(FieldError(field="", detail=fault))
+
+
+def _whole_number(digits: str) -> int:
+    return int(_bounded(digits))
+
+
+def _number(digits: str) -> float:
+    return float(_bounded(digits))
+
+
+def _bounded(digits: str) -> str:
+    if len(digits) > DIGITS_MAX:
+        raise ValueError(f"a number has {len(digits)} digits, more than {DIGITS_MAX}")
+    return digits
+
+
+def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    members = dict(pairs)
+    if len(pairs) > FIELDS_MAX:
+        raise ValueError(f"an object has {len(pairs)} fields, more than {FIELDS_MAX}")
+    if len(members) < len(pairs):
+        [(field, times)] = Counter(field for field, _ in pairs).most_common(1)
+        raise ValueError(f"{_cut(field)!r} is given {times} times in one object; keep one")
+    return members
+
+
+def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
+    """The core schema with each union of `@spec` classes made a tagged union.
+
+    The tag is the field of the classes that can have one value only, their kind.
+    """
+    class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
+
+    def told_apart(node: Any) -> Any:  # noqa: ANN401 (as above)
+        if isinstance(node, list | tuple):
+            return type(node)(told_apart(item) for item in node)
+        if not isinstance(node, dict):
+            return node
+        node = {key: told_apart(value) for key, value in node.items()}
+        if node.get("type") == "union":
+            choices = node["choices"]
+            classes = [c.get("cls") or class_by_ref.get(c.get("schema_ref")) for c in choices]
+            tags = [tag for cls in classes if cls is not None and (tag := _kind(cls))]
+            if len(tags) == len(choices) and len({member for member, _ in tags}) == 1:
+                kinds = {kind: choice for (_, kind), choice in zip(tags, choices, strict=True)}
+                return _tagged(tags[0][0], kinds)
+        return node
+
+    return told_apart(schema)
+
+
+def _kind(cls: type) -> tuple[str, object] | None:
+    """The field that says a class's kind, and the kind."""
+    for field in dataclasses.fields(cls):
+        if get_origin(field.type) is Literal and get_args(field.type) == (field.default,):
+            return field.name, field.default
+    return None
+
+
+def _tagged(member: str, choice_by_kind: dict[Any, Any]) -> CoreSchema:
+    return core_schema.tagged_union_schema(
+        choice_by_kind,
+        member,
+        custom_error_type="unknown_kind",
+        custom_error_message=f"must be one of {', '.join(choice_by_kind)}",
+        custom_error_context={"member": member},
+    )
+
+
+def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (as above)
+    """The core schema with our own reading of text, and of times, which knows leap seconds."""
+    if isinstance(node, list | tuple):
+        return type(node)(_with_our_text(item, field) for item in node)
+    if not isinstance(node, dict):
+        return node
+    match node.get("type"):
+        case "datetime":
+            return core_schema.no_info_after_validator_function(
+                _utc, core_schema.str_schema(strict=True)
+            )
+        case "str":
+            required = require_message if field == _MESSAGE else require_plain
+            return core_schema.no_info_after_validator_function(required, node)
+        case "dataclass-field":
+            field = node["name"]
+    return {key: _with_our_text(value, field) for key, value in node.items()}
+
+
+def _utc(text: str) -> datetime:
+    return utc_from_text(text if len(text) <= CHARACTERS_MAX else require_plain(text))
+
+
+def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
+    kind, given = error["type"], error["input"]
+    path, node = _path_in(document, error["loc"], keep_absent_end=kind == "missing")
+    detail = _detail(error)
+    if kind == "unknown_kind":
+        path.append(error["ctx"]["member"])
+        given = node.get(path[-1]) if isinstance(node, dict) else node
+    if kind == "value_error":
+        # Our own ValueErrors begin with the field at fault.
+        name, _, rest = detail.partition(" ")
+        name = name.removesuffix(":")
+        named_path, named = _path_in(node, name.split("."))
+        if ".".join(named_path) == name:
+            path, detail, given = path + named_path, rest, named
+    value = _shown(given)
+    if kind not in ("value_error", "missing", "unexpected_keyword_argument") and value is not None:
+        detail += f", not {json.dumps(value)}"
+    return FieldError(
+        field=with_short_values(".".join(path)), detail=with_short_values(detail), value=value
+    )
+
+
+def _path_in(
+    document: object, location: Sequence[int | str], keep_absent_end: bool = False
+) -> tuple[list[str], object]:
+    """The part of a location that exists in the document, and the value there.
+
+    Pydantic's locations also hold the kinds of tagged unions, which the document doesn't.
+    """
+    path, node = [], document
+    for depth, key in enumerate(location):
+        if isinstance(node, dict) and key in node:
+            node = node[key]
+        elif isinstance(node, list) and str(key).isdecimal() and int(key) < len(node):
+            node = node[int(key)]
+        elif not (keep_absent_end and depth == len(location) - 1):
+            continue
+        path.append(_cut(str(key)))
+    return path, node
+
+
+_DETAILS = {
+    "missing": "is required",
+    "unexpected_keyword_argument": "is not a field of this object; remove it or mend its name",
+    "extra_forbidden": "is not known here; remove it or mend its name",
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_parsing_size": "must be a whole number of fewer digits",
+    "string_type": "must be a string",
+    "none_required": "must be null",
+    "dataclass_type": "must be an object",
+    "dict_type": "must be an object",
+    "tuple_type": "must be a list",
+    "too_long": "must hold at most {max_length} entries",
+    "too_short": "must hold at least {min_length} entries",
+    "literal_error": "must be {expected}",
+    "greater_than_equal": "must be at least {ge}",
+    "less_than_equal": "must be at most {le}",
+    "json_invalid": "the request can't be read as JSON: {error}",
+}
+
+
+def _detail(error: Mapping[str, Any]) -> str:
+    context = error.get("ctx", {})
+    match error["type"]:
+        case "value_error":
+            return str(context["error"])
+        case "finite_number":
+            return f"must be a finite number, not {error['input']}"
+        case "unknown_kind":
+            return str(error["msg"])
+        case kind:
+            return _DETAILS.get(kind, "can't be read as what belongs here").format_map(context)
+
+
+def _shown(value: object) -> str | float | int | bool | None:
+    """A value fit to be repeated: scalars, cut short; never NaN, which is no JSON."""
+    if isinstance(value, str):
+        return _cut(value)
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, bool | int | float) else None
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= VALUE_SHOWN_CHARACTERS else text[:VALUE_SHOWN_CHARACTERS] + "..."

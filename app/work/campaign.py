@@ -1,0 +1,157 @@
+"""What does a child do for a campaign?  It chooses, and writes down a plan request per pass."""
+
+import json
+import re
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from app.requests.campaign import read_campaign_request
+from app.work.progress import Progress, report
+from planner.campaigns import (
+    Campaign,
+    CampaignRequest,
+    ChosenLook,
+    ChosenPass,
+    chosen_campaign,
+    scenario_of,
+)
+from planner.frames.time_scales import elapsed_s, utc_text
+from planner.targets import BenchMotionTarget
+
+_CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
+_SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """A pass to be planned.
+
+    request: a plan request.  told: the pass's number, times, looks, and what was left out.
+    """
+
+    request: bytes
+    told: Mapping[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chosen:
+    """document: what is told of the choice as a whole, JSON, zlib."""
+
+    document: bytes
+    parts: tuple[Part, ...]
+
+
+def choose(body: bytes) -> Chosen:
+    """Read, choose and write down; raises a Refusal."""
+    request = read_campaign_request(body)
+    asked = json.loads(body)
+    campaign = chosen_campaign(
+        request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
+    )
+    return Chosen(
+        document=zlib.compress(json.dumps(_told(request, campaign)).encode()),
+        parts=tuple(
+            _part(asked, request, number, flight) for number, flight in enumerate(campaign.passes)
+        ),
+    )
+
+
+def _told(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
+    looked_at = {look.target for flight in campaign.passes for look in flight.looks}
+    unseen = set(campaign.unseen)
+    return {
+        "value": campaign.value,
+        "bound": campaign.bound,
+        "gap_share": campaign.gap_share,
+        "greedy_value": campaign.greedy_value,
+        "windows": campaign.windows,
+        "looks": sum(len(flight.looks) for flight in campaign.passes),
+        "passes": len(campaign.passes),
+        "unseen": [request.targets[row].id for row in campaign.unseen],
+        "left_out": [
+            wanted.id
+            for row, wanted in enumerate(request.targets)
+            if row not in looked_at and row not in unseen
+        ],
+        "warnings": list(campaign.warnings),
+    }
+
+
+def _part(
+    asked: Mapping[str, Any], request: CampaignRequest, number: int, flight: ChosenPass
+) -> Part:
+    scenario = scenario_of(request, flight, number)
+    rest = scenario.sessions[-1]
+    assert isinstance(rest.target, BenchMotionTarget)
+    written = {
+        "name": scenario.name,
+        **{name: asked[name] for name in _CARRIED_OVER if name in asked},
+        "initial_state": {
+            "epoch": utc_text(scenario.initial_state.epoch, 6),
+            "angles_deg": dict(scenario.initial_state.angles_deg),
+        },
+        "sessions": [
+            *(
+                {
+                    "target": asked["targets"][look.target]["target"],
+                    "start": utc_text(look.start_utc, 6),
+                    "stop": utc_text(look.stop_utc, 6),
+                }
+                for look in flight.looks
+            ),
+            {
+                "target": {
+                    "mode": "test_motion",
+                    "axes": {
+                        name: {"kind": "constant_rate", "angle_deg": angle_deg, "rate_deg_s": 0.0}
+                        for name, angle_deg in request.rest_angles_deg.items()
+                    },
+                },
+                "start": utc_text(rest.start, 6),
+                "stop": utc_text(rest.stop, 6),
+            },
+        ],
+        "on_conflict": scenario.on_conflict,
+    }
+    written.setdefault("attitude", {"law": "lvlh"})
+    told = {
+        "pass": number,
+        "start": utc_text(flight.start_utc),
+        "stop": utc_text(flight.stop_utc),
+        "looks": [_look(request, look) for look in flight.looks],
+        "left_out": [],
+    }
+    return Part(request=json.dumps(written).encode(), told=told)
+
+
+def _look(request: CampaignRequest, look: ChosenLook) -> dict[str, Any]:
+    wanted = request.targets[look.target]
+    return {
+        "target": wanted.id,
+        "start": utc_text(look.start_utc),
+        "stop": utc_text(look.stop_utc),
+        "value": wanted.worth_value(elapsed_s(look.stop_utc, look.start_utc)),
+    }
+
+
+def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
+    """The pass without the look that can't be flown, or else the one of least worth.
+
+    None when no look would be left.  field: the refusal's.
+    """
+    looks = list(part.told["looks"])
+    if len(looks) < 2:
+        return None
+    named = _SESSION.match(field or "")
+    row = int(named[1]) if named else len(looks)
+    if row >= len(looks):
+        row = min(range(len(looks)), key=lambda number: looks[number]["value"])
+    request = json.loads(part.request)
+    del request["sessions"][row]
+    left_out = {"target": looks.pop(row)["target"], "because": detail}
+    return Part(
+        request=json.dumps(request).encode(),
+        told={**part.told, "looks": looks, "left_out": [*part.told["left_out"], left_out]},
+    )

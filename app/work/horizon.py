@@ -1,0 +1,161 @@
+"""What does the disposable child do with images of the horizon?
+
+Bytes in, bytes out: what comes from outside is decoded nowhere else.
+"""
+
+import base64
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+import cv2
+import numpy as np
+from pydantic import TypeAdapter
+from scipy.spatial.transform import Rotation
+
+from app.answers.horizon import EstimateResponse, estimate_out, rounded
+from app.answers.provenance import ProvenanceOut
+from app.requests.horizon import PictureRequest
+from app.work.horizon_views import flown_attitudes, surroundings
+from estimator.camera import HorizonCamera
+from estimator.errors import InvalidCamera
+from estimator.images import Pixels, decode_image
+from estimator.overlay import draw_overlay, encode_png
+from estimator.pipeline import VerticalEstimate, estimate_vertical
+from estimator.prediction import predict_horizon
+from estimator.request import Body, HorizonRequest, Surroundings
+from estimator.synthetic import Horizon
+
+# Decoded and measured within a second and 500 MB.
+PIXELS_MAX = 25_000_000
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """An estimate and, where wanted, the annotated frames as PNG files."""
+
+    estimate: VerticalEstimate
+    overlays: tuple[bytes, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PictureOut:
+    """A rendered picture and its truth.
+
+    image_png: base64.  position_itrf_km, q_body_from_eci_xyzw: as an estimate's request takes
+    them; nadir_body geocentric, nadir_geodetic_body normal to the ellipsoid.
+    """
+
+    image_png: str
+    at: str
+    position_itrf_km: list[float]
+    q_body_from_eci_xyzw: list[float]
+    nadir_body: list[float]
+    nadir_geodetic_body: list[float]
+
+
+_ESTIMATE = TypeAdapter(EstimateResponse)
+
+
+def _out_of_memory_said(work: Callable[P, T]) -> Callable[P, T]:
+    """OpenCV has an error of its own for a lack of memory."""
+
+    @wraps(work)
+    def said(*args: P.args, **kwargs: P.kwargs) -> T:
+        try:
+            return work(*args, **kwargs)
+        except cv2.error as error:
+            if error.code == cv2.Error.StsNoMem:
+                raise MemoryError(error.err) from None
+            raise
+
+    return said
+
+
+@_out_of_memory_said
+def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> Measured:
+    """Decode, estimate and, if wanted, draw; raises InvalidImage, InvalidCamera."""
+    if len(images) != len(request.cameras):
+        raise InvalidCamera(
+            f"{len(images)} images for {len(request.cameras)} cameras; send one per camera, in "
+            "the cameras' order",
+            field="images",
+        )
+    total = sum(camera.width_px * camera.height_px for camera in request.cameras)
+    if total > PIXELS_MAX:
+        raise InvalidCamera(
+            f"the frames come to {total} pixels together; {PIXELS_MAX} are read at a time: send "
+            "fewer, or bin them",
+            field="cameras",
+        )
+    pixels = [
+        decode_image(content, f"images.{k}", camera)
+        for k, (content, camera) in enumerate(zip(images, request.cameras, strict=True))
+    ]
+    estimate = estimate_vertical(pixels, request)
+    overlays = _overlays(request, pixels, estimate) if draw else ()
+    return Measured(estimate=estimate, overlays=overlays)
+
+
+def estimate_json(
+    request: HorizonRequest, images: Sequence[bytes], provenance: ProvenanceOut
+) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    measured = measure(request, images, draw=request.overlay)
+    return _ESTIMATE.dump_json(estimate_out(measured.estimate, measured.overlays, provenance))
+
+
+@_out_of_memory_said
+def picture(request: PictureRequest) -> bytes:
+    """The rendered picture as a PNG file."""
+    around, c_body_from_itrf = _placed(request)
+    horizon = Horizon(
+        around.limb.r_itrf_m,
+        c_body_from_itrf,
+        around.sun_itrf,
+        request.scene,
+        request.seed,
+    )
+    return encode_png(horizon.picture(request.camera, request.sensor))
+
+
+def picture_with_truth(request: PictureRequest, at: str) -> PictureOut:
+    """The rendered picture and what an estimate should find in it."""
+    around, c_body_from_itrf = _placed(request)
+    q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci)
+    return PictureOut(
+        image_png=base64.b64encode(picture(request)).decode("ascii"),
+        at=at,
+        position_itrf_km=rounded(around.limb.r_itrf_m / 1e3),
+        q_body_from_eci_xyzw=rounded(q.as_quat(), 12),
+        nadir_body=rounded(c_body_from_itrf @ around.limb.nadir_itrf),
+        nadir_geodetic_body=rounded(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
+    )
+
+
+def _placed(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
+    [r_m], [q], _ = flown_attitudes(request.orbit, request.attitude, [request.at])
+    around = surroundings(request.at, r_m, (request.camera,), Body())
+    return around, q.as_matrix() @ around.c_itrf_from_eci.T
+
+
+def _overlays(
+    request: HorizonRequest, images: Sequence[Pixels], estimate: VerticalEstimate
+) -> tuple[bytes, ...]:
+    drawn = []
+    for pixels, camera, report in zip(images, request.cameras, estimate.cameras, strict=True):
+        expected = _expected_px(request, camera)
+        drawn.append(encode_png(draw_overlay(pixels, camera, report, estimate, expected)))
+    return tuple(drawn)
+
+
+def _expected_px(request: HorizonRequest, camera: HorizonCamera) -> np.ndarray | None:
+    if request.predicted is None:
+        return None
+    around = Surroundings(request.epoch, request.position, request.body)
+    q_body_from_eci = Rotation.from_quat(request.predicted.q_body_from_eci_xyzw)
+    return predict_horizon(camera, around, q_body_from_eci).limb_px

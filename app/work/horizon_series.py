@@ -1,0 +1,246 @@
+"""How does the vertical run over a session's frames: many requests, or an orbit and its cameras?"""
+
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Annotated
+
+import cv2
+import numpy as np
+from pydantic import TypeAdapter
+
+from app.answers.horizon import degrees, rounded, rows, word
+from app.answers.provenance import ProvenanceOut
+from app.requests.horizon import ATTITUDE_SIGMA_DEG
+from app.requests.horizon_cameras import require_cameras
+from app.requests.json_reader import JsonReader
+from app.work.horizon_views import flown_attitudes, surroundings
+from estimator.camera import HorizonCamera
+from estimator.check import Verdict
+from estimator.errors import InvalidImage
+from estimator.images import Pixels
+from estimator.pipeline import VerticalEstimate, estimate_vertical
+from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
+from estimator.series import SeriesReport, summarise_series
+from planner.attitude import Attitude
+from planner.attitude.lvlh import LvlhAttitude
+from planner.errors import InvalidInput
+from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
+from planner.orbits import Orbit
+from planner.spec import Within, spec
+
+FRAMES_MAX = 10_000
+
+
+@spec
+class HorizonSession:
+    """Frames taken every step_s from `start` by the cameras of one carrier.
+
+    attitude: the planned one, to be checked; attitude_sigma_deg: its 1-sigma error about each
+    axis.
+    """
+
+    orbit: Orbit
+    attitude: Attitude = LvlhAttitude()
+    attitude_sigma_deg: Annotated[float, Within(0.0, 180.0)] = ATTITUDE_SIGMA_DEG
+    cameras: tuple[HorizonCamera, ...]
+    body: Body = Body()
+    start: datetime
+    step_s: Annotated[float, Within(1e-3, 86400.0)]
+
+    def __post_init__(self) -> None:
+        require_offset("start", self.start)
+        require_cameras("cameras", self.cameras)
+
+    def requests(self, count: int) -> tuple[HorizonRequest, ...]:
+        """What is asked of the first `count` frames; raises OutsideCoverage."""
+        moments = [shifted_utc(self.start, k * self.step_s) for k in range(count)]
+        r_sat_eci_m, q_body_from_eci, _ = flown_attitudes(self.orbit, self.attitude, moments)
+        asked = []
+        for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci.as_quat(), strict=True):
+            around = surroundings(moment, r_m, self.cameras, self.body)
+            x, y, z = (around.limb.r_itrf_m / 1e3).tolist()
+            asked.append(
+                HorizonRequest(
+                    epoch=moment,
+                    position=Position(frame="ITRF", position_km=(x, y, z)),
+                    cameras=self.cameras,
+                    body=self.body,
+                    predicted=PredictedAttitude(
+                        q_body_from_eci_xyzw=tuple(q.tolist()), sigma_deg=self.attitude_sigma_deg
+                    ),
+                )
+            )
+        return tuple(asked)
+
+
+@spec
+class HorizonFrames:
+    """Frames one by one, each as for an estimate."""
+
+    frames: tuple[HorizonRequest, ...]
+
+    def __post_init__(self) -> None:
+        if not 1 <= len(self.frames) <= FRAMES_MAX:
+            raise ValueError(f"frames must hold 1 to {FRAMES_MAX} of them, not {len(self.frames)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrameOut:
+    """One frame; along_deg and across_deg as in an estimate's `check`, null where it has none."""
+
+    at: str
+    verdict: Verdict
+    reason: str | None
+    nadir_body: list[float] | None
+    sigma_deg: float | None
+    along_deg: float | None
+    across_deg: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeriesResponse:
+    """The nadir over a session.
+
+    bias_deg: measured minus predicted along and across, with its covariance_deg2: the limb's
+    height errs alike in all frames, so it is no surer than one frame.  scatter_deg: rms about
+    the bias.  probability: that errors of the stated sizes make so large a bias.
+    """
+
+    verdict: Verdict
+    used: int
+    bias_deg: list[float] | None
+    covariance_deg2: list[list[float]] | None
+    scatter_deg: list[float] | None
+    probability: float | None
+    frames: list[FrameOut]
+    provenance: ProvenanceOut
+
+
+_SESSION = JsonReader(HorizonSession)
+_FRAMES = JsonReader(HorizonFrames)
+_ADAPTER = TypeAdapter(SeriesResponse)
+
+
+@dataclass(frozen=True)
+class Series:
+    """What was asked frame by frame, what was found, and their summary."""
+
+    requests: tuple[HorizonRequest, ...]
+    estimates: tuple[VerticalEstimate, ...]
+    report: SeriesReport
+
+
+def read_series(body: bytes) -> HorizonSession | HorizonFrames | None:
+    """A session, a list of frames, or None where the text is the request for one estimate."""
+    try:
+        document = json.loads(body)
+    except (ValueError, RecursionError):
+        return None
+    if isinstance(document, list):
+        return _FRAMES.read(b'{"frames": ' + body + b"}")
+    if isinstance(document, dict) and "frames" in document:
+        return _FRAMES.read(body)
+    if isinstance(document, dict) and "orbit" in document:
+        return _SESSION.read(body)
+    return None
+
+
+def frame_requests(
+    asked: HorizonSession | HorizonFrames, images: int
+) -> tuple[HorizonRequest, ...]:
+    """One request per frame for so many images; raises InvalidInput when they don't come out."""
+    if isinstance(asked, HorizonFrames):
+        needed = sum(len(request.cameras) for request in asked.frames)
+        if needed != images:
+            raise InvalidInput(
+                f"{images} images for frames that need {needed}; send each frame's in the "
+                "cameras' order, frame after frame",
+                field="frames",
+            )
+        return asked.frames
+    count, rest = divmod(images, len(asked.cameras))
+    if rest or not 1 <= count <= FRAMES_MAX:
+        raise InvalidInput(
+            f"{images} images don't come out for {len(asked.cameras)} cameras; send each frame's "
+            f"in the cameras' order, up to {FRAMES_MAX} frames",
+            field="cameras",
+        )
+    return asked.requests(count)
+
+
+def measure_series(
+    requests: Sequence[HorizonRequest], frames: Iterator[Sequence[Pixels]]
+) -> Series:
+    """One estimate per frame; frames: a camera's picture each, in the cameras' order."""
+    estimates = tuple(
+        estimate_vertical(images, request) for request, images in zip(requests, frames, strict=True)
+    )
+    sigma_deg = max((r.predicted.sigma_deg for r in requests if r.predicted), default=0.0)
+    t_s = [elapsed_s(request.epoch, requests[0].epoch) for request in requests]
+    report = summarise_series(t_s, estimates, math.radians(sigma_deg))
+    return Series(tuple(requests), estimates, report)
+
+
+def video_frames(paths: Sequence[str], step_s: float) -> tuple[int, Iterator[list[Pixels]]]:
+    """How many pictures there are every step_s in videos, one per camera, and the pictures."""
+    films = [cv2.VideoCapture(path) for path in paths]
+    counts = []
+    for path, film in zip(paths, films, strict=True):
+        rate_hz = film.get(cv2.CAP_PROP_FPS)
+        last = film.get(cv2.CAP_PROP_FRAME_COUNT) - 1.0
+        if not film.isOpened() or not rate_hz > 0.0 or last < 0.0:
+            raise InvalidImage(f"{path} is no video we read", field="images")
+        counts.append(math.floor((last + 0.1) / rate_hz / step_s) + 1)
+    count = min([*counts, FRAMES_MAX])
+    return count, ([_picture_at(film, k * step_s) for film in films] for k in range(count))
+
+
+def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels:
+    """The first picture at or after t_s, to a tenth of a frame; pictures before it are passed."""
+    wanted = math.ceil(t_s * film.get(cv2.CAP_PROP_FPS) - 0.1)
+    while film.get(cv2.CAP_PROP_POS_FRAMES) < wanted and film.grab():
+        pass
+    done, picture = film.read()
+    if not done:
+        raise InvalidImage(f"the video breaks off {t_s:.3f} s after its start", field="images")
+    return np.asarray(picture, dtype=np.uint8)
+
+
+def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    report = series.report
+    observed = len(report.t_s) > 0
+    return _ADAPTER.dump_json(
+        SeriesResponse(
+            verdict=report.verdict,
+            used=len(report.t_s),
+            bias_deg=rounded(np.degrees(report.bias_rad)) if observed else None,
+            covariance_deg2=(
+                rows(report.covariance_rad2 * math.degrees(1.0) ** 2, 12) if observed else None
+            ),
+            scatter_deg=rounded(np.degrees(report.scatter_rad)) if observed else None,
+            probability=report.probability if observed else None,
+            frames=[
+                frame_out(request, estimate)
+                for request, estimate in zip(series.requests, series.estimates, strict=True)
+            ],
+            provenance=provenance,
+        )
+    )
+
+
+def frame_out(request: HorizonRequest, estimate: VerticalEstimate) -> FrameOut:
+    """One line of the series."""
+    nadir, check = estimate.geocentric, estimate.check
+    return FrameOut(
+        at=utc_text(request.epoch),
+        verdict=estimate.verdict,
+        reason=word(estimate.reason),
+        nadir_body=None if nadir is None else rounded(nadir.nadir_body),
+        sigma_deg=None if nadir is None else degrees(nadir.sigma_rad),
+        along_deg=None if check is None else degrees(check.along_rad),
+        across_deg=None if check is None else degrees(check.across_rad),
+    )

@@ -1,0 +1,73 @@
+"""What will horizon cameras see from an orbit under an attitude?"""
+
+from collections.abc import Sequence
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from app.answers.horizon import view_out
+from app.answers.horizon_view import ViewOut
+from app.requests.horizon import ATTITUDE_SIGMA_DEG
+from estimator.camera import HorizonCamera
+from estimator.prediction import predict_horizon
+from estimator.request import Body, HorizonRequest, Position, Surroundings
+from planner.attitude import AttitudeLaw
+from planner.errors import InvalidInput
+from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
+from planner.orbits import Orbit
+
+Floats = NDArray[np.float64]
+
+
+def flown_attitudes(
+    orbit: Orbit, attitude: AttitudeLaw, moments: Sequence[datetime]
+) -> tuple[Floats, Rotation, tuple[str, ...]]:
+    """r_sat_eci_m (n, 3) and q_body_from_eci (n) at any n moments, and the orbit's warnings.
+
+    Raises OutsideCoverage.
+    """
+    first = min(moments, key=tai_us)
+    t_s, place = np.unique([elapsed_s(moment, first) for moment in moments], return_inverse=True)
+    instants = Instants(first, t_s)
+    ephemeris = orbit.ephemeris(first, max(moments, key=tai_us))
+    states = ephemeris.states(instants)
+    q_body_from_eci = attitude.q_body_from_eci(instants, states)
+    warnings = tuple(dict.fromkeys((*ephemeris.warnings, *attitude.warnings_at(instants))))
+    return states.r_sat_eci_m[place], q_body_from_eci[place], warnings
+
+
+def surroundings(
+    moment: datetime, r_sat_eci_m: Floats, cameras: tuple[HorizonCamera, ...], body: Body
+) -> Surroundings:
+    """The limb and the Sun as seen from there; raises InvalidInput inside the body."""
+    x, y, z = (r_sat_eci_m / 1e3).tolist()
+    position = Position(frame="GCRF", position_km=(x, y, z))
+    try:
+        HorizonRequest(epoch=moment, position=position, cameras=cameras, body=body)
+    except ValueError as error:
+        raise InvalidInput(f"at {utc_text(moment)} {error}", field="body", at_utc=moment) from None
+    return Surroundings(moment, position, body)
+
+
+def views(
+    orbit: Orbit,
+    attitude: AttitudeLaw,
+    cameras: tuple[HorizonCamera, ...],
+    moments: Sequence[datetime],
+    *,
+    body: Body,
+    attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG,
+) -> tuple[list[ViewOut], tuple[str, ...]]:
+    """Moment by moment every camera's view, and what to know of orbit and attitude."""
+    r_sat_eci_m, q_body_from_eci, warnings = flown_attitudes(orbit, attitude, moments)
+    found = []
+    for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci, strict=True):
+        around = surroundings(moment, r_m, cameras, body)
+        at = utc_text(moment)
+        found += [
+            view_out(predict_horizon(camera, around, q, attitude_sigma_deg), at)
+            for camera in cameras
+        ]
+    return found, warnings

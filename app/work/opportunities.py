@@ -1,0 +1,10 @@
+"""What does the child do for opportunities?"""
+
+from app.answers.opportunities import opportunities_json
+from app.answers.provenance import ProvenanceOut
+from planner.opportunities import OpportunityRequest, find_opportunities
+
+
+def opportunities_found(request: OpportunityRequest, made: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    return opportunities_json(find_opportunities(request), made)

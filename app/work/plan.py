@@ -1,0 +1,137 @@
+"""What do the children do for a plan, and how is its table read again?"""
+
+import hashlib
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from typing import Any
+
+from app.answers.plan import plan_document, table_json, verdict_state
+from app.answers.provenance import provenance
+from app.answers.table_export import require_verified
+from app.requests.plan import read_whole_plan_request
+from app.store.packed import Packed, pack, unpack
+from app.store.planned import Planned
+from app.work.horizon_checks import horizon_checks
+from app.work.progress import Progress, report
+from planner.commands import CommandTable
+from planner.export import EXPORTERS
+from planner.frames.time_scales import utc_from_text, utc_text
+from planner.scenario import Scenario
+from planner.sessions.pipeline import make_plan
+from planner.sessions.plan import Plan, Segment
+from planner.verification import Finding
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanAsFlown:
+    """The parts of a stored plan that its table's formats are written from."""
+
+    scenario: Scenario
+    segments: Sequence[Segment]
+    table: CommandTable
+
+
+def planned(request: bytes) -> Planned:
+    """Read, plan, judge and pack; raises a Refusal."""
+    now_utc = datetime.now(UTC)
+    whole = read_whole_plan_request(request)
+    plan = make_plan(whole.scenario(), on_stage=lambda stage: report(Progress(stage=stage)))
+    made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
+    checks = horizon_checks(plan.scenario, whole.horizon_cameras)
+    return Planned(
+        name=whole.name,
+        state=verdict_state(plan),
+        input_sha256=made.input_sha256,
+        versions=made.versions,
+        document=zlib.compress(plan_document(plan, checks, made)),
+        table_columns=pack(_packed(plan)),
+        planned_utc=now_utc,
+        iterations=sum(run.iterations for run in plan.slews),
+    )
+
+
+def stored_table_json(table_columns: bytes) -> bytes:
+    """The table as the answer holds it."""
+    return table_json(_table(unpack(table_columns)))
+
+
+def stored_table_file(
+    request: bytes, table_columns: bytes, format_name: str, created_utc: datetime
+) -> bytes:
+    """The table by itself; raises Unverified, OutsideCoverage."""
+    packed = unpack(table_columns)
+    require_verified([_finding(told) for told in packed.facts["errors"]])
+    flown = plan_as_flown(request, packed)
+    return EXPORTERS[format_name].write(flown, created_utc)
+
+
+def plan_as_flown(request: bytes, packed: Packed) -> PlanAsFlown:
+    """A stored plan with its sessions as they were left after conflicts."""
+    asked = read_whole_plan_request(request).scenario()
+    flown = [
+        replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
+        for session, (start, stop) in zip(asked.sessions, packed.facts["sessions"], strict=True)
+    ]
+    return PlanAsFlown(
+        scenario=replace(asked, sessions=tuple(flown)),
+        segments=[_segment(*told) for told in packed.facts["segments"]],
+        table=_table(packed),
+    )
+
+
+def _packed(plan: Plan) -> Packed:
+    table = plan.table
+    return Packed(
+        columns={"angle_rad": table.angle_rad, "rate_rad_s": table.rate_rad_s},
+        facts={
+            "epoch": _exact(table.epoch_utc),
+            "axes": table.axis_names,
+            "sessions": [[_exact(s.start), _exact(s.stop)] for s in plan.scenario.sessions],
+            "segments": [
+                [s.kind, s.session, _exact(s.start_utc), _exact(s.stop_utc)] for s in plan.segments
+            ],
+            "errors": [
+                {
+                    "limit": found.limit,
+                    "axis": found.axis,
+                    "t_s": found.t_s,
+                    "at": None if found.at_utc is None else _exact(found.at_utc),
+                    "detail": found.detail,
+                }
+                for found in plan.verification.findings
+                if found.severity == "error"
+            ],
+        },
+    )
+
+
+def _table(packed: Packed) -> CommandTable:
+    return CommandTable(
+        epoch_utc=utc_from_text(packed.facts["epoch"]),
+        axis_names=tuple(packed.facts["axes"]),
+        angle_rad=packed.columns["angle_rad"],
+        rate_rad_s=packed.columns["rate_rad_s"],
+    )
+
+
+def _segment(kind: Any, session: int, start: str, stop: str) -> Segment:  # noqa: ANN401 (as stored)
+    return Segment(
+        kind=kind, session=session, start_utc=utc_from_text(start), stop_utc=utc_from_text(stop)
+    )
+
+
+def _finding(told: dict[str, Any]) -> Finding:
+    return Finding(
+        severity="error",
+        limit=told["limit"],
+        axis=told["axis"],
+        t_s=told["t_s"],
+        at_utc=None if told["at"] is None else utc_from_text(told["at"]),
+        detail=told["detail"],
+    )
+
+
+def _exact(moment: datetime) -> str:
+    return utc_text(moment, 6)

@@ -1,0 +1,85 @@
+"""What do the children do for an imaging session, and how is its table read again?"""
+
+import hashlib
+import zlib
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+
+from app.answers.provenance import provenance
+from app.answers.spacecraft import attitude_table_json, spacecraft_document
+from app.requests.spacecraft import read_spacecraft_request
+from app.store.packed import Packed, pack, unpack
+from app.store.planned import Planned
+from planner.frames.time_scales import utc_from_text, utc_text
+from planner.spacecraft.definition import AgileSpacecraft
+from planner.spacecraft.export import IMAGING_EXPORTERS
+from planner.spacecraft.plan import plan_imaging
+from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.table import AttitudeTable, ImagingWindow
+
+_COLUMNS = (
+    "eci_from_body_xyzw",
+    "omega_body_rad_s",
+    "alpha_body_rad_s2",
+    "gimbal_rad",
+    "gimbal_rate_rad_s",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionAsFlown:
+    """The parts of a stored session that its table's formats are written from."""
+
+    request: ImagingPlanRequest
+    spacecraft: AgileSpacecraft
+    table: AttitudeTable
+
+
+def session_planned(request: bytes) -> Planned:
+    """Read, plan, judge, fly and pack; raises a Refusal."""
+    now_utc = datetime.now(UTC)
+    plan = plan_imaging(read_spacecraft_request(request))
+    made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
+    return Planned(
+        name=plan.request.name,
+        state="done",
+        input_sha256=made.input_sha256,
+        versions=made.versions,
+        document=zlib.compress(spacecraft_document(plan, made)),
+        table_columns=pack(_packed(plan.table)),
+        planned_utc=now_utc,
+    )
+
+
+def stored_session_json(table_columns: bytes) -> bytes:
+    """The table as the answer holds it."""
+    return attitude_table_json(_table(unpack(table_columns)))
+
+
+def stored_session_file(
+    request: bytes, table_columns: bytes, format_name: str, created_utc: datetime
+) -> bytes:
+    """The table by itself."""
+    asked = read_spacecraft_request(request)
+    flown = SessionAsFlown(
+        request=asked, spacecraft=asked.definition(), table=_table(unpack(table_columns))
+    )
+    return IMAGING_EXPORTERS[format_name].write(flown, created_utc)
+
+
+def _packed(table: AttitudeTable) -> Packed:
+    return Packed(
+        columns={name: getattr(table, name) for name in _COLUMNS},
+        facts={
+            "epoch": utc_text(table.epoch_utc, 6),
+            "windows": [asdict(window) for window in table.windows],
+        },
+    )
+
+
+def _table(packed: Packed) -> AttitudeTable:
+    return AttitudeTable(
+        epoch_utc=utc_from_text(packed.facts["epoch"]),
+        **{name: packed.columns[name] for name in _COLUMNS},
+        windows=tuple(ImagingWindow(**window) for window in packed.facts["windows"]),
+    )

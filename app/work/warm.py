@@ -1,0 +1,29 @@
+"""What do children find ready?  Imported once, by the server they are forked from.
+
+Importing it plans the worked example: solvers are built, ephemerides read and tables of Earth
+orientation interpolated before the first fork, so that no child does it again.
+"""
+
+import gc
+import json
+import os
+
+import app.work.horizon
+import app.work.horizon_prediction
+import app.work.opportunities
+import app.work.spacecraft  # noqa: F401 (for the children to find)
+from app.requests.examples.plan import LAS_VEGAS
+from app.work.plan import planned
+
+SERVER_PID = os.getpid()
+_REQUEST = json.dumps(LAS_VEGAS).encode()
+
+
+def warm_up() -> None:
+    """Plan the worked example."""
+    planned(_REQUEST)
+
+
+warm_up()
+gc.collect()
+gc.freeze()  # no collection touches, and so copies, the pages children share

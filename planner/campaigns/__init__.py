@@ -1,0 +1,20 @@
+"""Which sessions, in what order?"""
+
+from planner.campaigns.campaign import (
+    Campaign,
+    ChosenLook,
+    ChosenPass,
+    chosen_campaign,
+    scenario_of,
+)
+from planner.campaigns.request import CampaignRequest, CampaignTarget
+
+__all__ = [
+    "Campaign",
+    "CampaignRequest",
+    "CampaignTarget",
+    "ChosenLook",
+    "ChosenPass",
+    "chosen_campaign",
+    "scenario_of",
+]

@@ -1,0 +1,261 @@
+"""From targets over days to the sessions of every pass: the whole choice on one screen."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.campaigns.choice import Choice, Looking, Reporter, bound_at, choose
+from planner.campaigns.network import Network, network_of, relaxed
+from planner.campaigns.passes import (
+    PASS_MAX_S,
+    SESSIONS_MAX,
+    Looks,
+    in_passes,
+    longest_rest_s,
+    longest_slew_s,
+)
+from planner.campaigns.request import LENGTHS, CampaignRequest
+from planner.campaigns.slew_time import limit_table
+from planner.campaigns.ways import Ways, ways_to_follow
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.frames.time_scales import shifted_utc
+from planner.opportunities import Windows, find_opportunities
+from planner.opportunities.carrier import carrier_over
+from planner.platforms import AxisLimits
+from planner.scenario import Scenario, Session
+from planner.targets import BenchMotionTarget
+from planner.targets.bench_motions import ConstantRate
+
+Array = NDArray[np.float64]
+REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a pass
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenLook:
+    """A look at a target: row of the request's targets, from start to stop."""
+
+    target: int
+    start_utc: datetime
+    stop_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenPass:
+    """Looks in order of time, with the platform at rest from start and again by stop."""
+
+    start_utc: datetime
+    stop_utc: datetime
+    looks: tuple[ChosenLook, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """Passes in order of time.
+
+    value: what the looks are worth together.  bound: no choice is worth more whose looks
+    begin on the grid, have one of the lengths tried and lie in the same passes.
+    greedy_value: what taking pass after pass whatever is worth most there is worth.
+    windows, windows_passes: how many there were to choose from.
+    unseen: targets (rows of the request's) that can't be looked at for as long as they must.
+    """
+
+    passes: tuple[ChosenPass, ...]
+    value: float
+    bound: float
+    greedy_value: float
+    windows: int
+    window_passes: int
+    unseen: tuple[int, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def gap_share(self) -> float:
+        """How much more than `value` there could be at most, as a share of the bound."""
+        return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
+
+
+def chosen_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) -> Campaign:
+    """Choose sessions and their order.
+
+    tell: is called with what is being done, and how many parts of how many are done.
+    Slew times are those of `planner.campaigns.slew_time`: without hard stops on the way and
+    without cones to keep out of, which planning the passes then may find in the way.
+    Raises OutsideCoverage.
+    """
+    tell("opportunities", 0, 1)
+    limits = request.slew.axis_limits(request.platform)
+    grid_s = _first_row_s(request)
+    found = find_opportunities(request.opportunities())
+    rest_s = _rest_s(request, limits)
+    looks = _looks(request, found.windows, rest_s)
+    tell("ways", 0, 1)
+    platform = request.platform.with_limits(limits)
+    carrier = carrier_over(
+        request.orbit.ephemeris(request.start, request.stop),
+        request.attitude,
+        platform,
+        request.start,
+        request.stop,
+    )
+    targets = [wanted.target for wanted in request.targets]
+    least_s = _least_s(request)
+    ways = ways_to_follow(looks, targets, least_s, carrier, platform, request.step_s, grid_s)
+    looking = _looking(request)
+    networks = _networks(ways, looking, limits, tell)
+    choice = choose(networks, looking, tell)
+    bound = _bound(networks, ways, looking, limits, choice, tell)
+    seen = set(np.unique(ways.target).tolist())
+    return Campaign(
+        passes=_in_utc(request, choice, rest_s, grid_s),
+        value=choice.value,
+        bound=max(bound, choice.value),
+        greedy_value=choice.greedy_value,
+        windows=len(found.windows),
+        window_passes=len(networks),
+        unseen=tuple(n for n in range(len(request.targets)) if n not in seen),
+        warnings=found.warnings,
+    )
+
+
+def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Scenario:
+    """The pass as it is to be planned: from rest over all looks to rest.
+
+    What a slew lacks, the looks beside it give: slew times were estimated without stops.
+    """
+    rest = BenchMotionTarget(
+        axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
+              for name, angle_deg in request.rest_angles_deg.items()}
+    )  # fmt: skip
+    rest_utc = shifted_utc(flight.stop_utc, -REST_ROWS * COMMAND_STEP_S)
+    return Scenario(
+        name=f"{request.name or 'campaign'}, pass {number}",
+        orbit=request.orbit,
+        attitude=request.attitude,
+        platform=request.platform,
+        initial_state=request.resting_at(flight.start_utc),
+        sessions=(
+            *(
+                Session(
+                    target=request.targets[look.target].target,
+                    start=look.start_utc,
+                    stop=look.stop_utc,
+                )
+                for look in flight.looks
+            ),
+            Session(target=rest, start=rest_utc, stop=flight.stop_utc),
+        ),
+        slew=request.slew,
+        on_conflict="least_loss",
+    )
+
+
+def _first_row_s(request: CampaignRequest) -> float:
+    """From the start to the first command row, which counts from a whole UTC second."""
+    row_us = round(COMMAND_STEP_S * 1e6)
+    return (-request.start.microsecond % row_us) / 1e6
+
+
+def _rest_s(request: CampaignRequest, limits: tuple[AxisLimits, ...]) -> float:
+    """Room for a slew to or from rest and for resting, whole rows."""
+    names = request.platform.axis_names
+    rest_rad = np.deg2rad([request.rest_angles_deg[name] for name in names])
+    return (math.ceil(longest_rest_s(limits, rest_rad) * ROWS_PER_S) + REST_ROWS) / ROWS_PER_S
+
+
+def _least_s(request: CampaignRequest) -> Array:
+    return np.array([wanted.lengths_s[0] for wanted in request.targets])
+
+
+def _looks(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
+    least_s = _least_s(request)
+    # Every look is followed by one step of slewing at least.
+    shortest_s = float(least_s.min()) + request.step_s
+    return in_passes(
+        windows.target,
+        np.maximum(windows.rise_s, rest_s + COMMAND_STEP_S),
+        np.minimum(windows.set_s, request.span_s - rest_s - COMMAND_STEP_S),
+        least_s[windows.target],
+        rest_s,
+        min(PASS_MAX_S, (SESSIONS_MAX - 2) * shortest_s),
+    )
+
+
+def _looking(request: CampaignRequest) -> Looking:
+    length_steps = np.zeros((len(request.targets), LENGTHS), np.intp)
+    worth = np.zeros((len(request.targets), LENGTHS))
+    for row, wanted in enumerate(request.targets):
+        for place, length_s in enumerate(wanted.lengths_s):
+            length_steps[row, place] = math.ceil(length_s / request.step_s - 1e-9)
+            worth[row, place] = wanted.worth_value(length_s)
+    return Looking(
+        length_steps=length_steps,
+        worth=worth,
+        most_looks=np.array([float(wanted.looks) for wanted in request.targets]),
+    )
+
+
+def _networks(
+    ways: Ways, looking: Looking, limits: tuple[AxisLimits, ...], tell: Reporter
+) -> list[Network]:
+    numbers = np.unique(ways.pass_number)
+    networks = []
+    for done, number in enumerate(numbers):
+        tell("slews", done, len(numbers))
+        rows = np.flatnonzero(ways.pass_number == number)
+        networks.append(
+            network_of(
+                ways, rows, looking.length_steps[:, 0], limit_table(limits), longest_slew_s(limits)
+            )
+        )
+    return networks
+
+
+def _bound(
+    networks: Sequence[Network],
+    ways: Ways,
+    looking: Looking,
+    limits: tuple[AxisLimits, ...],
+    choice: Choice,
+    tell: Reporter,
+) -> float:
+    """At slew times that nothing can beat."""
+    tell("bound", 0, 1)
+    shortest = looking.length_steps[:, 0]
+    table = limit_table(limits)
+    optimistic = [relaxed(network, ways, shortest, table) for network in networks]
+    return bound_at(optimistic, looking, choice.price)
+
+
+def _in_utc(
+    request: CampaignRequest, choice: Choice, rest_s: float, grid_s: float
+) -> tuple[ChosenPass, ...]:
+    def at(step: int) -> datetime:
+        return shifted_utc(request.start, grid_s + step * request.step_s)
+
+    flights = []
+    for looks in choice.passes:
+        if not looks:
+            continue
+        chosen = []
+        for look in looks:
+            start_utc = at(look.first_step)
+            length_s = request.targets[look.target].lengths_s[look.length]
+            chosen.append(
+                ChosenLook(
+                    target=look.target,
+                    start_utc=start_utc,
+                    stop_utc=shifted_utc(start_utc, length_s),
+                )
+            )
+        flights.append(
+            ChosenPass(
+                start_utc=shifted_utc(chosen[0].start_utc, -rest_s),
+                stop_utc=shifted_utc(chosen[-1].stop_utc, rest_s),
+                looks=tuple(chosen),
+            )
+        )
+    return tuple(flights)

@@ -1,0 +1,193 @@
+"""Which looks, in which passes, in what order; and how far from the best can that be?"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.campaigns.master import Proposal, best_together
+from planner.campaigns.network import Network
+from planner.campaigns.path import Look, best_path, path_bound
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Passes = list[tuple[Look, ...]]
+Reporter = Callable[[str, int, int], None]
+"""What is being done, and how many parts of how many of it are."""
+
+ROUNDS_MAX = 150
+STEP_MIN = 1e-3  # of Polyak's: no price moves any more
+PATIENCE = 8  # rounds without a better bound before the step is halved
+FILL_EVERY = 10
+SWEEPS_MAX = 10
+PROPOSALS_MAX = 6000  # the latest, made at the best prices
+COMBINE_S = 20.0  # most time for the integer programme
+GAP_ENOUGH = 1e-3
+WORTHLESS = 1e-9  # of rounding
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """passes: looks in order of time, one tuple per pass.
+
+    value: what they are worth.  greedy_value: what taking pass after pass whatever is worth
+    most there is worth.  price: of a look at each target at which the bound is least,
+    (targets,).
+    """
+
+    passes: tuple[tuple[Look, ...], ...]
+    value: float
+    greedy_value: float
+    price: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Looking:
+    """What looks at each target may be.
+
+    length_steps, worth: (targets, lengths), steps on the grid until it has ended and what it
+    is worth; worth 0 for lengths there are not.  most_looks: (targets,).
+    """
+
+    length_steps: Indices
+    worth: Array
+    most_looks: Array
+
+    def worth_of(self, passes: Iterable[Sequence[Look]]) -> float:
+        """Of all looks together."""
+        return float(sum(self.worth[one.target, one.length] for looks in passes for one in looks))
+
+    def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
+        """How many looks each target gets, (targets,)."""
+        target = [one.target for looks in passes for one in looks]
+        return np.bincount(target, minlength=len(self.most_looks)).astype(np.float64)
+
+
+def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Choice:
+    """Prices on looks that more passes want than may have them; one network per pass.
+
+    Subgradient steps on the prices, and at every few of them a choice that can be flown.
+    Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27.
+    """
+    search = _Search(networks, looking)
+    free = np.zeros(len(looking.most_looks))
+    greedy = search.filled([()] * len(networks), free)
+    search.improve(greedy)
+    price = search.priced(tell)
+    tell("choosing", ROUNDS_MAX, ROUNDS_MAX)
+    search.combine()
+    return Choice(
+        passes=tuple(search.best),
+        value=search.value,
+        greedy_value=looking.worth_of(greedy),
+        price=price,
+    )
+
+
+class _Search:
+    """The best choice so far, and the paths that were proposed on the way."""
+
+    def __init__(self, networks: Sequence[Network], looking: Looking) -> None:
+        self._networks = networks
+        self._looking = looking
+        self.best: Passes = [()] * len(networks)
+        self.value = 0.0
+        self._bound = float(looking.most_looks @ looking.worth.max(axis=1))
+        self._proposed: dict[tuple[int, tuple[Look, ...]], None] = {}
+
+    def priced(self, tell: Reporter) -> Array:
+        """Prices at which the bound is about least; improves the choice on the way."""
+        looking = self._looking
+        # At these nothing gains: all looks at their best.
+        best_price: Array = looking.worth.max(axis=1)
+        price = np.zeros_like(best_price)
+        step, waited = 1.0, 0
+        for done in range(ROUNDS_MAX):
+            tell("choosing", done, ROUNDS_MAX)
+            bound, passes = self._answers(price)
+            waited += 1
+            if bound < self._bound * (1.0 - GAP_ENOUGH / 100.0):
+                self._bound, best_price, waited = bound, price, 0
+            elif waited % PATIENCE == 0:
+                step *= 0.5
+            if done % FILL_EVERY == 0:
+                self.improve(self.filled([()] * len(self._networks), price))
+            wanted = looking.looks_of(passes) - looking.most_looks
+            wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
+            square = float(wanted @ wanted)
+            if step < STEP_MIN or square == 0.0 or self._is_near():
+                break
+            price = np.maximum(price + step * (bound - self.value) / square * wanted, 0.0)
+        return best_price
+
+    def _is_near(self) -> bool:
+        return self._bound - self.value <= GAP_ENOUGH * self._bound
+
+    def _answers(self, price: Array) -> tuple[float, Passes]:
+        """What the passes would take at these prices, and what the Lagrangian then is."""
+        gain = self._looking.worth - price[:, None]
+        steps = self._looking.length_steps
+        paths = [best_path(one, steps, gain, each_once=True) for one in self._networks]
+        lagrangian = float(self._looking.most_looks @ price) + sum(path.value for path in paths)
+        self._propose([path.looks for path in paths])
+        return lagrangian, [path.looks for path in paths]
+
+    def _propose(self, passes: Passes) -> None:
+        self._proposed.update({(n, looks): None for n, looks in enumerate(passes) if looks})
+
+    def filled(self, start: Passes, price: Array) -> Passes:
+        """Pass after pass is given its best path at the prices for what the others leave."""
+        looking = self._looking
+        passes = list(start)
+        left = looking.most_looks - looking.looks_of(passes)
+        for number, network in enumerate(self._networks):
+            left += looking.looks_of([passes[number]])
+            gain = np.where((left > 0.0)[:, None], looking.worth - price[:, None], 0.0)
+            path = best_path(network, looking.length_steps, gain, each_once=True)
+            own = sum(gain[look.target, look.length] for look in passes[number])
+            if path.value > own + WORTHLESS:
+                passes[number] = path.looks
+            left -= looking.looks_of([passes[number]])
+        return passes
+
+    def improve(self, passes: Passes) -> None:
+        """Refill without prices until nothing is gained; the best choice is kept."""
+        free = np.zeros(len(self._looking.most_looks))
+        value = self._looking.worth_of(passes)
+        for _ in range(SWEEPS_MAX):
+            better = self.filled(passes, free)
+            gained = self._looking.worth_of(better) - value
+            if gained <= WORTHLESS:
+                break
+            passes, value = better, value + gained
+        self._propose(passes)
+        if value > self.value:
+            self.best, self.value = passes, value
+
+    def combine(self) -> None:
+        """The best of all that was proposed, unless the choice is near the bound already."""
+        if self._is_near():
+            return
+        latest = list(self._proposed)[-PROPOSALS_MAX:]
+        own = [(n, looks) for n, looks in enumerate(self.best) if looks]
+        proposals = [
+            Proposal(pass_number=n, worth_value=self._looking.worth_of([looks]), looks=looks)
+            for n, looks in dict.fromkeys([*own, *latest])
+        ]
+        chosen = best_together(proposals, len(self._networks), self._looking.most_looks, COMBINE_S)
+        passes: Passes = [()] * len(self._networks)
+        for one in chosen:
+            passes[one.pass_number] = one.looks
+        self.improve(passes)
+
+
+def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:
+    """No choice of paths is worth more, whatever the prices >= 0, (targets,).
+
+    Lagrangian relaxation of "no more looks than most_looks".
+    """
+    gain = looking.worth - price[:, None]
+    return float(looking.most_looks @ price) + sum(
+        path_bound(one, looking.length_steps, gain) for one in networks
+    )

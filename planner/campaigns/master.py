@@ -1,0 +1,54 @@
+"""Which of the paths proposed for each pass go together best?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_array
+
+from planner.campaigns.path import Look
+
+Array = NDArray[np.float64]
+GAP_ENOUGH = 1e-4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proposal:
+    """Looks that one pass could have, in order of time."""
+
+    pass_number: int
+    worth_value: float
+    looks: tuple[Look, ...]
+
+
+def best_together(
+    proposals: Sequence[Proposal], passes: int, most_looks: Array, time_s: float
+) -> list[Proposal]:
+    """At most one per pass, no target looked at too often; the best found in time_s.
+
+    most_looks: (targets,).  An integer programme, solved by HiGHS.
+    """
+    entries = [
+        (row, number)
+        for number, one in enumerate(proposals)
+        for row in (one.pass_number, *(passes + look.target for look in one.looks))
+    ]
+    if not entries:
+        return []
+    row, place = np.array(entries).T
+    shape = (passes + len(most_looks), len(proposals))
+    solved = milp(
+        np.array([-one.worth_value for one in proposals]),
+        integrality=np.ones(len(proposals), np.intp),
+        bounds=Bounds(0.0, 1.0),
+        constraints=LinearConstraint(
+            csr_array((np.ones(len(row)), (row, place)), shape=shape),
+            ub=np.concatenate([np.ones(passes), most_looks]),
+        ),
+        options={"time_limit": time_s, "mip_rel_gap": GAP_ENOUGH},
+    )
+    if solved.x is None:
+        return []
+    return [one for one, share in zip(proposals, solved.x, strict=True) if share > 0.5]

@@ -1,0 +1,208 @@
+"""How do the axes move while each target can be looked at, on a common grid of time?"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.campaigns.passes import Looks
+from planner.opportunities.carrier import Carrier
+from planner.opportunities.sights import EarthSight, FixedPlaces, MovingPlace, Sight, SkySight
+from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
+from planner.targets import GroundTarget, MovingGroundTarget, SkyTarget, Target
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+DELTA_S = 1.0  # rates and accelerations are differences over it
+WITHIN = 0.98  # of each limit: what lies between the steps keeps it too
+SINGULAR_RAD = 1e-3
+BATCH = 100_000  # samples treated at a time: some 100 MB
+TURN_RAD = 2.0 * math.pi
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ways:
+    """Every way to follow every target, ordered by pass; arrays of shape (w,).
+
+    A way is an unbroken run of steps on one branch of `axis_angles` within all limits.
+    first_step, steps: the run on the grid, at step_s k after the grid's start.
+    offset: of its first row in state (n, 3, 2): angle, rate, acceleration of both axes.
+    """
+
+    step_s: float
+    target: Indices
+    pass_number: Indices
+    first_step: Indices
+    steps: Indices
+    offset: Indices
+    state: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Run:
+    """Ways found in one batch of samples, each array of shape (w,) or (n, ...)."""
+
+    look: Indices
+    first_step: Indices
+    steps: Indices
+    state: Array
+
+
+def ways_to_follow(
+    looks: Looks,
+    targets: Sequence[Target],
+    least_s: Array,
+    carrier: Carrier,
+    platform: TwoAxisPlatform,
+    step_s: float,
+    grid_s: float,
+) -> Ways:
+    """looks: as found.  least_s: (targets,), shorter ways are of no use.
+
+    grid_s: where step 0 lies on the carrier's clock, which `looks` counts on.
+    """
+    first = np.ceil((looks.from_s - grid_s) / step_s - 1e-9).astype(np.intp)
+    last = np.floor((looks.to_s - grid_s) / step_s + 1e-9).astype(np.intp)
+    least = np.ceil(least_s / step_s - 1e-9).astype(np.intp)
+    found = [
+        run
+        for rows, sight, which in _batches(looks, targets, carrier, last - first + 1)
+        for run in _runs(rows, first, last, sight, which, carrier, platform, step_s, grid_s)
+    ]
+    ways = _gathered(found, looks, step_s)
+    return _kept(ways, ways.steps > least[ways.target])
+
+
+def _batches(
+    looks: Looks, targets: Sequence[Target], carrier: Carrier, steps: Indices
+) -> Iterator[tuple[Indices, Sight, Indices]]:
+    """Rows of `looks` that are seen alike, how, and the number of each one's target in it."""
+    fixed = [n for n, target in enumerate(targets) if isinstance(target, GroundTarget)]
+    if fixed:
+        number = np.full(len(targets), -1)
+        number[fixed] = np.arange(len(fixed))
+        places = FixedPlaces([t for t in targets if isinstance(t, GroundTarget)])
+        sight = EarthSight(carrier, places, np.zeros(len(fixed)))
+        rows = np.flatnonzero(number[looks.target] >= 0)
+        batch = np.cumsum(steps[rows]) // BATCH
+        for part in np.split(rows, np.flatnonzero(np.diff(batch)) + 1):
+            yield part, sight, number[looks.target[part]]
+    for n, target in enumerate(targets):
+        rows = np.flatnonzero(looks.target == n)
+        if isinstance(target, MovingGroundTarget):
+            place = MovingPlace(carrier, target)
+            yield rows, EarthSight(carrier, place, np.zeros(1)), np.zeros(len(rows), np.intp)
+        elif isinstance(target, SkyTarget):
+            yield rows, SkySight(carrier, target), np.zeros(len(rows), np.intp)
+
+
+def _runs(
+    rows: Indices,
+    first: Indices,
+    last: Indices,
+    sight: Sight,
+    which: Indices,
+    carrier: Carrier,
+    platform: TwoAxisPlatform,
+    step_s: float,
+    grid_s: float,
+) -> Iterator[_Run]:
+    counts = np.maximum(last[rows] - first[rows] + 1, 0)
+    look = np.repeat(rows, counts)
+    if not len(look):
+        return
+    begins = np.cumsum(counts) - counts
+    step = np.arange(len(look)) - np.repeat(begins, counts) + np.repeat(first[rows], counts)
+    t_s = grid_s + step * step_s
+    before, los, after = (
+        carrier.in_platform(sight.seen(np.repeat(which, counts), at_s).direction_itrf, at_s)
+        for at_s in (t_s - DELTA_S, t_s, t_s + DELTA_S)
+    )
+    los_rate_s = (after - before) / (2.0 * DELTA_S)
+    los_acceleration_s2 = (after - 2.0 * los + before) / DELTA_S**2
+    for angle_rad in axis_angles(platform, los).angle_rad:
+        motion = axis_motion(platform, angle_rad, los, los_rate_s, los_acceleration_s2)
+        sound = singular_margin_rad(platform, angle_rad, los) > SINGULAR_RAD
+        for turned_rad in _turns(platform, angle_rad):
+            state = np.stack([turned_rad, *motion], axis=1)
+            usable = sound & _within(state, platform.axis_limits)
+            yield _split(look, step, state, usable)
+
+
+def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
+    """The angles (n, 2) whole turns away, as far as the stops can let them be."""
+    choices = [
+        range(
+            math.floor((limits.angle_min_rad + math.pi) / TURN_RAD),
+            math.ceil((limits.angle_max_rad - math.pi) / TURN_RAD) + 1,
+        )
+        for limits in platform.axis_limits
+    ]
+    for turns in itertools.product(*choices):
+        yield angle_rad + TURN_RAD * np.array(turns)
+
+
+def _within(state: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
+    """Which states (n, 3, 2) keep every limit; NaN keeps none."""
+    margin_rad = np.array([(1.0 - WITHIN) * axis.rate_max_rad_s for axis in limits])
+    low = np.array([axis.angle_min_rad for axis in limits]) + margin_rad
+    high = np.array([axis.angle_max_rad for axis in limits]) - margin_rad
+    rate = WITHIN * np.array([axis.rate_max_rad_s for axis in limits])
+    acceleration = WITHIN * np.array([axis.acceleration_max_rad_s2 for axis in limits])
+    angle_rad, rate_rad_s, acceleration_rad_s2 = state[:, 0], state[:, 1], state[:, 2]
+    kept = (angle_rad >= low) & (angle_rad <= high) & (np.abs(rate_rad_s) <= rate)
+    return np.asarray((kept & (np.abs(acceleration_rad_s2) <= acceleration)).all(axis=1))
+
+
+def _split(look: Indices, step: Indices, state: Array, usable: NDArray[np.bool_]) -> _Run:
+    """Runs of usable samples: of one look, step after step, without a turn over."""
+    here = np.flatnonzero(usable)
+    look, step, state = look[here], step[here], state[here]
+    goes_on = (look[1:] == look[:-1]) & (step[1:] == step[:-1] + 1)
+    goes_on &= (np.abs(np.diff(state[:, 0], axis=0)) < math.pi).all(axis=1)
+    begins = np.flatnonzero(np.append(True, ~goes_on)[: len(look)])
+    return _Run(
+        look=look[begins],
+        first_step=step[begins],
+        steps=np.diff(np.append(begins, len(look))),
+        state=state,
+    )
+
+
+def _gathered(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
+    def joined(name: str, empty: Array | Indices) -> Array | Indices:
+        return np.concatenate([empty, *(getattr(run, name) for run in runs)])
+
+    none = np.empty(0, np.intp)
+    look, steps = joined("look", none).astype(np.intp), joined("steps", none).astype(np.intp)
+    return Ways(
+        step_s=step_s,
+        target=looks.target[look],
+        pass_number=looks.pass_number[look],
+        first_step=joined("first_step", none).astype(np.intp),
+        steps=steps,
+        offset=np.cumsum(steps) - steps,
+        state=np.asarray(joined("state", np.empty((0, 3, 2)))),
+    )
+
+
+def _kept(ways: Ways, rows: NDArray[np.bool_]) -> Ways:
+    """Those at `rows`, by pass and time."""
+    order = np.flatnonzero(rows)
+    order = order[np.lexsort((ways.first_step[order], ways.pass_number[order]))]
+    steps = ways.steps[order]
+    offset = np.cumsum(steps) - steps
+    source = np.repeat(ways.offset[order] - offset, steps) + np.arange(steps.sum())
+    return Ways(
+        step_s=ways.step_s,
+        target=ways.target[order],
+        pass_number=ways.pass_number[order],
+        first_step=ways.first_step[order],
+        steps=steps,
+        offset=offset,
+        state=ways.state[source],
+    )

@@ -1,0 +1,235 @@
+"""Which smoothest motion of both axes keeps the boresight out of moving cones?
+
+The two axes' splines and limits are those of `spline_ocp`; cones couple them.  The cosine
+between boresight and a cone's axis is bilinear in the cosines and sines of the two angles,
+so that one solver serves every platform and every cone.
+"""
+
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner import effort
+from planner.platforms import TwoAxisPlatform
+from planner.pointing.keep_out import MovingCone
+from planner.slew.backends.spline_ocp import (
+    IPOPT,
+    ITERATION_ENTRY,
+    PosedAxis,
+    SplineOcp,
+)
+from planner.slew.solution import AxisProfile
+
+if TYPE_CHECKING:
+    import casadi
+
+Array = NDArray[np.float64]
+COARSE_POINTS, FINE_POINTS = 60, 160
+NOT_COUNTING = 1e3  # beyond any scaled cosine
+# Of `planner.effort`: a solve and each of its cones' instants, with their share of making the
+# programme, which takes 85 to 350 ms once a process; a row or variable in an iteration, as cones
+# fill what is factorised.
+SOLVE, SOLVE_INSTANT, ITERATION_ROW = 1_000, 30, 0.4
+OPTIONS = {
+    name: value
+    for name, value in IPOPT.items()
+    if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
+}
+# How a solve begins: from far guesses; from such and led off wide of them, to other optima; or
+# near its end, with the cones kept at many instants.
+Start = Literal["far", "wide", "near"]
+STARTS: dict[Start, dict[str, str | float | int]] = {
+    "far": {"tol": 1e-4, "mu_init": 1e-2, "max_iter": 40},
+    "wide": {"tol": 1e-4, "mu_init": 1e-1, "max_iter": 40},
+    # The margin beside a cone is a thousand times the tolerance.
+    "near": {"tol": 1e-6, "mu_init": 1e-4, "max_iter": 60},
+}
+
+
+class _Parts(NamedTuple):
+    """Of the programme: variables, parameters, cost, and cosines with the cones' axes."""
+
+    y: "list[casadi.SX]"
+    parameters: "casadi.SX"
+    cost: "casadi.SX"
+    cosines: "list[casadi.SX]"
+
+
+class DetourOcp:
+    """Least integral of squared jerk of both axes, cones kept at some instants.
+
+    spline: the basis of each axis.  cones: how many.  calm: whether modes are spared.
+    start: from what; far guesses suit fewer instants.
+    """
+
+    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool, start: Start) -> None:
+        self._spline, self._cones, self._calm, self._start = spline, cones, calm, start
+        points = FINE_POINTS if start == "near" else COARSE_POINTS
+        self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
+        self._values = spline.values(self.tau)
+
+    @cached_property
+    def _parts(self) -> _Parts:
+        # CasADi takes 0.1 s to import, which only a process that solves should pay.
+        import casadi
+
+        spline, cones, points = self._spline, self._cones, len(self.tau)
+        n = spline.free_count
+        y = [casadi.SX.sym(f"y{axis}", n) for axis in range(2)]
+        p_gradient = [casadi.SX.sym(f"gradient{axis}", n) for axis in range(2)]
+        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._calm)]
+        p_base = [casadi.SX.sym(f"base{axis}", points) for axis in range(2)]
+        p_scale = casadi.SX.sym("scale")
+        p_cosine = casadi.SX.sym("cosine", points * cones, 9)
+
+        own = casadi.sparsify(casadi.DM(spline.hessian))
+        cost = casadi.SX(0)
+        for axis in range(2):
+            hessian = p_hessian[axis] if self._calm else own
+            cost += casadi.bilin(hessian, y[axis], y[axis]) / 2.0
+            cost += casadi.dot(p_gradient[axis], y[axis])
+        free = casadi.sparsify(casadi.DM(self._values.free))
+        angle = [p_base[axis] + p_scale * casadi.mtimes(free, y[axis]) for axis in range(2)]
+        one = casadi.SX.ones(points, 1)
+        trig = [[one, casadi.cos(q), casadi.sin(q)] for q in angle]
+        cosines = []
+        for cone in range(cones):
+            part = p_cosine[cone * points : (cone + 1) * points, :]
+            cosine = casadi.SX(points, 1)
+            for i, by_outer in enumerate(trig[0]):
+                for j, by_inner in enumerate(trig[1]):
+                    cosine += part[:, 3 * i + j] * by_outer * by_inner
+            cosines.append(cosine)
+        parameters = [*p_gradient, *map(casadi.vec, p_hessian), *p_base, p_scale]
+        return _Parts(y, casadi.vertcat(*parameters, casadi.vec(p_cosine)), cost, cosines)
+
+    @cached_property
+    def _rates_only(self) -> "casadi.Function":
+        """Neglects the limits of acceleration and jerk, which few slews meet: a third less work."""
+        return self._programme(self._spline.rate_rows)
+
+    @cached_property
+    def _complete(self) -> "casadi.Function":
+        return self._programme(len(self._spline.jacobian))
+
+    def _programme(self, hull_rows: int) -> "casadi.Function":
+        import casadi
+
+        parts = self._parts
+        jacobian = casadi.sparsify(casadi.DM(self._spline.jacobian[:hull_rows]))
+        rows = [casadi.mtimes(jacobian, part) for part in parts.y]
+        programme = {
+            "x": casadi.vertcat(*parts.y),
+            "p": parts.parameters,
+            "f": parts.cost,
+            "g": casadi.vertcat(*rows, *parts.cosines),
+        }
+        options = {**OPTIONS, **STARTS[self._start]}
+        return casadi.nlpsol("detour", "ipopt", programme, {"print_time": False, "ipopt": options})
+
+    def solve(
+        self,
+        platform: TwoAxisPlatform,
+        axes: tuple[PosedAxis, PosedAxis],
+        cones: tuple[MovingCone, ...],
+        margin_rad: Array,
+        guess: Array,
+    ) -> tuple[tuple[AxisProfile, AxisProfile], int]:
+        """Both profiles and the iterations; to be judged by what they are.
+
+        axes: posed with one scale.  margin_rad: (cones, len(tau)), kept beside each half angle.
+        guess: (2, k), the free coefficients to begin from.
+        """
+        T = axes[0].duration_s
+        cosine, high = [], []
+        for cone, margin in zip(cones, margin_rad, strict=True):
+            axis, counts = cone.at(self.tau * T)
+            half_rad = cone.half_angle_rad + margin
+            steepness = np.maximum(np.sin(half_rad), 1e-3)
+            cosine.append(cosine_coefficients(platform, axis) / steepness[:, None])
+            high.append(np.where(counts, np.cos(half_rad) / steepness, NOT_COUNTING))
+        base = [
+            axis.start_angle_rad + axis.scale_rad * self._values.fixed @ axis.fixed for axis in axes
+        ]
+        hessians = [one.hessian.ravel() for one in axes if one.hessian is not None]
+        parameters = np.concatenate(
+            [
+                *(axis.gradient for axis in axes),
+                *hessians,
+                *base,
+                np.array([axes[0].scale_rad]),
+                np.concatenate(cosine).ravel(order="F"),
+            ]
+        )
+        most = np.concatenate(high)
+        y, iterations, good = _solved(
+            self._rates_only, self._spline.rate_rows, axes, parameters, most, guess
+        )
+        if good and not all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True)):
+            y, more, _ = _solved(
+                self._complete, len(self._spline.jacobian), axes, parameters, most, y
+            )
+            iterations += more
+        profiles = tuple(
+            self._spline.profile(axis, part) for axis, part in zip(axes, y, strict=True)
+        )
+        return (profiles[0], profiles[1]), iterations
+
+
+def _solved(
+    solver: "casadi.Function",
+    hull_rows: int,
+    axes: tuple[PosedAxis, PosedAxis],
+    parameters: Array,
+    cosine_most: Array,
+    guess: Array,
+) -> tuple[Array, int, bool]:
+    """y of both axes (2, k), iterations, and whether the solver thinks it was good."""
+    effort.spend(SOLVE + SOLVE_INSTANT * len(cosine_most))
+    found = solver(
+        x0=guess.ravel(),
+        p=parameters,
+        lbx=np.concatenate([axis.low for axis in axes]),
+        ubx=np.concatenate([axis.high for axis in axes]),
+        lbg=np.concatenate(
+            [*(axis.rows_low[:hull_rows] for axis in axes), np.full(len(cosine_most), -np.inf)]
+        ),
+        ubg=np.concatenate([*(axis.rows_high[:hull_rows] for axis in axes), cosine_most]),
+    )
+    stats: dict[str, Any] = solver.stats()
+    y, iterations = np.asarray(found["x"]).reshape(2, -1), int(stats["iter_count"])
+    full = sum(axis.hessian.size for axis in axes if axis.hessian is not None)
+    rows = 2 * hull_rows + len(cosine_most) + y.size
+    effort.count(iterations * (ITERATION_ROW * rows + ITERATION_ENTRY * full))
+    return y, iterations, bool(stats["success"])
+
+
+def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Array:
+    """(n, 9): the boresight's cosine with (n, 3) unit vectors is the sum over i, j of
+    entry 3 i + j times (1, cos a, sin a)[i] times (1, cos b, sin b)[j].
+
+    Source: Rodrigues' formula, applied for the inner and the outer axis.
+    """
+    return np.asarray(np.einsum("nx,jix->nij", axis_platform, _carried(platform)).reshape(-1, 9))
+
+
+@lru_cache(maxsize=8)
+def _carried(platform: TwoAxisPlatform) -> Array:
+    """(3, 3, 3): vectors [j, i, xyz] of the boresight beside the (j, i) parts of the angles."""
+    outer, inner = platform.axes_platform
+    zero = np.array(platform.zero_direction_platform)
+    zero = zero / np.linalg.norm(zero)
+
+    def parts(axis: Array, vector: Array) -> list[Array]:
+        along = (axis @ vector) * axis
+        return [along, vector - along, np.cross(axis, vector)]
+
+    return np.array([parts(outer, carried) for carried in parts(inner, zero)])
+
+
+@lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB
+def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, start: Start) -> DetourOcp:
+    """Made once per process and basis."""
+    return DetourOcp(spline, cones, calm=calm, start=start)

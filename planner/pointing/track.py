@@ -1,0 +1,280 @@
+"""How must the axes move to keep the boresight on a target, and can they?"""
+
+import itertools
+import math
+from dataclasses import dataclass
+from datetime import datetime
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
+from planner.pointing.hermite import met_range, quintic_motion
+from planner.pointing.line_of_sight import LineOfSight
+
+Array = NDArray[np.float64]
+TURN_RAD = 2.0 * math.pi
+SINGULAR_RAD = 1e-6  # nearer to the plane of the axes the angles lose the 0.1 arcsec
+LIMIT_TOLERANCE = 1e-9  # of the limit: rounding of degrees to radians
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisTrack:
+    """Axis motion along a target, continuous: angles are never wrapped.
+
+    t_s: (n,), rows on the clock of the line of sight: the session, and the time around it
+    over which the target can be followed within the limits too.
+    angle_rad, rate_rad_s, acceleration_rad_s2: (n, 2).
+    branch: row of `axis_angles`.  singular_margin_rad: least over the session, at
+    singular_at_s.  All three None where the motion follows no line of sight.
+    """
+
+    axis_names: tuple[str, str]
+    t_s: Array
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
+    branch: int | None = None
+    singular_margin_rad: float | None = None
+    singular_at_s: float | None = None
+
+    def motion(self, t_s: Array) -> tuple[Array, Array, Array]:
+        """Angle, rate, acceleration, each (k, 2), at t_s (k,) within the rows."""
+        return quintic_motion(
+            t_s, self.t_s, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2
+        )
+
+
+class _Break(NamedTuple):
+    """The first limit a track breaks in its session, row counted in the line of sight."""
+
+    axis: str
+    limit: str
+    row: int
+    value: float
+    bound: float
+
+
+class _LimitBreaks(NamedTuple):
+    """Cells (n - 1, 2) in which a limit breaks, with the worst value there and the bound."""
+
+    limit: str
+    cells: NDArray[np.bool_]
+    value: Array
+    bound: Array
+
+
+def track_candidates(
+    platform: TwoAxisPlatform,
+    los: LineOfSight,
+    session_start_s: float,
+    session_stop_s: float,
+    start_angle_rad: Array,
+) -> tuple[AxisTrack, ...]:
+    """Every way to follow the target within stops and limits, the preferred one first.
+
+    los: rows that cover the session and may reach before and after it; uniform step.
+    session_*_s: on the clock of los.instants.  start_angle_rad: (2,), where the axes are
+    before the slew.  A way is a branch of `axis_angles` and a number of whole turns per
+    axis, one choice for the whole session.  Preferred is the shortest slew (largest
+    distance over rate limit of the axes), then the smaller inner angle (Sumarokov 2016,
+    p. 88).  Limits are tested on the flown cubic Hermite, so between rows too; the acceleration
+    also as it is on rows, where a slew may have to begin or end with it.
+    Raises Unreachable (no angles, or none within the stops) and TrackBreaksLimit (rate,
+    acceleration or jerk) when there is no way.
+    """
+    t_s = los.instants.t_s
+    first, last = _session_rows(t_s, session_start_s, session_stop_s)
+    angles, reachable = axis_angles(platform, los.los_platform)
+    if not reachable[first:last].all():
+        raise _unreachable(platform, los, reachable[first:last], first)
+
+    ways: list[AxisTrack] = []
+    breaks: list[_Break] = []
+    for branch in range(2):
+        margin = singular_margin_rad(platform, angles[branch], los.los_platform)
+        usable = reachable & (margin > SINGULAR_RAD)  # NaN margins where unreachable
+        if not usable[first:last].all():
+            raise _singular(platform, los, int(first + np.argmin(margin[first:last])))
+        here = _around(usable, first, last)
+        continuous = np.unwrap(angles[branch][here], axis=0)
+        rate, acceleration = axis_motion(
+            platform,
+            angles[branch][here],
+            los.los_platform[here],
+            los.los_rate_platform_s[here],
+            los.los_acceleration_platform_s2[here],
+        )
+        session = slice(first - here.start, last - here.start)
+        nearest = first + int(np.argmin(margin[first:last]))
+        for turned in _whole_turns(continuous, session, platform.axis_limits):
+            breaks_at = _breaks(platform, t_s[here], turned, rate, acceleration)
+            session_break = _first_break(platform, breaks_at, session)
+            if session_break is not None:
+                breaks.append(session_break._replace(row=here.start + session_break.row))
+                continue
+            kept_cells = ~np.any([found.cells for found in breaks_at], axis=(0, 2))
+            cells = _around(kept_cells, session.start, session.stop - 1)
+            rows = slice(cells.start, cells.stop + 1)
+            ways.append(
+                AxisTrack(
+                    axis_names=platform.axis_names,
+                    t_s=t_s[here][rows],
+                    angle_rad=turned[rows],
+                    rate_rad_s=rate[rows],
+                    acceleration_rad_s2=acceleration[rows],
+                    branch=branch,
+                    singular_margin_rad=float(margin[nearest]),
+                    singular_at_s=float(t_s[nearest]),
+                )
+            )
+    if not ways:
+        raise _best_refusal(los, breaks)
+    return tuple(
+        sorted(ways, key=lambda way: _preference(way, platform, session_start_s, start_angle_rad))
+    )
+
+
+def _session_rows(t_s: Array, start_s: float, stop_s: float) -> tuple[int, int]:
+    """Slice of the rows that enclose the session; a bug, not a refusal, if they don't."""
+    first = int(np.searchsorted(t_s, start_s + 1e-9, side="right")) - 1
+    last = int(np.searchsorted(t_s, stop_s - 1e-9, side="left")) + 1
+    if first < 0 or last > len(t_s):
+        raise IndexError(f"line of sight {t_s[0]}..{t_s[-1]} s, session {start_s}..{stop_s} s")
+    return first, max(last, first + 2)
+
+
+def _around(usable: NDArray[np.bool_], first: int, last: int) -> slice:
+    """The run of usable rows (or cells) that contains first..last-1."""
+    lost_before = np.flatnonzero(~usable[:first])
+    lost_after = np.flatnonzero(~usable[last:])
+    start = int(lost_before[-1]) + 1 if lost_before.size else 0
+    stop = last + int(lost_after[0]) if lost_after.size else len(usable)
+    return slice(start, stop)
+
+
+def _whole_turns(continuous: Array, session: slice, limits: tuple[AxisLimits, ...]) -> list[Array]:
+    """The motion with each number of whole turns that fits the stops, else the nearest one."""
+    choices = []
+    for axis, limit in enumerate(limits):
+        low, high = continuous[session, axis].min(), continuous[session, axis].max()
+        least = math.ceil((limit.angle_min_rad - low) / TURN_RAD - LIMIT_TOLERANCE)
+        most = math.floor((limit.angle_max_rad - high) / TURN_RAD + LIMIT_TOLERANCE)
+        middle = (limit.angle_min_rad + limit.angle_max_rad) / 2.0
+        nearest = round((middle - (low + high) / 2.0) / TURN_RAD)
+        choices.append(range(least, most + 1) or (nearest,))
+    return [continuous + TURN_RAD * np.array(turns) for turns in itertools.product(*choices)]
+
+
+def _breaks(
+    platform: TwoAxisPlatform,
+    t_s: Array,
+    angle_rad: Array,
+    rate_rad_s: Array,
+    acceleration_rad_s2: Array,
+) -> list[_LimitBreaks]:
+    flown = met_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
+    limits = platform.axis_limits
+    angle_min = np.array([axis.angle_min_rad for axis in limits])
+    angle_max = np.array([axis.angle_max_rad for axis in limits])
+    rate_max = np.array([axis.rate_max_rad_s for axis in limits])
+    acceleration_max = np.array([axis.acceleration_max_rad_s2 for axis in limits])
+    jerk_max = np.array([axis.jerk_max_rad_s3 for axis in limits])
+    found = []
+    for limit, (least, greatest), low, high in (
+        ("angle", flown.angle_rad, angle_min, angle_max),
+        ("rate", flown.rate_rad_s, -rate_max, rate_max),
+        ("acceleration", flown.acceleration_rad_s2, -acceleration_max, acceleration_max),
+        ("jerk", flown.jerk_rad_s3, -jerk_max, jerk_max),
+    ):
+        slack = LIMIT_TOLERANCE * (high - low)
+        under, over = least < low - slack, greatest > high + slack
+        value, bound = np.where(under, least, greatest), np.where(under, low, high)
+        found.append(_LimitBreaks(limit, under | over, value, bound))
+    return found
+
+
+def _first_break(
+    platform: TwoAxisPlatform, breaks: list[_LimitBreaks], session: slice
+) -> _Break | None:
+    for limit, cells, value, bound in breaks:
+        broken = np.argwhere(cells[session.start : session.stop - 1])
+        if broken.size:
+            cell, axis = session.start + int(broken[0, 0]), int(broken[0, 1])
+            name = platform.axis_names[axis]
+            return _Break(name, limit, cell, float(value[cell, axis]), float(bound[cell, axis]))
+    return None
+
+
+def _preference(
+    way: AxisTrack, platform: TwoAxisPlatform, session_start_s: float, start_angle_rad: Array
+) -> tuple[float, float]:
+    angle = way.motion(np.array([session_start_s]))[0][0]
+    rate_max = np.array([limits.rate_max_rad_s for limits in platform.axis_limits])
+    effort_s = float(np.max(np.abs(angle - start_angle_rad) / rate_max))
+    return round(effort_s, 6), float(abs(angle[1]))
+
+
+def _at(los: LineOfSight, row: int) -> datetime:
+    return shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[row]))
+
+
+def _unreachable(
+    platform: TwoAxisPlatform, los: LineOfSight, reachable: NDArray[np.bool_], first: int
+) -> Unreachable:
+    lost = np.flatnonzero(~reachable)
+    start, stop = _at(los, first + int(lost[0])), _at(los, first + int(lost[-1]))
+    share = len(lost) / len(reachable)
+    return Unreachable(
+        f"no pair of axis angles of {platform.name} points at the target for {_percent(share)} of "
+        f"the session, between {utc_text(start)} and {utc_text(stop)}; choose other times, or turn "
+        "the carrier so that the target leaves the dead cone of the axes",
+        at_utc=start,
+    )
+
+
+def _percent(share: float) -> str:
+    return "less than 1%" if share < 0.01 else f"{share:.0%}"
+
+
+def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:
+    at_utc = _at(los, row)
+    return Unreachable(
+        f"at {utc_text(at_utc)} the line of sight lies in the plane of the axes of "
+        f"{platform.name}, a singular direction: the {platform.outer_name} angle is not "
+        "determined there; choose another time or turn the carrier slightly",
+        axis=platform.outer_name,
+        at_utc=at_utc,
+    )
+
+
+def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
+    """The way that got nearest: a rate or acceleration that breaks lies within the stops."""
+    order = {"angle": 0, "jerk": 1, "acceleration": 2, "rate": 3}
+    worst = max(breaks, key=lambda found: (order[found.limit], found.row))
+    at_utc = _at(los, worst.row)
+    value_deg, bound_deg = math.degrees(worst.value), math.degrees(worst.bound)
+    value, bound = figures(value_deg, bound_deg), figures(bound_deg, value_deg)
+    if worst.limit == "angle":
+        return Unreachable(
+            f"{worst.axis} would have to turn to {value} deg at "
+            f"{utc_text(at_utc)}, beyond its stop at {bound} deg, and the "
+            "other ways to point there pass a stop too; choose other times",
+            axis=worst.axis,
+            limit="angle",
+            at_utc=at_utc,
+        )
+    unit = {"rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}[worst.limit]
+    return TrackBreaksLimit(
+        f"following the target needs {value.lstrip('-')} {unit} of {worst.axis} "
+        f"at {utc_text(at_utc)}, more than the {bound.lstrip('-')} {unit} it has; "
+        "choose a pass farther from the singular direction of the axes, a shorter session, or "
+        '"keyhole": "nearest"',
+        axis=worst.axis,
+        limit=worst.limit,
+        at_utc=at_utc,
+    )

@@ -1,0 +1,58 @@
+"""How do slews and tracks become one command table?"""
+
+from dataclasses import replace
+from datetime import datetime
+
+import numpy as np
+
+from planner.commands import ROWS_PER_S, CommandTable
+from planner.frames.time_scales import elapsed_s
+from planner.scenario import Scenario
+from planner.sessions.holding import flown_span
+from planner.sessions.joining import Join
+
+
+def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]) -> CommandTable:
+    """Row by row: at rest until each slew begins, the slew, the track.
+
+    A row shared by two of them is the later one's.  What a slew leaves as end error is
+    flown as it dies away.
+    """
+    rows = joins[-1].stop_row + 1
+    angle_rad = np.empty((rows, len(axis_names)))
+    rate_rad_s = np.empty((rows, len(axis_names)))
+    from_row = 0
+    for join in joins:
+        slew_t_s = np.arange(join.join_row - join.slew_row + 1) / ROWS_PER_S
+        slew = slice(join.slew_row, join.join_row + 1)
+        angle_rad[slew], rate_rad_s[slew], _, _ = join.slew.motion(slew_t_s)
+        angle_rad[from_row : join.slew_row] = angle_rad[join.slew_row]
+        rate_rad_s[from_row : join.slew_row] = 0.0
+        track = slice(join.join_row, join.stop_row + 1)
+        track_t_s = np.arange(join.join_row, join.stop_row + 1) / ROWS_PER_S
+        angle_rad[track], rate_rad_s[track], _ = join.track.motion(track_t_s)
+        if join.slew.settling_s:
+            since_join_s = track_t_s[:, None] - track_t_s[0]
+            left_rad = np.exp(-since_join_s / join.slew.settling_s) * join.slew.end_error_rad
+            angle_rad[track] += left_rad
+            rate_rad_s[track] -= left_rad / join.slew.settling_s
+        from_row = join.stop_row
+    return CommandTable(
+        epoch_utc=epoch_utc, axis_names=axis_names, angle_rad=angle_rad, rate_rad_s=rate_rad_s
+    )
+
+
+def as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str]]:
+    """The sessions as they are left after conflicts, and what each of them lost."""
+    epoch_utc = scenario.initial_state.epoch
+    sessions, losses = [], []
+    for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
+        start, stop = flown_span(session, epoch_utc, join.join_row, join.stop_row)
+        sessions.append(replace(session, start=start, stop=stop))
+        late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
+        if late_s or early_s:
+            losses.append(
+                f"session {number} starts {late_s:.1f} s later and stops {early_s:.1f} s earlier "
+                f"than asked, so that the slew between sessions fits ({scenario.on_conflict})"
+            )
+    return replace(scenario, sessions=tuple(sessions)), losses

@@ -1,0 +1,350 @@
+"""Which steps from way to way make the cheapest chain of slews through all sessions?"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from planner import effort
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.effort import at_most
+from planner.errors import InfeasibleSlew
+from planner.frames.time_scales import elapsed_s
+from planner.scenario import Scenario
+from planner.sessions.earliest_join import track_states
+from planner.sessions.holding import GRID_TOLERANCE_S, Way
+from planner.sessions.joining import Join, first_row_in_reach, joined, may_be_slewed_between
+from planner.slew import AxisState, next_duration_s
+
+SPLITS = 8  # how finely a loss is shared between two sessions
+CARE_SHARE = 0.4  # of the work that is left, for what isn't found at once; then for bettering it
+CARE_MOST = 120_000  # for one slew: another one may do as well
+SHUT_ROWS = 10  # which a slew that cones shut must at least have more: a try takes a second
+TRIES_PER_PAIR = 6  # rows at which one slew is tried; the solver needs a row or two more at most
+States = tuple[AxisState, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stand:
+    """Where a slew begins: on a session's way, joined at `join_row`, or at rest in row 0."""
+
+    way: Way | None
+    join_row: int
+    initial: States
+
+    @property
+    def last_row(self) -> int:
+        return self.way.rows.stop if self.way else self.join_row
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChainStep:
+    """From a stand to a way: the rows it is left and joined at, and what that costs."""
+
+    way: Way
+    leave_row: int
+    join_row: int
+    lost_rows: int
+    slew_s: float
+
+
+Steps = tuple[ChainStep, ...]
+Pair = tuple[int, int]  # identities of the ways left and joined
+Resolve = Callable[["Chain", Stand, Way], tuple[int, int] | None]
+
+
+def initial_state(scenario: Scenario) -> States:
+    """The platform at row 0, axis by axis."""
+    motions = (scenario.initial_motion(axis) for axis in scenario.platform.axis_names)
+    return tuple(
+        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
+        for q, v, a in motions
+    )
+
+
+class Chain:
+    """The ways of each session, and the slews between them that solving found impossible.
+
+    What was found out is kept, by identity of ways and by rows: each search goes over it again.
+    """
+
+    def __init__(self, scenario: Scenario, sessions: list[tuple[Way, ...]]) -> None:
+        self.scenario = scenario
+        self.sessions = sessions
+        self._barred: dict[Pair, set[tuple[int, int]]] = {}
+        self._joins: dict[tuple[Pair, int, int], Join] = {}
+        self._steps: dict[tuple[Pair, int, Resolve, int], ChainStep | None] = {}
+        self._may: dict[tuple[Pair, int, int], bool] = {}
+        self._early_rows: dict[tuple[Pair, int], int | None] = {}
+        self._states: dict[tuple[int, int], States] = {}
+        self._shut: dict[Pair, int] = {}
+        self._spans_s: dict[int, tuple[float, float]] = {}
+        self._care_left = CARE_SHARE * effort.left()
+        self._is_cut_short = False
+
+    def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
+        """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
+        while (steps := self.cheapest(CONFLICTS[mode], count)) is not None:
+            joins: list[Join] = []
+            for number, step in enumerate(steps):
+                join = self._joined(self.stand(steps[:number]), step)
+                if join is None:
+                    break
+                if joins:
+                    joins[-1] = replace(joins[-1], stop_row=step.leave_row)
+                joins.append(join)
+            else:
+                return steps, joins
+        return None
+
+    def _joined(self, stand: Stand, step: ChainStep) -> Join | None:
+        """Solved once, whichever mode asks; None: undecided by closed form, then impossible."""
+        pair, rows = (id(stand.way), id(step.way)), (step.leave_row, step.join_row)
+        if (pair, *rows) not in self._joins:
+            way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
+            state = self.state(stand, step.leave_row)
+            try:
+                self._joins[pair, *rows] = self._solved(way, step.leave_row, state)
+            except InfeasibleSlew as refusal:
+                self._barred.setdefault(pair, set()).add(rows)
+                if refusal.limit == "keep_out":
+                    self._shut[pair] = step.join_row - step.leave_row + SHUT_ROWS
+                return None
+        return self._joins[pair, *rows]
+
+    def _solved(self, way: Way, from_row: int, state: States) -> Join:
+        """Around cones what is found at once, else with care; without, with care as it lasts."""
+        slew = self.scenario.slew
+        if slew.objective == "minimum_time" and not slew.keep_out:
+            join = self._with_care(way, from_row, state)
+            if join is None:
+                join = joined(self.scenario, way, from_row, state, thorough=False, early=False)
+                join = replace(join, cut_short=True)
+            return join
+        try:
+            return joined(self.scenario, way, from_row, state, thorough=False, early=False)
+        except InfeasibleSlew as refusal:
+            shut = refusal
+        careful = self._with_care(way, from_row, state, early=False) if slew.keep_out else None
+        if careful is None:
+            raise shut
+        return careful
+
+    def _with_care(
+        self, way: Way, from_row: int, state: States, *, early: bool = True
+    ) -> Join | None:
+        """None where the work that may be done with care ends before anything is found."""
+        join = None
+        with at_most(min(CARE_MOST, self._care_left)) as care:
+            try:
+                join = joined(self.scenario, way, from_row, state, early=early)
+            finally:
+                self._care_left -= care.done_rows
+        self._is_cut_short |= join is None
+        return join
+
+    def hurry(self) -> None:
+        """From now on whatever is found at once will do."""
+        self._care_left = 0.0
+        self._is_cut_short = True
+
+    def improved(self, steps: Steps, joins: list[Join]) -> list[Join]:
+        """The same chain around cones, as early and as smooth as is found.
+
+        Each within its share of the work that is left; what isn't bettered by then stays.
+        """
+        if not self.scenario.slew.keep_out:
+            return joins
+        better = []
+        share = CARE_SHARE * effort.left() / len(joins)
+        for number, (step, join) in enumerate(zip(steps, joins, strict=True)):
+            way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
+            state = self.state(self.stand(steps[:number]), step.leave_row)
+            found = replace(join, cut_short=True)
+            with at_most(share):
+                found = self._bettered(way, step.leave_row, state, join)
+            cut_short = found.cut_short or self._is_cut_short
+            better.append(replace(found, stop_row=join.stop_row, cut_short=cut_short))
+        return better
+
+    def _bettered(self, way: Way, from_row: int, state: States, join: Join) -> Join:
+        try:
+            return joined(self.scenario, way, from_row, state)
+        except InfeasibleSlew:  # a search from other guesses may miss what was found
+            return join
+
+    def stand(self, steps: Steps) -> Stand:
+        """Where the next slew begins."""
+        initial = initial_state(self.scenario)
+        if not steps:
+            return Stand(way=None, join_row=0, initial=initial)
+        return Stand(way=steps[-1].way, join_row=steps[-1].join_row, initial=initial)
+
+    def cheapest(self, resolve: Resolve, count: int | None = None) -> Steps | None:
+        """Dynamic programme over the ways of each session; None when no chain of ways fits."""
+        chains: list[Steps] = [()]
+        for ways in self.sessions[:count]:
+            longer: list[Steps] = []
+            for way in ways:
+                options = [
+                    (*before, step)
+                    for before in chains
+                    if (step := self._step(self.stand(before), way, resolve)) is not None
+                ]
+                if options:
+                    longer.append(min(options, key=_cost))
+            chains = longer
+        return min(chains, key=_cost, default=None)
+
+    def _step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
+        """Worked out again only where solving has barred more since."""
+        pair = (id(stand.way), id(way))
+        known = (pair, stand.join_row, resolve, len(self._barred.get(pair, ())))
+        if known not in self._steps:
+            self._steps[known] = self._new_step(stand, way, resolve)
+        return self._steps[known]
+
+    def _new_step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
+        asked = (stand.last_row, way.rows.start)
+        rows = asked if self.fits_as_asked(stand, way) else resolve(self, stand, way)
+        if rows is None:
+            return None
+        leave_row, join_row = rows
+        there = self._state(way, join_row)
+        least_s = [
+            next_duration_s(*ends, 0.0)
+            for ends in zip(
+                self.state(stand, leave_row), there, self.scenario.axis_limits, strict=True
+            )
+        ]
+        return ChainStep(
+            way=way,
+            leave_row=leave_row,
+            join_row=join_row,
+            lost_rows=stand.last_row - leave_row + join_row - way.rows.start,
+            slew_s=max(0.0 if least is None else least for least in least_s),
+        )
+
+    def fits(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
+        """Whether nothing known forbids the slew, and something is left of both sessions."""
+        if not self._is_open(stand, way, leave_row, join_row):
+            return False
+        known = ((id(stand.way), id(way)), leave_row, join_row)
+        if known not in self._may:
+            there = self._state(way, join_row)
+            state = self.state(stand, leave_row)
+            self._may[known] = may_be_slewed_between(
+                self.scenario, state, there, join_row - leave_row
+            )
+        return self._may[known]
+
+    def _is_open(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
+        """Whether solving has not barred it, and something is left of both sessions."""
+        barred = self._barred.get((id(stand.way), id(way)), set())
+        if (leave_row, join_row) in barred or len(barred) >= TRIES_PER_PAIR:
+            return False
+        if join_row - leave_row < self._shut.get((id(stand.way), id(way)), 0):
+            return False
+        in_order = stand.join_row <= leave_row < join_row
+        return in_order and self._leaves_something(stand, way, leave_row, join_row)
+
+    def fits_as_asked(self, stand: Stand, way: Way) -> bool:
+        """The same where nothing is given up; an earlier row may be within reach even then."""
+        rows = (stand.last_row, way.rows.start)
+        if not self._is_open(stand, way, *rows):
+            return False
+        if self.fits(stand, way, *rows):
+            return True
+        known = ((id(stand.way), id(way)), stand.last_row)
+        if known not in self._early_rows:
+            state = self.state(stand, stand.last_row)
+            self._early_rows[known] = first_row_in_reach(
+                self.scenario, way, stand.last_row, state, way.rows.start
+            )
+        return self._early_rows[known] is not None
+
+    def state(self, stand: Stand, row: int) -> States:
+        """Of the axes on a row of the way that is left then."""
+        return self._state(stand.way, row) if stand.way else stand.initial
+
+    def _state(self, way: Way, row: int) -> States:
+        if (id(way), row) not in self._states:
+            self._states[id(way), row] = track_states(way.track, row / ROWS_PER_S)
+        return self._states[id(way), row]
+
+    def _leaves_something(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
+        left_s = [self._left_s(way, join_row, way.rows.stop)]
+        if stand.way is not None:
+            left_s.append(self._left_s(stand.way, stand.join_row, leave_row))
+        return min(left_s) > COMMAND_STEP_S - GRID_TOLERANCE_S
+
+    def _left_s(self, way: Way, join_row: int, stop_row: int) -> float:
+        """Of a session between the rows at which its track is joined and left."""
+        if id(way) not in self._spans_s:
+            epoch_utc, session = self.scenario.initial_state.epoch, way.session
+            self._spans_s[id(way)] = (
+                elapsed_s(session.start, epoch_utc),
+                elapsed_s(session.stop, epoch_utc),
+            )
+        start_s, stop_s = self._spans_s[id(way)]
+        return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, join_row / ROWS_PER_S)
+
+
+def _cost(steps: Steps) -> tuple[int, float]:
+    return sum(step.lost_rows for step in steps), sum(step.slew_s for step in steps)
+
+
+def _refuse(chain: Chain, stand: Stand, way: Way) -> None:
+    """Nothing is given up."""
+
+
+def _shorten_later(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
+    """The later session begins late."""
+    return _shared(chain, stand, way, (0,))
+
+
+def _shorten_earlier(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
+    """The earlier session ends early."""
+    return _shared(chain, stand, way, (SPLITS,))
+
+
+def _least_loss(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
+    """Both give something, so that the sum is least."""
+    return _shared(chain, stand, way, tuple(range(SPLITS + 1)))
+
+
+CONFLICTS: dict[str, Resolve] = {
+    "refuse": _refuse,
+    "shorten_later": _shorten_later,
+    "shorten_earlier": _shorten_earlier,
+    "least_loss": _least_loss,
+}
+
+
+def _shared(
+    chain: Chain, stand: Stand, way: Way, eighths: tuple[int, ...]
+) -> tuple[int, int] | None:
+    """The rows of least loss, of which the earlier session bears one of the given eighths."""
+
+    def fitting(loss: int) -> tuple[int, int] | None:
+        for share in eighths:
+            early = round(loss * share / SPLITS)
+            rows = (stand.last_row - early, way.rows.start + loss - early)
+            if chain.fits(stand, way, *rows):
+                return rows
+        return None
+
+    overlap = max(stand.last_row - way.rows.start, 0)
+    most = stand.last_row - stand.join_row + way.rows.stop - way.rows.start
+    low, high, found = overlap, overlap + 1, fitting(overlap + 1)
+    while found is None:
+        low, high = high, overlap + 2 * (high - overlap)
+        if low > most:
+            return None
+        found = fitting(high)
+    while high - low > 1:
+        middle = (low + high) // 2
+        nearer = fitting(middle)
+        if nearer is None:
+            low = middle
+        else:
+            high, found = middle, nearer
+    return found

@@ -1,0 +1,198 @@
+"""When can the slew first reach the track?"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner import effort
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.detour.detour import cleared
+from planner.effort import EffortSpent
+from planner.errors import InfeasibleSlew
+from planner.platforms import AxisLimits
+from planner.pointing.keep_out import KeepOutView
+from planner.pointing.track import AxisTrack
+from planner.scenario import SlewOptions
+from planner.slew.backends import BACKENDS
+from planner.slew.feasibility import fits_without_jerk, next_duration_s, verdict
+from planner.slew.grid import flown
+from planner.slew.problem import AxisState, SlewProblem, within
+from planner.slew.solution import SlewSolution
+
+LOOK, GLANCE = 8, 0.1  # of `planner.effort`: a row by itself, and among all
+NEAR_S = 4.0  # closer than this to feasibility every row is tried
+ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
+FAILURES_MOST = 8  # then the track is not joined early; each may take half a second
+DETOUR_ROWS = 10  # a detour takes a second longer or ten: rows tried between, then halved
+CAUTION = 4.0  # a receding or approaching track changes the time needed by a second per second
+
+
+@dataclass(frozen=True, kw_only=True)
+class Join:
+    """The slew that meets the track at t_s, on the track's clock and on a command row.
+
+    cut_short: whether the search for an earlier row was, by the work that may be done.
+    """
+
+    t_s: float
+    solution: SlewSolution
+    cut_short: bool = False
+
+
+def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
+    """What a slew must arrive with to follow the track from t_s on."""
+    effort.count(LOOK)
+    angle, rate, acceleration = track.motion(np.array([t_s]))
+    return tuple(
+        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
+        for q, v, a in zip(angle[0], rate[0], acceleration[0], strict=True)
+    )
+
+
+def earliest_join(
+    track: AxisTrack,
+    limits: tuple[AxisLimits, ...],
+    start: tuple[AxisState, ...],
+    start_s: float,
+    options: SlewOptions,
+    *,
+    after_s: float = -math.inf,
+    until_s: float = math.inf,
+    keep_out: KeepOutView | None = None,
+) -> Join | None:
+    """The first command row at which the slew can join the track; None: on no row tried.
+
+    start: state at start_s.  All times count on the track's clock, whose whole multiples of
+    0.2 s are command rows.  after_s, until_s: other joins are of no use.  keep_out: its time
+    counted from start_s.  Each row is tested itself: by closed forms, which see the gaps in the
+    durations that an axis can take, and where they leave it open by solving and flying the slew.
+    When solving fails row after row, rows are left out, more and more; with cones, all within
+    two seconds.  The first success is then taken forward by halving, so that after a failure
+    the join is one with a failure just before it, not surely the first.
+    """
+
+    def joined_at(row: int) -> SlewSolution | None:
+        end = track_states(track, row / ROWS_PER_S)
+        if not _possible(start, end, limits, row / ROWS_PER_S - start_s):
+            return None
+        problem = SlewProblem(
+            axis_names=track.axis_names,
+            limits=limits,
+            start=start,
+            end=end,
+            duration_s=row / ROWS_PER_S - start_s,
+            avoid_modes=options.avoid_modes,
+            keep_out=keep_out,
+        )
+        try:
+            straight = flown(BACKENDS["ocp"].solve(problem, options))
+            return cleared(straight, thorough=False, prove=False)
+        except InfeasibleSlew:
+            return None
+
+    last_s = min(until_s, float(track.t_s[-1]))
+    bad: int | None = None
+    failures = 0
+    for row in rows_within_reach(track, limits, start, start_s, after_s, last_s):
+        step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
+        if bad is not None and row < bad + step:
+            continue
+        solution = joined_at(row)
+        if solution is not None:
+            return _earlier(joined_at, row - 1 if bad is None else bad, row, solution)
+        bad, failures = row, failures + 1
+        if failures >= FAILURES_MOST:
+            break
+    return None
+
+
+def rows_within_reach(
+    track: AxisTrack,
+    limits: tuple[AxisLimits, ...],
+    start: tuple[AxisState, ...],
+    start_s: float,
+    after_s: float,
+    until_s: float,
+) -> Iterator[int]:
+    """Rows in order on which no closed form forbids the slew to end.
+
+    The cheapest of them is asked for all rows at once, the others for those that it leaves.
+    """
+    first_s = max(start_s + COMMAND_STEP_S, float(track.t_s[0]), after_s)
+    next_row = math.ceil(first_s * ROWS_PER_S - 1e-6)
+    all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
+    if not all_rows.size:
+        return
+    effort.spend(GLANCE * all_rows.size)
+    for row in all_rows[_certified(track, limits, start, start_s, all_rows)].tolist():
+        if row < next_row:
+            continue
+        end = track_states(track, row / ROWS_PER_S)
+        lacking_s = _lacking_s(start, end, limits, row / ROWS_PER_S - start_s)
+        if lacking_s <= 0.0 and _possible(start, end, limits, row / ROWS_PER_S - start_s):
+            yield row
+        skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
+        next_row = row + max(1, math.floor(skipped_s * ROWS_PER_S))
+
+
+def _certified(
+    track: AxisTrack,
+    limits: tuple[AxisLimits, ...],
+    start: tuple[AxisState, ...],
+    start_s: float,
+    rows: NDArray[np.intp],
+) -> NDArray[np.bool_]:
+    """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
+    duration_s = rows / ROWS_PER_S - start_s
+    angle, rate, _ = track.motion(rows / ROWS_PER_S)
+    fits = [
+        fits_without_jerk(here, angle[:, axis], rate[:, axis], limit, duration_s)
+        for axis, (here, limit) in enumerate(zip(start, limits, strict=True))
+    ]
+    return np.asarray(np.all(fits, axis=0))
+
+
+def _possible(
+    start: tuple[AxisState, ...],
+    end: tuple[AxisState, ...],
+    limits: tuple[AxisLimits, ...],
+    duration_s: float,
+) -> bool:
+    return all(
+        within(there, limit) and verdict(here, there, limit, duration_s).limit is None
+        for here, there, limit in zip(start, end, limits, strict=True)
+    )
+
+
+def _earlier(
+    joined_at: Callable[[int], SlewSolution | None], bad: int, good: int, solution: SlewSolution
+) -> Join:
+    """Between a row too early and a good one: the first good one, or the first one found."""
+    while good - bad > 1:
+        middle = (good + bad) // 2
+        try:
+            found = joined_at(middle)
+        except EffortSpent:
+            return Join(t_s=good / ROWS_PER_S, solution=solution, cut_short=True)
+        if found is None:
+            bad = middle
+        else:
+            good, solution = middle, found
+    return Join(t_s=good / ROWS_PER_S, solution=solution)
+
+
+def _lacking_s(
+    start: tuple[AxisState, ...],
+    end: tuple[AxisState, ...],
+    limits: tuple[AxisLimits, ...],
+    available_s: float,
+) -> float:
+    """How much longer than available_s the slowest axis needs; infinite: it can't at all."""
+    needed_s = 0.0
+    for here, there, limit in zip(start, end, limits, strict=True):
+        least_s = next_duration_s(here, there, limit, 0.0) if within(there, limit) else None
+        needed_s = max(needed_s, math.inf if least_s is None else least_s)
+    return needed_s - available_s * (1.0 + 1e-9)

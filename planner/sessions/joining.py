@@ -1,0 +1,187 @@
+"""How does the platform get from its state onto one session's track?"""
+
+from dataclasses import dataclass
+
+from planner import effort
+from planner.commands import ROWS_PER_S
+from planner.detour.detour import cleared
+from planner.effort import at_most
+from planner.errors import InfeasibleSlew
+from planner.pointing.keep_out import KeepOutView, keep_out_view
+from planner.pointing.track import AxisTrack
+from planner.scenario import Scenario
+from planner.sessions.earliest_join import earliest_join, rows_within_reach, track_states
+from planner.sessions.holding import Way
+from planner.slew import (
+    BACKENDS,
+    AxisState,
+    SlewProblem,
+    SlewSolution,
+    broken_limit,
+    flown,
+    verdict,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Join:
+    """A slew from `slew_row` to `join_row`, and its track followed to `stop_row`.
+
+    cut_short: whether the search for an earlier join or a smoother slew was, by the work that
+    may be done.
+    """
+
+    slew: SlewSolution
+    track: AxisTrack
+    slew_row: int
+    join_row: int
+    stop_row: int
+    cut_short: bool = False
+
+
+def joined(
+    scenario: Scenario,
+    way: Way,
+    from_row: int,
+    state: tuple[AxisState, ...],
+    *,
+    thorough: bool = True,
+    early: bool = True,
+    prove: bool = False,
+) -> Join:
+    """Slew from `state` at row `from_row` onto one way's track.
+
+    With the objective "minimum_time" the track is joined as early as the slew can and the
+    target is seen, else at the first row of the session, as without `early`.  thorough: whether
+    the best way around cones is sought, not only some way.  prove: where there is none, show it
+    before searching long.  Raises InfeasibleSlew.
+    """
+    start_row = way.rows.start
+    if start_row <= from_row:
+        raise InfeasibleSlew("no time is left for a slew before the session", limit="duration")
+    for states, does in (
+        (state, "begins"),
+        (track_states(way.track, start_row / ROWS_PER_S), "ends"),
+    ):
+        _require_within_limits(scenario, states, does)
+    keep_out = keep_out_view(scenario, way.ephemeris, from_row / ROWS_PER_S, start_row / ROWS_PER_S)
+    met, cut_short = None, False
+    if early and _joins_early(scenario):
+        # What is left must do for a slew to the session's first row.
+        with at_most(effort.left() / 2.0) as search:
+            met = earliest_join(
+                way.track,
+                scenario.axis_limits,
+                state,
+                from_row / ROWS_PER_S,
+                scenario.slew,
+                after_s=way.seen_from_s,
+                until_s=start_row / ROWS_PER_S,
+                keep_out=keep_out,
+            )
+        cut_short = search.is_spent
+    if met is None:
+        slew = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
+        join_row = start_row
+    else:
+        slew, join_row = met.solution, round(met.t_s * ROWS_PER_S)
+        cut_short = cut_short or met.cut_short
+    return Join(
+        slew=slew,
+        track=way.track,
+        slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
+        join_row=join_row,
+        stop_row=way.rows.stop,
+        cut_short=cut_short or slew.cut_short,
+    )
+
+
+def may_be_slewed(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+) -> bool:
+    """Whether closed forms leave open that `joined` succeeds; microseconds, cones aside."""
+    join_row = way.rows.start
+    there = track_states(way.track, join_row / ROWS_PER_S)
+    if may_be_slewed_between(scenario, state, there, join_row - from_row):
+        return True
+    # The durations a slew can take have gaps: an earlier row may be within reach.
+    return first_row_in_reach(scenario, way, from_row, state, join_row) is not None
+
+
+def may_be_slewed_between(
+    scenario: Scenario, state: tuple[AxisState, ...], there: tuple[AxisState, ...], rows: int
+) -> bool:
+    """The same from state to state in exactly so many rows."""
+    if rows <= 0:
+        return False
+    if not BACKENDS[scenario.slew.method].keeps_limits:
+        return True
+    return all(
+        verdict(*ends, rows / ROWS_PER_S).limit is None
+        for ends in zip(state, there, scenario.axis_limits, strict=True)
+    )
+
+
+def first_row_in_reach(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...], last_row: int
+) -> int | None:
+    """The first row, up to that one, on which closed forms leave open that a slew joins early."""
+    if not _joins_early(scenario):
+        return None
+    rows = rows_within_reach(
+        way.track,
+        scenario.axis_limits,
+        state,
+        from_row / ROWS_PER_S,
+        way.seen_from_s,
+        last_row / ROWS_PER_S,
+    )
+    return next(rows, None)
+
+
+def _joins_early(scenario: Scenario) -> bool:
+    keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
+    return keeps_limits and scenario.slew.objective == "minimum_time"
+
+
+def _slew(
+    scenario: Scenario,
+    way: Way,
+    from_row: int,
+    state: tuple[AxisState, ...],
+    keep_out: KeepOutView | None,
+    *,
+    thorough: bool,
+    prove: bool,
+) -> SlewSolution:
+    """To the first row of the session."""
+    backend = BACKENDS[scenario.slew.method]
+    problem = SlewProblem(
+        axis_names=way.track.axis_names,
+        limits=scenario.axis_limits,
+        start=state,
+        end=track_states(way.track, way.rows.start / ROWS_PER_S),
+        duration_s=(way.rows.start - from_row) / ROWS_PER_S,
+        objective="smooth" if backend.keeps_limits else scenario.slew.objective,
+        avoid_modes=scenario.slew.avoid_modes,
+        keep_out=keep_out,
+    )
+    solution = backend.solve(problem, scenario.slew)
+    if backend.keeps_limits:
+        solution = cleared(flown(solution), thorough=thorough, prove=prove)
+    return solution
+
+
+def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:
+    """A track keeps its limits on its own rows; between rows that are finer it may not."""
+    for name, axis, limits in zip(
+        scenario.platform.axis_names, state, scenario.axis_limits, strict=True
+    ):
+        limit = broken_limit(axis, limits)
+        if limit is not None:
+            raise InfeasibleSlew(
+                f"the slew {does} on a track that needs more {limit} of {name} there than it has; "
+                "choose other times",
+                axis=name,
+                limit=limit,
+            )

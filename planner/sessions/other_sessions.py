@@ -1,0 +1,80 @@
+"""What does moving one session cost the others of its request?"""
+
+from dataclasses import replace
+
+from planner import effort
+from planner.effort import at_most
+from planner.errors import Refusal
+from planner.frames.time_scales import elapsed_s, utc_text
+from planner.scenario import Scenario, Session
+from planner.sessions.assembly import as_flown, assembled
+from planner.sessions.holding import covering, session_rows
+from planner.sessions.sequence import SessionRefused, sequenced
+from planner.sessions.start_trials import Refused
+from planner.slew import BACKENDS
+from planner.verification import verify
+
+SHARE = 0.6  # of the work that is left, for planning the whole request once more
+JUDGED_ROW = 1.0  # of `planner.effort`
+
+
+class Others:
+    """The other sessions of a refused one's request, asked about it moved.
+
+    dearer: the first start tried that costs other sessions, and which.  undecided: in words, a
+    start of which it wasn't found out.
+    """
+
+    def __init__(self, refused: Refused) -> None:
+        self._refused = refused
+        self.dearer: tuple[Session, tuple[int, ...]] | None = None
+        self.undecided = ""
+
+    def stay_as_asked(self, moved: Session) -> bool:
+        """Whether the whole request, with that session moved, was planned and judged good."""
+        costs = None
+        with at_most(SHARE * effort.left()) as search:
+            costs = self._costs(moved)
+        if search.is_spent:
+            self.undecided = (
+                f"at {utc_text(moved.start, 1)} this session by itself can be, but whether the "
+                "others then can was not found out before the search ended"
+            )
+        if costs and (self.dearer is None or len(costs) < len(self.dearer[1])):
+            self.dearer = moved, costs
+        return costs == ()
+
+    def _costs(self, moved: Session) -> tuple[int, ...] | None:
+        """Sessions without which the others are planned; None: the moved one isn't."""
+        scenario, number = self._refused.scenario, self._refused.number
+        kept = [
+            other
+            for other, session in enumerate(scenario.sessions)
+            if other <= number or elapsed_s(session.start, moved.stop) >= 0.0
+        ]
+        while True:
+            sessions = [moved if one == number else scenario.sessions[one] for one in kept]
+            try:
+                planned = _is_planned(replace(scenario, sessions=tuple(sessions)))
+            except SessionRefused as failed:
+                lost = kept[failed.number]
+                if lost == number:
+                    return None
+                kept.remove(lost)
+                continue
+            except Refusal:
+                return None
+            count = len(scenario.sessions)
+            return tuple(sorted({*range(count)} - {*kept})) if planned else None
+
+
+def _is_planned(scenario: Scenario) -> bool:
+    """As the pipeline plans it; raises SessionRefused and refusals of the whole."""
+    epoch_utc = scenario.initial_state.epoch
+    rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
+    joins = sequenced(scenario, covering(scenario, rows), prove=False)
+    if not BACKENDS[scenario.slew.method].keeps_limits:
+        return True
+    effort.spend(JUDGED_ROW * rows[-1].stop)
+    flown, _ = as_flown(scenario, joins)
+    return verify(assembled(epoch_utc, scenario.platform.axis_names, joins), flown).passed

@@ -1,0 +1,188 @@
+"""How does a scenario become a verified plan?  The whole story on one screen."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import datetime
+
+import numpy as np
+
+from planner import effort
+from planner.commands import ROWS_PER_S, CommandTable
+from planner.effort import at_most
+from planner.errors import SearchEnded, VerificationFailed
+from planner.frames.earth_orientation import earth_orientation_warning
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.orbits import Ephemeris
+from planner.scenario import Scenario, Session
+from planner.sessions.assembly import as_flown, assembled
+from planner.sessions.holding import covering, sampled_sight, session_rows
+from planner.sessions.joining import Join
+from planner.sessions.nearest_start import planned
+from planner.sessions.plan import Plan, Segment, SegmentKind, SlewRun
+from planner.sessions.uncertainty import PointingBudget, pointing_budget
+from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
+from planner.targets import BenchMotionTarget
+from planner.verification import VerificationReport, verify
+
+TABLE_ROW = 1.0  # of `planner.effort`: to assemble and judge a row
+BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
+
+
+def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: None) -> Plan:
+    """Plan every session in order of time and have the table judged.
+
+    on_stage: told each stage's name when it begins.
+    Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
+    there is one, the nearest session start that can.
+    """
+    keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
+    epoch_utc = scenario.initial_state.epoch
+    clock = _StageClock(on_stage)
+    with clock.stage("orbit"):
+        ephemeris = covering(
+            scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
+        )
+    with clock.stage("slews and tracks"):
+        joins = _joins(scenario, ephemeris)
+    with clock.stage("comparison"):
+        slews = tuple(
+            _slew_run(scenario, number, join, keeps_limits) for number, join in enumerate(joins)
+        )
+    flown, losses = as_flown(scenario, joins)
+    table = assembled(epoch_utc, scenario.platform.axis_names, joins)
+    with clock.stage("pointing budget"):
+        budgets = tuple(_budget(flown, ephemeris, table, session) for session in flown.sessions)
+    with clock.stage("verification"):
+        report = verify(table, flown)
+    if keeps_limits and not report.passed:
+        raise _rejected(report)
+    return Plan(
+        scenario=flown,
+        segments=_segments(epoch_utc, joins),
+        table=table,
+        verification=report,
+        slews=slews,
+        budgets=budgets,
+        warnings=(
+            *losses,
+            *_cut_short(joins),
+            *ephemeris.warnings,
+            *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
+            *_earth_warning(Instants(epoch_utc, table.t_s)),
+            *(finding.detail for finding in report.findings),
+        ),
+        stage_wall_s=clock.wall_s,
+    )
+
+
+def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """Found by no more work than one request may make, what its table takes set aside."""
+    last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
+    with at_most(effort.PLAN - TABLE_ROW * last_row):
+        return planned(scenario, ephemeris)
+    raise SearchEnded(
+        f"the {len(scenario.sessions)} sessions take more work than one request may make before "
+        "any plan is found; ask for fewer or shorter ones at a time",
+        field="sessions",
+    )
+
+
+def _cut_short(joins: list[Join]) -> tuple[str, ...]:
+    numbers = [str(number) for number, join in enumerate(joins) if join.cut_short]
+    if not numbers:
+        return ()
+    sessions = f"session {numbers[0]}" if len(numbers) == 1 else f"sessions {', '.join(numbers)}"
+    return (
+        f"the slew to {sessions} is the best that was found by the work one request may make, "
+        "perhaps not the quickest or the smoothest that there is",
+    )
+
+
+def _slew_run(scenario: Scenario, number: int, join: Join, compare: bool) -> SlewRun:
+    slew = join.slew
+    return SlewRun(
+        session=number,
+        backend=slew.backend,
+        status="; ".join(dict.fromkeys(slew.status)),
+        iterations=slew.iterations,
+        wall_s=slew.wall_s,
+        duration_s=slew.duration_s,
+        minimum_s=_minimum_s(slew.problem),
+        comparison=compare_with_spline(slew, scenario.slew) if compare else None,
+    )
+
+
+def _minimum_s(problem: SlewProblem) -> float:
+    ends = zip(problem.start, problem.end, problem.limits, strict=True)
+    return max(next_duration_s(*axis, 0.0) or 0.0 for axis in ends)
+
+
+def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
+    kinds: tuple[SegmentKind, ...] = ("wait", "slew", "track")
+    segments = []
+    from_row = 0
+    for number, join in enumerate(joins):
+        ends = [
+            shifted_utc(epoch_utc, row / ROWS_PER_S)
+            for row in (from_row, join.slew_row, join.join_row, join.stop_row)
+        ]
+        segments += [
+            Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
+            for kind, start_utc, stop_utc in zip(kinds, ends, ends[1:], strict=False)
+            if elapsed_s(stop_utc, start_utc) > 0.0
+        ]
+        from_row = join.stop_row
+    return tuple(segments)
+
+
+def _budget(
+    scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, session: Session
+) -> PointingBudget | None:
+    """None where no target is looked at."""
+    if isinstance(session.target, BenchMotionTarget):
+        return None
+    rows = session_rows(session, scenario.initial_state.epoch)
+    # A target followed only nearly is off by itself, for seconds: every row is looked at.
+    exactly = session.keyhole == "refuse"
+    count = BUDGET_INSTANTS if exactly else rows.stop - rows.start + 1
+    los = sampled_sight(scenario, ephemeris, session.target, rows, count)
+    angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
+    return pointing_budget(
+        los,
+        ephemeris,
+        scenario.attitude,
+        session.target,
+        scenario.platform,
+        angle_rad=None if exactly else np.stack(angle_rad, axis=1),
+    )
+
+
+def _earth_warning(instants: Instants) -> tuple[str, ...]:
+    warning = earth_orientation_warning(instants)
+    return (warning,) if warning else ()
+
+
+def _rejected(report: VerificationReport) -> VerificationFailed:
+    worst = next(finding for finding in report.findings if finding.severity == "error")
+    return VerificationFailed(
+        f"the independent judge rejects the table: {worst.detail}",
+        axis=worst.axis,
+        limit=worst.limit,
+        at_utc=worst.at_utc,
+    )
+
+
+class _StageClock:
+    """Wall time per stage of the pipeline."""
+
+    def __init__(self, on_stage: Callable[[str], None]) -> None:
+        self.wall_s: dict[str, float] = {}
+        self._on_stage = on_stage
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        self._on_stage(name)
+        began_s = time.perf_counter()
+        yield
+        self.wall_s[name] = time.perf_counter() - began_s

@@ -1,0 +1,190 @@
+"""Which way is every session held, and when is each joined and left?"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from planner import effort
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.effort import at_most
+from planner.errors import (
+    GiveUp,
+    InfeasibleSlew,
+    NotVisible,
+    Refusal,
+    SearchEnded,
+    SolverFailed,
+    TrackBreaksLimit,
+    Unreachable,
+)
+from planner.orbits import Ephemeris
+from planner.pointing.keep_out import keep_out_view
+from planner.scenario import Scenario
+from planner.sessions.chain import CONFLICTS, Chain, Stand, States, Steps, initial_state
+from planner.sessions.earliest_join import track_states
+from planner.sessions.holding import Way, ways_to_hold
+from planner.sessions.joining import Join, joined
+from planner.slew import BACKENDS, require_brakable
+
+# Of the work that is left: for finding a plan; where there is none, for saying why, and of that
+# for a proof around cones and for what would help.
+FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.8, 0.7, 0.5
+
+
+class SessionRefused(Exception):
+    """Why a session can't be flown, and from which row and state its slew would have begun."""
+
+    def __init__(
+        self,
+        number: int,
+        from_row: int,
+        state: States,
+        refusal: Refusal,
+        chain: Chain | None = None,
+    ) -> None:
+        super().__init__(refusal.detail)
+        self.number, self.from_row, self.state, self.refusal = number, from_row, state, refusal
+        self._chain = chain
+
+    def offers(self) -> tuple[GiveUp, ...]:
+        """What sessions would lose under each `on_conflict` by which all of them can be flown."""
+        found: list[GiveUp] = []
+        if self._chain is not None:
+            with at_most(OFFERS_SHARE * effort.left()):
+                for mode in CONFLICTS:
+                    instead = self._chain.flown(mode)
+                    found += _given_up(mode, instead[0]) if instead is not None else []
+        return tuple(found)
+
+
+def sequenced(scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True) -> list[Join]:
+    """A slew and a track for every session, in order.
+
+    Of all choices of branch and whole turns the one with the least time slewing is taken,
+    after the least time lost to sessions where `on_conflict` allows some to be lost.  Its tracks
+    are then joined as early, and its cones passed as smoothly, as is found by the work that may
+    be done.
+    prove: whether to show, where a slew has no way around cones, that there is none.
+    Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
+    """
+    state = initial_state(scenario)
+    if BACKENDS[scenario.slew.method].keeps_limits:
+        require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
+    _require_start_outside_cones(scenario, ephemeris)
+    chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
+    found = None
+    with at_most(FIND_SHARE * effort.left()) as search:
+        found = chain.flown(scenario.on_conflict)
+    if search.is_spent and found is None:
+        chain.hurry()
+        with at_most(FIND_SHARE * effort.left()) as search:
+            found = chain.flown(scenario.on_conflict)
+    if found is not None:
+        return chain.improved(*found)
+    if not search.is_spent:
+        with at_most(CONFLICT_SHARE * effort.left()):
+            raise _conflict(chain, prove=prove)
+    raise SearchEnded(
+        f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
+        "impossible, by the work that one request may make; ask for fewer sessions, cones or "
+        'modes at a time, or for the objective "smooth"',
+        field="sessions",
+    )
+
+
+def _require_start_outside_cones(scenario: Scenario, ephemeris: Ephemeris) -> None:
+    view = keep_out_view(scenario, ephemeris, 0.0, COMMAND_STEP_S)
+    if view is None:
+        return
+    angle_rad = np.array([[axis.angle_rad for axis in initial_state(scenario)]])
+    depth_rad = view.depths_rad(np.zeros(1), angle_rad)[:, 0]
+    worst = int(np.argmax(depth_rad))
+    if depth_rad[worst] > 0.0:
+        raise InfeasibleSlew(
+            f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside the cone about "
+            f"{view.cones[worst].about}; begin with other angles, or leave the cone out",
+            field="initial_state.angles_deg",
+            limit="keep_out",
+            at_utc=scenario.initial_state.epoch,
+        )
+
+
+def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way, ...]]:
+    state, from_row = initial_state(scenario), 0
+    sessions: list[tuple[Way, ...]] = []
+    for number, session in enumerate(scenario.sessions):
+        angle_rad = np.array([axis.angle_rad for axis in state])
+        try:
+            ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
+        except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
+            raise SessionRefused(number, from_row, state, refusal) from None
+        sessions.append(ways)
+        from_row = ways[0].rows.stop
+        state = track_states(ways[0].track, from_row / ROWS_PER_S)
+    return sessions
+
+
+def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
+    """The first session that can't be joined in time, and why."""
+    scenario = chain.scenario
+    steps: Steps = ()
+    for number in range(len(chain.sessions)):
+        longer = chain.flown(scenario.on_conflict, number + 1)
+        if longer is None:
+            break
+        steps = longer[0]
+    stand = chain.stand(steps)
+    state = chain.state(stand, stand.last_row)
+    refusal = None
+    if prove:
+        with at_most(PROOF_SHARE * effort.left()):
+            refusal = _refused(chain, number, stand, prove=True)
+    refusal = refusal or _refused(chain, number, stand, prove=False)
+    return SessionRefused(number, stand.last_row, state, refusal, chain)
+
+
+def _refused(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
+    state = chain.state(stand, stand.last_row)
+    for way in chain.sessions[number]:
+        try:
+            joined(
+                chain.scenario,
+                way,
+                stand.last_row,
+                state,
+                thorough=False,
+                early=not chain.scenario.slew.keep_out,
+                prove=prove,
+            )
+        except InfeasibleSlew as refusal:
+            return _with_mode(refusal, chain.scenario.on_conflict) if stand.way else refusal
+    raise SolverFailed(
+        f"the slew to session {number} was found impossible and then possible",
+        field=f"sessions.{number}.start",
+    )
+
+
+def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
+    """The same, saying that giving something up as asked doesn't help."""
+    if mode == "refuse":
+        return refusal
+    return InfeasibleSlew(
+        f'{refusal.detail}; "on_conflict": "{mode}" finds no slew that leaves '
+        f"{COMMAND_STEP_S} s of each session",
+        axis=refusal.axis,
+        limit=refusal.limit,
+    )
+
+
+def _given_up(mode: str, steps: Steps) -> list[GiveUp]:
+    """What each session loses; a session's start is its own step's, its stop the next one's."""
+    later_s = [(step.join_row - step.way.rows.start) / ROWS_PER_S for step in steps]
+    earlier_s = [
+        (before.way.rows.stop - step.leave_row) / ROWS_PER_S for before, step in pairwise(steps)
+    ] + [0.0]
+    return [
+        GiveUp(on_conflict=mode, session=session, start_later_s=later, stop_earlier_s=earlier)
+        for session, (later, earlier) in enumerate(zip(later_s, earlier_s, strict=False))
+        if later or earlier
+    ]

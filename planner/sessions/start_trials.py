@@ -1,0 +1,176 @@
+"""Can a session be flown if it is moved?"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.errors import Refusal
+from planner.frames.time_scales import elapsed_s, shifted_utc
+from planner.orbits import Ephemeris
+from planner.pointing.line_of_sight import STENCIL
+from planner.scenario import Scenario, Session
+from planner.sessions.holding import Rows, Way, session_rows, ways_to_hold
+from planner.sessions.joining import joined, may_be_slewed
+from planner.slew import AxisState
+from planner.targets import BenchMotionTarget, Target, TimedTarget
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refused:
+    """A session that can't be flown as asked.
+
+    number: its index.  state: of the axes at from_row, from which its slew begins.
+    """
+
+    scenario: Scenario
+    number: int
+    from_row: int
+    state: tuple[AxisState, ...]
+
+    @property
+    def session(self) -> Session:
+        return self.scenario.sessions[self.number]
+
+    @property
+    def epoch_utc(self) -> datetime:
+        return self.scenario.initial_state.epoch
+
+    @property
+    def wanted(self) -> Rows:
+        return session_rows(self.session, self.epoch_utc)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trials:
+    """The refused session from a start row on; every method may end by EffortSpent.
+
+    seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
+    stop that goes with a start row.  accepts: whether the rest of the request bears a session
+    that can be flown by itself.
+    """
+
+    refused: Refused
+    ephemeris: Ephemeris
+    seen: list[Rows]
+    stop_utc: Callable[[int], datetime]
+    accepts: Callable[[Session], bool]
+
+    def session(self, start_row: int) -> Session | None:
+        """With its times moved; None where there is no such session."""
+        refused = self.refused
+        start_utc = shifted_utc(refused.epoch_utc, start_row / ROWS_PER_S)
+        stop_utc = self.stop_utc(start_row)
+        if start_row <= refused.from_row or elapsed_s(stop_utc, start_utc) < COMMAND_STEP_S:
+            return None
+        try:
+            moved = replace(
+                refused.session,
+                target=_unbound(refused.session),
+                start=start_utc,
+                stop=stop_utc,
+                keyhole="refuse",  # a start that needs no compromise, and no second of solving
+            )
+        except ValueError:  # the target itself is not known then
+            return None
+        rows = session_rows(moved, refused.epoch_utc)
+        inside = any(run.start <= rows.start and rows.stop <= run.stop for run in self.seen)
+        return moved if inside else None
+
+    def ends_may(self, start_row: int) -> bool:
+        """Whether the session's first and last rows leave it open: milliseconds, even of hours."""
+        moved = self.session(start_row)
+        if moved is None:
+            return False
+        rows = session_rows(moved, self.refused.epoch_utc)
+        if rows.stop - rows.start < 2 * STENCIL or isinstance(moved.target, BenchMotionTarget):
+            return True
+        begun_utc, ended_utc = (
+            shifted_utc(self.refused.epoch_utc, row / ROWS_PER_S)
+            for row in (rows.start + STENCIL - 1, rows.stop - STENCIL + 1)
+        )
+        first = self._ways(replace(moved, stop=begun_utc))
+        if self.refused.scenario.slew.objective != "minimum_time":
+            first = tuple(way for way in first if self._may_be_slewed(way))
+        return bool(first) and bool(self._ways(replace(moved, start=ended_utc)))
+
+    def may(self, start_row: int) -> bool:
+        """Whether the session can be held, and closed forms leave its slew open."""
+        moved = self.session(start_row)
+        if moved is None:
+            return False
+        ways = self._ways(moved)
+        if any(self._may_be_slewed(way) for way in ways):
+            return True
+        if not ways or self.refused.scenario.slew.objective != "minimum_time":
+            return False
+        return any(self._may_be_slewed(way) for way in self._ways(moved, early=True))
+
+    def flown(self, start_row: int) -> Session | None:
+        """The moved session, if its slew is really found."""
+        moved = self.session(start_row)
+        if moved is None:
+            return None
+        ways = self._ways(moved, early=True)
+        return moved if any(self._is_slewed(way) for way in ways) else None
+
+    def _ways(self, session: Session, *, early: bool = False) -> tuple[Way, ...]:
+        """None where the session can't be held, or nothing is known of orbit or attitude then.
+
+        early: with the time in which its track may be joined before it begins.
+        """
+        refused = self.refused
+        rows = session_rows(session, refused.epoch_utc)
+        from_row = refused.from_row if early else rows.start
+        angle_rad = np.array([axis.angle_rad for axis in refused.state])
+        try:
+            return ways_to_hold(
+                refused.scenario, self.ephemeris, refused.number, session, from_row, angle_rad
+            )
+        except Refusal:
+            return ()
+
+    def _may_be_slewed(self, way: Way) -> bool:
+        refused = self.refused
+        return may_be_slewed(refused.scenario, way, refused.from_row, refused.state)
+
+    def _is_slewed(self, way: Way) -> bool:
+        """A track that can be joined where its session begins needs no search for an earlier row.
+
+        Where cones leave no way that is found quickly, none is sought for long.
+        """
+        if self._is_found(way, early=False):
+            return True
+        slew = self.refused.scenario.slew
+        return (
+            slew.objective == "minimum_time"
+            and not slew.keep_out
+            and self._is_found(way, early=True)
+        )
+
+    def _is_found(self, way: Way, *, early: bool) -> bool:
+        refused = self.refused
+        if not may_be_slewed(refused.scenario, way, refused.from_row, refused.state):
+            return False
+        try:
+            joined(
+                refused.scenario,
+                way,
+                refused.from_row,
+                refused.state,
+                thorough=False,
+                early=early,
+            )
+        except Refusal:
+            return False
+        return True
+
+
+def _unbound(session: Session) -> Target:
+    """The target as it was asked for: what began with the session will begin with the moved one."""
+    target = session.target
+    if isinstance(target, TimedTarget) and target.start == session.start:
+        return replace(target, start=None)
+    return target
