@@ -9,7 +9,7 @@ from fastapi.testclient import TestClient
 from sqlalchemy import inspect, text
 from typer.testing import CliRunner
 
-from app.cli.main import main
+from app.cli import main
 from app.http.app import create_app
 from app.settings import Settings
 from app.store.database import open_database

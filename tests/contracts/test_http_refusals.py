@@ -9,7 +9,7 @@ from refusal_kinds import refusal_kinds
 from typer.testing import CliRunner
 from waiting import PatientClient
 
-from app.cli.main import main
+from app.cli import main
 from app.http.app import create_app
 
 

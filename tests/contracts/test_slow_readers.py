@@ -14,7 +14,7 @@ from live_service import Service, live_service
 from typer.testing import CliRunner
 from waiting import eventually
 
-from app.cli.main import main
+from app.cli import main
 from app.http.door.connections import to_cut, to_give_way
 
 CONNECTIONS = 40

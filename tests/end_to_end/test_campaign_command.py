@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli.main import main
+from app.cli import main
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
 from app.requests.plan import read_plan_request
 

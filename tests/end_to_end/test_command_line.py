@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app.cli import main as cli
+from app.cli import main
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from planner.errors import VerificationFailed
 from planner.export import EXPORTERS
@@ -55,7 +55,7 @@ def test_no_such_file():
     ],
 )
 def test_a_command_that_can_not_be_read(words, said):
-    result = CliRunner().invoke(cli.main, words)
+    result = CliRunner().invoke(main, words)
     assert result.exit_code == 2
     line = one_line(result.stderr)
     assert said in line
@@ -64,7 +64,7 @@ def test_a_command_that_can_not_be_read(words, said):
 
 @pytest.mark.parametrize(("words", "code"), [([], 2), (["--help"], 0), (["plan", "--help"], 0)])
 def test_help(words, code):
-    result = CliRunner().invoke(cli.main, words)
+    result = CliRunner().invoke(main, words)
     assert result.exit_code == code
     assert "Usage" in result.stdout
 
@@ -72,13 +72,13 @@ def test_help(words, code):
 def test_a_place_that_can_not_be_written(tmp_path):
     occupied = tmp_path / "file"
     occupied.write_text("")
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--csv", f"{occupied}/table.csv"])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--csv", f"{occupied}/table.csv"])
     assert result.exit_code == 2
     assert str(occupied) in one_line(result.stderr)
 
 
 def test_an_unknown_picture_format(tmp_path):
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--plot", f"{tmp_path}/a.bmp"])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--plot", f"{tmp_path}/a.bmp"])
     assert result.exit_code == 2
     assert "png" in one_line(result.stderr)
 
@@ -86,7 +86,7 @@ def test_an_unknown_picture_format(tmp_path):
 def test_a_picture_where_nothing_can_draw(tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "app.cli.figure", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.axes", None)
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--plot", f"{tmp_path}/a.png"])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--plot", f"{tmp_path}/a.png"])
     assert result.exit_code == 2
     assert "slewtrack[plot]" in one_line(result.stderr)
 
@@ -94,15 +94,13 @@ def test_a_picture_where_nothing_can_draw(tmp_path, monkeypatch):
 @pytest.mark.parametrize("suffix", ["svg", "pdf"])
 def test_pictures_in_vectors(tmp_path, suffix):
     picture = tmp_path / f"plan.{suffix}"
-    assert (
-        CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--plot", str(picture)]).exit_code == 0
-    )
+    assert CliRunner().invoke(main, ["plan", str(EXAMPLE), "--plot", str(picture)]).exit_code == 0
     assert picture.stat().st_size > 10_000
 
 
 def test_exports_by_format_and_path(tmp_path):
     words = [f"--export={name}={tmp_path}/plan{to.suffix}" for name, to in EXPORTERS.items()]
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), *words])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), *words])
     assert result.exit_code == 0, result.output
     for exporter in EXPORTERS.values():
         assert (tmp_path / f"plan{exporter.suffix}").stat().st_size > 10_000
@@ -110,7 +108,7 @@ def test_exports_by_format_and_path(tmp_path):
 
 @pytest.mark.parametrize("wrong", ["table.csv", "csv", "csv=", "xlsx=a.xlsx"])
 def test_an_export_that_can_not_be_read(wrong):
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE), "--export", wrong])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--export", wrong])
     assert result.exit_code == 2
     assert "netcdf" in one_line(result.stderr)
 
@@ -119,7 +117,7 @@ def test_a_table_that_failed_its_verification(tmp_path):
     """It is told beside its verdict only, and the exit code says that it isn't good."""
     words = [f"--{name}={tmp_path}/{name}" for name in ("csv", "json")]
     result = CliRunner().invoke(
-        cli.main, ["plan", "-", *words], input=json.dumps(PLAN_EXAMPLES["spline"][1])
+        main, ["plan", "-", *words], input=json.dumps(PLAN_EXAMPLES["spline"][1])
     )
     assert result.exit_code == 1
     assert "failed its verification" in one_line(result.stderr)
@@ -130,7 +128,7 @@ def test_a_table_that_failed_its_verification(tmp_path):
 
 def test_windows_of_the_gallery(tmp_path):
     words = [f"--{name}={tmp_path}/{name}" for name in ("csv", "json")]
-    result = CliRunner().invoke(cli.main, ["windows", str(GALLERY), *words])
+    result = CliRunner().invoke(main, ["windows", str(GALLERY), *words])
     assert result.exit_code == 0, result.output
     assert "92 windows of 6 targets" in result.stdout
     windows = json.loads((tmp_path / "json").read_text())["windows"]
@@ -143,7 +141,7 @@ def test_windows_of_the_gallery(tmp_path):
 
 def test_windows_refuses_in_one_line():
     document = json.loads(GALLERY.read_text()) | {"stop": "2015-02-27T12:00:00"}
-    result = CliRunner().invoke(cli.main, ["windows", "-"], input=json.dumps(document))
+    result = CliRunner().invoke(main, ["windows", "-"], input=json.dumps(document))
     assert result.exit_code == 2
     assert one_line(result.stderr).startswith("slewtrack: stop: ")
 
@@ -152,14 +150,14 @@ def test_windows_refuses_in_one_line():
 def test_a_picture_takes_any_name(tmp_path, name):
     document = json.dumps(LAS_VEGAS | {"name": name})
     words = ["plan", "-", "--plot", f"{tmp_path}/plan.png"]
-    assert CliRunner().invoke(cli.main, words, input=document).exit_code == 0
+    assert CliRunner().invoke(main, words, input=document).exit_code == 0
 
 
 @pytest.mark.parametrize(
     "host", ["0.0.0.0", "::", "192.168.1.5", "example.org", "127.0.0.1.nip.io"]
 )
 def test_serves_this_machine_only(host):
-    result = CliRunner().invoke(cli.main, ["serve", "--host", host])
+    result = CliRunner().invoke(main, ["serve", "--host", host])
     assert result.exit_code == 2
     assert "127.0.0.1" in one_line(result.stderr)
 
@@ -167,7 +165,7 @@ def test_serves_this_machine_only(host):
 @pytest.mark.parametrize("words", [["serve"], ["keys", "list"]])
 def test_a_setting_that_cannot_be_is_refused_by_its_name(words, monkeypatch):
     monkeypatch.setenv("SLEWTRACK_WORKERS", "0")
-    result = CliRunner().invoke(cli.main, words)
+    result = CliRunner().invoke(main, words)
     assert result.exit_code == 2
     said = one_line(result.stderr)
     assert said.startswith("slewtrack: SLEWTRACK_WORKERS: ")
@@ -179,7 +177,7 @@ def test_a_bug_is_one_line_and_exit_code_1(monkeypatch):
         raise RuntimeError("a bug")
 
     monkeypatch.setattr("planner.sessions.pipeline.make_plan", broken)
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE)])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE)])
     assert result.exit_code == 1
     assert "internal error" in one_line(result.stderr)
 
@@ -189,7 +187,7 @@ def test_our_failures_are_exit_code_1(monkeypatch):
         raise VerificationFailed("the judge says no")
 
     monkeypatch.setattr("planner.sessions.pipeline.make_plan", rejected)
-    result = CliRunner().invoke(cli.main, ["plan", str(EXAMPLE)])
+    result = CliRunner().invoke(main, ["plan", str(EXAMPLE)])
     assert result.exit_code == 1
     assert one_line(result.stderr) == "slewtrack: the judge says no"
 
@@ -198,7 +196,7 @@ def test_our_failures_are_exit_code_1(monkeypatch):
 def test_planning_does_not_load_what_it_does_not_need(heavy):
     """Start-up time, told by what is imported rather than by a clock."""
     code = (
-        "import sys; from app.cli.main import main\n"
+        "import sys; from app.cli import main\n"
         f"sys.argv = ['slewtrack', 'plan', {str(EXAMPLE)!r}]\n"
         "try:\n    main()\nexcept SystemExit as done:\n    assert not done.code\n"
         f"assert {heavy!r} not in sys.modules"

@@ -4,7 +4,7 @@ import json
 
 from typer.testing import CliRunner
 
-from app.cli.main import main
+from app.cli import main
 from app.requests.examples.spacecraft import FOUR_MODES, SPACECRAFT_EXAMPLES
 
 STRIP = {**SPACECRAFT_EXAMPLES["geojson"][1], "objective": "smooth", "simulation_runs": 1}

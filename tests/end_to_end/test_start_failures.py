@@ -10,7 +10,7 @@ import pytest
 from live_service import ROOT, SLEWTRACK
 from typer.testing import CliRunner
 
-from app.cli.main import main
+from app.cli import main
 from app.store.database import FILE, open_database
 from app.store.migrate import upgrade
 
