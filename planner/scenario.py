@@ -14,7 +14,14 @@ from planner.commands import COMMAND_STEP_S
 from planner.errors import figures
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.platforms import AngleDeg, AxisLimits, JerkDegS3, StructuralMode, TwoAxisPlatform
+from planner.platforms import (
+    AngleDeg,
+    AxisLimits,
+    JerkDegS3,
+    Platform,
+    StructuralMode,
+    TwoAxisPlatform,
+)
 from planner.spec import Within, spec
 from planner.targets import GroundPathTarget, KeepOut, MovingGroundTarget, Target, TimedTarget
 
@@ -106,7 +113,7 @@ class SlewOptions:
     The spline knows neither; the judge says what it enters, the comparison what it excites.
     """
 
-    method: str = "ocp"
+    method: Literal["ocp", "spline"] = "ocp"
     objective: Literal["smooth", "minimum_time"] = "smooth"
     jerk_max_deg_s3: JerkDegS3 | None = None
     filter_cutoff_hz: Annotated[float, Within(1e-3, 1e3)] | None = 2.0
@@ -141,7 +148,7 @@ class Scenario:
     name: str = ""
     orbit: Orbit
     attitude: Attitude
-    platform: TwoAxisPlatform
+    platform: Platform
     initial_state: InitialState
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()

@@ -87,15 +87,14 @@ def plan(
 
         exports = _formats_and_paths(export, EXPORTERS)
 
-        from app.requests.plan import read_whole_plan_request
+        from app.requests.plan import read_plan_request
 
-        request = read_whole_plan_request(asked.body)
-        scenario = request.scenario()
+        request = read_plan_request(asked.body)
 
         from app.cli.plan_report import print_report
         from planner.sessions.pipeline import make_plan
 
-        made = make_plan(scenario)
+        made = make_plan(request)
         print_report(made)
         if json:
             from app.answers.plan import plan_json

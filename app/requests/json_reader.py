@@ -3,17 +3,16 @@
 The HTTP service and the command line read requests here and nowhere else.
 """
 
-import dataclasses
 import json
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
-from typing import Any, Generic, Literal, TypeVar, get_args, get_origin
+from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
-from pydantic_core import CoreSchema, SchemaValidator, core_schema
+from pydantic_core import SchemaValidator, core_schema
 
 from app.requests.json_bounds import beyond_bounds
 from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain
@@ -45,7 +44,7 @@ class JsonReader(Generic[T]):
         self, cls: type[T], plain: Callable[[object], object] = lambda document: document
     ) -> None:
         self._plain = plain
-        self._schema = _told_apart(TypeAdapter(cls).core_schema)
+        self._schema = TypeAdapter(cls).core_schema
         self._validator = SchemaValidator(_with_our_text(self._schema))
 
     def read(self, body: bytes) -> T:
@@ -134,51 +133,11 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
     return members
 
 
-def _told_apart(schema: Any) -> Any:  # noqa: ANN401 (a pydantic core schema is nested plain data)
-    """The core schema with each union of `@spec` classes made a tagged union.
+def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (a core schema is nested plain data)
+    """The core schema with our own reading of text, and of times, which knows leap seconds.
 
-    The tag is the field of the classes that can have one value only, their kind.
+    A union's kind, when it is unknown or missing, is answered with those there are.
     """
-    class_by_ref = {shared["ref"]: shared.get("cls") for shared in schema.get("definitions", ())}
-
-    def told_apart(node: Any) -> Any:  # noqa: ANN401 (as above)
-        if isinstance(node, list | tuple):
-            return type(node)(told_apart(item) for item in node)
-        if not isinstance(node, dict):
-            return node
-        node = {key: told_apart(value) for key, value in node.items()}
-        if node.get("type") == "union":
-            choices = node["choices"]
-            classes = [c.get("cls") or class_by_ref.get(c.get("schema_ref")) for c in choices]
-            tags = [tag for cls in classes if cls is not None and (tag := _kind(cls))]
-            if len(tags) == len(choices) and len({member for member, _ in tags}) == 1:
-                kinds = {kind: choice for (_, kind), choice in zip(tags, choices, strict=True)}
-                return _tagged(tags[0][0], kinds)
-        return node
-
-    return told_apart(schema)
-
-
-def _kind(cls: type) -> tuple[str, object] | None:
-    """The field that says a class's kind, and the kind."""
-    for field in dataclasses.fields(cls):
-        if get_origin(field.type) is Literal and get_args(field.type) == (field.default,):
-            return field.name, field.default
-    return None
-
-
-def _tagged(member: str, choice_by_kind: dict[Any, Any]) -> CoreSchema:
-    return core_schema.tagged_union_schema(
-        choice_by_kind,
-        member,
-        custom_error_type="unknown_kind",
-        custom_error_message=f"must be one of {', '.join(choice_by_kind)}",
-        custom_error_context={"member": member},
-    )
-
-
-def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (as above)
-    """The core schema with our own reading of text, and of times, which knows leap seconds."""
     if isinstance(node, list | tuple):
         return type(node)(_with_our_text(item, field) for item in node)
     if not isinstance(node, dict):
@@ -191,6 +150,12 @@ def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (as above
         case "str":
             required = require_message if field == _MESSAGE else require_plain
             return core_schema.no_info_after_validator_function(required, node)
+        case "tagged-union" if isinstance(node["discriminator"], str):
+            node = node | {
+                "custom_error_type": "unknown_kind",
+                "custom_error_message": f"must be one of {', '.join(node['choices'])}",
+                "custom_error_context": {"member": node["discriminator"]},
+            }
         case "dataclass-field":
             field = node["name"]
     return {key: _with_our_text(value, field) for key, value in node.items()}

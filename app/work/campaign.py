@@ -106,7 +106,7 @@ def _part(
                     "mode": "test_motion",
                     "axes": {
                         name: {"kind": "constant_rate", "angle_deg": angle_deg, "rate_deg_s": 0.0}
-                        for name, angle_deg in request.rest_angles_deg.items()
+                        for name, angle_deg in request.rest_deg.items()
                     },
                 },
                 "start": utc_text(rest.start, 6),

@@ -10,7 +10,7 @@ from typing import Any
 from app.answers.plan import plan_document, table_json, verdict_state
 from app.answers.provenance import provenance
 from app.answers.table_export import require_verified
-from app.requests.plan import read_whole_plan_request
+from app.requests.plan import read_plan_request
 from app.store.packed import Packed, pack, unpack
 from app.store.planned import Planned
 from app.work.horizon_checks import horizon_checks
@@ -36,12 +36,12 @@ class PlanAsFlown:
 def planned(request: bytes) -> Planned:
     """Read, plan, judge and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
-    whole = read_whole_plan_request(request)
-    plan = make_plan(whole.scenario(), on_stage=lambda stage: report(Progress(stage=stage)))
+    asked = read_plan_request(request)
+    plan = make_plan(asked, on_stage=lambda stage: report(Progress(stage=stage)))
     made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
-    checks = horizon_checks(plan.scenario, whole.horizon_cameras)
+    checks = horizon_checks(plan.scenario, asked.horizon_cameras)
     return Planned(
-        name=whole.name,
+        name=asked.name,
         state=verdict_state(plan),
         input_sha256=made.input_sha256,
         versions=made.versions,
@@ -69,7 +69,7 @@ def stored_table_file(
 
 def plan_as_flown(request: bytes, packed: Packed) -> PlanAsFlown:
     """A stored plan with its sessions as they were left after conflicts."""
-    asked = read_whole_plan_request(request).scenario()
+    asked = read_plan_request(request)
     flown = [
         replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
         for session, (start, stop) in zip(asked.sessions, packed.facts["sessions"], strict=True)

@@ -1,7 +1,8 @@
 """Which attitude laws are known?"""
 
-from typing import Protocol, get_args
+from typing import Annotated, Protocol, get_args
 
+from pydantic import Field
 from scipy.spatial.transform import Rotation
 
 from planner.attitude.aem import AemAttitude
@@ -24,8 +25,10 @@ class AttitudeLaw(Protocol):
         ...
 
 
-Attitude = LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude
-ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(Attitude)}
+Attitude = Annotated[
+    LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude, Field(discriminator="law")
+]
+ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(get_args(Attitude)[0])}
 
 __all__ = [
     "ATTITUDES",

@@ -128,7 +128,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
     """
     rest = BenchMotionTarget(
         axes={name: ConstantRate(angle_deg=angle_deg, rate_deg_s=0.0)
-              for name, angle_deg in request.rest_angles_deg.items()}
+              for name, angle_deg in request.rest_deg.items()}
     )  # fmt: skip
     rest_utc = shifted_utc(flight.stop_utc, -REST_ROWS * COMMAND_STEP_S)
     return Scenario(
@@ -162,7 +162,7 @@ def _first_row_s(request: CampaignRequest) -> float:
 def _rest_s(request: CampaignRequest, limits: tuple[AxisLimits, ...]) -> float:
     """Room for a slew to or from rest and for resting, whole rows."""
     names = request.platform.axis_names
-    rest_rad = np.deg2rad([request.rest_angles_deg[name] for name in names])
+    rest_rad = np.deg2rad([request.rest_deg[name] for name in names])
     return (math.ceil(longest_rest_s(limits, rest_rad) * ROWS_PER_S) + REST_ROWS) / ROWS_PER_S
 
 

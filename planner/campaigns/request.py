@@ -5,20 +5,26 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import Annotated
 
+from pydantic import FailFast, Field
+
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.commands import COMMAND_STEP_S
-from planner.frames.time_scales import elapsed_s, require_offset
+from planner.frames.time_scales import DAY_S, elapsed_s, require_offset
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
+from planner.opportunities.request import DAYS_MAX, TARGETS_MAX
 from planner.orbits import Orbit
-from planner.platforms import AngleDeg, TwoAxisPlatform
+from planner.platforms import AngleDeg, Platform
 from planner.scenario import InitialState, SlewOptions
 from planner.spec import Within, require_within, spec
-from planner.targets import Target
+from planner.targets import GroundTarget, Target
 
 STEPS_S = (0.4, 30.0)
 LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wanted one
 SESSION_MAX_S = 1200.0
+TARGET_DAYS_MAX = 7000.0  # 1,000 places for 7 days: a minute's choice
+STEP_S = 2.0  # finer steps count more
+MOVING_COUNTS = 100  # what is not fixed to the Earth is looked at one by one
 
 
 @spec
@@ -62,7 +68,8 @@ class CampaignTarget:
 class CampaignRequest:
     """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
 
-    rest_angles_deg: where the axes rest before, between and after passes.
+    platform: a registered name, or a two-axis platform written out in degrees.
+    rest_angles_deg: where the axes rest before, between and after passes; 0 unless given.
     step_s: looks begin on whole multiples of it after `start`, which is rounded up to a
     command row; finer finds more and takes longer.
     """
@@ -70,14 +77,14 @@ class CampaignRequest:
     name: str = ""
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    platform: TwoAxisPlatform
-    rest_angles_deg: Mapping[str, AngleDeg]
-    targets: tuple[CampaignTarget, ...]
+    platform: Platform
+    rest_angles_deg: Mapping[str, AngleDeg] | None = None
+    targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
     slew: SlewOptions = SlewOptions()
-    step_s: Annotated[float, Within(*STEPS_S)] = 2.0
+    step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
 
     def __post_init__(self) -> None:
         require_offset("start", self.start)
@@ -94,25 +101,42 @@ class CampaignRequest:
                 "limits"
             )
         self._require_rest()
+        self._require_bounds()
         self.opportunities()
 
     def _require_rest(self) -> None:
         names = self.platform.axis_names
-        if set(self.rest_angles_deg) != set(names):
+        if set(self.rest_deg) != set(names):
             raise ValueError(
                 f"rest_angles_deg must name the axes {', '.join(names)} of {self.platform.name}, "
-                f"not {', '.join(self.rest_angles_deg) or 'none'}"
+                f"not {', '.join(self.rest_deg) or 'none'}"
             )
         for name, limits in zip(names, self.platform.axis_limits, strict=True):
             low_deg, high_deg = (
                 math.degrees(limits.angle_min_rad),
                 math.degrees(limits.angle_max_rad),
             )
-            if not low_deg <= self.rest_angles_deg[name] <= high_deg:
+            if not low_deg <= self.rest_deg[name] <= high_deg:
                 raise ValueError(
                     f"rest_angles_deg.{name} must lie within its stops {low_deg:g}..{high_deg:g}, "
-                    f"not {self.rest_angles_deg[name]:g}"
+                    f"not {self.rest_deg[name]:g}"
                 )
+
+    def _require_bounds(self) -> None:
+        days = self.span_s / DAY_S
+        if days > DAYS_MAX:
+            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
+        counted = sum(
+            1 if isinstance(wanted.target, GroundTarget) else MOVING_COUNTS
+            for wanted in self.targets
+        )
+        if counted * days * max(STEP_S / self.step_s, 1.0) > TARGET_DAYS_MAX:
+            raise ValueError(
+                f"targets times days must not exceed {TARGET_DAYS_MAX:.0f} at a step_s of "
+                f"{STEP_S:g} s (finer counts more, a target that is no point of the ground "
+                f"{MOVING_COUNTS} times), which these {len(self.targets)} over {days:.1f} days do; "
+                "ask for fewer at a time"
+            )
 
     def opportunities(self) -> OpportunityRequest:
         """When each target can be seen at all."""
@@ -132,7 +156,14 @@ class CampaignRequest:
 
     def resting_at(self, epoch_utc: datetime) -> InitialState:
         """The platform at rest."""
-        return InitialState(epoch=epoch_utc, angles_deg=self.rest_angles_deg)
+        return InitialState(epoch=epoch_utc, angles_deg=self.rest_deg)
+
+    @property
+    def rest_deg(self) -> Mapping[str, float]:
+        """Where each axis rests, by its name."""
+        if self.rest_angles_deg is None:
+            return dict.fromkeys(self.platform.axis_names, 0.0)
+        return self.rest_angles_deg
 
     @property
     def span_s(self) -> float:

@@ -4,17 +4,24 @@ import math
 from datetime import datetime
 from typing import Annotated
 
+from pydantic import FailFast, Field
+
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import elapsed_s, require_offset, utc_text
+from planner.frames.time_scales import DAY_S, elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.platforms import TwoAxisPlatform
+from planner.platforms import Platform
 from planner.spec import Within, spec
 from planner.targets import GroundTarget, MovingGroundTarget, SkyTarget, Target
 
 HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
 PIXELS_ARCSEC = (1e-4, 36e3)
 SAMPLES = (2, 1000)  # a window's edges at least
+TARGETS_MAX = 5000
+DAYS_MAX = 31.0
+# 1,000 places for 10 days with 5 samples: some 3 s, 40,000 windows, 50 MB.
+TARGET_DAYS_SAMPLES_MAX = 50_000
+MOVING_COUNTS = 300  # what is not fixed to the Earth is looked at one by one
 
 
 @spec
@@ -68,14 +75,15 @@ class OpportunityConditions:
 class OpportunityRequest:
     """A carrier, a platform on it, and the targets it may look at from `start` to `stop`.
 
+    platform: a registered name, or a two-axis platform written out in degrees.
     samples: instants per window, its edges included, at which angles and the rest are told.
     pixel_arcsec: angle a pixel sees, for the ground sample distance.
     """
 
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    platform: TwoAxisPlatform
-    targets: tuple[OpportunityTarget, ...]
+    platform: Platform
+    targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
@@ -101,3 +109,20 @@ class OpportunityRequest:
             seen.add(wanted.id)
             if isinstance(wanted.target, MovingGroundTarget):
                 wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
+        self._require_bounds()
+
+    def _require_bounds(self) -> None:
+        days = elapsed_s(self.stop, self.start) / DAY_S
+        if days > DAYS_MAX:
+            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
+        counted = sum(
+            1 if isinstance(wanted.target, GroundTarget) else MOVING_COUNTS
+            for wanted in self.targets
+        )
+        if counted * days * self.samples > TARGET_DAYS_SAMPLES_MAX:
+            raise ValueError(
+                f"targets times days times samples must not exceed {TARGET_DAYS_SAMPLES_MAX} (a "
+                f"target that is no point of the ground counts {MOVING_COUNTS} times), which these "
+                f"{len(self.targets)} over {days:.1f} days with {self.samples} samples do; ask for "
+                "fewer at a time"
+            )

@@ -1,5 +1,9 @@
 """Which orbit sources are there?"""
 
+from typing import Annotated
+
+from pydantic import Field
+
 from planner.orbits.ephemeris import Ephemeris, OrbitStates
 from planner.orbits.oem import OemOrbit
 from planner.orbits.omm import OmmOrbit
@@ -7,7 +11,9 @@ from planner.orbits.opm import OpmOrbit
 from planner.orbits.state_vector import StateVectorOrbit
 from planner.orbits.tle import TleOrbit
 
-Orbit = TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit
+Orbit = Annotated[
+    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit, Field(discriminator="source")
+]
 
 ORBITS = {
     "tle": TleOrbit,

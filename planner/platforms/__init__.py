@@ -1,11 +1,9 @@
 """Which platforms are known by name?"""
 
+from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition
-from planner.platforms.iss_hrc import ISS_HRC
 from planner.platforms.structural_mode import StructuralMode
 from planner.platforms.two_axis import AxisLimits, TwoAxisPlatform
-
-PLATFORMS = {platform.name: platform for platform in (ISS_HRC,)}
 
 __all__ = [
     "PLATFORMS",
@@ -13,6 +11,7 @@ __all__ = [
     "AxisDefinition",
     "AxisLimits",
     "JerkDegS3",
+    "Platform",
     "PlatformDefinition",
     "StructuralMode",
     "TwoAxisPlatform",

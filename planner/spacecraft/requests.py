@@ -5,6 +5,8 @@ from datetime import datetime
 from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
 from planner.spacecraft.definition import (
@@ -198,7 +200,9 @@ def _two_positions(line: GeoLineString) -> None:
         )
 
 
-Request = StripRequest | StereoRequest | AreaRequest | CorridorRequest
+Request = Annotated[
+    StripRequest | StereoRequest | AreaRequest | CorridorRequest, Field(discriminator="mode")
+]
 MODES = {"strip": StripRequest, "stereo": StereoRequest, "area": AreaRequest}
 MODES["corridor"] = CorridorRequest
 

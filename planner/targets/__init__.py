@@ -1,6 +1,8 @@
 """Which target modes are known?"""
 
-from typing import get_args
+from typing import Annotated, get_args
+
+from pydantic import Field
 
 from planner.targets.apparent import VisibleTarget
 from planner.targets.body import BodyTarget
@@ -11,23 +13,23 @@ from planner.targets.ground_path import GroundPathTarget
 from planner.targets.keep_out import KeepOut
 from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
-from planner.targets.test_motion import AxisMotion, AxisMotionTarget, BenchMotionTarget
+from planner.targets.test_motion import AxisMotion, BenchMotionTarget
 
-Target = (
+Target = Annotated[
     GroundTarget
     | MovingGroundTarget
     | GroundPathTarget
     | StarTarget
     | BodyTarget
-    | BenchMotionTarget
-)
+    | BenchMotionTarget,
+    Field(discriminator="mode"),
+]
 TimedTarget = GroundPathTarget | BenchMotionTarget  # t = 0 is the session's start unless given
-TARGETS = {mode.mode: mode for mode in get_args(Target)}
+TARGETS = {mode.mode: mode for mode in get_args(get_args(Target)[0])}
 
 __all__ = [
     "TARGETS",
     "AxisMotion",
-    "AxisMotionTarget",
     "BenchMotionTarget",
     "BodyTarget",
     "EarthFixedTarget",

@@ -4,10 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Literal, Protocol, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit, figures
@@ -16,7 +17,9 @@ from planner.platforms import AxisLimits
 from planner.spec import spec
 from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
 
-Motion = ConstantRate | Sine | Chirp | Step | Triangle | Multisine
+Motion = Annotated[
+    ConstantRate | Sine | Chirp | Step | Triangle | Multisine, Field(discriminator="kind")
+]
 
 ON_GRID_RAD = math.radians(0.1 / 3600.0)  # how closely the table's cubics must follow a plan
 _SAMPLES_PER_PERIOD = 64  # a sine's peak is met within 0.03 %
@@ -32,24 +35,6 @@ class AxisMotion:
     angle_rad: NDArray[np.float64]
     rate_rad_s: NDArray[np.float64]
     acceleration_rad_s2: NDArray[np.float64]
-
-
-class AxisMotionTarget(Protocol):
-    """A target that says how the axes move instead of where to look."""
-
-    def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
-        """t_s: seconds since the start of the session, shape (n,)."""
-        ...
-
-    def require_flyable(
-        self,
-        axis_names: tuple[str, ...],
-        axis_limits: tuple[AxisLimits, ...],
-        start_utc: datetime,
-        duration_s: float,
-    ) -> None:
-        """Raise what keeps the axes from flying it over a session."""
-        ...
 
 
 @spec

@@ -22,8 +22,8 @@ REGISTRIES = [
     ("PlanRequest", "orbit", "source", ORBITS),
     ("PlanRequest", "attitude", "law", ATTITUDES),
     ("Session", "target", "mode", TARGETS),
-    ("OpportunityQuery", "orbit", "source", ORBITS),
-    ("OpportunityQuery", "attitude", "law", ATTITUDES),
+    ("OpportunityRequest", "orbit", "source", ORBITS),
+    ("OpportunityRequest", "attitude", "law", ATTITUDES),
     ("OpportunityTarget", "target", "mode", TARGETS),
 ]
 KINDS = [
@@ -60,7 +60,7 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
 
 
 def test_every_registered_platform_is_documented(document, client):
-    for request in ("PlanRequest", "OpportunityQuery"):
+    for request in ("PlanRequest", "OpportunityRequest"):
         platform = document["components"]["schemas"][request]["properties"]["platform"]
         assert platform["oneOf"][0]["enum"] == list(PLATFORMS)
     listed = client.get("/v1/platforms").json()["platforms"]

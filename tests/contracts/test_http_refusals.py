@@ -56,6 +56,7 @@ def test_every_field_at_fault_is_listed(client):
         "orbit.line1",
         "orbit.line2",
         "orbit.line3",
+        "platform",
         "sessions.0.target.latitude_deg",
     }
     values = {error["field"]: error["value"] for error in problem["errors"]}

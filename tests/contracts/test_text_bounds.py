@@ -20,14 +20,14 @@ from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
-from app.requests.plan import read_whole_plan_request
+from app.requests.plan import read_plan_request
 from app.requests.spacecraft import read_spacecraft_request
 from app.settings import Settings
 from planner.errors import InvalidInput, Refusal
 
 MOST = 200
 READERS: dict[Callable[[bytes], object], dict] = {
-    read_whole_plan_request: PLAN_EXAMPLES,
+    read_plan_request: PLAN_EXAMPLES,
     read_campaign_request: CAMPAIGN_EXAMPLES,
     read_opportunity_request: OPPORTUNITY_EXAMPLES,
     read_spacecraft_request: SPACECRAFT_EXAMPLES,
@@ -90,16 +90,16 @@ def test_every_text_of_every_request_is_bounded(read, example, text):
 
 @pytest.mark.parametrize("text", HIDDEN.values(), ids=HIDDEN)
 def test_what_can_not_be_seen_is_no_name(text):
-    refusal_of(read_whole_plan_request, json.dumps(LAS_VEGAS | {"name": text}).encode())
+    refusal_of(read_plan_request, json.dumps(LAS_VEGAS | {"name": text}).encode())
     axes = deepcopy(LAS_VEGAS)
     axes["initial_state"]["angles_deg"] = {text: 0.0}
-    refusal_of(read_whole_plan_request, json.dumps(axes).encode())
+    refusal_of(read_plan_request, json.dumps(axes).encode())
 
 
 @pytest.mark.parametrize("name", ["x" * MOST, "Лас-Вегас", "می‌خواهم", "👩‍🚀", "café", ""])
 def test_names_of_all_languages_are_names(name):
     body = json.dumps(LAS_VEGAS | {"name": name}).encode()
-    assert read_whole_plan_request(body).name == name
+    assert read_plan_request(body).name == name
 
 
 BIG = "x" * 5_000_000
@@ -126,14 +126,14 @@ BIG = "x" * 5_000_000
     ids=lambda change: "-".join(str(name)[:10] for name in change),
 )
 def test_little_is_repeated(change):
-    told = refusal_of(read_whole_plan_request, json.dumps(LAS_VEGAS | change).encode())
+    told = refusal_of(read_plan_request, json.dumps(LAS_VEGAS | change).encode())
     assert len(told) < 10 * MOST
     assert max(len(run) for run in re.findall("x+", told + "x")) <= MOST
 
 
 def test_long_numbers_are_not_repeated():
     body = json.dumps(LAS_VEGAS).replace('"Las Vegas"', "9" * 4000).encode()
-    assert "9" * (MOST + 1) not in refusal_of(read_whole_plan_request, body)
+    assert "9" * (MOST + 1) not in refusal_of(read_plan_request, body)
 
 
 def test_a_refusal_is_cut_where_it_is_made():

@@ -19,8 +19,8 @@ REF = "#/components/schemas/{model}"
 KEY_SCHEME = "key"
 _REQUESTS = {
     "PlanRequest": plan_request_json_schema,
-    "CampaignQuery": campaign_request_json_schema,
-    "OpportunityQuery": opportunity_request_json_schema,
+    "CampaignRequest": campaign_request_json_schema,
+    "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
 }
 

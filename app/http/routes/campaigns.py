@@ -64,7 +64,7 @@ class CampaignPost(Parameters):
             "headers": {"Location": {"schema": {"type": "string"}}},
         },
     },
-    openapi_extra=request_body("CampaignQuery", CAMPAIGN_EXAMPLES),
+    openapi_extra=request_body("CampaignRequest", CAMPAIGN_EXAMPLES),
     dependencies=[Depends(accepts_json)],
 )
 async def post_campaign(

@@ -26,7 +26,7 @@ router = APIRouter(tags=["opportunities"], dependencies=[Depends(accepts_json)])
     "/v1/opportunities",
     summary="When can each target be seen?",
     response_model=OpportunitiesResponse,
-    openapi_extra=request_body("OpportunityQuery", OPPORTUNITY_EXAMPLES),
+    openapi_extra=request_body("OpportunityRequest", OPPORTUNITY_EXAMPLES),
 )
 async def post_opportunities(
     request: Request, body: Annotated[bytes, Depends(json_body)]

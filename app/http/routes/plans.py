@@ -6,18 +6,17 @@ from app.http.routes.plan_resource import PlanResource
 from app.http.routes.plan_routes import plan_routes
 from app.jobs.kinds import PLAN
 from app.requests.examples.plan import PLAN_EXAMPLES
-from app.requests.plan import PlanRequest, read_whole_plan_request
+from app.requests.plan import PlanRequest, read_plan_request
 from app.work.plan import stored_table_file, stored_table_json
 from planner.export import EXPORTERS
 
 
 def _dry_run(asked: PlanRequest, made: ProvenanceOut) -> DryRunResponse:
-    scenario = asked.scenario()
     return DryRunResponse(
         valid=True,
-        name=scenario.name,
-        platform=scenario.platform.name,
-        sessions=len(scenario.sessions),
+        name=asked.name,
+        platform=asked.platform.name,
+        sessions=len(asked.sessions),
         provenance=made,
     )
 
@@ -35,7 +34,7 @@ PLANS = PlanResource(
     request_schema="PlanRequest",
     examples=PLAN_EXAMPLES,
     response=PlanResponse,
-    read=read_whole_plan_request,
+    read=read_plan_request,
     dry_run=_dry_run,
     dry_run_response=DryRunResponse,
     exporters=EXPORTERS,
