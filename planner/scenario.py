@@ -23,7 +23,7 @@ from planner.platforms import (
     TwoAxisPlatform,
 )
 from planner.spec import Within, spec
-from planner.targets import GroundPathTarget, KeepOut, MovingGroundTarget, Target, TimedTarget
+from planner.targets import KeepOut, Target
 
 KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
@@ -73,9 +73,8 @@ class Session:
     def __post_init__(self) -> None:
         require_offset("start", self.start)
         require_offset("stop", self.stop)
-        if isinstance(self.target, TimedTarget):
-            # Bound now, so that a session cut short later keeps the target's timetable.
-            object.__setattr__(self, "target", self.target.starting(self.start))
+        # Bound now, so that a session cut short later keeps the target's timetable.
+        object.__setattr__(self, "target", self.target.starting(self.start))
         duration_s = elapsed_s(self.stop, self.start)
         if duration_s <= 0.0:
             raise ValueError(
@@ -86,18 +85,7 @@ class Session:
                 "stop must come at least one command step, 0.2 s, after start, not "
                 f"{figures(duration_s, COMMAND_STEP_S)} s"
             )
-        if isinstance(self.target, MovingGroundTarget):
-            self.target.require_known("target", self.start, self.stop)
-        if isinstance(self.target, GroundPathTarget):
-            self._require_path_to_last(self.target)
-
-    def _require_path_to_last(self, path: GroundPathTarget) -> None:
-        over_s = elapsed_s(self.stop, path.start or self.start) - path.duration_s
-        if over_s > COMMAND_STEP_S:
-            raise ValueError(
-                f"stop ({utc_text(self.stop)}) comes {over_s:.1f} s after the path's end; end the "
-                "session there, or give the path more points or less speed"
-            )
+        self.target.require_known("target", self.start, self.stop)
 
 
 @spec

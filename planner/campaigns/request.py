@@ -17,7 +17,7 @@ from planner.orbits import Orbit
 from planner.platforms import AngleDeg, Platform
 from planner.scenario import InitialState, SlewOptions
 from planner.spec import Within, require_within, spec
-from planner.targets import GroundTarget, Target
+from planner.targets import WindowTarget
 
 STEPS_S = (0.4, 30.0)
 LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wanted one
@@ -36,7 +36,7 @@ class CampaignTarget:
     """
 
     id: str
-    target: Target
+    target: WindowTarget
     priority: Annotated[float, Within(1e-3, 1e6)] = 1.0
     session_s: Annotated[float, Within(1.0, SESSION_MAX_S)]
     min_session_s: Annotated[float, Within(1.0, SESSION_MAX_S)] | None = None
@@ -127,8 +127,7 @@ class CampaignRequest:
         if days > DAYS_MAX:
             raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
         counted = sum(
-            1 if isinstance(wanted.target, GroundTarget) else MOVING_COUNTS
-            for wanted in self.targets
+            1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
         )
         if counted * days * max(STEP_S / self.step_s, 1.0) > TARGET_DAYS_MAX:
             raise ValueError(

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from planner.campaigns.passes import Looks
 from planner.opportunities.carrier import Carrier
-from planner.opportunities.sights import EarthSight, FixedPlaces, MovingPlace, Sight, SkySight
+from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
-from planner.targets import GroundTarget, MovingGroundTarget, SkyTarget, Target
+from planner.targets import Target
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -81,23 +81,20 @@ def _batches(
     looks: Looks, targets: Sequence[Target], carrier: Carrier, steps: Indices
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
     """Rows of `looks` that are seen alike, how, and the number of each one's target in it."""
-    fixed = [n for n, target in enumerate(targets) if isinstance(target, GroundTarget)]
-    if fixed:
+    resting = resting_places(targets)
+    if resting:
         number = np.full(len(targets), -1)
-        number[fixed] = np.arange(len(fixed))
-        places = FixedPlaces([t for t in targets if isinstance(t, GroundTarget)])
-        sight = EarthSight(carrier, places, np.zeros(len(fixed)))
+        number[list(resting)] = np.arange(len(resting))
+        places = FixedPlaces(carrier, list(resting.values()))
+        sight = EarthSight(carrier, places, np.zeros(len(resting)))
         rows = np.flatnonzero(number[looks.target] >= 0)
         batch = np.cumsum(steps[rows]) // BATCH
         for part in np.split(rows, np.flatnonzero(np.diff(batch)) + 1):
             yield part, sight, number[looks.target[part]]
     for n, target in enumerate(targets):
-        rows = np.flatnonzero(looks.target == n)
-        if isinstance(target, MovingGroundTarget):
-            place = MovingPlace(carrier, target)
-            yield rows, EarthSight(carrier, place, np.zeros(1)), np.zeros(len(rows), np.intp)
-        elif isinstance(target, SkyTarget):
-            yield rows, SkySight(carrier, target), np.zeros(len(rows), np.intp)
+        if n not in resting:
+            rows = np.flatnonzero(looks.target == n)
+            yield rows, sight_of(carrier, target, 0.0), np.zeros(len(rows), np.intp)
 
 
 def _runs(

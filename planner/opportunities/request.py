@@ -12,7 +12,7 @@ from planner.frames.time_scales import DAY_S, elapsed_s, require_offset, utc_tex
 from planner.orbits import Orbit
 from planner.platforms import Platform
 from planner.spec import Within, spec
-from planner.targets import GroundTarget, MovingGroundTarget, SkyTarget, Target
+from planner.targets import WindowTarget
 
 HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
 PIXELS_ARCSEC = (1e-4, 36e3)
@@ -29,13 +29,13 @@ class OpportunityTarget:
     """A target by a name of the user's; greater priority matters more."""
 
     id: str
-    target: Target
+    target: WindowTarget
     priority: Annotated[float, Within(-1e6, 1e6)] = 1.0
 
     def __post_init__(self) -> None:
         if not self.id:
             raise ValueError("id must not be empty: windows are reported by it")
-        if not isinstance(self.target, GroundTarget | MovingGroundTarget | SkyTarget):
+        if not self.target.has_windows:
             raise ValueError(
                 f"a {self.target.mode} belongs to a session and has no windows of its own; ask "
                 "for those of a ground_path's points, as ground targets"
@@ -107,8 +107,7 @@ class OpportunityRequest:
                     f"targets.{number}.id {wanted.id!r} is taken already; windows are told by id"
                 )
             seen.add(wanted.id)
-            if isinstance(wanted.target, MovingGroundTarget):
-                wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
+            wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
         self._require_bounds()
 
     def _require_bounds(self) -> None:
@@ -116,8 +115,7 @@ class OpportunityRequest:
         if days > DAYS_MAX:
             raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
         counted = sum(
-            1 if isinstance(wanted.target, GroundTarget) else MOVING_COUNTS
-            for wanted in self.targets
+            1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
         )
         if counted * days * self.samples > TARGET_DAYS_SAMPLES_MAX:
             raise ValueError(

@@ -1,7 +1,7 @@
 """When can each target be seen?  The search, from the request to its windows."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,16 @@ from planner.opportunities.carrier import Carrier, carrier_over
 from planner.opportunities.conditions import Condition, conditions_of
 from planner.opportunities.description import described
 from planner.opportunities.request import OpportunityRequest
-from planner.opportunities.sights import EarthSight, FixedPlaces, MovingPlace, Sight, SkySight
+from planner.opportunities.sights import (
+    EarthSight,
+    FixedPlaces,
+    Sight,
+    resting_places,
+    sight_of,
+)
 from planner.opportunities.spans import Indices, Nodes, Spans, nodes_over, stretches
 from planner.opportunities.windows import Opportunities, in_order
-from planner.targets import EarthFixedTarget, GroundTarget, MovingGroundTarget, SkyTarget
+from planner.targets import EarthFixedTarget
 
 Array = NDArray[np.float64]
 BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all
@@ -61,29 +67,27 @@ def _batches(
     request: OpportunityRequest, carrier: Carrier
 ) -> Iterator[tuple[Indices, Sight, Nodes]]:
     """Rows of the request's targets that are treated alike, and where to look for them."""
-    least_rad = math.radians(request.conditions.min_elevation_deg)
-    fixed = [
-        (n, w.target) for n, w in enumerate(request.targets) if isinstance(w.target, GroundTarget)
-    ]
+    asked_rad = math.radians(request.conditions.min_elevation_deg)
+    targets = [wanted.target for wanted in request.targets]
+    resting = resting_places(targets)
     size = max(1, BATCH_CELLS // len(carrier.node_s))
-    for first in range(0, len(fixed), size):
-        numbers, targets = zip(*fixed[first : first + size], strict=True)
-        places, least = FixedPlaces(targets), _least_elevations(targets, least_rad)
-        nodes = candidate_nodes(carrier, places.r_itrf_m, least)
-        yield np.array(numbers), EarthSight(carrier, places, least), nodes
+    for first in range(0, len(resting), size):
+        numbers = list(resting)[first : first + size]
+        places = FixedPlaces(carrier, [resting[number] for number in numbers])
+        least_rad = np.array([_least_rad(resting[number], asked_rad) for number in numbers])
+        nodes = candidate_nodes(carrier, places.r_itrf_m, least_rad)
+        yield np.array(numbers), EarthSight(carrier, places, least_rad), nodes
     everywhere = Nodes(np.zeros(1, int), np.zeros(len(carrier.node_s), int), carrier.node_s)
-    for number, wanted in enumerate(request.targets):
-        if isinstance(wanted.target, MovingGroundTarget):
-            least = _least_elevations([wanted.target], least_rad)
-            place = MovingPlace(carrier, wanted.target)
-            yield np.array([number]), EarthSight(carrier, place, least), everywhere
-        elif isinstance(wanted.target, SkyTarget):
-            yield np.array([number]), SkySight(carrier, wanted.target), everywhere
+    for number, target in enumerate(targets):
+        if number not in resting:
+            sight = sight_of(carrier, target, _least_rad(target, asked_rad))
+            yield np.array([number]), sight, everywhere
 
 
-def _least_elevations(targets: Sequence[EarthFixedTarget], least_rad: float) -> Array:
-    """The greater of the request's and each target's own, shape (len(targets),)."""
-    return np.maximum(np.deg2rad([target.min_elevation_deg for target in targets]), least_rad)
+def _least_rad(target: object, asked_rad: float) -> float:
+    """The greater of the request's least elevation and the target's own."""
+    own_deg = target.min_elevation_deg if isinstance(target, EarthFixedTarget) else 0.0
+    return max(math.radians(own_deg), asked_rad)
 
 
 def _windows(request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes: Nodes) -> Spans:

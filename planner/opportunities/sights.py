@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
-from planner.frames.geodesy import geodetic_from_itrf, itrf_from_geodetic, up_itrf
+from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier
 from planner.orbits import OrbitStates
-from planner.targets import EarthFixedTarget, GroundTarget, SkyTarget
+from planner.targets import EarthFixedTarget, SkyTarget, Target
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrated
 
 Array = NDArray[np.float64]
@@ -69,13 +69,11 @@ class Places(Protocol):
 class FixedPlaces:
     """Points at rest on the ground, any number."""
 
-    def __init__(self, targets: Sequence[GroundTarget]) -> None:
-        latitude = np.deg2rad([target.latitude_deg for target in targets])
-        longitude = np.deg2rad([target.longitude_deg for target in targets])
-        self.r_itrf_m = itrf_from_geodetic(
-            latitude, longitude, np.array([target.height_m for target in targets])
-        )
-        self._up_itrf = up_itrf(latitude, longitude)
+    def __init__(self, carrier: Carrier, targets: Sequence[EarthFixedTarget]) -> None:
+        at_start = Instants(carrier.start_utc, np.zeros(1))
+        self.r_itrf_m = np.concatenate([target.r_target_itrf_m(at_start) for target in targets])
+        latitude_rad, longitude_rad, _ = geodetic_from_itrf(self.r_itrf_m)
+        self._up_itrf = up_itrf(latitude_rad, longitude_rad)
 
     def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array:
         """Shape (n, 3)."""
@@ -202,6 +200,23 @@ class SkySight:
             np.einsum("nji,nj->ni", c_itrf, self.carrier.v_sat_itrf_m_s.at(t_s)),
         )
         return instants, states, c_itrf
+
+
+def resting_places(targets: Sequence[Target]) -> dict[int, EarthFixedTarget]:
+    """Those of the targets that rest on the Earth, by their number."""
+    return {
+        number: target
+        for number, target in enumerate(targets)
+        if target.rests_on_earth and isinstance(target, EarthFixedTarget)
+    }
+
+
+def sight_of(carrier: Carrier, target: Target, min_elevation_rad: float) -> Sight:
+    """One target by itself."""
+    if isinstance(target, EarthFixedTarget):
+        return EarthSight(carrier, MovingPlace(carrier, target), np.array([min_elevation_rad]))
+    assert isinstance(target, SkyTarget), f"a {target.mode} has no windows"
+    return SkySight(carrier, target)
 
 
 def _carried_m_s(r_itrf_m: Array) -> Array:

@@ -15,7 +15,7 @@ from planner.scenario import Scenario, Session
 from planner.sessions.holding import Rows, Way, session_rows, ways_to_hold
 from planner.sessions.joining import joined, may_be_slewed
 from planner.slew import AxisState
-from planner.targets import BenchMotionTarget, Target, TimedTarget
+from planner.targets import BenchMotionTarget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,7 @@ class Trials:
         try:
             moved = replace(
                 refused.session,
-                target=_unbound(refused.session),
+                target=refused.session.target.unbound(refused.session.start),
                 start=start_utc,
                 stop=stop_utc,
                 keyhole="refuse",  # a start that needs no compromise, and no second of solving
@@ -166,11 +166,3 @@ class Trials:
         except Refusal:
             return False
         return True
-
-
-def _unbound(session: Session) -> Target:
-    """The target as it was asked for: what began with the session will begin with the moved one."""
-    target = session.target
-    if isinstance(target, TimedTarget) and target.start == session.start:
-        return replace(target, start=None)
-    return target

@@ -1,6 +1,6 @@
 """Which target modes are known?"""
 
-from typing import Annotated, get_args
+from typing import TYPE_CHECKING, Annotated, Union, get_args
 
 from pydantic import Field
 
@@ -11,6 +11,7 @@ from planner.targets.ground import GroundTarget
 from planner.targets.ground_moving import MovingGroundTarget
 from planner.targets.ground_path import GroundPathTarget
 from planner.targets.keep_out import KeepOut
+from planner.targets.session_target import SessionTarget, TimedTarget
 from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
 from planner.targets.test_motion import AxisMotion, BenchMotionTarget
@@ -24,8 +25,13 @@ Target = Annotated[
     | BenchMotionTarget,
     Field(discriminator="mode"),
 ]
-TimedTarget = GroundPathTarget | BenchMotionTarget  # t = 0 is the session's start unless given
 TARGETS = {mode.mode: mode for mode in get_args(get_args(Target)[0])}
+if TYPE_CHECKING:
+    WindowTarget = Target
+else:
+    # Those that can be seen at times of their own.
+    _WITH_WINDOWS = tuple(mode for mode in TARGETS.values() if mode.has_windows)
+    WindowTarget = Annotated[Union[_WITH_WINDOWS], Field(discriminator="mode")]  # noqa: UP007 (of a tuple)
 
 __all__ = [
     "TARGETS",
@@ -37,9 +43,11 @@ __all__ = [
     "GroundTarget",
     "KeepOut",
     "MovingGroundTarget",
+    "SessionTarget",
     "SkyTarget",
     "StarTarget",
     "Target",
     "TimedTarget",
     "VisibleTarget",
+    "WindowTarget",
 ]

@@ -12,11 +12,12 @@ from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrated
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
+from planner.targets.session_target import SessionTarget
 
 LIGHT_TIME_PASSES = 2  # each pass shrinks the error by v/c: 2.5 m, then 4 um, after the first
 
 
-class EarthFixedTarget(ABC):
+class EarthFixedTarget(SessionTarget, ABC):
     """A target given by its ITRF position, at rest or moving over the Earth.
 
     min_elevation_deg: the carrier must stand at least this high in the target's sky over

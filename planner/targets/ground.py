@@ -1,7 +1,7 @@
 """Where is a point on the ground?"""
 
 import math
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ class GroundTarget(EarthFixedTarget):
     Source: Sumarokov 2016, eq. 8.
     """
 
+    rests_on_earth: ClassVar[bool] = True
     mode: Literal["ground"] = "ground"
     latitude_deg: LatitudeDeg
     longitude_deg: LongitudeDeg

@@ -4,19 +4,21 @@ import dataclasses
 import math
 from datetime import datetime
 from functools import cached_property
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, figures
 from planner.frames.geodesic import geodesic_between, geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
-from planner.frames.time_scales import Instants, elapsed_s, require_offset
+from planner.frames.time_scales import Instants, elapsed_s, require_offset, utc_text
 from planner.spec import Within, spec
 from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
 from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
 from planner.targets.refraction import Refraction
+from planner.targets.session_target import TimedTarget
 from planner.targets.smooth_step import ramp
 
 POINTS_MAX = 1000
@@ -48,7 +50,7 @@ class _Legs:
 
 
 @spec
-class GroundPathTarget(EarthFixedTarget):
+class GroundPathTarget(TimedTarget, EarthFixedTarget):
     """A polyline of geodesics between two or more points, scanned from its first point on.
 
     speed_m_s: over the ellipsoid's surface, constant on the legs; heights change linearly.
@@ -88,9 +90,14 @@ class GroundPathTarget(EarthFixedTarget):
         """From the first point to the last."""
         return float(self._legs.passing_s[-1])
 
-    def starting(self, start_utc: datetime) -> Self:
-        """The same path, passing its first point at start_utc unless it says when itself."""
-        return self if self.start is not None else dataclasses.replace(self, start=start_utc)
+    def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
+        """Refuse a session that goes on after the path's end."""
+        over_s = elapsed_s(stop_utc, self.start or start_utc) - self.duration_s
+        if over_s > COMMAND_STEP_S:
+            raise ValueError(
+                f"stop ({utc_text(stop_utc)}) comes {over_s:.1f} s after the path's end; end the "
+                "session there, or give the path more points or less speed"
+            )
 
     def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
         """Shape (n, 3)."""

@@ -14,12 +14,13 @@ from planner.targets.apparent import ApparentDirection, aberrated
 from planner.targets.deflection import deflected
 from planner.targets.earth_limb import limb_clearance_rad, refracted
 from planner.targets.refraction import Refraction
+from planner.targets.session_target import SessionTarget
 
 GRAZING_ALTITUDE_KM = 80.0  # refraction bends by 0.1 arcsec there, and by 8 times more 15 km lower
 LOWEST_SEEN_KM = 2.0  # a ray that grazes the sea seems to pass at 1.77 km
 
 
-class SkyTarget(ABC):
+class SkyTarget(SessionTarget, ABC):
     """A target given by its place in the solar system or among the stars.
 
     grazing_altitude_km: the line of sight must pass at least this high above the ellipsoid

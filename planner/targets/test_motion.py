@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, u
 from planner.platforms import AxisLimits
 from planner.spec import spec
 from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.targets.session_target import TimedTarget
 
 Motion = Annotated[
     ConstantRate | Sine | Chirp | Step | Triangle | Multisine, Field(discriminator="kind")
@@ -38,7 +39,7 @@ class AxisMotion:
 
 
 @spec
-class BenchMotionTarget:
+class BenchMotionTarget(TimedTarget):
     """A test signal for each axis; t = 0 is its start, the session's unless given.
 
     axes: one motion per axis of the platform, by the axis's name.
@@ -54,10 +55,6 @@ class BenchMotionTarget:
             require_offset("start", self.start)
         if not self.axes:
             raise ValueError("axes must name a motion for each axis of the platform")
-
-    def starting(self, start_utc: datetime) -> Self:
-        """The same motion, beginning at start_utc unless it says when itself."""
-        return self if self.start is not None else replace(self, start=start_utc)
 
     def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
