@@ -1,0 +1,93 @@
+"""slewtrack from Python: what the HTTP service and the command do, as functions.
+
+A request is the JSON that the service takes, as bytes or as the dictionary it holds, or the
+value that reading it gives.  Each function loads what it needs when it is first called.  A
+request that can't be read or fulfilled raises a `planner.errors.Refusal`, which names the
+field, the reason and the way out.
+"""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from app.requests.plan import PlanRequest
+    from estimator.images import Pixels
+    from estimator.pipeline import VerticalEstimate
+    from estimator.request import HorizonRequest
+    from planner.campaigns import Campaign, CampaignRequest
+    from planner.opportunities import Opportunities, OpportunityRequest
+    from planner.scenario import Scenario
+    from planner.sessions.plan import Plan
+    from planner.spacecraft.plan import ImagingPlan
+    from planner.spacecraft.requests import ImagingPlanRequest
+
+__all__ = [
+    "campaign",
+    "estimate_vertical",
+    "opportunities",
+    "plan",
+    "plan_imaging",
+    "read_request",
+]
+
+Json = bytes | Mapping[str, Any]
+Asked = TypeVar("Asked")
+
+
+def read_request(request: Json) -> "PlanRequest":
+    """The request for a plan, every field checked; a `Scenario`, with its horizon cameras."""
+    from app.requests.plan import read_plan_request
+
+    return _as_read(request, read_plan_request)
+
+
+def plan(request: "Scenario | Json") -> "Plan":
+    """Slews and tracks for every session, as a verified command table; degrees in, radians out."""
+    from planner.sessions.pipeline import make_plan
+
+    return make_plan(read_request(request) if isinstance(request, bytes | Mapping) else request)
+
+
+def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":
+    """When each target can be seen, without planning anything."""
+    from app.requests.opportunities import read_opportunity_request
+    from planner.opportunities import find_opportunities
+
+    return find_opportunities(_as_read(request, read_opportunity_request))
+
+
+def campaign(request: "CampaignRequest | Json") -> "Campaign":
+    """Which of many targets to look at and in what order; its passes are planned one by one."""
+    from app.requests.campaign import read_campaign_request
+    from planner.campaigns import chosen_campaign
+
+    return chosen_campaign(_as_read(request, read_campaign_request))
+
+
+def estimate_vertical(
+    images: "Sequence[bytes | Pixels]", request: "HorizonRequest | Json"
+) -> "VerticalEstimate":
+    """The nadir in body axes from one image per camera, files' bytes or arrays of pixels."""
+    from app.requests.horizon import read_estimate_request
+    from estimator.images import decode_image
+    from estimator.pipeline import estimate_vertical as estimate
+
+    pixels = [decode_image(image) if isinstance(image, bytes) else image for image in images]
+    return estimate(pixels, _as_read(request, read_estimate_request))
+
+
+def plan_imaging(request: "ImagingPlanRequest | Json") -> "ImagingPlan":
+    """An imaging session of the spacecraft with four gyros: a verified attitude table."""
+    from app.requests.spacecraft import read_spacecraft_request
+    from planner.spacecraft.plan import plan_imaging as make
+
+    return make(_as_read(request, read_spacecraft_request))
+
+
+def _as_read(request: Asked | Json, read: Callable[[bytes], Asked]) -> Asked:
+    if isinstance(request, bytes):
+        return read(request)
+    if isinstance(request, Mapping):
+        return read(json.dumps(request).encode())
+    return request
