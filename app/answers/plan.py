@@ -17,8 +17,9 @@ from app.answers.pointing import PointingOut, pointing_out
 from app.answers.provenance import ProvenanceOut, provenance
 from app.answers.uncertainty import UncertaintyOut, uncertainty_out
 from planner.commands import COMMAND_STEP_S, CommandTable
+from planner.export import Segment, SegmentKind
 from planner.frames.time_scales import utc_text
-from planner.sessions.plan import Plan, Segment, SegmentKind
+from planner.sessions.plan import Plan
 from planner.verification import Finding, LimitMargin
 from planner.verification.report import KeepOutMargin
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from app.answers.plan_head import PlanHead, new_head, whole_answer
 from app.answers.provenance import ProvenanceOut
-from planner.export.flown import continuous
+from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.stabilisation import FlownWindow, StabilisationReport

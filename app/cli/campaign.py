@@ -24,7 +24,7 @@ SHOWN_MAX = 100
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlownPass:
+class PlannedPass:
     """A pass with its plan; None where no look of it can be flown, and then why."""
 
     part: Part
@@ -32,7 +32,7 @@ class FlownPass:
     refusal: str | None
 
 
-def run_campaign(body: bytes) -> tuple[Chosen, list[FlownPass]]:
+def run_campaign(body: bytes) -> tuple[Chosen, list[PlannedPass]]:
     """Choose and plan, with a bar on a terminal; raises a Refusal of the request."""
     with _bar() as bar:
         task = bar.add_task("opportunities", total=None)
@@ -65,19 +65,19 @@ def _bar() -> Iterator[Progress]:
         yield bar
 
 
-def _flown(part: Part) -> FlownPass:
+def _flown(part: Part) -> PlannedPass:
     """The pass, without what can't be flown of it."""
     while True:
         try:
-            return FlownPass(part=part, plan=planned(part.request), refusal=None)
+            return PlannedPass(part=part, plan=planned(part.request), refusal=None)
         except Refusal as refusal:
             repaired = without_refused(part, refusal.field, refusal.detail)
             if repaired is None:
-                return FlownPass(part=part, plan=None, refusal=refusal.detail)
+                return PlannedPass(part=part, plan=None, refusal=refusal.detail)
             part = repaired
 
 
-def print_campaign(told: dict[str, object], flown: list[FlownPass]) -> None:
+def print_campaign(told: dict[str, object], flown: list[PlannedPass]) -> None:
     """What was chosen and how far from the best that can be; a line per look."""
     console = Console(highlight=False)
     looks = sum(len(one.part.told["looks"]) for one in flown if one.plan)
@@ -103,7 +103,7 @@ def print_campaign(told: dict[str, object], flown: list[FlownPass]) -> None:
     print_warnings(console, warnings)
 
 
-def _not_flown(one: FlownPass) -> Iterator[str]:
+def _not_flown(one: PlannedPass) -> Iterator[str]:
     for left_out in one.part.told["left_out"]:
         yield (
             f"pass {one.part.told['pass']}: {left_out['target']} was left out, "
@@ -113,7 +113,7 @@ def _not_flown(one: FlownPass) -> Iterator[str]:
         yield f"pass {one.part.told['pass']} can't be flown: {one.refusal}"
 
 
-def _table(flown: list[FlownPass]) -> Table:
+def _table(flown: list[PlannedPass]) -> Table:
     table = Table(box=None, pad_edge=False)
     for heading in ("pass", "target", "start", "stop", "value"):
         table.add_column(heading, no_wrap=True)
@@ -131,7 +131,7 @@ def _table(flown: list[FlownPass]) -> Table:
     return table
 
 
-def campaign_csv(flown: list[FlownPass]) -> str:
+def campaign_csv(flown: list[PlannedPass]) -> str:
     """One line per look of the plans made."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -143,7 +143,7 @@ def campaign_csv(flown: list[FlownPass]) -> str:
     return text.getvalue()
 
 
-def write_plans(folder: Path, flown: list[FlownPass]) -> None:
+def write_plans(folder: Path, flown: list[PlannedPass]) -> None:
     """pass-N.json: each plan with its table; pass-N-request.json: what it was planned from."""
     folder.mkdir(parents=True, exist_ok=True)
     for one in flown:

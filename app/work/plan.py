@@ -2,8 +2,7 @@
 
 import hashlib
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -16,21 +15,11 @@ from app.store.planned import Planned
 from app.work.horizon_checks import horizon_checks
 from app.work.progress import Progress, report
 from planner.commands import CommandTable
-from planner.export import EXPORTERS
+from planner.export import EXPORTERS, FlightPlan, Segment
 from planner.frames.time_scales import utc_from_text, utc_text
-from planner.scenario import Scenario
 from planner.sessions.pipeline import make_plan
-from planner.sessions.plan import Plan, Segment
+from planner.sessions.plan import Plan
 from planner.verification import Finding
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlanAsFlown:
-    """The parts of a stored plan that its table's formats are written from."""
-
-    scenario: Scenario
-    segments: Sequence[Segment]
-    table: CommandTable
 
 
 def planned(request: bytes) -> Planned:
@@ -63,20 +52,20 @@ def stored_table_file(
     """The table by itself; raises Unverified, OutsideCoverage."""
     packed = unpack(table_columns)
     require_verified([_finding(told) for told in packed.facts["errors"]])
-    flown = plan_as_flown(request, packed)
-    return EXPORTERS[format_name].write(flown, created_utc)
+    plan = _stored_plan(request, packed)
+    return EXPORTERS[format_name].write(plan, created_utc)
 
 
-def plan_as_flown(request: bytes, packed: Packed) -> PlanAsFlown:
-    """A stored plan with its sessions as they were left after conflicts."""
+def _stored_plan(request: bytes, packed: Packed) -> FlightPlan:
+    """With its sessions as they were left after conflicts."""
     asked = read_plan_request(request)
-    flown = [
+    sessions = tuple(
         replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
         for session, (start, stop) in zip(asked.sessions, packed.facts["sessions"], strict=True)
-    ]
-    return PlanAsFlown(
-        scenario=replace(asked, sessions=tuple(flown)),
-        segments=[_segment(*told) for told in packed.facts["segments"]],
+    )
+    return FlightPlan(
+        scenario=replace(asked, sessions=sessions),
+        segments=tuple(_segment(*told) for told in packed.facts["segments"]),
         table=_table(packed),
     )
 

@@ -4,13 +4,13 @@ from planner.export.aem import write_aem
 from planner.export.csv import write_csv
 from planner.export.czml import write_czml
 from planner.export.exporter import Exporter
-from planner.export.flown import FlownPlan, FlownSegment
+from planner.export.flight_plan import FlightPlan, Segment, SegmentKind
 from planner.export.json import write_json
 from planner.export.netcdf import write_netcdf
 from planner.export.oem import write_oem
 from planner.export.stk import write_stk_attitude, write_stk_sensor
 
-EXPORTERS: dict[str, Exporter[FlownPlan]] = {
+EXPORTERS: dict[str, Exporter[FlightPlan]] = {
     "csv": Exporter(
         title="command table",
         media_type="text/csv",
@@ -61,4 +61,4 @@ EXPORTERS: dict[str, Exporter[FlownPlan]] = {
     ),
 }
 
-__all__ = ["EXPORTERS", "Exporter", "FlownPlan", "FlownSegment"]
+__all__ = ["EXPORTERS", "Exporter", "FlightPlan", "Segment", "SegmentKind"]

@@ -4,14 +4,15 @@ from datetime import datetime
 
 from planner.export.ccsds import ATTITUDE_FRAME_A, attitude_message
 from planner.export.description import notes
-from planner.export.flown import FlownPlan, flown
+from planner.export.flight_plan import FlightPlan
+from planner.export.table_states import table_states
 
 FRAME_B = "INSTRUMENT_1"
 
 
-def write_aem(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_aem(plan: FlightPlan, created_utc: datetime) -> bytes:
     """Version 2, KVN: the quaternion from GCRF to the payload and its angular velocity."""
-    rows = flown(plan)
+    rows = table_states(plan)
     return attitude_message(
         created_utc,
         notes(plan, created_utc),

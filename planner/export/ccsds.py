@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.export.description import DECIMALS, TEXT_MAX, carrier
-from planner.export.flown import axes_turn
+from planner.export.table_states import axes_turn
 from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import Orbit
 

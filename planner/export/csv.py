@@ -6,11 +6,11 @@ import numpy as np
 
 from planner.commands import CommandTable
 from planner.export.description import DECIMALS, columns, notes, one_line
-from planner.export.flown import FlownPlan
+from planner.export.flight_plan import FlightPlan
 from planner.frames.time_scales import Instants
 
 
-def write_csv(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_csv(plan: FlightPlan, created_utc: datetime) -> bytes:
     """`table_csv` under lines that begin with `#` and say what the columns don't."""
     head = [f"# {note}\n" for note in notes(plan, created_utc)]
     return ("".join(head) + table_csv(plan.table)).encode()

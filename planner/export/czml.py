@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.export.description import carrier, notes
-from planner.export.flown import Flown, FlownPlan, continuous, flown
+from planner.export.flight_plan import FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, FRAME_CORNERS, frame_corner_rays, sights
+from planner.export.table_states import TableStates, continuous, table_states
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
@@ -32,13 +33,13 @@ _KIND_RGBA = {"wait": [160, 160, 160, 255], "slew": [255, 160, 0, 255], "track":
 _ORBIT_RGBA, _FRAME_RGBA, _TARGET_RGBA = [90, 170, 255, 255], [0, 220, 90, 110], [255, 60, 60, 255]
 
 
-def write_czml(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
     """A CZML 1.0 document; what isn't known at an instant isn't available then.
 
     `carrier` and `payload` carry orientations: unit quaternions x, y, z, w that turn vectors
     from body or payload axes to Earth-fixed axes.
     """
-    rows = flown(plan)
+    rows = table_states(plan)
     c_itrf = c_itrf_from_eci(rows.instants)
     boresight = sights(rows, BORESIGHT_PAYLOAD)
     packets = [
@@ -55,7 +56,7 @@ def write_czml(plan: FlownPlan, created_utc: datetime) -> bytes:
     return json.dumps(packets, allow_nan=False, separators=(",", ":")).encode()
 
 
-def _document(plan: FlownPlan, rows: Flown, created_utc: datetime) -> Json:
+def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Json:
     span = _span(rows, 0, -1)
     along, across = 2.0 * np.degrees(plan.scenario.platform.frame_half_rad)
     return {
@@ -80,7 +81,7 @@ def _document(plan: FlownPlan, rows: Flown, created_utc: datetime) -> Json:
     }
 
 
-def _spacecraft(plan: FlownPlan, rows: Flown, c_itrf: Array) -> list[Json]:
+def _spacecraft(plan: FlightPlan, rows: TableStates, c_itrf: Array) -> list[Json]:
     r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, rows.states.r_sat_eci_m)
     named = carrier(plan.scenario.orbit)
     availability = _span(rows, 0, -1)
@@ -111,7 +112,7 @@ def _spacecraft(plan: FlownPlan, rows: Flown, c_itrf: Array) -> list[Json]:
     ]
 
 
-def _boresight(plan: FlownPlan, rows: Flown, end_itrf_m: Array) -> list[Json]:
+def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[Json]:
     availability = _span(rows, 0, -1)
     colours = [
         {
@@ -142,7 +143,7 @@ def _boresight(plan: FlownPlan, rows: Flown, end_itrf_m: Array) -> list[Json]:
     ]
 
 
-def _footprint(rows: Flown, platform: TwoAxisPlatform) -> list[Json]:
+def _footprint(rows: TableStates, platform: TwoAxisPlatform) -> list[Json]:
     """The frame's outline while all four corners are on the ground."""
     corners = sights(rows, frame_corner_rays(platform))
     runs = list(_runs(np.asarray(corners.on_ground.all(axis=1))))
@@ -175,7 +176,7 @@ def _footprint(rows: Flown, platform: TwoAxisPlatform) -> list[Json]:
     ]
 
 
-def _target(number: int, session: Session, rows: Flown, c_itrf: Array) -> Iterable[Json]:
+def _target(number: int, session: Session, rows: TableStates, c_itrf: Array) -> Iterable[Json]:
     """A mark available during the session; nothing for a test motion, which has no target."""
     target = session.target
     first = _row_at(rows, session.start)
@@ -204,7 +205,7 @@ def _target(number: int, session: Session, rows: Flown, c_itrf: Array) -> Iterab
     }
 
 
-def _place(rows: Flown, place_itrf_m: Array, kept: NDArray[np.int_]) -> Json:
+def _place(rows: TableStates, place_itrf_m: Array, kept: NDArray[np.int_]) -> Json:
     if np.ptp(place_itrf_m, axis=0).max() == 0.0:
         return {"cartesian": np.round(place_itrf_m[0], 3).tolist()}
     positions = np.zeros((len(rows.instants), 3))
@@ -212,14 +213,14 @@ def _place(rows: Flown, place_itrf_m: Array, kept: NDArray[np.int_]) -> Json:
     return _sampled("cartesian", rows, positions, 3, degree=5, kept=kept)
 
 
-def _orientation(rows: Flown, q_from_eci_xyzw: Array, c_itrf: Array) -> Json:
+def _orientation(rows: TableStates, q_from_eci_xyzw: Array, c_itrf: Array) -> Json:
     q_itrf = Rotation.from_matrix(c_itrf) * Rotation.from_quat(q_from_eci_xyzw).inv()
     return _sampled("unitQuaternion", rows, continuous(q_itrf), 13, degree=3)
 
 
 def _sampled(
     key: str,
-    rows: Flown,
+    rows: TableStates,
     values: Array,
     decimals: int,
     *,
@@ -246,12 +247,12 @@ def _runs(flags: NDArray[np.bool_]) -> Iterable[tuple[int, int]]:
             yield first, after - 1
 
 
-def _row_at(rows: Flown, moment_utc: datetime) -> int:
+def _row_at(rows: TableStates, moment_utc: datetime) -> int:
     since_s = elapsed_s(moment_utc, rows.instants.epoch_utc)
     return int(np.argmin(np.abs(rows.instants.t_s - since_s)))
 
 
-def _span(rows: Flown, first: int, last: int) -> str:
+def _span(rows: TableStates, first: int, last: int) -> str:
     return _interval(rows.at_utc(first), rows.at_utc(last))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S, CommandTable
-from planner.export.flown import FlownPlan
+from planner.export.flight_plan import FlightPlan
 from planner.frames.time_scales import utc_text
 from planner.orbits import OemOrbit, OmmOrbit, OpmOrbit, Orbit, TleOrbit
 from planner.platforms import TwoAxisPlatform
@@ -77,7 +77,7 @@ def mount(platform: TwoAxisPlatform) -> str:
     return f"q_platform_from_body_xyzw = {_vector(platform.q_platform_from_body_xyzw)}"
 
 
-def notes(plan: FlownPlan, created_utc: datetime) -> tuple[str, ...]:
+def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
     """Lines of one text each, for headers and comments."""
     scenario, table = plan.scenario, plan.table
     return (

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.export.flown import Flown
+from planner.export.table_states import TableStates
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.platforms import TwoAxisPlatform
@@ -30,7 +30,7 @@ class Sights(NamedTuple):
     on_ground: NDArray[np.bool_]
 
 
-def sights(rows: Flown, rays_payload: Array) -> Sights:
+def sights(rows: TableStates, rays_payload: Array) -> Sights:
     """Rays fixed to the payload, shape (k, 3), to the WGS84 ellipsoid.
 
     Aberration is taken off, so that the boresight ends at the target it sees.  Neglects

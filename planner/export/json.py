@@ -13,11 +13,11 @@ from planner.export.description import (
     one_line,
     rotation_order,
 )
-from planner.export.flown import FlownPlan
+from planner.export.flight_plan import FlightPlan
 from planner.frames.time_scales import utc_text
 
 
-def write_json(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
     """The answer's `table` with a `description` of frames, units, time scale and rotation."""
     table, platform = plan.table, plan.scenario.platform
     written = columns(table)

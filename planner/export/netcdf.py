@@ -20,8 +20,9 @@ from planner.export.description import (
     one_line,
     rotation_order,
 )
-from planner.export.flown import KINDS, Flown, FlownPlan, flown
+from planner.export.flight_plan import KINDS, FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, sights
+from planner.export.table_states import TableStates, table_states
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 
@@ -29,7 +30,7 @@ FILL = np.float64(9.969209968386869e36)  # NetCDF's own default for doubles
 _TEXT = len("2015-02-27T17:34:00.0Z")
 
 
-def write_netcdf(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
     """Angles, rates, what is being done, attitude, orbit and where the boresight meets the ground.
 
     `time` counts SI seconds since row 0, whose UTC is its reference; so no leap second lies
@@ -37,7 +38,7 @@ def write_netcdf(plan: FlownPlan, created_utc: datetime) -> bytes:
     "utc" (CF 1.12), which programs that don't count leap seconds refuse to misread.
     `utc` is the text of every row.  Source: CF conventions 1.12, sections 3, 4.4, 5.
     """
-    rows = flown(plan)
+    rows = table_states(plan)
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", version=2) as file:
         _global_attributes(file, plan, created_utc)
@@ -57,7 +58,7 @@ def write_netcdf(plan: FlownPlan, created_utc: datetime) -> bytes:
         return buffer.getvalue()
 
 
-def _global_attributes(file: netcdf_file, plan: FlownPlan, created_utc: datetime) -> None:
+def _global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetime) -> None:
     scenario = plan.scenario
     named = carrier(scenario.orbit)
     describe(
@@ -76,7 +77,7 @@ def _global_attributes(file: netcdf_file, plan: FlownPlan, created_utc: datetime
     )
 
 
-def _times(file: netcdf_file, plan: FlownPlan) -> None:
+def _times(file: netcdf_file, plan: FlightPlan) -> None:
     table = plan.table
     instants = Instants(table.epoch_utc, table.t_s)
     texts = instants.utc_text(1)
@@ -103,7 +104,7 @@ def _holds_leap_second(instants: Instants) -> bool:
     return in_leap or abs(counted_s - (instants.t_s[-1] - instants.t_s[0])) > 0.5
 
 
-def _segments(file: netcdf_file, plan: FlownPlan) -> None:
+def _segments(file: netcdf_file, plan: FlightPlan) -> None:
     count = len(plan.table.t_s)
     kind, session = np.zeros(count, dtype="i1"), np.zeros(count, dtype="i4")
     for segment in plan.segments:
@@ -126,7 +127,7 @@ def _segments(file: netcdf_file, plan: FlownPlan) -> None:
     describe(number, long_name="index of the session flown or slewed to")
 
 
-def _attitude(file: netcdf_file, rows: Flown) -> None:
+def _attitude(file: netcdf_file, rows: TableStates) -> None:
     for name, values, unit, said in (
         ("q_payload_from_gcrf_xyzw", rows.q_payload_from_eci_xyzw, "1", "attitude of the payload"),
         ("q_body_from_gcrf_xyzw", rows.q_body_from_eci_xyzw, "1", "attitude of the carrier"),
@@ -142,7 +143,7 @@ def _attitude(file: netcdf_file, rows: Flown) -> None:
         _write(file, name, values, unit, said, rows.first_row)
 
 
-def _ground(file: netcdf_file, rows: Flown) -> None:
+def _ground(file: netcdf_file, rows: TableStates) -> None:
     """The boresight's latitude and longitude, filled where it passes the Earth by."""
     boresight = sights(rows, BORESIGHT_PAYLOAD)
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(boresight.end_itrf_m[:, 0])
@@ -156,7 +157,7 @@ def _ground(file: netcdf_file, rows: Flown) -> None:
         describe(variable, standard_name=name)
 
 
-def _identifier(column: Column, plan: FlownPlan) -> str:
+def _identifier(column: Column, plan: FlightPlan) -> str:
     """NetCDF has no names with blanks or slashes: such axes are numbered."""
     names = plan.table.axis_names
     if all(name.isascii() and name.isidentifier() for name in names):

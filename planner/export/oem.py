@@ -7,20 +7,21 @@ import numpy as np
 from planner.commands import ROWS_PER_S
 from planner.export.ccsds import data_lines, epochs, header, object_lines
 from planner.export.description import notes
-from planner.export.flown import FlownPlan, flown
+from planner.export.flight_plan import FlightPlan
+from planner.export.table_states import table_states
 from planner.frames.time_scales import Instants
 
 _DEGREE = 3  # h^4/384 of the fourth derivative, 1e-5 m/s4, is 3e-8 m
 
 
-def write_oem(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_oem(plan: FlightPlan, created_utc: datetime) -> bytes:
     """Version 2, KVN: GCRF position and velocity every second and on the last row.
 
     The degree asked for is low because SGP4's velocity is not quite the derivative of its
     position (16 mm/s on the ISS): a polynomial of degree 15 through the rows makes 0.1 m of
     it near the ends, a cubic 1.5 mm.  Source: CCSDS 502.0-B-2, section 5.
     """
-    rows = flown(plan)
+    rows = table_states(plan)
     count = len(rows.instants)
     kept = np.unique([*range(0, count, ROWS_PER_S), count - 1])
     moments = epochs(Instants(rows.instants.epoch_utc, rows.instants.t_s[kept]))

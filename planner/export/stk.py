@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 
 from planner.export.ccsds import data_lines, epochs
 from planner.export.description import notes
-from planner.export.flown import Flown, FlownPlan, axes_turn, flown
+from planner.export.flight_plan import FlightPlan
+from planner.export.table_states import TableStates, axes_turn, table_states
 
 _ORDER = 5  # of the polynomial STK lays through the rows; its default bends 18 arcsec off
 
 
-def write_stk_attitude(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_stk_attitude(plan: FlightPlan, created_utc: datetime) -> bytes:
     """`.a`: the carrier's body against ICRF, to be given to the vehicle."""
-    rows = flown(plan)
+    rows = table_states(plan)
     return _file(
         notes(plan, created_utc),
         rows,
@@ -30,13 +31,13 @@ def write_stk_attitude(plan: FlownPlan, created_utc: datetime) -> bytes:
     )
 
 
-def write_stk_sensor(plan: FlownPlan, created_utc: datetime) -> bytes:
+def write_stk_sensor(plan: FlightPlan, created_utc: datetime) -> bytes:
     """`.sp`: the payload (+Z boresight) against the body axes of the vehicle it sits on.
 
     No CoordinateAxes: STK then takes the parent's body.  With the `.a` of the same plan
     loaded into the parent the sensor flies the command table.
     """
-    rows = flown(plan)
+    rows = table_states(plan)
     return _file(
         notes(plan, created_utc),
         rows,
@@ -48,7 +49,7 @@ def write_stk_sensor(plan: FlownPlan, created_utc: datetime) -> bytes:
 
 def _file(
     remarks: Sequence[str],
-    rows: Flown,
+    rows: TableStates,
     q_described_from_reference_xyzw: NDArray[np.float64],
     title: str,
     axes: Sequence[str],

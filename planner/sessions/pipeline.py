@@ -11,6 +11,7 @@ from planner import effort
 from planner.commands import ROWS_PER_S, CommandTable
 from planner.effort import at_most
 from planner.errors import SearchEnded, VerificationFailed
+from planner.export import Segment, SegmentKind
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
@@ -19,7 +20,7 @@ from planner.sessions.assembly import as_flown, assembled
 from planner.sessions.holding import covering, sampled_sight, session_rows
 from planner.sessions.joining import Join
 from planner.sessions.nearest_start import planned
-from planner.sessions.plan import Plan, Segment, SegmentKind, SlewRun
+from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import PointingBudget, pointing_budget
 from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
 from planner.targets import BenchMotionTarget

@@ -1,29 +1,11 @@
-"""What comes out of planning?"""
+"""What comes out of planning."""
 
 from dataclasses import dataclass
-from datetime import datetime
-from typing import Literal
 
-from planner.commands import CommandTable
-from planner.scenario import Scenario
+from planner.export import FlightPlan
 from planner.sessions.uncertainty import PointingBudget
 from planner.slew import SlewComparison
 from planner.verification import VerificationReport
-
-SegmentKind = Literal["wait", "slew", "track"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Segment:
-    """A stretch of the table, on its grid: at rest, on the way to the target, or holding it.
-
-    session: index into the scenario's sessions.
-    """
-
-    kind: SegmentKind
-    session: int
-    start_utc: datetime
-    stop_utc: datetime
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +27,7 @@ class SlewRun:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
+class Plan(FlightPlan):
     """A command table with everything needed to trust it.
 
     verification: the independent judge's report; a plan is only made when it passed, except
@@ -54,9 +36,6 @@ class Plan:
     stage_wall_s: seconds spent per stage of the pipeline, by name.
     """
 
-    scenario: Scenario
-    segments: tuple[Segment, ...]
-    table: CommandTable
     verification: VerificationReport
     slews: tuple[SlewRun, ...]
     budgets: tuple[PointingBudget | None, ...]

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.export.exporter import Exporter
-from planner.export.flown import continuous
 from planner.export.netcdf import describe
+from planner.export.table_states import continuous
 from planner.frames.time_scales import Instants, utc_text
 from planner.spacecraft.definition import AgileSpacecraft
 from planner.spacecraft.requests import ImagingPlanRequest

@@ -11,7 +11,7 @@ from planner.scenario import Scenario
 from planner.targets import AxisMotion, BenchMotionTarget
 from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding, SessionReport
-from planner.verification.session import FlownSession, flown_session, session_report
+from planner.verification.session import TableSession, session_report, table_session
 
 BETWEEN_ROWS_MAX_RAD = math.radians(0.1 / 3600.0)  # what the 0.2 s table promises of its cubics
 # Rows are the motion's own values; the first is where the slew ends, met to a thousandth.
@@ -26,7 +26,7 @@ def bench_session(
 
     Where the motion stands at each instant is taken from the target.
     """
-    flown = flown_session(table, number, rows)
+    flown = table_session(table, number, rows)
     start_utc = target.start if target.start is not None else scenario.sessions[number].start
     since_s = flown.t_s - elapsed_us(start_utc, flown.epoch_utc) / 1e6
     try:
@@ -40,7 +40,7 @@ def bench_session(
     return report, tuple(_findings(table, flown, motion))
 
 
-def _findings(table: CommandTable, flown: FlownSession, motion: AxisMotion) -> Iterator[Finding]:
+def _findings(table: CommandTable, flown: TableSession, motion: AxisMotion) -> Iterator[Finding]:
     is_row, rows = flown.is_row, slice(flown.rows[0], flown.rows[-1] + 1)
     angle_off_rad = flown.angle_rad - motion.angle_rad
     rate_off_rad_s = np.zeros_like(angle_off_rad)

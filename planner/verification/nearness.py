@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from planner.frames.time_scales import utc_text
 from planner.scenario import Scenario
 from planner.verification.report import Finding, OffTarget, SessionReport
-from planner.verification.session import FlownSession
+from planner.verification.session import TableSession
 
 EXACT_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
 _ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
@@ -23,7 +23,7 @@ def allowed_rad(scenario: Scenario, number: int) -> float:
 
 
 def off_target(
-    flown: FlownSession, error_rad: NDArray[np.float64], exact_rad: NDArray[np.float64]
+    flown: TableSession, error_rad: NDArray[np.float64], exact_rad: NDArray[np.float64]
 ) -> tuple[OffTarget, ...]:
     """Where the error (n,) is larger than an exact track's (n,), good to the judged instants."""
     beyond = np.concatenate([[False], error_rad > exact_rad, [False]])

@@ -22,7 +22,7 @@ from planner.verification.report import (
     SessionReport,
     SkyView,
 )
-from planner.verification.session import FlownSession, flown_session, session_report
+from planner.verification.session import TableSession, session_report, table_session
 from planner.verification.sky import LIMB_MODEL_SHARE, SkySight, sky_sight
 
 ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
@@ -45,7 +45,7 @@ def ground_session(
     rows: range,
 ) -> tuple[SessionReport, tuple[Finding, ...]]:
     """The session of that number, its target held over rows that the table has."""
-    flown = flown_session(table, number, rows)
+    flown = table_session(table, number, rows)
     instants = Instants(flown.epoch_utc, flown.t_s)
     states = ephemeris.states(instants)
     sight = earth_fixed_sight(target, instants, states)
@@ -81,7 +81,7 @@ def sky_session(
     Where the air of the limb bends the light, the pointing error may be larger by
     `LIMB_MODEL_SHARE` of the bending, and the clearance smaller.
     """
-    flown = flown_session(table, number, rows)
+    flown = table_session(table, number, rows)
     instants = Instants(flown.epoch_utc, flown.t_s)
     states = ephemeris.states(instants)
     sight = sky_sight(target, instants, states)
@@ -118,7 +118,7 @@ def _apart_rad(
     return np.asarray(np.arctan2(across, np.sum(apparent_eci * boresight_eci, axis=1)))
 
 
-def _earth_fixed_view(flown: FlownSession, sight: EarthFixedSight, held: _Held) -> EarthFixedView:
+def _earth_fixed_view(flown: TableSession, sight: EarthFixedSight, held: _Held) -> EarthFixedView:
     lowest, nearest = int(np.argmin(sight.elevation_rad)), int(np.argmin(sight.range_m))
     on_ground_m = _miss_on_ground_m(sight, held) if sight.elevation_rad[lowest] > 0.0 else None
     return EarthFixedView(
@@ -142,7 +142,7 @@ def _miss_on_ground_m(sight: EarthFixedSight, held: _Held) -> float:
 
 
 def _ground_findings(
-    flown: FlownSession,
+    flown: TableSession,
     sight: EarthFixedSight,
     held: _Held,
     allowed_rad: float,
@@ -175,7 +175,7 @@ def _ground_findings(
 
 
 def _sky_findings(
-    flown: FlownSession,
+    flown: TableSession,
     sight: SkySight,
     error_rad: NDArray[np.float64],
     allowed_rad: NDArray[np.float64],
@@ -201,7 +201,7 @@ def _off_target(off: str, allowed_rad: float) -> str:
     return f"the boresight is {off} off the target, more than {_arcsec(allowed_rad):.1f} arcsec"
 
 
-def _error(flown: FlownSession, limit: Limit, index: int, what: str) -> Finding:
+def _error(flown: TableSession, limit: Limit, index: int, what: str) -> Finding:
     return Finding(
         severity="error",
         limit=limit,

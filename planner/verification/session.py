@@ -22,7 +22,7 @@ POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most
 
 
 @dataclass(frozen=True, eq=False)
-class FlownSession:
+class TableSession:
     """What the table flies over one session, at n instants, every `POINTS_PER_CELL`th one a row.
 
     t_s: since the table's epoch, shape (n,).  angle_rad: shape (n, m), one column per axis.
@@ -43,13 +43,13 @@ class FlownSession:
         return shifted_utc(self.epoch_utc, float(self.t_s[index]))
 
 
-def flown_session(table: CommandTable, number: int, rows: range) -> FlownSession:
+def table_session(table: CommandTable, number: int, rows: range) -> TableSession:
     """The table's Hermite over rows that it has."""
     cells = len(rows) - 1
     points = np.arange(POINTS_PER_CELL * cells + 1)
     cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
     u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
-    return FlownSession(
+    return TableSession(
         number=number,
         epoch_utc=table.epoch_utc,
         rows=rows,
@@ -67,7 +67,7 @@ def flown_session(table: CommandTable, number: int, rows: range) -> FlownSession
 def session_report(
     table: CommandTable,
     scenario: Scenario,
-    flown: FlownSession,
+    flown: TableSession,
     error_rad: NDArray[np.float64],
     view: EarthFixedView | SkyView | None,
     *,
@@ -99,7 +99,7 @@ def session_report(
 
 
 def _error_over(
-    flown: FlownSession, error_rad: NDArray[np.float64], chosen: NDArray[np.bool_]
+    flown: TableSession, error_rad: NDArray[np.float64], chosen: NDArray[np.bool_]
 ) -> PointingError:
     indices = np.flatnonzero(chosen)
     worst = int(indices[np.argmax(error_rad[indices])])

@@ -1,56 +1,26 @@
-"""Where was the carrier and how was the payload turned, row by row of a plan?"""
+"""Where the carrier is and how the payload is turned, row by row of a plan."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from planner.commands import ROWS_PER_S, CommandTable
+from planner.commands import ROWS_PER_S
 from planner.errors import OutsideCoverage
+from planner.export.flight_plan import FlightPlan
 from planner.export.payload import omega_payload_rad_s, q_payload_from_platform
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import OrbitStates
-from planner.scenario import Scenario
 
 Array = NDArray[np.float64]
-KINDS = ("wait", "slew", "track")
 _DEGREE = 5
 
 
-class FlownSegment(Protocol):
-    """A stretch of the table, on its grid."""
-
-    @property
-    def kind(self) -> Literal["wait", "slew", "track"]: ...
-    @property
-    def session(self) -> int: ...
-    @property
-    def start_utc(self) -> datetime: ...
-    @property
-    def stop_utc(self) -> datetime: ...
-
-
-class FlownPlan(Protocol):
-    """What every format is written from: a `Plan`, or anything with these parts of one.
-
-    scenario: as flown, sessions shortened where a conflict asked for it.
-    """
-
-    @property
-    def scenario(self) -> Scenario: ...
-    @property
-    def segments(self) -> Sequence[FlownSegment]: ...
-    @property
-    def table(self) -> CommandTable: ...
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Flown:
+class TableStates:
     """n rows of the table, from `first_row` to its end, with orbit and attitude.
 
     first_row: 0, or the first tracking row where orbit or attitude is not known before.
@@ -72,18 +42,18 @@ class Flown:
         return shifted_utc(self.instants.epoch_utc, float(self.instants.t_s[row]))
 
 
-def flown(plan: FlownPlan) -> Flown:
+def table_states(plan: FlightPlan) -> TableStates:
     """Raises OutsideCoverage when orbit or attitude is unknown while a target is tracked."""
     try:
-        return _flown(plan, 0)
+        return _states_from(plan, 0)
     except OutsideCoverage:
         first_row = _first_tracking_row(plan)
         if first_row == 0:
             raise
-        return _flown(plan, first_row)
+        return _states_from(plan, first_row)
 
 
-def _flown(plan: FlownPlan, first_row: int) -> Flown:
+def _states_from(plan: FlightPlan, first_row: int) -> TableStates:
     scenario, table = plan.scenario, plan.table
     t_s = table.t_s[first_row:]
     instants = Instants(table.epoch_utc, t_s)
@@ -97,7 +67,7 @@ def _flown(plan: FlownPlan, first_row: int) -> Flown:
     )
     q_body_from_eci_xyzw = continuous(q_body_from_eci)
     carried_rad_s = q_payload_from_body.apply(_omega_body_rad_s(t_s, q_body_from_eci_xyzw))
-    return Flown(
+    return TableStates(
         first_row=first_row,
         instants=instants,
         states=states,
@@ -137,7 +107,7 @@ def _omega_body_rad_s(t_s: Array, q_body_from_eci_xyzw: Array) -> Array:
     )
 
 
-def _first_tracking_row(plan: FlownPlan) -> int:
+def _first_tracking_row(plan: FlightPlan) -> int:
     start_s = min(
         elapsed_s(segment.start_utc, plan.table.epoch_utc)
         for segment in plan.segments
