@@ -8,7 +8,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan serve test test-postgres lint check format answers oracles bench requirements clean
+.PHONY: setup plan serve quick test test-postgres lint check format answers oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -30,6 +30,13 @@ serve: setup
 
 test: setup
 	$(BIN)/pytest -n 2
+
+# What to run while working; under a minute.
+QUICK := tests/architecture tests/published tests/contracts/test_http_refusals.py \
+	tests/contracts/test_http_openapi.py tests/contracts/test_slew_backends.py tests/end_to_end/test_python_door.py
+
+quick: setup
+	$(BIN)/pytest -n 2 $(QUICK)
 
 test-postgres: setup
 	.ci/with-postgresql $(BIN)/pytest -n 2 $(STORING)

@@ -1,4 +1,4 @@
-"""How is told what a horizon camera will see?"""
+"""What a horizon camera will see, as it is answered."""
 
 from dataclasses import dataclass
 

@@ -92,5 +92,5 @@ def bug() -> dict[str, Any]:
         "type": TYPE_PREFIX + "internal-error",
         "title": status.phrase,
         "status": status.value,
-        "detail": "the service failed; its log says why under this instance",
+        "detail": "the service failed; its log gives the reason under this `instance`",
     }

@@ -1,4 +1,4 @@
-"""What made an answer from what?"""
+"""Which program, from which request, made an answer."""
 
 from dataclasses import dataclass
 from datetime import datetime

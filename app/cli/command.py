@@ -71,7 +71,7 @@ def plan(
         typer.Option(
             metavar="FORMAT=PATH",
             help="Write the table in a format that says its frames and units: "
-            "csv, json, netcdf, aem, oem, stk, ... (may be repeated).",
+            "docs/http.md lists them, and so does the refusal of an unknown one (may be repeated).",
         ),
     ] = None,
     plot: Annotated[

@@ -23,7 +23,7 @@ def preferred(request: Request, offered: tuple[str, ...]) -> str:
     if best <= 0.0:
         raise HTTPException(
             HTTPStatus.NOT_ACCEPTABLE,
-            f"the answer is {' or '.join(offered)}; the Accept header doesn't admit it",
+            f"the answer is {' or '.join(offered)}, which the Accept header excludes",
         )
     return offered[weights.index(best)]
 

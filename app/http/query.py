@@ -48,7 +48,7 @@ async def require_sound_query(request: Request) -> None:
         if count > 1
     ]
     if not route.dependant.query_params:
-        told = "is not known here; remove it or mend its name"
+        told = "is not known here; remove it or correct its name"
         errors += [FieldError(field=f"query.{name}", detail=told) for name in times]
     if errors:
         raise InvalidRequest(*errors)

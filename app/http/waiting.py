@@ -1,4 +1,4 @@
-"""How long does a client want to wait for a plan, and how is waited?
+"""How long a client wants to wait for a plan, and the wait itself.
 
 Source: RFC 7240 (Prefer).
 """

@@ -25,7 +25,7 @@ class Conflict(Refusal):
     """What is asked doesn't go with the state the job is in."""
 
     slug: ClassVar[str] = "conflict"
-    title: ClassVar[str] = "The state of the job doesn't admit this"
+    title: ClassVar[str] = "The state of the job rules this out"
     blame: ClassVar[Blame] = "conflict"
 
 

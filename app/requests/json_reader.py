@@ -208,8 +208,8 @@ def _path_in(
 
 _DETAILS = {
     "missing": "is required",
-    "unexpected_keyword_argument": "is not a field of this object; remove it or mend its name",
-    "extra_forbidden": "is not known here; remove it or mend its name",
+    "unexpected_keyword_argument": "is not a field of this object; remove it or correct its name",
+    "extra_forbidden": "is not known here; remove it or correct its name",
     "bool_parsing": "must be true or false",
     "bool_type": "must be true or false",
     "float_type": "must be a number",

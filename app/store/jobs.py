@@ -198,7 +198,7 @@ def is_work_waiting(connection: Connection, kinds: Collection[str]) -> bool:
 def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claimed | None:
     """Take the next job: one whose lease ran out, else the first in the queue.
 
-    The job is told as it was before, with the attempts made until then.
+    Returns the job as it was before, with the attempts made so far.
     """
     for wanted in _claimable(kinds):
         row = connection.execute(

@@ -192,7 +192,7 @@ def video_frames(paths: Sequence[str], step_s: float) -> tuple[int, Iterator[lis
         rate_hz = film.get(cv2.CAP_PROP_FPS)
         last = film.get(cv2.CAP_PROP_FRAME_COUNT) - 1.0
         if not film.isOpened() or not rate_hz > 0.0 or last < 0.0:
-            raise InvalidImage(f"{path} is no video we read", field="images")
+            raise InvalidImage(f"{path} is not a video that OpenCV can read", field="images")
         counts.append(math.floor((last + 0.1) / rate_hz / step_s) + 1)
     count = min([*counts, FRAMES_MAX])
     return count, ([_picture_at(film, k * step_s) for film in films] for k in range(count))

@@ -31,7 +31,7 @@ class HarmonicAttitude:
     against a local orbital frame.  orbital_period_s: the default is the ISS's; 1 % off takes
     0.022 deg after 900 s to 0.030.  lead_s: how far ahead the ways to carry it on are compared.
     The history is described by orbital harmonics of its attitude to LVLH and the present
-    offset from them, or by the present attitude or rate alone: whichever foretells the
+    offset from them, or by the present attitude or rate alone: whichever predicts the
     history's own tail best.  On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
     """
 

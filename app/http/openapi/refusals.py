@@ -53,7 +53,7 @@ _OF_ALL = {
     ),
     406: Shown(
         when="The Accept header admits nothing we answer with",
-        detail="the answer is application/json; the Accept header doesn't admit it",
+        detail="the answer is application/json, which the Accept header excludes",
     ),
     414: Shown(
         when="The address is too long",
@@ -66,7 +66,7 @@ _OF_ALL = {
     ),
     500: Shown(
         when="The service failed; the request is not at fault",
-        detail="the service failed; its log says why under this instance",
+        detail="the service failed; its log gives the reason under this `instance`",
         members={"type": TYPE_PREFIX + "internal-error"},
     ),
     503: Shown(
