@@ -6,14 +6,14 @@ import numpy as np
 
 from estimator.errors import Reason
 from estimator.prediction import sun_in_frame
-from estimator.search import Horizon, Search, View
+from estimator.search import FoundHorizon, Search, View
 
 _UNEXPLAINED = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.RESIDUALS)
 # The sky's brightness against the brightest in the frame: dark ocean in full sun has more.
 _SKY_SHARE = 0.12
 
 
-def explained(horizon: Horizon, views: list[View], search: Search) -> Horizon:
+def explained(horizon: FoundHorizon, views: list[View], search: Search) -> FoundHorizon:
     """The horizon, its cameras' reasons replaced where there is a plainer one."""
     reasons = [
         _plainer(camera.reason, view, search)

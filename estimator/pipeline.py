@@ -14,7 +14,7 @@ from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
 from estimator.prior import predicted_c_body_from_itrf, prior_of
 from estimator.request import HorizonRequest, Surroundings
-from estimator.search import Horizon, Search, find_horizon, look
+from estimator.search import FoundHorizon, Search, find_horizon, look
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants
 
@@ -102,7 +102,7 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
 
 
 def _answer(
-    horizon: Horizon, request: HorizonRequest, around: Surroundings, c_predicted: Floats | None
+    horizon: FoundHorizon, request: HorizonRequest, around: Surroundings, c_predicted: Floats | None
 ) -> VerticalEstimate:
     cameras = tuple(
         CameraReport(

@@ -57,7 +57,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Horizon:
+class FoundHorizon:
     """The horizon found, or why none was.
 
     fits: the fit, or one for each heading tried with its weight when no heading was known.
@@ -100,7 +100,7 @@ def look(frame: Frame, camera: HorizonCamera) -> View:
     return View(camera=camera, frame=frame, unusable=unusable_frame(frame))
 
 
-def find_horizon(views: list[View], search: Search) -> Horizon:
+def find_horizon(views: list[View], search: Search) -> FoundHorizon:
     """The best horizon in all views together."""
     if search.daylight:
         too_dark = darkness(search.around.limb, search.around.sun_itrf)
@@ -120,14 +120,14 @@ def find_horizon(views: list[View], search: Search) -> Horizon:
     return _with_no_dissent(found, views, edges, search)
 
 
-def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search) -> Horizon:
+def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search) -> FoundHorizon:
     limb, prior = search.around.limb, search.prior
     eta_rad = float(np.arcsin((limb.mean_radius_m + prior.height_m) / limb.range_m))
     predicted = None
     if search.c_predicted is not None:
         predicted = search.c_predicted @ limb.nadir_geodetic_itrf
     votes = vote([e for e in edges if e is not None], eta_rad, _BAND_RAD, predicted, _SEED)
-    failed: list[Horizon] = []
+    failed: list[FoundHorizon] = []
     for candidate in votes[:_TRIED]:
         tried = _try(views, search, search.start(candidate.nadir_body))
         if tried.reason is None:
@@ -138,7 +138,7 @@ def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search)
     return max(failed, key=lambda h: sum(c.arc_rad for c in h.cameras))
 
 
-def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon:
+def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> FoundHorizon:
     """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
     limb, prior = search.around.limb, search.prior
     active = [view.unusable is None for view in views]
@@ -173,7 +173,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> Horizon
     fits = _all_headings(views, points, result.c_body_from_itrf, search, *_HEADINGS)
     judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, prior), search)
     cameras = _kept_reasons(judged, cameras, active)
-    horizon = Horizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
+    horizon = FoundHorizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
     return replace(horizon, reason=_verdict(horizon, search))
 
 
@@ -323,7 +323,7 @@ def _kept_reasons(
     ]
 
 
-def _verdict(horizon: Horizon, search: Search) -> Reason | None:
+def _verdict(horizon: FoundHorizon, search: Search) -> Reason | None:
     """What speaks against the horizon as a whole."""
     good = [c for c in horizon.cameras if c.reason is None]
     if not good:
@@ -345,8 +345,8 @@ def _verdict(horizon: Horizon, search: Search) -> Reason | None:
 
 
 def _with_no_dissent(
-    found: Horizon, views: list[View], edges: list[Edges | None], search: Search
-) -> Horizon:
+    found: FoundHorizon, views: list[View], edges: list[Edges | None], search: Search
+) -> FoundHorizon:
     """Refuse when a camera that was left out sees a good horizon of its own elsewhere."""
     best = found.best
     nadir_body = best.c_body_from_itrf @ search.around.limb.nadir_itrf
@@ -370,10 +370,10 @@ def _emptied(points: LimbPoints) -> LimbPoints:
     return replace(points, found=np.zeros(len(points), dtype=bool))
 
 
-def _failed(points: list[LimbPoints], result: Fit, cameras: list[CameraFit]) -> Horizon:
+def _failed(points: list[LimbPoints], result: Fit, cameras: list[CameraFit]) -> FoundHorizon:
     reasons = [c.reason for c in cameras if c.reason is not None]
     longest = max(cameras, key=lambda c: c.arc_rad)
-    return Horizon(
+    return FoundHorizon(
         reason=longest.reason or (reasons[0] if reasons else Reason.NO_HORIZON),
         fits=((1.0, result),),
         cameras=tuple(cameras),
@@ -381,7 +381,7 @@ def _failed(points: list[LimbPoints], result: Fit, cameras: list[CameraFit]) -> 
     )
 
 
-def _none(views: list[View], reason: Reason) -> Horizon:
+def _none(views: list[View], reason: Reason) -> FoundHorizon:
     cameras = tuple(
         CameraFit(
             reason=view.unusable or reason,
@@ -391,4 +391,4 @@ def _none(views: list[View], reason: Reason) -> Horizon:
         )
         for view in views
     )
-    return Horizon(reason=reason, fits=(), cameras=cameras, points=())
+    return FoundHorizon(reason=reason, fits=(), cameras=cameras, points=())

@@ -55,7 +55,7 @@ class Scene:
     constant_limb_m: Annotated[float, Within(0.0, 100e3)] | None = None
 
 
-class Horizon:
+class DrawnHorizon:
     """A craft above the Earth: r_itrf_m (3,), c_body_from_itrf (3, 3), sun_itrf a unit vector."""
 
     def __init__(

@@ -12,7 +12,7 @@ from app.store.states import JobState
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChoiceOut:
+class CampaignChoiceOut:
     """What the looks chosen are worth together, and what they could be at most.
 
     bound: no choice is worth more whose looks begin on the grid of `step_s`, have one of the
@@ -46,7 +46,7 @@ class CampaignLookOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LeftOutOut:
+class TargetLeftOutOut:
     """A look that planning refused, and why."""
 
     target: str
@@ -67,7 +67,7 @@ class CampaignPassOut:
     start: str
     stop: str
     looks: list[CampaignLookOut]
-    left_out: list[LeftOutOut]
+    left_out: list[TargetLeftOutOut]
     problem: JobProblem | None
 
 
@@ -91,7 +91,7 @@ class PlannedOut:
 class CampaignResponse(JobResponse):
     """A campaign as it stands; `choice` is null until it is made."""
 
-    choice: ChoiceOut | None
+    choice: CampaignChoiceOut | None
     planned: PlannedOut
     passes: list[CampaignPassOut]
 
@@ -115,9 +115,9 @@ class CampaignDryRun:
 
 _CAMPAIGN = TypeAdapter(CampaignResponse)
 _LIST = TypeAdapter(CampaignList)
-_CHOICE = TypeAdapter(ChoiceOut)
+_CHOICE = TypeAdapter(CampaignChoiceOut)
 _LOOKS = TypeAdapter(list[CampaignLookOut])
-_LEFT_OUT = TypeAdapter(list[LeftOutOut])
+_LEFT_OUT = TypeAdapter(list[TargetLeftOutOut])
 DRY_RUN = TypeAdapter(CampaignDryRun)
 
 

@@ -43,7 +43,7 @@ class AttitudeTableOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WindowOut:
+class ImagingWindowOut:
     """One stretch with the camera on, as the judge finds it on the ground.
 
     look: which strip, look or leg of the request, from 0.  speed_spread: largest deviation
@@ -89,7 +89,7 @@ class TurnOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChoiceOut:
+class ImagingChoiceOut:
     """How good the choice among the requests is: no choice is worth more than `bound`."""
 
     value: float
@@ -99,7 +99,7 @@ class ChoiceOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LeftOutOut:
+class RequestLeftOutOut:
     """A request that isn't imaged, and why."""
 
     name: str
@@ -159,9 +159,9 @@ class SpacecraftPlanDocument:
 
     name: str
     spacecraft: str
-    windows: list[WindowOut]
-    left_out: list[LeftOutOut]
-    choice: ChoiceOut
+    windows: list[ImagingWindowOut]
+    left_out: list[RequestLeftOutOut]
+    choice: ImagingChoiceOut
     turns: list[TurnOut]
     verification: SpacecraftVerificationOut
     stabilisation: StabilisationOut
@@ -208,8 +208,8 @@ def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
             windows=[_window(found, plan.table) for found in plan.verification.windows],
-            left_out=[LeftOutOut(name=one.name, reason=one.reason) for one in plan.left_out],
-            choice=ChoiceOut(
+            left_out=[RequestLeftOutOut(name=one.name, reason=one.reason) for one in plan.left_out],
+            choice=ImagingChoiceOut(
                 value=plan.choice.value,
                 bound=plan.choice.bound,
                 proven_optimal=plan.choice.proven_optimal,
@@ -247,9 +247,9 @@ def attitude_table_json(table: AttitudeTable) -> bytes:
     )
 
 
-def _window(found: VerifiedWindow, table: AttitudeTable) -> WindowOut:
+def _window(found: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
     window: ImagingWindow = found.window
-    return WindowOut(
+    return ImagingWindowOut(
         request=window.request,
         look=window.look,
         start=row_text(table, window.first_row),

@@ -29,7 +29,7 @@ IERS_WARNING_DAYS = 30.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class CheckOut:
+class ReadinessCheckOut:
     """One thing the service depends on; `degraded` still works, and says how well."""
 
     name: str
@@ -46,7 +46,7 @@ class Readiness:
     def __init__(self, checks: Mapping[str, Check]) -> None:
         self._checks = [_Kept(name, check) for name, check in checks.items()]
 
-    async def now(self) -> tuple[CheckOut, ...]:
+    async def now(self) -> tuple[ReadinessCheckOut, ...]:
         """At most some seconds old, and answered within two."""
         asked = [check.ask() for check in self._checks]
         waited_for = [one for one in asked if one is not None]
@@ -61,7 +61,7 @@ class _Kept:
     def __init__(self, name: str, check: Check) -> None:
         self._name = name
         self._check = check
-        self._found: CheckOut | None = None
+        self._found: ReadinessCheckOut | None = None
         self._found_s = 0.0
         self._asking: asyncio.Task[None] | None = None
 
@@ -79,14 +79,16 @@ class _Kept:
         finally:
             self._asking = None
 
-    def told(self) -> CheckOut:
+    def told(self) -> ReadinessCheckOut:
         """Of a check that takes its time, what it found before, while that isn't old."""
         if self._found is None or time.monotonic() - self._found_s > _OLD_S:
-            return CheckOut(name=self._name, state="failed", detail="it hasn't answered yet")
+            return ReadinessCheckOut(
+                name=self._name, state="failed", detail="it hasn't answered yet"
+            )
         return self._found
 
 
-def _asked(name: str, check: Check) -> CheckOut:
+def _asked(name: str, check: Check) -> ReadinessCheckOut:
     try:
         state, detail = check()
     except StoreUnavailable as error:
@@ -94,7 +96,7 @@ def _asked(name: str, check: Check) -> CheckOut:
     except Exception as error:  # noqa: BLE001 (whatever is wrong with it, it isn't ready)
         log.error("not ready", check=name, exc_info=error)
         state, detail = "failed", "it doesn't answer; the log says why"
-    return CheckOut(name=name, state=state, detail=detail)
+    return ReadinessCheckOut(name=name, state=state, detail=detail)
 
 
 def database_takes_writes(database: Database) -> tuple[State, str]:

@@ -25,7 +25,7 @@ from estimator.overlay import draw_overlay, encode_png
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.prediction import predict_horizon
 from estimator.request import Body, HorizonRequest, Surroundings
-from estimator.synthetic import Horizon
+from estimator.synthetic import DrawnHorizon
 
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
@@ -113,7 +113,7 @@ def estimate_json(
 def picture(request: PictureRequest) -> bytes:
     """The rendered picture as a PNG file."""
     around, c_body_from_itrf = _placed(request)
-    horizon = Horizon(
+    horizon = DrawnHorizon(
         around.limb.r_itrf_m,
         c_body_from_itrf,
         around.sun_itrf,

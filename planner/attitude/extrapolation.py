@@ -68,7 +68,7 @@ class Extrapolation:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class ChosenExtrapolation:
     """The extrapolation chosen, and how all did on the held-out tail.
 
     lead_s: (k,) edges of the leads tried.  error_rms_rad: rms of the chosen one's error
@@ -83,7 +83,7 @@ class Choice:
 
 def choose(
     t_s: NDArray[np.float64], q_body_from_lvlh: Rotation, period_s: float, lead_s: float
-) -> Choice:
+) -> ChosenExtrapolation:
     """Fit what foretells best over `lead_s` (less when the history is short).
 
     t_s: shape (n,), increasing.  ValueError when the history is too short to try anything.
@@ -108,7 +108,7 @@ def choose(
     bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
     chosen = fitted(description, t_s, q_body_from_lvlh, period_s)
     assert chosen is not None, "fitted on less history already"
-    return Choice(
+    return ChosenExtrapolation(
         extrapolation=chosen,
         lead_s=edges_s,
         error_rms_rad=np.array(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.extrapolation import OFFSET_TAIL_S, Choice, choose
+from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, choose
 from planner.attitude.reference_frames import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
@@ -59,7 +59,7 @@ class HarmonicAttitude:
         return read_aem(self.content)
 
     @cached_property
-    def chosen(self) -> Choice:
+    def chosen(self) -> ChosenExtrapolation:
         """Fitted once, at construction; its clock is that of the message's last segment."""
         t_s, q_body_from_lvlh = self._history()
         return choose(t_s, q_body_from_lvlh, self.orbital_period_s, self.lead_s)

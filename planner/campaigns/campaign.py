@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.campaigns.choice import Choice, Looking, Reporter, bound_at, choose
+from planner.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
 from planner.campaigns.network import Network, network_of, relaxed
 from planner.campaigns.passes import (
     PASS_MAX_S,
@@ -219,7 +219,7 @@ def _bound(
     ways: Ways,
     looking: Looking,
     limits: tuple[AxisLimits, ...],
-    choice: Choice,
+    choice: CampaignChoice,
     tell: Reporter,
 ) -> float:
     """At slew times that nothing can beat."""
@@ -231,7 +231,7 @@ def _bound(
 
 
 def _in_utc(
-    request: CampaignRequest, choice: Choice, rest_s: float, grid_s: float
+    request: CampaignRequest, choice: CampaignChoice, rest_s: float, grid_s: float
 ) -> tuple[ChosenPass, ...]:
     def at(step: int) -> datetime:
         return shifted_utc(request.start, grid_s + step * request.step_s)

@@ -28,7 +28,7 @@ WORTHLESS = 1e-9  # of rounding
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
+class CampaignChoice:
     """passes: looks in order of time, one tuple per pass.
 
     value: what they are worth.  greedy_value: what taking pass after pass whatever is worth
@@ -64,7 +64,7 @@ class Looking:
         return np.bincount(target, minlength=len(self.most_looks)).astype(np.float64)
 
 
-def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Choice:
+def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
     """Prices on looks that more passes want than may have them; one network per pass.
 
     Subgradient steps on the prices, and at every few of them a choice that can be flown.
@@ -77,7 +77,7 @@ def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Cho
     price = search.priced(tell)
     tell("choosing", ROUNDS_MAX, ROUNDS_MAX)
     search.combine()
-    return Choice(
+    return CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
         greedy_value=looking.worth_of(greedy),

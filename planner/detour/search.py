@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.detour.ocp import DetourOcp, Start, detour_ocp
-from planner.pointing.keep_out import Entry, KeepOutView, deepest_entry
+from planner.pointing.keep_out import ConeEntry, KeepOutView, deepest_entry
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.grid import reproduces, rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
@@ -173,7 +173,7 @@ class DetourSearch:
         return np.minimum(margin_rad, np.minimum(rising, falling))
 
 
-def entered(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> Entry:
+def entered(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> ConeEntry:
     """How deep a slew goes into the cones."""
 
     def motion(t_s: Array) -> tuple[Array, Array]:

@@ -39,7 +39,7 @@ class Column:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Carrier:
+class CarrierName:
     """Name and international designator, UNKNOWN where the orbit source has none."""
 
     name: str
@@ -92,14 +92,14 @@ def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
     )
 
 
-def carrier(orbit: Orbit) -> Carrier:
+def carrier(orbit: Orbit) -> CarrierName:
     """As its orbit message names it."""
     if isinstance(orbit, TleOrbit):
         launch = orbit.line1[9:17].strip()
         if not launch:
-            return Carrier(name=f"NORAD {orbit.line1[2:7].strip()}", designator=UNKNOWN)
+            return CarrierName(name=f"NORAD {orbit.line1[2:7].strip()}", designator=UNKNOWN)
         century = "19" if int(launch[:2]) >= 57 else "20"
-        return Carrier(
+        return CarrierName(
             name=f"NORAD {orbit.line1[2:7].strip()}",
             designator=f"{century}{launch[:2]}-{launch[2:]}",
         )
@@ -108,7 +108,7 @@ def carrier(orbit: Orbit) -> Carrier:
         name = orbit.message.segments[0].object_name
     elif isinstance(orbit, OmmOrbit | OpmOrbit):
         name = orbit.message.object_name
-    return Carrier(name=one_line(name) or UNKNOWN, designator=UNKNOWN)
+    return CarrierName(name=one_line(name) or UNKNOWN, designator=UNKNOWN)
 
 
 def one_line(text: str) -> str:

@@ -85,7 +85,7 @@ class RowMotion:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Way:
+class ExactWay:
     """Exact following within all limits on rows first_row..last_row of a branch's `whole`."""
 
     whole: RowMotion
@@ -170,7 +170,7 @@ class ExactFollowing:
         worst = first_row + int(np.nanargmin(margins))
         return [(worst, worst)]
 
-    def ways(self, first_row: int, last_row: int, *, lead: bool = False) -> list[Way]:
+    def ways(self, first_row: int, last_row: int, *, lead: bool = False) -> list[ExactWay]:
         """Every way to follow exactly over these rows within all limits, stops included.
 
         lead: each from as early on as it is possible without a break.
@@ -184,7 +184,7 @@ class ExactFollowing:
                 earlier = np.flatnonzero(lost[: first_row - self.first_row])
                 start = int(earlier[-1]) + 1 if earlier.size else 0
                 found.append(
-                    Way(
+                    ExactWay(
                         whole=whole,
                         first_row=self.first_row + start if lead else first_row,
                         last_row=last_row,

@@ -16,7 +16,7 @@ from planner.commands import ROWS_PER_S
 from planner.errors import Refusal, SolverFailed, TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.keyhole.crossing import Crossed, Crossing, Window
-from planner.keyhole.exact import ExactFollowing, RowMotion, Way
+from planner.keyhole.exact import ExactFollowing, ExactWay, RowMotion
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.line_of_sight import LineOfSight
 from planner.pointing.track import AxisTrack, track_candidates
@@ -33,7 +33,7 @@ class _Chain:
     """
 
     parts: tuple[RowMotion, ...]
-    way: Way
+    way: ExactWay
     beyond_rad: float = 0.0
     squared_rad2_s: float = 0.0
 
@@ -41,7 +41,7 @@ class _Chain:
     def rank(self) -> tuple[float, float]:
         return self.beyond_rad, self.squared_rad2_s
 
-    def carried_on(self, crossed: Crossed, way: Way) -> "_Chain":
+    def carried_on(self, crossed: Crossed, way: ExactWay) -> "_Chain":
         """Across a window, onto another way."""
         exact = self.way.motion
         return _Chain(
@@ -170,7 +170,7 @@ def _chains(
     return chains
 
 
-def _carried_on(crossing: Crossing, chains: list[_Chain], ways: list[Way]) -> list[_Chain]:
+def _carried_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) -> list[_Chain]:
     """For each way of following after a window the best chain that leads to it."""
     pairs = [(chain, way) for way in ways for chain in chains]
     found = [crossing.nearest(chain.way.whole, way.whole) for chain, way in pairs]

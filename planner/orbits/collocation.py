@@ -27,7 +27,7 @@ _DIVERGED_M = 1e9
 
 
 @dataclass(frozen=True, eq=False)
-class Segment:
+class CollocationSegment:
     """Motion from start_s to stop_s (start_s > stop_s when propagated backward).
 
     position, velocity: Chebyshev coefficients over [-1, 1], shape (NODES + 2, 3), m and m/s.
@@ -87,7 +87,7 @@ def propagate_segment(
     start_s: float,
     stop_s: float,
     acceleration: Callable[[Vectors, Vectors], Vectors],
-) -> Segment | None:
+) -> CollocationSegment | None:
     """Motion from the state r_m, v_m_s, shape (3,), at start_s.
 
     acceleration: positions and velocities at the nodes, shape (NODES, 3), to accelerations in
@@ -126,7 +126,7 @@ def _segment(
     start_s: float,
     stop_s: float,
     acceleration_m_s2: Vectors,
-) -> Segment:
+) -> CollocationSegment:
     scheme = _scheme()
     half_s = 0.5 * (stop_s - start_s)
     velocity = half_s * (scheme.once @ acceleration_m_s2)
@@ -135,7 +135,7 @@ def _segment(
     # v (t - start) = v half (1 + tau)
     position[0] += r_m + half_s * v_m_s
     position[1] += half_s * v_m_s
-    return Segment(start_s, stop_s, position, velocity)
+    return CollocationSegment(start_s, stop_s, position, velocity)
 
 
 def _central_j2(r_m: Vectors) -> Vectors:

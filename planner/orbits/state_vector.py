@@ -24,7 +24,12 @@ from planner.frames.time_scales import (
     utc_text,
 )
 from planner.orbits.atmosphere import HEIGHT_MIN_M
-from planner.orbits.collocation import SEGMENT_S, Segment, node_times_s, propagate_segment
+from planner.orbits.collocation import (
+    SEGMENT_S,
+    CollocationSegment,
+    node_times_s,
+    propagate_segment,
+)
 from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
 from planner.orbits.forces import Drag, forces_at
 from planner.orbits.gravity import GM_M3_S2, RADIUS_M
@@ -113,7 +118,7 @@ class StateVectorOrbit:
             segments=tuple(sorted(segments, key=lambda s: min(s.start_s, s.stop_s))),
         )
 
-    def _segments_to(self, span_s: float) -> list[Segment]:
+    def _segments_to(self, span_s: float) -> list[CollocationSegment]:
         """From the epoch to span_s, either way, in its order; none for span 0."""
         whole = self._whole_segments[span_s > 0.0]
         step_s = math.copysign(SEGMENT_S, span_s)
@@ -126,7 +131,7 @@ class StateVectorOrbit:
         return segments
 
     @cached_property
-    def _whole_segments(self) -> dict[bool, list[Segment]]:
+    def _whole_segments(self) -> dict[bool, list[CollocationSegment]]:
         """What is propagated already, backward and forward: days take seconds, and one plan asks
         for several spans.
         """
@@ -141,7 +146,7 @@ class PropagatedEphemeris:
     start_utc: datetime
     stop_utc: datetime
     warnings: tuple[str, ...]
-    segments: tuple[Segment, ...]
+    segments: tuple[CollocationSegment, ...]
     kind: Kind = "state"
 
     def states(self, instants: Instants) -> OrbitStates:
@@ -212,8 +217,8 @@ def _state_eci(orbit: StateVectorOrbit) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def _propagated(
-    orbit: StateVectorOrbit, before: list[Segment], start_s: float, stop_s: float
-) -> Segment:
+    orbit: StateVectorOrbit, before: list[CollocationSegment], start_s: float, stop_s: float
+) -> CollocationSegment:
     """On from where the segments `before` it end, or from the epoch, either way."""
     drag = Drag(
         mass_kg=orbit.mass_kg, area_m2=orbit.drag_area_m2, coefficient=orbit.drag_coefficient

@@ -80,7 +80,7 @@ class KeepOutView:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class ConeEntry:
     """The deepest a motion goes into any cone, negative when it stays outside; and when."""
 
     depth_rad: float
@@ -93,7 +93,7 @@ def deepest_entry(
     motion: Callable[[Array], tuple[Array, Array]],
     start_s: float,
     stop_s: float,
-) -> Entry:
+) -> ConeEntry:
     """Looked for every 10 ms wherever a cone may be met.
 
     motion: angles and rates, (n, 2) each, at times (n,).
@@ -111,7 +111,9 @@ def deepest_entry(
         t_s = np.unique(np.clip(t_s[near, None] + finer, start_s, stop_s))
         depth = view.depths_rad(t_s, motion(t_s)[0])
     cone, at = np.unravel_index(int(np.argmax(depth)), depth.shape)
-    return Entry(depth_rad=float(depth[cone, at]), t_s=float(t_s[at]), about=view.cones[cone].about)
+    return ConeEntry(
+        depth_rad=float(depth[cone, at]), t_s=float(t_s[at]), about=view.cones[cone].about
+    )
 
 
 def keep_out_view(

@@ -31,7 +31,7 @@ CAUTION = 4.0  # a receding or approaching track changes the time needed by a se
 
 
 @dataclass(frozen=True, kw_only=True)
-class Join:
+class EarliestJoin:
     """The slew that meets the track at t_s, on the track's clock and on a command row.
 
     cut_short: whether the search for an earlier row was, by the work that may be done.
@@ -62,7 +62,7 @@ def earliest_join(
     after_s: float = -math.inf,
     until_s: float = math.inf,
     keep_out: KeepOutView | None = None,
-) -> Join | None:
+) -> EarliestJoin | None:
     """The first command row at which the slew can join the track; None: on no row tried.
 
     start: state at start_s.  All times count on the track's clock, whose whole multiples of
@@ -169,19 +169,19 @@ def _possible(
 
 def _earlier(
     joined_at: Callable[[int], SlewSolution | None], bad: int, good: int, solution: SlewSolution
-) -> Join:
+) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""
     while good - bad > 1:
         middle = (good + bad) // 2
         try:
             found = joined_at(middle)
         except EffortSpent:
-            return Join(t_s=good / ROWS_PER_S, solution=solution, cut_short=True)
+            return EarliestJoin(t_s=good / ROWS_PER_S, solution=solution, cut_short=True)
         if found is None:
             bad = middle
         else:
             good, solution = middle, found
-    return Join(t_s=good / ROWS_PER_S, solution=solution)
+    return EarliestJoin(t_s=good / ROWS_PER_S, solution=solution)
 
 
 def _lacking_s(

@@ -10,7 +10,7 @@ from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 
 
 @dataclass(frozen=True)
-class Extreme:
+class HermiteExtreme:
     """A value and where it is reached, t_s in seconds since the table's epoch."""
 
     value: float
@@ -75,19 +75,19 @@ class AxisHermite:
             3.0 * self.sixth_jerk, 2.0 * self.half_acceleration, self.rate_rad_s[:-1] - rate_rad_s
         )
 
-    def angle_extremes(self) -> tuple[Extreme, Extreme]:
+    def angle_extremes(self) -> tuple[HermiteExtreme, HermiteExtreme]:
         """Least and greatest angle anywhere."""
         turning = _inside(self.crossings_s(0.0))
         every = slice(None)
         values = [self.angle_rad[:-1], *(self.angle_at(every, u) for u in turning)]
         least, greatest = self._extremes(values, [np.zeros(len(turning[0])), *turning])
-        last = Extreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / ROWS_PER_S)
+        last = HermiteExtreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / ROWS_PER_S)
         return (
             min(least, last, key=lambda extreme: extreme.value),
             max(greatest, last, key=lambda extreme: extreme.value),
         )
 
-    def rate_extreme(self) -> Extreme:
+    def rate_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the rate, with its sign."""
         with np.errstate(divide="ignore", invalid="ignore"):
             turning = _inside(-self.half_acceleration / (3.0 * self.sixth_jerk))
@@ -97,18 +97,18 @@ class AxisHermite:
         values = [self.rate_rad_s[:-1], self.rate_at(every, turning), self.rate_rad_s[1:]]
         return _greatest_magnitude(self._extremes(values, [start, turning, stop]))
 
-    def acceleration_extreme(self) -> Extreme:
+    def acceleration_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the acceleration, linear in each cell, with its sign."""
         start = np.zeros_like(self.half_acceleration)
         values = [self.acceleration_after_row, self.acceleration_before_row]
         return _greatest_magnitude(self._extremes(values, [start, start + COMMAND_STEP_S]))
 
-    def jerk_extreme(self) -> Extreme:
+    def jerk_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the jerk, constant in each cell, with its sign; cell's start."""
         start = np.zeros_like(self.sixth_jerk)
         return _greatest_magnitude(self._extremes([6.0 * self.sixth_jerk], [start]))
 
-    def acceleration_jump_extreme(self, initial_acceleration_rad_s2: float) -> Extreme:
+    def acceleration_jump_extreme(self, initial_acceleration_rad_s2: float) -> HermiteExtreme:
         """Greatest step of the acceleration at a row; before row 0 it is the initial one."""
         before = np.concatenate([[initial_acceleration_rad_s2], self.acceleration_before_row[:-1]])
         jumps = self.acceleration_after_row - before
@@ -116,17 +116,17 @@ class AxisHermite:
 
     def _extremes(
         self, values: list[NDArray[np.float64]], u_s: list[NDArray[np.float64]]
-    ) -> tuple[Extreme, Extreme]:
+    ) -> tuple[HermiteExtreme, HermiteExtreme]:
         stacked, into_cell_s = np.stack(values), np.stack(u_s)
         found = []
         for where in (np.argmin(stacked), np.argmax(stacked)):
             kind, cell = np.unravel_index(where, stacked.shape)
             t_s = cell / ROWS_PER_S + into_cell_s[kind, cell]
-            found.append(Extreme(float(stacked[kind, cell]), float(t_s)))
+            found.append(HermiteExtreme(float(stacked[kind, cell]), float(t_s)))
         return found[0], found[1]
 
 
-def _greatest_magnitude(extremes: tuple[Extreme, Extreme]) -> Extreme:
+def _greatest_magnitude(extremes: tuple[HermiteExtreme, HermiteExtreme]) -> HermiteExtreme:
     return max(extremes, key=lambda extreme: abs(extreme.value))
 
 

@@ -10,7 +10,7 @@ from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.platforms import AxisLimits
 from planner.scenario import Scenario
-from planner.verification.hermite import AxisHermite, Extreme
+from planner.verification.hermite import AxisHermite, HermiteExtreme
 from planner.verification.report import Finding, Limit, LimitMargin, SlowStretch
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
@@ -120,7 +120,7 @@ def _extremes(
     hermite: AxisHermite,
     limits: AxisLimits,
     initial_acceleration_rad_s2: float,
-) -> Iterator[tuple[Limit, float, Extreme]]:
+) -> Iterator[tuple[Limit, float, HermiteExtreme]]:
     least, greatest = hermite.angle_extremes()
     yield "angle_min", limits.angle_min_rad, least
     yield "angle_max", limits.angle_max_rad, greatest

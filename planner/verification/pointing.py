@@ -23,7 +23,7 @@ from planner.verification.report import (
     SkyView,
 )
 from planner.verification.session import TableSession, session_report, table_session
-from planner.verification.sky import LIMB_MODEL_SHARE, SkySight, sky_sight
+from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
 
 ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
 
@@ -176,7 +176,7 @@ def _ground_findings(
 
 def _sky_findings(
     flown: TableSession,
-    sight: SkySight,
+    sight: SkyDirection,
     error_rad: NDArray[np.float64],
     allowed_rad: NDArray[np.float64],
     target: SkyTarget,

@@ -36,7 +36,7 @@ _BENT_RAD = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class SkySight:
+class SkyDirection:
     """A target seen from the carrier at n instants.
 
     apparent_eci: unit vectors, shape (n, 3).  range_m: (n,), infinite for a star.
@@ -50,7 +50,7 @@ class SkySight:
     bending_rad: NDArray[np.float64]
 
 
-def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> SkySight:
+def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> SkyDirection:
     """Parallax, light time and the Sun's bending, then aberration by the Earth and the carrier.
 
     The limb and its air belong to the Earth's frame in between.  Of a mode it doesn't know
@@ -70,7 +70,7 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
     if target.refraction == "standard":
         sight_itrf, bending_rad = _through_air(sight_itrf, r_sat_itrf_m)
         geocentric = earth.eci_from_itrf(sight_itrf)
-    return SkySight(
+    return SkyDirection(
         apparent_eci=seen_in_motion(geocentric, states.v_sat_eci_m_s),
         range_m=range_m,
         clearance_rad=limb_clearance_rad(

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, HTTPException, Request, Response
 
 from app.http.metrics import CONTENT_TYPE
 from app.http.negotiation import accepts_json, preferred
-from app.http.readiness import CheckOut
+from app.http.readiness import ReadinessCheckOut
 from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
@@ -36,7 +36,7 @@ class ReadinessResponse:
     """What the service depends on; `degraded` when a check is, which plans then warn of."""
 
     status: Literal["ready", "degraded"]
-    checks: list[CheckOut]
+    checks: list[ReadinessCheckOut]
 
 
 @router.get("/healthz", summary="Is the service alive?", dependencies=[Depends(accepts_json)])
