@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.spec import Within, spec
-
-Floats = NDArray[np.float64]
 
 EARTH_M = 6371.0e3
 TOP_M = 110.0e3
@@ -55,13 +53,13 @@ class LimbRadiance:
     units of a white Lambertian surface under the overhead Sun.
     """
 
-    azimuth_rad: Floats
-    tangent_m: Floats
-    radiance: Floats
-    transmittance: Floats
+    azimuth_rad: Array
+    tangent_m: Array
+    radiance: Array
+    transmittance: Array
 
 
-def tangent_grid_m() -> Floats:
+def tangent_grid_m() -> Array:
     """Tangent heights at which the integral is done: fine through the limb, coarse below."""
     return np.concatenate(
         [
@@ -73,7 +71,7 @@ def tangent_grid_m() -> Floats:
 
 
 def limb_radiance(
-    air: Atmosphere, range_m: float, azimuth_rad: Floats, sun_up: float, sun_azimuth_rad: float
+    air: Atmosphere, range_m: float, azimuth_rad: Array, sun_up: float, sun_azimuth_rad: float
 ) -> LimbRadiance:
     """Radiance of rays leaving a craft at the given azimuths about its nadir.
 
@@ -131,7 +129,7 @@ def limb_radiance(
     )
 
 
-def sunlight_at_ground(air: Atmosphere, sun_cosine: Floats) -> Floats:
+def sunlight_at_ground(air: Atmosphere, sun_cosine: Array) -> Array:
     """Direct and diffuse sunlight on level ground, shape (..., 3), 1 for the bare overhead Sun."""
     direct = np.exp(-_SunDepth(air)(np.zeros_like(sun_cosine), sun_cosine))
     level = np.clip(sun_cosine, 0.0, 1.0)[..., None]
@@ -171,7 +169,7 @@ class _SunDepth:
         sunk = np.where(blocked[..., 0], (EARTH_M - lowest[..., 0]) / 1e3, 0.0)
         self.depth = np.minimum(depth + 8.0 * sunk[..., None], _OPAQUE)
 
-    def __call__(self, height: Floats, cosine: Floats) -> Floats:
+    def __call__(self, height: Array, cosine: Array) -> Array:
         """Shape (..., 3) for heights and cosines of a common shape."""
         row = np.interp(height, self.height, np.arange(len(self.height)))
         column = np.interp(cosine, self.cosine, np.arange(len(self.cosine)))
@@ -186,7 +184,7 @@ class _SunDepth:
         )
 
 
-def _extinction_per_m(air: Atmosphere, height: Floats) -> tuple[Floats, Floats, Floats]:
+def _extinction_per_m(air: Atmosphere, height: Array) -> tuple[Array, Array, Array]:
     """Air relative to sea level; dust; ozone per unit vertical depth."""
     air_e = air.air_density * np.exp(-height / air.air_scale_m)
     near_ground = air.dust_optical_depth / air.dust_scale_m * np.exp(-height / air.dust_scale_m)
@@ -195,7 +193,7 @@ def _extinction_per_m(air: Atmosphere, height: Floats) -> tuple[Floats, Floats, 
     return air_e, near_ground + air.haze_optical_depth * haze, air.ozone * ozone
 
 
-def _paths_m(tangent: Floats, points: int = 72) -> tuple[Floats, Floats]:
+def _paths_m(tangent: Array, points: int = 72) -> tuple[Array, Array]:
     """Midpoints and lengths of steps along each ray, from the craft's side, (m, points)."""
     up = EARTH_M + tangent
     end = np.sqrt((EARTH_M + TOP_M) ** 2 - up**2)
@@ -209,5 +207,5 @@ def _paths_m(tangent: Floats, points: int = 72) -> tuple[Floats, Floats]:
     return 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges, axis=1)
 
 
-def _henyey_greenstein(cosine: Floats, asymmetry: float) -> Floats:
+def _henyey_greenstein(cosine: Array, asymmetry: float) -> Array:
     return np.asarray((1.0 - asymmetry**2) / (1.0 + asymmetry**2 - 2.0 * asymmetry * cosine) ** 1.5)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.spec import UnitPart, Within, spec
 
-Floats = NDArray[np.float64]
 _Bend = Annotated[float, Within(-1e3, 1e3)]
 _CornerPx = Annotated[float, Within(-1e5, 1e5)]
 Polygon = tuple[tuple[_CornerPx, _CornerPx], ...]
@@ -64,7 +64,7 @@ class HorizonCamera:
         return Rotation.from_quat(self.q_camera_from_body_xyzw)
 
     @cached_property
-    def _c_camera_from_body(self) -> Floats:
+    def _c_camera_from_body(self) -> Array:
         return np.asarray(self.q_camera_from_body.as_matrix())
 
     @cached_property
@@ -72,7 +72,7 @@ class HorizonCamera:
         """Distance from the axis, on the plane at unit depth, of the image's farthest corner."""
         return float(np.max(np.linalg.norm(_corners(self), axis=1)))
 
-    def rays_body(self, pixel: Floats) -> Floats:
+    def rays_body(self, pixel: Array) -> Array:
         """Unit vectors in body axes that pixels (n, 2) look along, shape (n, 3).
 
         NaN where the distortion can't be undone, which is only outside the image.
@@ -82,7 +82,7 @@ class HorizonCamera:
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
         return np.asarray(rays @ self._c_camera_from_body)
 
-    def bends_body(self, rays_body: Floats, photographed: bool) -> Floats:
+    def bends_body(self, rays_body: Array, photographed: bool) -> Array:
         """How rays (n, 3) change with 1-sigma of focal length and distortion, (n, 3, 2)."""
         sigma = self.lens_sigma
         if sigma is None:
@@ -96,7 +96,7 @@ class HorizonCamera:
         bent = np.stack([outward, far2[:, None] * outward], axis=2)
         return np.asarray(np.einsum("ij,nik->njk", self._c_camera_from_body, bent))
 
-    def pixels(self, rays_body: Floats) -> Floats:
+    def pixels(self, rays_body: Array) -> Array:
         """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""
         ray = rays_body @ self._c_camera_from_body.T
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -107,7 +107,7 @@ class HorizonCamera:
             plane = _distorted(plane, self.distortion)[0]
         return plane * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
 
-    def sees(self, pixel: Floats, margin_px: float = 0.0) -> NDArray[np.bool_]:
+    def sees(self, pixel: Array, margin_px: float = 0.0) -> NDArray[np.bool_]:
         """Which pixels (n, 2) lie in the image, at least the margin from its edge."""
         with np.errstate(invalid="ignore"):
             return np.asarray(
@@ -123,7 +123,7 @@ class HorizonCamera:
         return 2.0 / (self.fx_px + self.fy_px)
 
     @property
-    def boresight_body(self) -> Floats:
+    def boresight_body(self) -> Array:
         return np.asarray(self._c_camera_from_body[2])
 
 
@@ -136,7 +136,7 @@ def _check_lens(camera: HorizonCamera) -> None:
         )
 
 
-def _distorted(plane: Floats, distortion: tuple[float, ...]) -> tuple[Floats, Floats]:
+def _distorted(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Array]:
     """Distorted normalised coordinates (n, 2) and their Jacobian (n, 2, 2)."""
     k1, k2, p1, p2, k3 = distortion
     x, y = plane[:, 0], plane[:, 1]
@@ -157,7 +157,7 @@ def _distorted(plane: Floats, distortion: tuple[float, ...]) -> tuple[Floats, Fl
     return distorted, jacobian
 
 
-def _undistorted(camera: HorizonCamera, pixel: Floats) -> Floats:
+def _undistorted(camera: HorizonCamera, pixel: Array) -> Array:
     """Normalised coordinates (n, 2) by Newton's method; NaN where it finds no monotone root."""
     wanted = (pixel - [camera.cx_px, camera.cy_px]) / [camera.fx_px, camera.fy_px]
     if not any(camera.distortion):
@@ -181,7 +181,7 @@ def _undistorted(camera: HorizonCamera, pixel: Floats) -> Floats:
     return plane
 
 
-def _border_px(width_px: int, height_px: int) -> Floats:
+def _border_px(width_px: int, height_px: int) -> Array:
     x = np.linspace(0.0, width_px - 1.0, 17)
     y = np.linspace(0.0, height_px - 1.0, 17)
     return np.concatenate(
@@ -194,7 +194,7 @@ def _border_px(width_px: int, height_px: int) -> Floats:
     )
 
 
-def _corners(camera: HorizonCamera) -> Floats:
+def _corners(camera: HorizonCamera) -> Array:
     right, bottom = camera.width_px - 1.0, camera.height_px - 1.0
     return _undistorted(
         camera, np.array([[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]])

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
 from estimator.images import Frame, Grey
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _WORK_SIDE_PX = 640
 _KEPT = 500
@@ -29,9 +28,9 @@ class Edges:
     weight (n,): 0..1, how dark it is beyond against within.
     """
 
-    ray_body: Floats
-    inward_body: Floats
-    weight: Floats
+    ray_body: Array
+    inward_body: Array
+    weight: Array
 
     def __len__(self) -> int:
         return len(self.weight)
@@ -98,12 +97,10 @@ def _noise(level: Grey) -> float:
     return 4.0 * float(np.median(np.abs(fine)))
 
 
-def _darkness_beyond(
-    level: Grey, x: NDArray[np.intp], y: NDArray[np.intp], slope: Floats
-) -> Floats:
+def _darkness_beyond(level: Grey, x: NDArray[np.intp], y: NDArray[np.intp], slope: Array) -> Array:
     """(within - beyond) / (within + beyond) of brightness across each edge, 0..1."""
 
-    def along(steps: tuple[float, ...], sign: float) -> Floats:
+    def along(steps: tuple[float, ...], sign: float) -> Array:
         picked = []
         for step in steps:
             i = np.clip(np.rint(x + sign * step * slope[:, 0]), 0, level.shape[1] - 1)

@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 INCONSISTENT_BELOW = 1e-3
 
@@ -41,7 +40,7 @@ class AttitudeCheck:
         return Verdict.CONSISTENT if ok else Verdict.INCONSISTENT
 
 
-def across_axes(nadir_body: Floats) -> Floats:
+def across_axes(nadir_body: Array) -> Array:
     """Two unit vectors (2, 3) across a nadir: body X, or Y where nadir is along X, made square
     to it, and the third that completes a right-handed set with nadir last."""
     start = np.array([1.0, 0.0, 0.0])
@@ -53,7 +52,7 @@ def across_axes(nadir_body: Floats) -> Floats:
 
 
 def check_attitude(
-    nadir_body: Floats, covariance_rad2: Floats, predicted_body: Floats, sigma_rad: float
+    nadir_body: Array, covariance_rad2: Array, predicted_body: Array, sigma_rad: float
 ) -> AttitudeCheck:
     """covariance_rad2: (2, 2) on `across_axes(nadir_body)`; sigma_rad: of the prediction."""
     axes = across_axes(nadir_body)

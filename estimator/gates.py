@@ -12,8 +12,7 @@ from estimator.limb import LimbPoints
 from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
 from estimator.request import Surroundings
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 MIN_ARC_RAD = np.deg2rad(5.0)
 MIN_ARC_OF_ALL_RAD = np.deg2rad(10.0)
@@ -75,7 +74,7 @@ def unusable_frame(frame: Frame) -> Reason | None:
 
 
 def judge_camera(
-    points: LimbPoints, residual: Floats, tolerance: Floats, camera: HorizonCamera, reach_m: float
+    points: LimbPoints, residual: Array, tolerance: Array, camera: HorizonCamera, reach_m: float
 ) -> CameraFit:
     """One camera's limb against the joint fit."""
     with np.errstate(invalid="ignore"):
@@ -171,7 +170,7 @@ def judge_low_sun(result: Fit, around: Surroundings) -> Reason | None:
 
 
 def well_lit(
-    limb: Limb, direction_itrf: Floats, height_m: float, sun_itrf: Floats
+    limb: Limb, direction_itrf: Array, height_m: float, sun_itrf: Array
 ) -> NDArray[np.bool_]:
     """Which limb points along (n, 3) stand where the daylight limb's height is known.
 
@@ -187,7 +186,7 @@ def is_sun_vague(around: Surroundings) -> bool:
     return bool(-around.limb.nadir_itrf @ around.sun_itrf < _SUN_VAGUE)
 
 
-def darkness(limb: Limb, sun_itrf: Floats) -> Reason | None:
+def darkness(limb: Limb, sun_itrf: Array) -> Reason | None:
     """Why the Sun at a craft allows no daylight limb, or None."""
     sine = float(-limb.nadir_itrf @ sun_itrf)
     if sine > _SUN_LEAST:

@@ -16,15 +16,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
 from estimator.images import Frame
 from estimator.limb import LimbPoints
 from estimator.limb_geometry import Limb
 from estimator.nadir import columns_per_patch
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _SCATTER = 0.035  # of brightness from one 5 deg of limb to the next: dust, thin cloud
 _EVENED, _EVENED_SIGMA = 0.75, 0.25  # contrast left of single scattering
@@ -50,12 +48,12 @@ class LimbBrightness:
     lens (n, 2 k): per camera its exposure's part and its lens's.
     """
 
-    log_brightness: Floats
-    ray_body: Floats
-    share: Floats
-    lens: Floats
+    log_brightness: Array
+    ray_body: Array
+    share: Array
+    lens: Array
 
-    def cost(self, limb: Limb, c_body_from_itrf: Floats, height_m: float, sun: Floats) -> float:
+    def cost(self, limb: Limb, c_body_from_itrf: Array, height_m: float, sun: Array) -> float:
         """Minus twice the log likelihood of an attitude; sun: direction (3,) in ITRF axes."""
         direction = self.ray_body @ c_body_from_itrf
         elevation = limb.sun_elevation_rad(direction, height_m, sun)
@@ -78,12 +76,12 @@ class LimbColour:
     information of 5 deg of limb; camera (n, k): 1 for the camera it is of.
     """
 
-    log_red_over_blue: Floats
-    ray_body: Floats
-    share: Floats
-    camera: Floats
+    log_red_over_blue: Array
+    ray_body: Array
+    share: Array
+    camera: Array
 
-    def cost(self, c_body_from_itrf: Floats, sun: Floats) -> float:
+    def cost(self, c_body_from_itrf: Array, sun: Array) -> float:
         """Minus twice the log likelihood of an attitude; sun: direction (3,) in ITRF axes."""
         design = np.column_stack([self.ray_body @ c_body_from_itrf @ sun, self.camera])
         cameras = self.camera.shape[1]
@@ -97,11 +95,11 @@ class Sunlight:
     """All that the sunlight along the limb says of attitudes; sun: direction (3,) in ITRF axes."""
 
     limb: Limb
-    sun_itrf: Floats
+    sun_itrf: Array
     brightness: LimbBrightness | None
     colour: LimbColour | None
 
-    def cost(self, c_body_from_itrf: Floats, height_m: float) -> float:
+    def cost(self, c_body_from_itrf: Array, height_m: float) -> float:
         """Minus twice the log likelihood; 0 where nothing was seen."""
         total = 0.0
         if self.brightness is not None:
@@ -112,7 +110,7 @@ class Sunlight:
 
 
 def _misfit(
-    observed: Floats, design: Floats, expected: Floats, sigma: Floats, share: Floats, scatter: float
+    observed: Array, design: Array, expected: Array, sigma: Array, share: Array, scatter: float
 ) -> float:
     """Chi-square of the best robust linear fit, its unknowns' own departures included."""
     off = observed - design @ expected
@@ -127,7 +125,7 @@ def _misfit(
     return float(np.sum(share * np.minimum(rest**2, _OUTLIER**2)) + np.sum(known * free**2))
 
 
-def _forwards(cosine: Floats) -> Floats:
+def _forwards(cosine: Array) -> Array:
     """What dust scatters at an angle to the Sun, against air (Henyey and Greenstein 1941)."""
     dust = (1.0 - _FORWARD**2) / (1.0 + _FORWARD**2 - 2.0 * _FORWARD * cosine) ** 1.5
     return np.asarray(dust / (0.75 * (1.0 + cosine**2)))
@@ -137,7 +135,7 @@ def limb_colour(
     points: list[LimbPoints],
     frames: Sequence[Frame],
     cameras: Sequence[HorizonCamera],
-    nadir_body: Floats,
+    nadir_body: Array,
     reach_m: float,
 ) -> LimbColour | None:
     """None where no camera shows enough of an unsaturated limb in sharp colour.
@@ -169,8 +167,8 @@ def limb_colour(
 
 
 def _light(
-    ray_body: Floats, frame: Frame, camera: HorizonCamera, nadir_body: Floats, reach_m: float
-) -> Floats:
+    ray_body: Array, frame: Frame, camera: HorizonCamera, nadir_body: Array, reach_m: float
+) -> Array:
     """How much brighter than the sky it is within the limb along rays (n, 3): (n, 3) colours."""
     across = nadir_body - (ray_body @ nadir_body)[:, None] * ray_body
     across /= np.linalg.norm(across, axis=1, keepdims=True)

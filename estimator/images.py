@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from estimator import MAX_IMAGE_PIXELS
 from estimator.camera import HorizonCamera
 from estimator.errors import InvalidImage
+from planner.arrays import Array
 
 MAX_IMAGE_BYTES = 64_000_000
 
-Floats = NDArray[np.float64]
 Grey = NDArray[np.float32]
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
@@ -48,7 +48,7 @@ class Frame:
     table: Grey
     decoded: bool = False
 
-    def saturated(self, pixel: Floats) -> NDArray[np.bool_]:
+    def saturated(self, pixel: Array) -> NDArray[np.bool_]:
         """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
         height, width = self.grey.shape
         inside = np.nan_to_num(np.rint(pixel))

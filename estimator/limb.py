@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from estimator.camera import HorizonCamera
 from estimator.images import Frame
 from estimator.limb_geometry import Limb
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _SMOOTHING_M = 5.0e3
 LENS_BLUR_PX = 0.7
@@ -47,18 +46,18 @@ class LimbPoints:
     saturated up to 20 km within the edge.
     """
 
-    ray_body: Floats
-    bent_body: Floats
-    pixel: Floats
-    azimuth_rad: Floats
+    ray_body: Array
+    bent_body: Array
+    pixel: Array
+    azimuth_rad: Array
     found: NDArray[np.bool_]
     blocked: NDArray[np.bool_]
     clipped: NDArray[np.bool_]
-    sigma_rad: Floats
-    width_m: Floats
-    contrast: Floats
-    slope: Floats
-    behind: Floats
+    sigma_rad: Array
+    width_m: Array
+    contrast: Array
+    slope: Array
+    behind: Array
     step_rad: float
     smooth_m: float
 
@@ -80,8 +79,8 @@ class LimbPoints:
 
 
 def visible_limb(
-    camera: HorizonCamera, limb: Limb, c_body_from_itrf: Floats, height_m: float
-) -> tuple[Floats, float]:
+    camera: HorizonCamera, limb: Limb, c_body_from_itrf: Array, height_m: float
+) -> tuple[Array, float]:
     """Azimuths of the limb in the frame, evenly spaced, and their spacing."""
     coarse = np.linspace(0.0, 2.0 * np.pi, _COARSE, endpoint=False)
     seen = camera.sees(
@@ -108,7 +107,7 @@ def find_limb(
     frame: Frame,
     camera: HorizonCamera,
     limb: Limb,
-    c_body_from_itrf: Floats,
+    c_body_from_itrf: Array,
     height_m: float,
     window_rad: float,
     air_scale_m: float,
@@ -218,9 +217,7 @@ def _outermost_peak(
     return np.where(some, index + 1, 1), some, noise
 
 
-def _sides(
-    profile: NDArray[np.float32], peak: NDArray[np.intp], away: int
-) -> tuple[Floats, Floats]:
+def _sides(profile: NDArray[np.float32], peak: NDArray[np.intp], away: int) -> tuple[Array, Array]:
     """Brightness within and beyond the edge, each (n,)."""
     row = np.arange(len(peak))
     last = profile.shape[1] - 1
@@ -229,7 +226,7 @@ def _sides(
     return within, beyond
 
 
-def _behind(profile: NDArray[np.float32], peak: NDArray[np.intp], away: float) -> Floats:
+def _behind(profile: NDArray[np.float32], peak: NDArray[np.intp], away: float) -> Array:
     """Brightness 45 km within the edge against the brightest on the way there, each (n,)."""
     column = np.arange(profile.shape[1])[None, :]
     start = np.maximum(peak - round(away), 0)
@@ -240,7 +237,7 @@ def _behind(profile: NDArray[np.float32], peak: NDArray[np.intp], away: float) -
 
 
 @cache
-def _gumbel_shifts() -> tuple[Floats, Floats]:
+def _gumbel_shifts() -> tuple[Array, Array]:
     """Mode of the standard Gumbel distribution blurred by a Gaussian of each width."""
     blur = np.linspace(0.0, 6.0, 61)
     x = np.linspace(-30.0, 40.0, 7001)

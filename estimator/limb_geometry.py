@@ -10,11 +10,9 @@ lifts the limb by 0.2 km at 17 km height, inside the scatter of its effective he
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
-
-Floats = NDArray[np.float64]
 
 WGS84_B_M = WGS84_A_M * (1.0 - WGS84_F)
 
@@ -26,31 +24,31 @@ class Limb:
     azimuths are about geocentric nadir, from `axes_itrf[0]` (east) to `axes_itrf[1]` (north).
     """
 
-    def __init__(self, r_itrf_m: Floats, a_m: float, b_m: float) -> None:
+    def __init__(self, r_itrf_m: Array, a_m: float, b_m: float) -> None:
         self.r_itrf_m = np.asarray(r_itrf_m, dtype=float)
         self.range_m = float(np.linalg.norm(self.r_itrf_m))
         self.a_m, self.b_m = a_m, b_m
-        self.nadir_itrf: Floats = -self.r_itrf_m / self.range_m
+        self.nadir_itrf: Array = -self.r_itrf_m / self.range_m
         self.nadir_geodetic_itrf = self._geodetic_nadir()
         east = np.cross([0.0, 0.0, 1.0], self.r_itrf_m)
         if np.linalg.norm(east) < 1.0:
             east = np.array([1.0, 0.0, 0.0])
         east /= np.linalg.norm(east)
-        self.axes_itrf: Floats = np.stack([east, np.cross(-self.nadir_itrf, east)])
+        self.axes_itrf: Array = np.stack([east, np.cross(-self.nadir_itrf, east)])
 
-    def quadric(self, height_m: float | Floats) -> Floats:
+    def quadric(self, height_m: float | Array) -> Array:
         """E of the ellipsoid grown by the height: diagonal, shape (..., 3)."""
         a = np.asarray(self.a_m + height_m)
         b = np.asarray(self.b_m + height_m)
         return np.stack([a**-2, a**-2, b**-2], axis=-1)
 
-    def cone(self, height_m: float) -> Floats:
+    def cone(self, height_m: float) -> Array:
         """M, shape (3, 3)."""
         e = self.quadric(height_m)
         er = e * self.r_itrf_m
         return np.asarray(np.outer(er, er) - (self.r_itrf_m @ er - 1.0) * np.diag(e))
 
-    def directions_itrf(self, azimuth_rad: Floats, height_m: float) -> Floats:
+    def directions_itrf(self, azimuth_rad: Array, height_m: float) -> Array:
         """The limb at azimuths (n,), shape (n, 3)."""
         cone = self.cone(height_m)
         across = np.column_stack([np.cos(azimuth_rad), np.sin(azimuth_rad)]) @ self.axes_itrf
@@ -62,12 +60,12 @@ class Limb:
         # Nadir and the level direction are square to each other.
         return np.asarray(direction / np.sqrt(1.0 + tangent**2)[:, None])
 
-    def azimuth_rad(self, direction_itrf: Floats) -> Floats:
+    def azimuth_rad(self, direction_itrf: Array) -> Array:
         """Azimuths of directions (n, 3), shape (n,)."""
         east, north = self.axes_itrf @ direction_itrf.T
         return np.asarray(np.arctan2(north, east))
 
-    def touch_points_m(self, direction_itrf: Floats, height_m: float) -> Floats:
+    def touch_points_m(self, direction_itrf: Array, height_m: float) -> Array:
         """Points (n, 3) nearest to the body along limb rays (n, 3)."""
         e = self.quadric(height_m)
         reach = -(direction_itrf @ (e * self.r_itrf_m)) / np.sum(e * direction_itrf**2, axis=1)
@@ -84,15 +82,13 @@ class Limb:
         cosine = self.directions_itrf(azimuth, 0.0) @ self.nadir_geodetic_itrf
         return float(self.range_m * np.sin(np.mean(np.arccos(cosine))))
 
-    def sun_elevation_rad(
-        self, direction_itrf: Floats, height_m: float, sun_itrf: Floats
-    ) -> Floats:
+    def sun_elevation_rad(self, direction_itrf: Array, height_m: float, sun_itrf: Array) -> Array:
         """Elevation of the Sun (a unit vector) at the limb points seen along (n, 3), shape (n,)."""
         normal = self.quadric(height_m) * self.touch_points_m(direction_itrf, height_m)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         return np.asarray(np.arcsin(np.clip(normal @ sun_itrf, -1.0, 1.0)))
 
-    def _geodetic_nadir(self) -> Floats:
+    def _geodetic_nadir(self) -> Array:
         # Bowring's iteration on the foot point's parametric latitude; exact for a sphere.
         x, z = float(np.hypot(*self.r_itrf_m[:2])), float(self.r_itrf_m[2])
         a, b = self.a_m, self.b_m

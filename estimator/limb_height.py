@@ -11,10 +11,9 @@ Source: Chapman 1931 for the path; Smith and Smith 1972, eq. 3, for its closed f
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfcx
 
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 AIR_SCALE_M = 7.6e3
 _EARTH_RADII = 6371.0e3 / AIR_SCALE_M
@@ -22,14 +21,14 @@ _GRAZING_PATH = float(np.sqrt(2.0 * np.pi * _EARTH_RADII))
 _USUAL_SUN_DEG = 50.0
 
 
-def sun_rise_m(sun_elevation_rad: Floats) -> Floats:
+def sun_rise_m(sun_elevation_rad: Array) -> Array:
     """How much higher than under a Sun 50 deg high the limb stands, same shape."""
     elevation, rise = _rises()
     return np.interp(np.rad2deg(sun_elevation_rad), elevation, rise)
 
 
 @cache
-def _rises() -> tuple[Floats, Floats]:
+def _rises() -> tuple[Array, Array]:
     elevation = np.concatenate([np.linspace(-8.0, 20.0, 113), np.linspace(22.0, 90.0, 35)])
     t = np.geomspace(1e-4, 8.0, 20001)
     above = np.array(
@@ -42,7 +41,7 @@ def _rises() -> tuple[Floats, Floats]:
     return elevation, AIR_SCALE_M * (above - usual)
 
 
-def chapman_path(elevation_rad: Floats) -> Floats:
+def chapman_path(elevation_rad: Array) -> Array:
     """Air along a ray at an elevation against that straight up (Chapman's function)."""
     x = _EARTH_RADII
     sine = np.sin(np.abs(elevation_rad))

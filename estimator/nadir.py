@@ -13,13 +13,11 @@ Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimator.limb import LimbPoints
 from estimator.limb_geometry import Limb
 from estimator.limb_height import sun_rise_m
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 ROUGHNESS_M = 0.8e3
 CORRELATED_RAD = np.deg2rad(5.0)
@@ -57,7 +55,7 @@ class Prior:
     lean_sigma_m: float
     bend_sigma_m: float
     roughness_m: float
-    sun_itrf: Floats | None
+    sun_itrf: Array | None
 
 
 @dataclass(frozen=True)
@@ -71,15 +69,15 @@ class Fit:
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood.
     """
 
-    c_body_from_itrf: Floats
+    c_body_from_itrf: Array
     height_m: float
-    covariance: Floats
-    residual_rad: tuple[Floats, ...]
-    tolerance_rad: tuple[Floats, ...]
+    covariance: Array
+    residual_rad: tuple[Array, ...]
+    tolerance_rad: tuple[Array, ...]
     cost: float
 
 
-def attitude_facing(nadir_body: Floats, limb: Limb, heading_rad: float = 0.0) -> Floats:
+def attitude_facing(nadir_body: Array, limb: Limb, heading_rad: float = 0.0) -> Array:
     """A c_body_from_itrf (3, 3) that puts geodetic nadir along a body direction (3,)."""
     nadir = limb.nadir_geodetic_itrf
     first = limb.axes_itrf[0] - (limb.axes_itrf[0] @ nadir) * nadir
@@ -94,7 +92,7 @@ def attitude_facing(nadir_body: Floats, limb: Limb, heading_rad: float = 0.0) ->
     return np.asarray(body.T @ itrf)
 
 
-def turned_to(c_body_from_itrf: Floats, nadir_body: Floats, limb: Limb) -> Floats:
+def turned_to(c_body_from_itrf: Array, nadir_body: Array, limb: Limb) -> Array:
     """The attitude turned by the least angle so that geodetic nadir lies along (3,)."""
     have = c_body_from_itrf @ limb.nadir_geodetic_itrf
     axis = np.cross(have, nadir_body)
@@ -105,7 +103,7 @@ def turned_to(c_body_from_itrf: Floats, nadir_body: Floats, limb: Limb) -> Float
     return np.asarray((np.eye(3) + k + k @ k / (1.0 + cosine)) @ c_body_from_itrf)
 
 
-def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Floats, prior: Prior) -> Fit:
+def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Prior) -> Fit:
     """The best attitude and limb height from a trial attitude near it."""
     used = [p for p in points if np.any(p.found)]
     if not used:
@@ -192,7 +190,7 @@ def turned_within(result: Fit, limb: Limb) -> list[Fit]:
     return slices
 
 
-def _expected(prior: Prior, overexposed: int, bends: int) -> tuple[Floats, Floats]:
+def _expected(prior: Prior, overexposed: int, bends: int) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, and their 1-sigma; lenses' in units of theirs."""
     expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
     expected += [0.0] * bends
@@ -209,8 +207,8 @@ def _expected(prior: Prior, overexposed: int, bends: int) -> tuple[Floats, Float
 
 
 def _lifts(
-    d: Floats, clipped: Floats, limb: Limb, prior: Prior, height_m: float
-) -> tuple[Floats, Floats]:
+    d: Array, clipped: Array, limb: Limb, prior: Prior, height_m: float
+) -> tuple[Array, Array]:
     """What lifts the limb along rays (n, 3) per unit of each unknown, (n, 3 + 3 k); roughness."""
     shape = np.zeros((len(d), 3))
     shape[:, 0] = 1.0
@@ -226,14 +224,14 @@ def _lifts(
     return np.column_stack([rise_m, shape[:, 1:], own]), rough_m
 
 
-def _clipped_columns(used: list[LimbPoints]) -> Floats:
+def _clipped_columns(used: list[LimbPoints]) -> Array:
     """1 where a found column (n,) is of an overexposed camera (k,)."""
     counts = [int(np.sum(p.found)) for p in used]
     over = [float(np.mean(p.clipped[p.found])) > _CLIPPED_SHARE for p in used]
     return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 
-def _bent(used: list[LimbPoints]) -> Floats:
+def _bent(used: list[LimbPoints]) -> Array:
     """How found rays change with each unmeasured lens's unknowns, (n, 3, 2 k)."""
     spread = []
     for k, p in enumerate(used):
@@ -244,7 +242,7 @@ def _bent(used: list[LimbPoints]) -> Floats:
     return bent[:, :, np.any(bent, axis=(0, 1))]
 
 
-def _inside(limb: Limb, by_m: Floats, d: Floats, height: float) -> tuple[Floats, Floats, Floats]:
+def _inside(limb: Limb, by_m: Array, d: Array, height: float) -> tuple[Array, Array, Array]:
     """Angle of rays (n, 3) inside the limb, its derivatives by the ray (n, 3) and height (n,).
 
     by_m: the cone's derivative by height, which changes by a thousandth over the limb's heights.
@@ -256,7 +254,7 @@ def _inside(limb: Limb, by_m: Floats, d: Floats, height: float) -> tuple[Floats,
     return value / slope, md * (2.0 / slope)[:, None], by_height
 
 
-def columns_per_patch(points: LimbPoints) -> Floats:
+def columns_per_patch(points: LimbPoints) -> Array:
     """How many found columns share each column's 5 deg of azimuth, itself included."""
     reach = max(int(CORRELATED_RAD / points.step_rad), 1)
     window = np.ones(reach)
@@ -264,7 +262,7 @@ def columns_per_patch(points: LimbPoints) -> Floats:
     return np.maximum(count[: len(points)] if len(count) >= len(points) else count, 1.0)
 
 
-def _tukey(residual: Floats, one: Floats, scale: float) -> Floats:
+def _tukey(residual: Array, one: Array, scale: float) -> Array:
     if not np.isfinite(scale):
         # The first step has no scale yet: take the residuals' own.
         scale = 1.4826 * float(np.median(np.abs(residual) / one)) + 1.0
@@ -272,13 +270,13 @@ def _tukey(residual: Floats, one: Floats, scale: float) -> Floats:
     return np.where(share2 < 1.0, (1.0 - share2) ** 2, 0.0)
 
 
-def _misfit2(residual: Floats, weight: Floats, one: Floats, spread2: Floats) -> float:
+def _misfit2(residual: Array, weight: Array, one: Array, spread2: Array) -> float:
     """Mean square of the residuals against their model, at least 1."""
     expected = float(np.sum(weight * one**2 / spread2))
     return max(1.0, float(np.sum(weight * residual**2 / spread2)) / max(expected, 1e-12))
 
 
-def _per_camera(points: list[LimbPoints], values: Floats) -> tuple[Floats, ...]:
+def _per_camera(points: list[LimbPoints], values: Array) -> tuple[Array, ...]:
     spread, start = [], 0
     for p in points:
         own = np.full(len(p), np.nan)
@@ -289,7 +287,7 @@ def _per_camera(points: list[LimbPoints], values: Floats) -> tuple[Floats, ...]:
     return tuple(spread)
 
 
-def _unfitted(points: list[LimbPoints], c: Floats, prior: Prior) -> Fit:
+def _unfitted(points: list[LimbPoints], c: Array, prior: Prior) -> Fit:
     nothing = tuple(np.full(len(p), np.nan) for p in points)
     return Fit(
         c_body_from_itrf=c,
@@ -301,18 +299,18 @@ def _unfitted(points: list[LimbPoints], c: Floats, prior: Prior) -> Fit:
     )
 
 
-def _horizontal(sun_itrf: Floats, nadir_itrf: Floats) -> Floats:
+def _horizontal(sun_itrf: Array, nadir_itrf: Array) -> Array:
     """The Sun's direction across nadir, a unit vector; zeros where it stands overhead."""
     across = sun_itrf - (sun_itrf @ nadir_itrf) * nadir_itrf
     length = float(np.linalg.norm(across))
     return across / length if length > 0.02 else np.zeros(3)
 
 
-def _cross(v: Floats) -> Floats:
+def _cross(v: Array) -> Array:
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
-def _rotation(turn: Floats) -> Floats:
+def _rotation(turn: Array) -> Array:
     angle = float(np.linalg.norm(turn))
     if angle < 1e-12:
         return np.asarray(np.eye(3) + _cross(turn))

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 from estimator.camera import HorizonCamera
 from estimator.images import Pixels
 from estimator.pipeline import CameraReport, VerticalEstimate
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _MEASURED = (60, 255, 60)
 _EXPECTED = (60, 160, 255)
@@ -19,7 +18,7 @@ def draw_overlay(
     camera: HorizonCamera,
     report: CameraReport,
     estimate: VerticalEstimate,
-    expected_px: Floats | None = None,
+    expected_px: Array | None = None,
 ) -> NDArray[np.uint8]:
     """The frame in 8-bit colour with the limb points used (green), the limb a plan expects
     (orange; `HorizonPrediction.limb_px`) and the verdict."""

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from estimator.camera import HorizonCamera
 from estimator.candidates import find_edges
 from estimator.images import Pixels, prepare
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _TRIALS = 300
 _NEAR_PX = 1.5
@@ -25,7 +24,7 @@ _NEAR_PX = 1.5
 
 def paper_nadir(
     images: Sequence[Pixels], cameras: Sequence[HorizonCamera], unit_rays: bool
-) -> Floats | None:
+) -> Array | None:
     """Nadir in body axes from two frames; None where a frame shows no arc.
 
     unit_rays: False for the chord as printed, in the image plane.
@@ -50,7 +49,7 @@ def paper_nadir(
     return np.asarray(nadir * np.sign(nadir @ inward))
 
 
-def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Floats, Floats] | None:
+def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Array, Array] | None:
     """The ends (2, 2) of the circle arc most edge pixels lie on, and the circle's centre."""
     edges = find_edges(prepare(image, camera, "images", blue=False), camera, seed=0)
     point = camera.pixels(edges.ray_body)
@@ -80,7 +79,7 @@ def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Floats, Floats
     return on_circle, centre
 
 
-def _circle(point: Floats) -> Floats | None:
+def _circle(point: Array) -> Array | None:
     """Kasa's circle through points (n, 2): centre and radius, shape (3,)."""
     design = np.column_stack([2.0 * point, np.ones(len(point))])
     solution, _, rank, _ = np.linalg.lstsq(design, np.sum(point**2, axis=1), rcond=None)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
@@ -15,10 +14,9 @@ from estimator.nadir import Fit
 from estimator.prior import predicted_c_body_from_itrf, prior_of
 from estimator.request import HorizonRequest, Surroundings
 from estimator.search import FoundHorizon, Search, find_horizon, look
+from planner.arrays import Array
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,7 @@ class CameraReport:
     reason: Reason | None
     arc_deg: float
     residual_px: float
-    limb_px: Floats
+    limb_px: Array
 
 
 @dataclass(frozen=True)
@@ -40,9 +38,9 @@ class Nadir:
     covariance_rad2: (2, 2) on the unit vectors `axes_body` (2, 3) across the nadir.
     """
 
-    nadir_body: Floats
-    axes_body: Floats
-    covariance_rad2: Floats
+    nadir_body: Array
+    axes_body: Array
+    covariance_rad2: Array
 
     @property
     def sigma_rad(self) -> float:
@@ -102,7 +100,7 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
 
 
 def _answer(
-    horizon: FoundHorizon, request: HorizonRequest, around: Surroundings, c_predicted: Floats | None
+    horizon: FoundHorizon, request: HorizonRequest, around: Surroundings, c_predicted: Array | None
 ) -> VerticalEstimate:
     cameras = tuple(
         CameraReport(
@@ -169,7 +167,7 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
     return (*said, orientation) if orientation else tuple(said)
 
 
-def _nadir(fits: tuple[tuple[float, Fit], ...], limb: Limb, nadir_itrf: Floats) -> Nadir:
+def _nadir(fits: tuple[tuple[float, Fit], ...], limb: Limb, nadir_itrf: Array) -> Nadir:
     """A nadir and its covariance, over all headings tried by their weights."""
     mean = sum(w * (f.c_body_from_itrf @ nadir_itrf) for w, f in fits)
     mean = np.asarray(mean) / np.linalg.norm(mean)

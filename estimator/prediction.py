@@ -13,8 +13,7 @@ from estimator.limb import LimbPoints, visible_limb
 from estimator.nadir import fit
 from estimator.prior import prior_of
 from estimator.request import PredictedAttitude, Surroundings
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _COLUMNS = 48
 _EDGE_PX = 0.1
@@ -37,7 +36,7 @@ class HorizonPrediction:
     lit_arc_rad: float
     sun_angle_rad: float
     sun_in_frame: bool
-    limb_px: Floats
+    limb_px: Array
     sigma_rad: float | None
 
 
@@ -55,7 +54,7 @@ def predict_horizon(
     )
     prior = prior_of(around, predicted, blue=False)
     limb = around.limb
-    c_body_from_itrf: Floats = q_body_from_eci.as_matrix() @ around.c_itrf_from_eci.T
+    c_body_from_itrf: Array = q_body_from_eci.as_matrix() @ around.c_itrf_from_eci.T
     azimuth, step_rad = visible_limb(camera, limb, c_body_from_itrf, prior.height_m)
     thin = max(1, len(azimuth) // _COLUMNS)
     azimuth, step_rad = azimuth[::thin], step_rad * thin
@@ -92,7 +91,7 @@ def predict_horizon(
     )
 
 
-def sun_in_frame(camera: HorizonCamera, around: Surroundings, c_body_from_itrf: Floats) -> bool:
+def sun_in_frame(camera: HorizonCamera, around: Surroundings, c_body_from_itrf: Array) -> bool:
     """Whether the Sun's middle shines into the frame, not hidden by the Earth."""
     pixel = camera.pixels((c_body_from_itrf @ around.sun_itrf)[None])
     return bool(camera.sees(pixel)[0]) and not _hidden(around)
@@ -108,9 +107,9 @@ def _hidden(around: Surroundings) -> bool:
 
 def _ideal_points(
     camera: HorizonCamera,
-    ray_body: Floats,
-    pixel: Floats,
-    azimuth: Floats,
+    ray_body: Array,
+    pixel: Array,
+    azimuth: Array,
     lit: NDArray[np.bool_],
     step_rad: float,
 ) -> LimbPoints:

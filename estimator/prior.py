@@ -1,14 +1,12 @@
 """What is known of the limb and the attitude before an image is looked at?"""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from estimator.limb_height import AIR_SCALE_M
 from estimator.nadir import ROUGHNESS_M, Prior
 from estimator.request import NIGHT_LIMB_KM, PredictedAttitude, Surroundings
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 # The daylight limb in the middle of the visible band (systems.md section 2).
 DAYLIGHT_LIMB_M = 17.5e3
@@ -78,7 +76,7 @@ def air_scale_m(around: Surroundings) -> float:
     return AIR_SCALE_M if daylight else 0.0
 
 
-def predicted_c_body_from_itrf(around: Surroundings, predicted: PredictedAttitude) -> Floats:
+def predicted_c_body_from_itrf(around: Surroundings, predicted: PredictedAttitude) -> Array:
     """The predicted attitude (3, 3) against ITRF axes."""
     q = Rotation.from_quat(predicted.q_body_from_eci_xyzw)
     return np.asarray(q.as_matrix() @ around.c_itrf_from_eci.T)

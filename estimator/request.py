@@ -5,8 +5,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from estimator.camera import Floats, HorizonCamera
+from estimator.camera import HorizonCamera
 from estimator.limb_geometry import WGS84_B_M, Limb
+from planner.arrays import Array
 from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M
 from planner.frames.solar_system import r_sun_eci_m
@@ -104,7 +105,7 @@ class Surroundings:
 
     def __init__(self, epoch: datetime, position: Position, body: Body) -> None:
         instants = Instants(epoch, np.zeros(1))
-        self.c_itrf_from_eci: Floats = c_itrf_from_eci(instants)[0]
+        self.c_itrf_from_eci: Array = c_itrf_from_eci(instants)[0]
         r_m = np.array(position.position_km) * 1e3
         if position.frame == "EME2000":
             r_m = C_GCRF_FROM_EME2000 @ r_m
@@ -113,4 +114,4 @@ class Surroundings:
         self.body = body
         self.limb = Limb(r_m, body.a_km * 1e3, body.b_km * 1e3)
         sun_m = self.c_itrf_from_eci @ r_sun_eci_m(instants)[0]
-        self.sun_itrf: Floats = sun_m / np.linalg.norm(sun_m)
+        self.sun_itrf: Array = sun_m / np.linalg.norm(sun_m)

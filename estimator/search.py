@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
 from estimator.candidates import Edges, find_edges
@@ -31,8 +30,7 @@ from estimator.prior import air_scale_m
 from estimator.request import Surroundings
 from estimator.tone import fade_ratio, linear
 from estimator.voting import vote
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _BAND_RAD = np.deg2rad(0.5)
 _FIRST_WINDOW_RAD = np.deg2rad(1.4)
@@ -80,7 +78,7 @@ class Search:
 
     around: Surroundings
     prior: Prior
-    c_predicted: Floats | None
+    c_predicted: Array | None
 
     @property
     def heading_known(self) -> bool:
@@ -90,7 +88,7 @@ class Search:
     def daylight(self) -> bool:
         return self.around.body.limb_height_km is None
 
-    def start(self, nadir_body: Floats) -> Floats:
+    def start(self, nadir_body: Array) -> Array:
         if self.c_predicted is None:
             return attitude_facing(nadir_body, self.around.limb)
         return turned_to(self.c_predicted, nadir_body, self.around.limb)
@@ -138,7 +136,7 @@ def _best_of_votes(views: list[View], edges: list[Edges | None], search: Search)
     return max(failed, key=lambda h: sum(c.arc_rad for c in h.cameras))
 
 
-def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> FoundHorizon:
+def _try(views: list[View], search: Search, c_body_from_itrf: Array) -> FoundHorizon:
     """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
     limb, prior = search.around.limb, search.prior
     active = [view.unusable is None for view in views]
@@ -178,7 +176,7 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Floats) -> FoundHo
 
 
 def _first_fit(
-    views: list[View], search: Search, c_body_from_itrf: Floats, active: list[bool]
+    views: list[View], search: Search, c_body_from_itrf: Array, active: list[bool]
 ) -> tuple[list[LimbPoints], Fit]:
     height = search.prior.height_m
     points = _all_points(views, search, c_body_from_itrf, height, _FIRST_WINDOW_RAD, active)
@@ -209,7 +207,7 @@ def _decoded(
 def _all_points(
     views: list[View],
     search: Search,
-    c: Floats,
+    c: Array,
     height: float,
     window_rad: float,
     active: list[bool],
@@ -224,7 +222,7 @@ def _all_points(
 def _points(
     view: View,
     search: Search,
-    c: Floats,
+    c: Array,
     height: float,
     window_rad: float,
     scale_m: float,
@@ -246,7 +244,7 @@ def _points(
 def _all_headings(
     views: list[View],
     points: list[LimbPoints],
-    c_body_from_itrf: Floats,
+    c_body_from_itrf: Array,
     search: Search,
     tried: int,
     dull: float,
@@ -271,7 +269,7 @@ def _all_headings(
 
 
 def _sunlight(
-    views: list[View], points: list[LimbPoints], search: Search, nadir_body: Floats
+    views: list[View], points: list[LimbPoints], search: Search, nadir_body: Array
 ) -> Sunlight:
     limb, sun = search.around.limb, search.around.sun_itrf
     if not search.daylight:

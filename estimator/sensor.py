@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.spec import Within, spec
 
-Floats = NDArray[np.float64]
 Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 
@@ -34,7 +34,7 @@ class Sensor:
         if self.bits not in (8, 16):
             raise ValueError(f"bits must be 8 or 16, not {self.bits}")
 
-    def expose(self, scene: Floats, rng: np.random.Generator) -> Image:
+    def expose(self, scene: Array, rng: np.random.Generator) -> Image:
         """A picture (h, w) or, in colour, (h, w, 3) of a scene's radiance (h, w, 3)."""
         light = scene if self.colour else scene.mean(axis=2)
         light = cv2.GaussianBlur(light, (0, 0), self.blur_px) if self.blur_px > 0 else light

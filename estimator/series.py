@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from estimator.check import INCONSISTENT_BELOW, Verdict
 from estimator.pipeline import VerticalEstimate
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -23,11 +21,11 @@ class SeriesReport:
     """
 
     verdict: Verdict
-    t_s: Floats
-    off_rad: Floats
-    bias_rad: Floats
-    covariance_rad2: Floats
-    scatter_rad: Floats
+    t_s: Array
+    off_rad: Array
+    bias_rad: Array
+    covariance_rad2: Array
+    scatter_rad: Array
     probability: float
 
 

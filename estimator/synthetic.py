@@ -21,10 +21,9 @@ from estimator.atmosphere import (
 )
 from estimator.camera import HorizonCamera
 from estimator.sensor import Image, Sensor
+from planner.arrays import Array
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.spec import Within, spec
-
-Floats = NDArray[np.float64]
 
 _TILE_PX, _TILE_M = 1024, 6.0e6
 _OCEAN = np.array([0.075, 0.055, 0.04])
@@ -60,9 +59,9 @@ class DrawnHorizon:
 
     def __init__(
         self,
-        r_itrf_m: Floats,
-        c_body_from_itrf: Floats,
-        sun_itrf: Floats,
+        r_itrf_m: Array,
+        c_body_from_itrf: Array,
+        sun_itrf: Array,
         scene: Scene,
         seed: int,
     ) -> None:
@@ -86,7 +85,7 @@ class DrawnHorizon:
         rng = np.random.default_rng([self._seed, 2, *camera.name.encode()])
         return sensor.expose(self.radiance(camera, rng), rng)
 
-    def radiance(self, camera: HorizonCamera, rng: np.random.Generator) -> Floats:
+    def radiance(self, camera: HorizonCamera, rng: np.random.Generator) -> Array:
         """Radiance in blue, green, red, shape (height, width, 3); 1 for white in full sun."""
         shape = (camera.height_px, camera.width_px)
         rays = _pixel_rays_itrf(camera, self.c_body_from_itrf)
@@ -114,7 +113,7 @@ class DrawnHorizon:
             self._add_glare(scene, camera, rays)
         return scene
 
-    def _tangents(self, rays: Floats) -> tuple[Floats, NDArray[np.bool_], Floats]:
+    def _tangents(self, rays: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """Least height of each ray above the ellipsoid, whether it is ahead, and where."""
         stretch = np.array([1.0, 1.0, 1.0 / (1.0 - WGS84_F)])
         r, d = self.r_itrf_m * stretch, rays * stretch
@@ -126,7 +125,7 @@ class DrawnHorizon:
         true = np.linalg.norm(unit * stretch, axis=1)
         return (radius - WGS84_A_M) / true, along > 0.0, unit
 
-    def _air(self, azimuth: Floats, tangent_m: Floats) -> LimbRadiance:
+    def _air(self, azimuth: Array, tangent_m: Array) -> LimbRadiance:
         near = tangent_m < 200e3
         if not np.any(near):
             near = np.ones(len(azimuth), dtype=bool)
@@ -145,7 +144,7 @@ class DrawnHorizon:
             tables.radiance[...] += self.scene.moonlight * moon.radiance
         return tables
 
-    def _ground_light(self, rays: Floats, unit: Floats) -> Floats:
+    def _ground_light(self, rays: Array, unit: Array) -> Array:
         """Light leaving the ground or cloud that rays (n, 3) hit, shape (n, 3)."""
         stretch = np.array([1.0, 1.0, 1.0 / (1.0 - WGS84_F)])
         r, d = self.r_itrf_m * stretch, rays * stretch
@@ -167,7 +166,7 @@ class DrawnHorizon:
         albedo = np.where(land[:, None], _LAND * texture, _OCEAN)
         return np.asarray(light * (albedo * (1.0 - cover) + _CLOUD * texture * cover))
 
-    def _add_glare(self, scene: Floats, camera: HorizonCamera, rays: Floats) -> None:
+    def _add_glare(self, scene: Array, camera: HorizonCamera, rays: Array) -> None:
         tangent_m, ahead, _ = self._tangents(self.sun_itrf[None])
         if ahead[0] and tangent_m[0] < 0.0:
             return
@@ -189,14 +188,14 @@ class DrawnHorizon:
             scene += (self.scene.glare * 10.0 * strength * ghost)[..., None]
 
 
-def _pixel_rays_itrf(camera: HorizonCamera, c_body_from_itrf: Floats) -> Floats:
+def _pixel_rays_itrf(camera: HorizonCamera, c_body_from_itrf: Array) -> Array:
     x, y = np.meshgrid(
         np.arange(camera.width_px, dtype=float), np.arange(camera.height_px, dtype=float)
     )
     return camera.rays_body(np.column_stack([x.ravel(), y.ravel()])) @ c_body_from_itrf
 
 
-def _looked_up(tables: LimbRadiance, azimuth: Floats, tangent_m: Floats) -> tuple[Floats, Floats]:
+def _looked_up(tables: LimbRadiance, azimuth: Array, tangent_m: Array) -> tuple[Array, Array]:
     """Radiance and transmittance (n, 3) by bilinear interpolation in the tables."""
     grid = tables.tangent_m
     middle = 0.5 * (tables.azimuth_rad[0] + tables.azimuth_rad[-1])
@@ -218,7 +217,7 @@ def _looked_up(tables: LimbRadiance, azimuth: Floats, tangent_m: Floats) -> tupl
     return found[0], found[1]
 
 
-def _textbook(azimuth: Floats, height_m: float) -> LimbRadiance:
+def _textbook(azimuth: Array, height_m: float) -> LimbRadiance:
     tangent = tangent_grid_m()
     depth = np.exp(-np.clip((tangent - height_m) / 7.6e3, -4.0, 40.0))
     shape = (len(azimuth), len(tangent), 3)
@@ -244,7 +243,7 @@ def _texture(rng: np.random.Generator, slope: float) -> NDArray[np.float32]:
     return ranks.reshape(noise.shape)
 
 
-def _sampled(tile: NDArray[np.float32], x_m: Floats, y_m: Floats, zoom: float) -> Floats:
+def _sampled(tile: NDArray[np.float32], x_m: Array, y_m: Array, zoom: float) -> Array:
     scale = zoom * _TILE_PX / _TILE_M
     i, j = np.mod(x_m * scale, _TILE_PX - 1.0), np.mod(y_m * scale, _TILE_PX - 1.0)
     i0, j0 = i.astype(int), j.astype(int)
@@ -256,7 +255,7 @@ def _sampled(tile: NDArray[np.float32], x_m: Floats, y_m: Floats, zoom: float) -
     )
 
 
-def _roughness(rng: np.random.Generator, rms_m: float, correlation_deg: float) -> Floats:
+def _roughness(rng: np.random.Generator, rms_m: float, correlation_deg: float) -> Array:
     """Heights around the horizon, from -pi to pi, with a Gaussian correlation."""
     count = 1440
     lag = np.arange(count) * 360.0 / count
@@ -267,7 +266,7 @@ def _roughness(rng: np.random.Generator, rms_m: float, correlation_deg: float) -
     return np.append(noise, noise[0])
 
 
-def _add_stars(scene: Floats, clear: Floats, count: int, rng: np.random.Generator) -> None:
+def _add_stars(scene: Array, clear: Array, count: int, rng: np.random.Generator) -> None:
     if count == 0:
         return
     height, width = scene.shape[:2]

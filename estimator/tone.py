@@ -19,8 +19,6 @@ from estimator.limb import LENS_BLUR_PX, LimbPoints
 from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
 
-Floats = NDArray[np.float64]
-
 _REACH_M, _STEP_M = 60e3, 1e3
 _LIMB_WITHIN_M = 30e3
 _SMOOTH_M = 5e3

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.candidates import Edges
-
-Floats = NDArray[np.float64]
+from planner.arrays import Array
 
 _PAIRS = 1500
 _CANDIDATES = 500
@@ -28,12 +27,12 @@ _BIN_RAD = np.deg2rad(4.0)
 class Vote:
     """A nadir in body axes (3,) and how much limb speaks for it, in bins of 4 deg azimuth."""
 
-    nadir_body: Floats
+    nadir_body: Array
     score: float
 
 
 def vote(
-    edges: list[Edges], eta_rad: float, band_rad: float, predicted_body: Floats | None, seed: int
+    edges: list[Edges], eta_rad: float, band_rad: float, predicted_body: Array | None, seed: int
 ) -> list[Vote]:
     """Up to eight nadirs, best first, none within 1 deg of a better one.
 
@@ -68,7 +67,7 @@ def vote(
     return found
 
 
-def _meets(ray: Floats, inward: Floats, pair: NDArray[np.int64], cosine: float) -> Floats:
+def _meets(ray: Array, inward: Array, pair: NDArray[np.int64], cosine: float) -> Array:
     """Nadirs at the given angle from both rays of each pair, where both gradients agree."""
     a, b = ray[pair[:, 0]], ray[pair[:, 1]]
     together = np.sum(a * b, axis=1)
@@ -92,14 +91,14 @@ def _meets(ray: Floats, inward: Floats, pair: NDArray[np.int64], cosine: float) 
 
 
 def _scores(
-    nadir: Floats,
-    ray: Floats,
-    inward: Floats,
-    weight: Floats,
+    nadir: Array,
+    ray: Array,
+    inward: Array,
+    weight: Array,
     cosine: float,
     sine: float,
     band_rad: float,
-) -> Floats:
+) -> Array:
     """Weight of the edges each nadir explains, shape (m,); 1e-6 of precision are plenty."""
     single = nadir.T.astype(np.float32)
     near = ray.astype(np.float32) @ single
@@ -113,10 +112,10 @@ def _scores(
 
 
 def _coverage(
-    nadir: Floats,
-    ray: Floats,
-    inward: Floats,
-    weight: Floats,
+    nadir: Array,
+    ray: Array,
+    inward: Array,
+    weight: Array,
     cosine: float,
     sine: float,
     band_rad: float,

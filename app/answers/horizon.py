@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.answers.horizon_view import ViewOut
 from app.answers.provenance import ProvenanceOut
@@ -15,8 +14,8 @@ from estimator.check import AttitudeCheck, Verdict
 from estimator.errors import Reason
 from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
 from estimator.prediction import HorizonPrediction
+from planner.arrays import Array
 
-Floats = NDArray[np.float64]
 DECIMALS = 9
 PIXEL_DECIMALS = 2
 
@@ -201,11 +200,11 @@ def degrees(angle_rad: float) -> float:
     return round(math.degrees(angle_rad), DECIMALS)
 
 
-def rounded(values: Floats, decimals: int = DECIMALS) -> list[float]:
+def rounded(values: Array, decimals: int = DECIMALS) -> list[float]:
     """A vector as plain numbers."""
     return [round(float(value), decimals) + 0.0 for value in values]
 
 
-def rows(values: Floats, decimals: int = DECIMALS) -> list[list[float]]:
+def rows(values: Array, decimals: int = DECIMALS) -> list[list[float]]:
     """The rows of a matrix as plain numbers."""
     return [rounded(row, decimals) for row in values]

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
 from app.answers.plan_head import PlanHead, new_head, whole_answer
 from app.answers.provenance import ProvenanceOut
+from planner.arrays import Array
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.plan import ImagingPlan
@@ -19,7 +19,6 @@ from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 from planner.spacecraft.timeline import PlannedTurn
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
-Array = NDArray[np.float64]
 DECIMALS = 9
 QUATERNION_DECIMALS = 13
 

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from planner.arrays import Array
+
 _LEVEL = 6
 _DIFFERENCES = 5  # one more or less takes a byte more a row
 _HEAD = struct.Struct("<I")

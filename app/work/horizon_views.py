@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import view_out
@@ -13,17 +12,16 @@ from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
 from estimator.request import Body, HorizonRequest, Position, Surroundings
+from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 from planner.orbits import Orbit
 
-Floats = NDArray[np.float64]
-
 
 def flown_attitudes(
     orbit: Orbit, attitude: AttitudeLaw, moments: Sequence[datetime]
-) -> tuple[Floats, Rotation, tuple[str, ...]]:
+) -> tuple[Array, Rotation, tuple[str, ...]]:
     """r_sat_eci_m (n, 3) and q_body_from_eci (n) at any n moments, and the orbit's warnings.
 
     Raises OutsideCoverage.
@@ -39,7 +37,7 @@ def flown_attitudes(
 
 
 def surroundings(
-    moment: datetime, r_sat_eci_m: Floats, cameras: tuple[HorizonCamera, ...], body: Body
+    moment: datetime, r_sat_eci_m: Array, cameras: tuple[HorizonCamera, ...], body: Body
 ) -> Surroundings:
     """The limb and the Sun as seen from there; raises InvalidInput inside the body."""
     x, y, z = (r_sat_eci_m / 1e3).tolist()

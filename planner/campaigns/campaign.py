@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
 from planner.campaigns.network import Network, network_of, relaxed
 from planner.campaigns.passes import (
@@ -30,7 +30,6 @@ from planner.scenario import Scenario, Session
 from planner.targets import BenchMotionTarget
 from planner.targets.bench_motions import ConstantRate
 
-Array = NDArray[np.float64]
 REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a pass
 
 

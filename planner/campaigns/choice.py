@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.campaigns.master import Proposal, best_together
 from planner.campaigns.network import Network
 from planner.campaigns.path import Look, best_path, path_bound
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Passes = list[tuple[Look, ...]]
 Reporter = Callable[[str, int, int], None]

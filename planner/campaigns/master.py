@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array
 
+from planner.arrays import Array
 from planner.campaigns.path import Look
 
-Array = NDArray[np.float64]
 GAP_ENOUGH = 1e-4
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.campaigns.slew_time import slew_time_s
 from planner.campaigns.ways import Ways
 from planner.compiled import compiled
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 NEVER = -1
 SUFFICIENT, NECESSARY = 1.0, -1.0

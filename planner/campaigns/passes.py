@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.platforms import AxisLimits
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 PASS_MAX_S = 3600.0
 SESSIONS_MAX = 200  # of one plan

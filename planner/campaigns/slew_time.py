@@ -8,12 +8,11 @@ beside the limit on a track, are taken away by ramps of their own, and what they
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.compiled import compiled
 from planner.platforms import AxisLimits
 
-Array = NDArray[np.float64]
 HALVINGS = 40  # of the span of peak rates: its rounding is 1e-12 of the rate limit
 BOUNDLESS = 1e12  # rad/s3: a jerk that takes no time
 

@@ -20,13 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.detour.ocp import cosine_coefficients
 from planner.platforms import AxisLimits
 from planner.pointing.keep_out import KeepOutView
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.stops import mirrored
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 CELLS_RAD = (math.radians(1.2), math.radians(0.6))
 FINE_CELLS_RAD = (math.radians(0.3), math.radians(0.15))

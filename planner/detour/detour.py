@@ -5,8 +5,8 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.detour.barrier import FINE_CELLS_RAD, is_barred, is_impossible
 from planner.detour.ends import free_part, whole
 from planner.detour.passage import rough_paths
@@ -20,7 +20,6 @@ from planner.slew.grid import on_all_rows, rows_in
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
 
-Array = NDArray[np.float64]
 SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
 FINER_SPANS = 64
 LOOKED_AT = 60  # instants of the straight slew, for a side step

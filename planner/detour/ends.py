@@ -8,7 +8,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S
 from planner.pointing.keep_out import KeepOutView
@@ -16,7 +15,6 @@ from planner.slew.braking import braked_ends
 from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile, SlewSolution, chained
 
-Array = NDArray[np.float64]
 STEP_ROWS = 2
 ROUNDING_S = 1e-9
 SHARE_MAX = 0.25  # of the slew, at either end

@@ -9,9 +9,9 @@ from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.keep_out import MovingCone
 from planner.slew.backends.spline_ocp import (
@@ -25,7 +25,6 @@ from planner.slew.solution import AxisProfile
 if TYPE_CHECKING:
     import casadi
 
-Array = NDArray[np.float64]
 COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
 # Of `planner.effort`: a solve and each of its cones' instants, with their share of making the

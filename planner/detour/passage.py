@@ -7,11 +7,11 @@ Cells whose middle lies inside a cone, or that are out of reach from either end,
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.detour.barrier import tube
 from planner.pointing.keep_out import KeepOutView
 from planner.slew.problem import AxisState, SlewProblem
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 STEPS_S = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
 LAYERS_MIN, LAYERS_MAX = 60, 600  # 200 MB at most

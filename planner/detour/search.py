@@ -9,15 +9,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.detour.ocp import DetourOcp, Start, detour_ocp
 from planner.pointing.keep_out import ConeEntry, KeepOutView, deepest_entry
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.grid import reproduces, rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 
-Array = NDArray[np.float64]
 Profiles = tuple[AxisProfile, AxisProfile]
 TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
 ROUGH_MARGIN_RAD = math.radians(0.1)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.export.description import carrier, notes
 from planner.export.flight_plan import FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, FRAME_CORNERS, frame_corner_rays, sights
@@ -25,7 +26,6 @@ from planner.platforms import TwoAxisPlatform
 from planner.scenario import Session
 from planner.targets import EarthFixedTarget, SkyTarget
 
-Array = NDArray[np.float64]
 Json = dict[str, Any]
 
 SKY_DISTANCE_M = 1e7  # where a star's or planet's mark is drawn: well outside, still in view

@@ -6,13 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.export.table_states import TableStates
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.platforms import TwoAxisPlatform
 from planner.targets.apparent import aberrated
-
-Array = NDArray[np.float64]
 
 BORESIGHT_PAYLOAD = np.array([[0.0, 0.0, 1.0]])
 FRAME_CORNERS = ((1, 1), (-1, 1), (-1, -1), (1, -1))

@@ -1,12 +1,10 @@
 """How are the payload's axes turned while the platform moves?"""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.platforms import TwoAxisPlatform
-
-Array = NDArray[np.float64]
 
 
 def q_payload_from_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Rotation:

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.errors import OutsideCoverage
 from planner.export.flight_plan import FlightPlan
@@ -15,7 +15,6 @@ from planner.export.payload import omega_payload_rad_s, q_payload_from_platform
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import OrbitStates
 
-Array = NDArray[np.float64]
 _DEGREE = 5
 
 

@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.keyhole.exact import ExactFollowing, RowMotion
 from planner.keyhole.ocp import Motion, nearest_ocp, sample_times_s
 from planner.platforms import TwoAxisPlatform
 
-Array = NDArray[np.float64]
 SPANS = (96, 48, 24, 12, 6, 3, 2, 1)
 FINE_S = 8.0  # beside the place where limits break; farther off knots stand wider apart
 SWING_SHARE = 0.8  # of the rate limit, in the guess

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import (
@@ -20,7 +21,6 @@ from planner.pointing.hermite import met_range
 from planner.pointing.line_of_sight import LineOfSight
 from planner.slew.solution import bounds
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 TURN_RAD = 2.0 * math.pi
 SINGULAR_RAD = 1e-5  # nearer to the plane of the axes exact angles are noise

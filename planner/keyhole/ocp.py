@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.detour.ocp import ITERATION_ROW, cosine_coefficients
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.slew.backends.spline_ocp import SOLVE
 from planner.slew.solution import bounds
 
-Array = NDArray[np.float64]
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles
 INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them

@@ -1,12 +1,10 @@
 """When, at most, could the carrier stand high enough above points on the ground?"""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.spans import Nodes
-
-Array = NDArray[np.float64]
 
 PLUMB_RAD = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
 SINGLE_RAD = 1e-3  # what single precision leaves of an angle's cosine, at its worst near 0

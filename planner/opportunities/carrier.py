@@ -10,9 +10,9 @@ from datetime import datetime
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import MU_EARTH_M3_S2
@@ -24,7 +24,6 @@ from planner.platforms import TwoAxisPlatform
 from planner.targets import BodyTarget
 from planner.targets.apparent import aberrated
 
-Array = NDArray[np.float64]
 STEP_TURN_RAD = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
 STEP_MAX_S = 900.0
 ATTITUDE_STEP_MIN_S = 1.0

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.interpolation import UniformTable
 from planner.opportunities.request import OpportunityConditions
@@ -18,7 +18,6 @@ from planner.pointing.angles import axis_angles
 from planner.targets.apparent import aberrated
 from planner.targets.earth_limb import limb_clearance_rad
 
-Array = NDArray[np.float64]
 Cause = Literal[
     "interval", "elevation", "sun_elevation", "off_nadir", "sun_keep_out", "moon_keep_out", "reach"
 ]

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.conditions import (
     off_nadir_rad,
@@ -19,7 +20,6 @@ from planner.opportunities.windows import Sightings, Windows
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion
 
-Array = NDArray[np.float64]
 _DELTA_S = 0.05  # rates are differences over twice this: 1e-7 of the rate on a 400 km pass
 _EDGE_RAD = 1e-6  # a window that ends at a stop ends within a microsecond's motion of it
 _STEP_S = 600.0  # windows shorter than three of these hold one approach

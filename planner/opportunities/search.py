@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants
@@ -24,7 +23,6 @@ from planner.opportunities.spans import Indices, Nodes, Spans, nodes_over, stret
 from planner.opportunities.windows import Opportunities, in_order
 from planner.targets import EarthFixedTarget
 
-Array = NDArray[np.float64]
 BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all
 SHORTEST_S = 1e-3  # the resolution promised of an edge
 

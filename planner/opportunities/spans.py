@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
+from planner.arrays import Array
 from planner.opportunities.sights import Sight
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Margin = Callable[[Indices, Array], Array]
 """Margins (n,) of targets (n,), by number, at t_s (n,)."""

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.platforms import TwoAxisPlatform
-
-Array = NDArray[np.float64]
 
 
 class BranchAngles(NamedTuple):

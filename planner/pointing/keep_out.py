@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
@@ -19,7 +20,6 @@ from planner.scenario import Scenario
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-Array = NDArray[np.float64]
 NODE_STEP_S = 10.0  # a carrier turning at 0.1 deg/s: cubics between nodes err by 0.005 arcsec
 NODES_MIN = 4
 FINER = 20  # instants per row where a cone is near

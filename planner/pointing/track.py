@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.platforms import AxisLimits, TwoAxisPlatform
@@ -16,7 +17,6 @@ from planner.pointing.angles import axis_angles, axis_motion, singular_margin_ra
 from planner.pointing.hermite import met_range, quintic_motion
 from planner.pointing.line_of_sight import LineOfSight
 
-Array = NDArray[np.float64]
 TURN_RAD = 2.0 * math.pi
 SINGULAR_RAD = 1e-6  # nearer to the plane of the axes the angles lose the 0.1 arcsec
 LIMIT_TOLERANCE = 1e-9  # of the limit: rounding of degrees to radians

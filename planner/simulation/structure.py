@@ -1,12 +1,10 @@
 """How much does a flexible structure still ring after a slew?"""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.platforms import StructuralMode
-
-Array = NDArray[np.float64]
 
 
 def residual_vibration_rad(

@@ -4,9 +4,9 @@ import math
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.solar_system import BODIES
 from planner.frames.time_scales import Instants
@@ -14,7 +14,6 @@ from planner.orbits import OrbitStates
 from planner.spec import Within, spec
 from planner.targets.body import BodyTarget
 
-Array = NDArray[np.float64]
 VectorPart = Annotated[float, Within(-1e6, 1e6)]
 Vector3 = tuple[VectorPart, VectorPart, VectorPart]
 LENGTH_MIN = 1e-3  # squares of much smaller ones round to zero, or to few digits
