@@ -5,9 +5,11 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import create_engine, make_url, text
 
+from app.settings import Settings
 from app.store.database import Database, open_database
 from app.store.migrate import upgrade
 
@@ -25,6 +27,11 @@ def own_postgresql(name: str) -> str:
         connection.execute(text(f"CREATE DATABASE {own}"))
     engine.dispose()
     return make_url(SERVER).set(database=own).render_as_string(hide_password=False)
+
+
+def own_settings(folder: Path, **given: Any) -> Settings:
+    """Of a service whose data nobody shares: another on its database would take up its jobs."""
+    return Settings(data_dir=folder, database_url=own_postgresql(uuid.uuid4().hex), **given)
 
 
 @contextmanager

@@ -7,6 +7,7 @@ import threading
 from functools import partial
 
 import pytest
+from databases import own_settings
 from job_cases import Notes, note
 from refusal_cases import request
 from waiting import PatientClient, alive, eventually
@@ -18,7 +19,6 @@ from app.http.serving import server
 from app.jobs.child import Bounds
 from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.settings import Settings
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
 SHORT = request(
@@ -120,7 +120,7 @@ def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, n
     """Over a real connection: that it has gone is told through all layers of the service."""
     hanging = partial(hang, os.fsencode(notes.file))
     monkeypatch.setattr(opportunities, "opportunities_found", hanging)
-    service = server("127.0.0.1", 0, Settings(data_dir=tmp_path))
+    service = server("127.0.0.1", 0, own_settings(tmp_path))
     children = service.config.app.state.children
     listening = socket.create_server(("127.0.0.1", 0))
     serving = threading.Thread(target=service.run, args=([listening],))

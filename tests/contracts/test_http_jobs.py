@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from databases import own_settings
 from job_cases import KINDS, Notes, new_job
 from refusal_cases import request
 from waiting import PatientClient, eventually
@@ -13,7 +14,6 @@ from app.http.app import create_app
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.plan import read_plan_request
-from app.settings import Settings
 from app.store import audit, jobs, plans
 from app.store.packed import unpack
 from planner.export import EXPORTERS
@@ -52,7 +52,7 @@ def busy(tmp_path, monkeypatch):
         name="plan", bounds=KINDS["spin"].bounds, work=work, store=JOB_KINDS["plan"].store
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
-    settings = Settings(data_dir=tmp_path, workers=1, queue_max=1)
+    settings = own_settings(tmp_path, workers=1, queue_max=1)
     with PatientClient(create_app(settings)) as client:
         yield client, Notes(file)
 
@@ -295,6 +295,12 @@ def test_events_tell_what_happens_until_the_end(client):
     wrong = client.get(f"{location}/events", headers={"Last-Event-ID": "x"})
     assert (wrong.status_code, wrong.json()["field"]) == (422, "header.Last-Event-ID")
     assert client.get(f"{location}/events", headers={"Accept": "image/png"}).status_code == 406
+
+
+def test_the_busy_service_knows_of_no_jobs_but_its_own(plan, busy):
+    """Else the other service, whose database it is, would take up what waits here."""
+    client, _ = busy
+    assert client.get(PLANS).json()["plans"] == []
 
 
 def test_a_plan_that_runs_is_cancelled(busy):

@@ -6,6 +6,7 @@ import threading
 from datetime import UTC, datetime
 
 import pytest
+from databases import own_settings
 from fastapi.testclient import TestClient
 from starlette.exceptions import HTTPException
 
@@ -16,7 +17,6 @@ from app.http.door.key_ring import KeyRing
 from app.http.door.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.metrics import Metrics
 from app.requests.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
-from app.settings import Settings
 from app.store.api_keys import Key, digest, new_secret
 from app.store.keys import KeyStore
 
@@ -87,7 +87,7 @@ def test_whom_an_address_belongs_to(one, other, same):
 
 
 def test_requests_a_minute_over_http(tmp_path):
-    with TestClient(create_app(Settings(data_dir=tmp_path, rate_per_minute=3))) as client:
+    with TestClient(create_app(own_settings(tmp_path, rate_per_minute=3))) as client:
         for _ in range(3):
             assert client.get("/v1/platforms").status_code == 200
         answer = client.get("/v1/platforms")
@@ -97,7 +97,7 @@ def test_requests_a_minute_over_http(tmp_path):
 
 
 def test_a_key_may_have_limits_of_its_own(tmp_path):
-    app = create_app(Settings(data_dir=tmp_path))
+    app = create_app(own_settings(tmp_path))
     with TestClient(app) as client:
         _, secret = KeyStore(app.state.database).create("slow", ["read"], rate_per_minute=1)
         headers = {"Authorization": f"Bearer {secret}"}
@@ -116,7 +116,7 @@ def bearer(secret: str) -> dict[str, str]:
     ids=["no key", "a wrong key", "no bearer"],
 )
 def test_failures_shut_out_those_who_fail_and_nobody_else(tmp_path, failing):
-    app = create_app(Settings(data_dir=tmp_path, require_keys=True, failures_per_minute=5))
+    app = create_app(own_settings(tmp_path, require_keys=True, failures_per_minute=5))
     with TestClient(app) as client:
         good_id, secret = _made(app)
         for _ in range(5):
@@ -134,7 +134,7 @@ def test_failures_shut_out_those_who_fail_and_nobody_else(tmp_path, failing):
 
 
 def test_who_needs_no_key_is_not_shut_out_by_wrong_ones(tmp_path):
-    with TestClient(create_app(Settings(data_dir=tmp_path, failures_per_minute=1))) as client:
+    with TestClient(create_app(own_settings(tmp_path, failures_per_minute=1))) as client:
         for status in (401, 429):
             assert client.get("/v1/platforms", headers=bearer("x")).status_code == status
         assert client.get("/v1/platforms").status_code == 200
@@ -192,7 +192,7 @@ def test_requests_at_a_time(tmp_path, monkeypatch):
         return b""
 
     monkeypatch.setattr(Metrics, "text", waiting)
-    app = create_app(Settings(data_dir=tmp_path, concurrency_per_key=1))
+    app = create_app(own_settings(tmp_path, concurrency_per_key=1))
     with TestClient(app) as client:
         first = threading.Thread(target=client.get, args=("/metrics",))
         first.start()
@@ -207,7 +207,7 @@ def test_requests_at_a_time(tmp_path, monkeypatch):
 
 
 def test_all_bodies_together(tmp_path):
-    with TestClient(create_app(Settings(data_dir=tmp_path, max_held_bytes=1000))) as client:
+    with TestClient(create_app(own_settings(tmp_path, max_held_bytes=1000))) as client:
         for _ in range(2):  # the first one's room is given back
             answer = client.post("/v1/plans", json={"name": "x" * 500})
             assert answer.status_code == 422

@@ -9,6 +9,7 @@ import urllib.request
 import uuid
 
 import pytest
+from databases import own_settings
 from fastapi.testclient import TestClient
 from live_service import ROOT, live_service
 from prometheus_client.parser import text_string_to_metric_families
@@ -17,7 +18,6 @@ from waiting import eventually
 from app.http import readiness
 from app.http.app import create_app
 from app.http.metrics import Metrics
-from app.settings import Settings
 from app.store.database import open_database
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
@@ -25,7 +25,7 @@ from app.store.migrate import upgrade
 
 @pytest.fixture(scope="module")
 def app(tmp_path_factory):
-    return create_app(Settings(data_dir=tmp_path_factory.mktemp("observed")))
+    return create_app(own_settings(tmp_path_factory.mktemp("observed")))
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_not_ready(tmp_path, monkeypatch, caplog, broken, name):
         raise OSError("password=hunter2 /var/lib/secret")
 
     monkeypatch.setattr(f"app.http.app.{broken}", fails)
-    with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
+    with TestClient(create_app(own_settings(tmp_path))) as client:
         answer = client.get("/readyz")
         assert client.get("/healthz").status_code == 200
     assert answer.status_code == 503
@@ -139,7 +139,7 @@ def test_not_ready(tmp_path, monkeypatch, caplog, broken, name):
 def test_old_earth_orientation_is_degraded_not_down(tmp_path, monkeypatch):
     ended = readiness.iers_data_end_utc().replace(year=2020)
     monkeypatch.setattr(readiness, "iers_data_end_utc", lambda: ended)
-    with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
+    with TestClient(create_app(own_settings(tmp_path))) as client:
         answer = eventually(lambda: (a := client.get("/readyz")).status_code == 200 and a)
     assert answer.json()["status"] == "degraded"
     assert "astropy-iers-data" in answer.text

@@ -4,11 +4,11 @@ import json
 import re
 
 import pytest
+from databases import own_settings
 from fastapi.testclient import TestClient
 
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
-from app.settings import Settings
 from app.store.ids import new_id
 
 PATHS = create_app().openapi()["paths"]
@@ -27,7 +27,7 @@ PARAMETERS = [
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory):
-    settings = Settings(data_dir=tmp_path_factory.mktemp("query"))
+    settings = own_settings(tmp_path_factory.mktemp("query"))
     with TestClient(create_app(settings), raise_server_exceptions=False) as client:
         yield client
 

@@ -8,6 +8,7 @@ import threading
 from contextlib import closing
 
 import pytest
+from databases import own_settings
 from fastapi.testclient import TestClient
 from hostile_cases import PLAN, PLANS, head
 from job_cases import KINDS
@@ -19,7 +20,6 @@ from app.http.routes import opportunities
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
-from app.settings import Settings
 
 PATIENT = {"Prefer": "wait=60"}
 
@@ -34,7 +34,7 @@ def client(tmp_path, monkeypatch):
         store=JOB_KINDS["plan"].store,
     )
     monkeypatch.setitem(JOB_KINDS, "plan", hanging)
-    with TestClient(create_app(Settings(data_dir=tmp_path, workers=1))) as client:
+    with TestClient(create_app(own_settings(tmp_path, workers=1))) as client:
         yield client
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import httpx2 as httpx
 import psycopg
 import pytest
-from databases import SERVER, fresh_database
+from databases import SERVER, fresh_database, own_settings
 from fastapi.testclient import TestClient
 from job_cases import new_job
 from live_service import ROOT, children_of, live_service
@@ -25,7 +25,6 @@ from waiting import eventually
 
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
-from app.settings import Settings
 from app.store import jobs
 from app.store.failures import is_of_the_store, keeps_all_waiting
 from app.store.keys import KeyStore
@@ -276,7 +275,7 @@ def test_of_many_lines_of_a_kind_one_a_second_is_told():
 @pytest.mark.parametrize("path", ["/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"])
 def test_one_of_many_deletes_deletes(tmp_path, path):
     kinds = {"/v1/plans": "plan", "/v1/spacecraft/plans": "spacecraft"}
-    with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
+    with TestClient(create_app(own_settings(tmp_path))) as client:
         new = new_job(kinds.get(path, "campaign"), tmp_path)
         with client.app.state.database.writing() as connection:
             jobs.accept(connection, new, lease_s=3600.0)

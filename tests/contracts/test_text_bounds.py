@@ -2,12 +2,11 @@
 
 import json
 import re
-import uuid
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 
 import pytest
-from databases import own_postgresql
+from databases import own_settings
 from fastapi.testclient import TestClient
 
 from app.answers.problem import problem_of
@@ -22,7 +21,6 @@ from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
 from app.requests.spacecraft import read_spacecraft_request
-from app.settings import Settings
 from planner.errors import InvalidInput, Refusal
 
 MOST = 200
@@ -146,7 +144,7 @@ def test_a_refusal_is_cut_where_it_is_made():
 @pytest.fixture(scope="module")
 def client(tmp_path_factory):
     folder = tmp_path_factory.mktemp("text")
-    settings = Settings(data_dir=folder, database_url=own_postgresql(uuid.uuid4().hex))
+    settings = own_settings(folder)
     with TestClient(create_app(settings), raise_server_exceptions=False) as client:
         yield client
 

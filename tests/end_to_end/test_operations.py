@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from databases import own_settings
 from fastapi.testclient import TestClient
 from live_service import ROOT, SLEWTRACK, live_service
 from pydantic_core import PydanticUndefined
@@ -46,7 +47,7 @@ def test_caps_are_those_kept():
 
 
 def test_every_metric_is_described(tmp_path):
-    with TestClient(create_app(Settings(data_dir=tmp_path))) as client:
+    with TestClient(create_app(own_settings(tmp_path))) as client:
         text = client.get("/metrics").text
     for name in re.findall(r"^# TYPE (\w+) ", text, re.MULTILINE):
         assert name.endswith("_created") or f"`{name}`" in PAGE, name
