@@ -164,11 +164,20 @@ def besieged(folder: Path, database: Database, log_format: str) -> Iterator[Sieg
     try:
         address = _address(process, log)
         with httpx.Client(base_url=address, headers=headers, timeout=PATIENCE_S) as client:
-            client.get("/readyz")  # the first look takes its time
+            _await_readiness(client)
             yield Siege(address, secret, folder, log, database, process, client)
     finally:
         process.terminate()
         process.wait(timeout=60)
+
+
+def _await_readiness(client: httpx.Client) -> None:
+    """On a busy machine the first child takes longer to answer than readiness has patience."""
+    until_s = time.monotonic() + PATIENCE_S
+    while (answer := client.get("/readyz")).status_code != 200:
+        if time.monotonic() > until_s:
+            raise SystemExit(f"the service is not ready: {answer.text}")
+        time.sleep(0.2)
 
 
 def _address(process: "subprocess.Popen[bytes]", log: Path) -> str:

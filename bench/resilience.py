@@ -17,8 +17,8 @@ import contextlib
 import json
 import os
 import random
+import re
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -85,33 +85,39 @@ class House:
     database_url: str
     cluster: bool
     solves: int = 2
-    port: int = 0
-    scheduler_port: int = 0
+    scheduler: str = ""
     running: dict[str, "subprocess.Popen[bytes]"] = field(default_factory=dict)
     campaign_id: str = ""
 
     def start(self) -> None:
-        self.port, self.scheduler_port = _free_port(), _free_port()
         if self.cluster:
             self._run("scheduler")
+            while not (found := self._told("scheduler", r"Scheduler at: +(tcp://\S+)")):
+                assert self.running["scheduler"].poll() is None, "the scheduler did not start"
+                time.sleep(0.1)
+            self.scheduler = found
             self._run("worker 0")
             self._run("worker 1")
         self._run("service")
 
+    def _told(self, name: str, pattern: str) -> str:
+        """What its log says last of it; empty where it says nothing yet."""
+        found = re.findall(pattern, (self.folder / f"{name}.log").read_text(errors="replace"))
+        return found[-1] if found else ""
+
     def _run(self, name: str) -> None:
-        scheduler = f"tcp://127.0.0.1:{self.scheduler_port}"
-        address = ["--host", "127.0.0.1", "--port", str(self.scheduler_port)]
+        address = ["--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0"]
         commands = {
             "scheduler": ["dask", "scheduler", "--no-dashboard", *address],
-            "worker": ["slewtrack", "worker", "--scheduler", scheduler, "--solves", "1"],
-            "service": ["slewtrack", "serve", "--port", str(self.port)],
+            "worker": ["slewtrack", "worker", "--scheduler", self.scheduler, "--solves", "1"],
+            "service": ["slewtrack", "serve", "--port", "0"],
         }
         program, *arguments = commands[name.split()[0]]
         environment = os.environ | {
             "OMP_NUM_THREADS": "1",
             "SLEWTRACK_DATA_DIR": str(self.folder),
             "SLEWTRACK_DATABASE_URL": self.database_url,
-            "SLEWTRACK_DASK_SCHEDULER": scheduler if self.cluster else "",
+            "SLEWTRACK_DASK_SCHEDULER": self.scheduler,
             "SLEWTRACK_WORKERS": str(self.solves),
             "SLEWTRACK_LEASE_S": "3",
             "SLEWTRACK_JOB_ATTEMPTS": "20",
@@ -149,10 +155,9 @@ class House:
         """The answer's JSON; tried again while the service is down."""
         until_s = time.monotonic() + PATIENCE_S
         while True:
-            request = urllib.request.Request(
-                f"http://127.0.0.1:{self.port}{path}", body, headers, method=method
-            )
+            address = self._told("service", r"running on (http://[\d.:]+)")
             try:
+                request = urllib.request.Request(address + path, body, headers, method=method)
                 with urllib.request.urlopen(request, timeout=30) as answer:
                     return json.load(answer)
             except urllib.error.HTTPError as error:
@@ -273,13 +278,6 @@ def _children(pid: int) -> list[int]:
     except OSError:
         return []
     return [int(child) for text in texts for child in text.split()]
-
-
-def _free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port: int = one.getsockname()[1]
-        return port
 
 
 if __name__ == "__main__":
