@@ -21,11 +21,19 @@ SILENCE_MAX_S = 1.6
 _Result = TypeVar("_Result")
 
 
+class SilentServer(psycopg.OperationalError):
+    """It said nothing for too long; psycopg's own patience with one is at least 2 s."""
+
+
 class BoundedConnection(psycopg.Connection[TupleRow]):
-    """Hangs up on a server that says nothing for `silence_max_s`."""
+    """Hangs up on a server that says nothing for `silence_max_s`, and while it is made."""
 
     silence_max_s = SILENCE_MAX_S
     outage: Outage
+
+    @classmethod
+    def _connect_gen(cls, *how: Any, **more: Any) -> Any:  # noqa: ANN401 (psycopg's)
+        return _bounded(super()._connect_gen(*how, **more), SILENCE_MAX_S)
 
     def wait(
         self,
@@ -34,26 +42,35 @@ class BoundedConnection(psycopg.Connection[TupleRow]):
         **more: Any,  # noqa: ANN401
     ) -> _Result:
         """All that a connection waits for, it waits for here."""
-        return super().wait(self._bounded(gen), *how, **more)
-
-    def _bounded(self, exchange: Generator[Any, Any, _Result]) -> Generator[Any, Any, _Result]:
-        """psycopg resumes an exchange ten times a second, by 0 when there was nothing."""
-        heard_s = time.monotonic()
         try:
-            wanted = next(exchange)
-            while True:
-                ready = yield wanted
-                now_s = time.monotonic()
-                if ready:
-                    heard_s = now_s
-                elif now_s - heard_s > self.silence_max_s:
-                    self.outage.begin()
-                    self.pgconn.finish()
-                    raise psycopg.OperationalError("timeout expired")
-                wanted = exchange.send(ready)
-        except StopIteration as end:
-            result: _Result = end.value
-            return result
+            return super().wait(_bounded(gen, self.silence_max_s), *how, **more)
+        except SilentServer:
+            self.outage.begin()
+            self.pgconn.finish()
+            raise
+
+
+def _bounded(
+    exchange: Generator[Any, Any, _Result], silence_max_s: float
+) -> Generator[Any, Any, _Result]:
+    """psycopg resumes an exchange ten times a second, by 0 when there was nothing.
+
+    Raises SilentServer.
+    """
+    heard_s = time.monotonic()
+    try:
+        wanted = next(exchange)
+        while True:
+            ready = yield wanted
+            now_s = time.monotonic()
+            if ready:
+                heard_s = now_s
+            elif now_s - heard_s > silence_max_s:
+                raise SilentServer("timeout expired")
+            wanted = exchange.send(ready)
+    except StopIteration as end:
+        result: _Result = end.value
+        return result
 
 
 def bound_silence(engine: Engine) -> None:
@@ -64,7 +81,11 @@ def bound_silence(engine: Engine) -> None:
         _: Dialect, __: ConnectionPoolEntry, words: tuple[Any, ...], options: dict[str, Any]
     ) -> BoundedConnection:
         outage.require_over()
-        connection = BoundedConnection.connect(*words, **options)
+        try:
+            connection = BoundedConnection.connect(*words, **options)
+        except SilentServer:
+            outage.begin()
+            raise
         connection.outage = outage
         return connection
 

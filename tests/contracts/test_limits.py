@@ -12,13 +12,17 @@ from starlette.exceptions import HTTPException
 
 from app.http.app import create_app
 from app.http.door import key_ring
-from app.http.door.access import Access
+from app.http.door.access import Access, Caller
+from app.http.door.gate import Gate
 from app.http.door.key_ring import KeyRing
 from app.http.door.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.metrics import Metrics
 from app.requests.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
+from app.settings import Settings
 from app.store.api_keys import Key, digest, new_secret
 from app.store.keys import KeyStore
+
+SOME_KEY = Key(id="1", name="", secret_sha256="", scopes=("read",), created_utc=datetime.now(UTC))
 
 
 class Clock:
@@ -143,7 +147,7 @@ def test_who_needs_no_key_is_not_shut_out_by_wrong_ones(tmp_path):
 def test_wrong_keys_cost_no_more_than_their_share_of_look_ups():
     """Beyond it the database is asked once a second, and a good key is found all the same."""
     secret, looked, good, clock = new_secret()[1], [], set(), Clock()
-    key = Key(id="1", name="", secret_sha256="", scopes=("read",), created_utc=datetime.now(UTC))
+    key = SOME_KEY
 
     def find_key(sought: str) -> Key | None:
         looked.append(sought)
@@ -204,6 +208,39 @@ def test_requests_at_a_time(tmp_path, monkeypatch):
         assert answer.status_code == 429
         assert "1 requests at a time" in answer.json()["detail"]
         assert client.get("/v1/platforms").status_code == 200
+
+
+class AccessWithOneKey:
+    """Whoever sends any has the key."""
+
+    async def caller(self, scope, _address):
+        has_key = any(name == b"authorization" for name, _ in scope["headers"])
+        key = SOME_KEY if has_key else None
+        return Caller(name="someone", key=key)
+
+
+def test_a_crowd_without_keys_lets_who_has_one_go_first():
+    begun = []
+
+    async def service(scope, _receive, _send):
+        begun.append(scope["state"]["key_id"])
+
+    def asked(*headers):
+        return {
+            "type": "http", "http_version": "1.1", "method": "GET", "path": "/docs",
+            "raw_path": b"/docs", "query_string": b"", "headers": list(headers), "state": {},
+        }  # fmt: skip
+
+    async def all_at_once():
+        settings = Settings(concurrency_per_key=1000)
+        gate = Gate(service, AccessWithOneKey(), settings, asyncio.Event())
+        crowd = [gate(asked(), None, None) for _ in range(100)]
+        known = gate(asked((b"authorization", b"Bearer x")), None, None)
+        await asyncio.gather(*crowd, known)
+
+    asyncio.run(all_at_once())
+    assert len(begun) == 101
+    assert begun.index(SOME_KEY.id) < 3
 
 
 def test_all_bodies_together(tmp_path):

@@ -4,6 +4,7 @@ import json
 import os
 import resource
 import signal
+import socket
 import sqlite3
 import subprocess
 import sys
@@ -20,14 +21,15 @@ from job_cases import new_job
 from live_service import ROOT, children_of, live_service
 from relay import Relay
 from sqlalchemy import create_engine, text
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, OperationalError
 from waiting import eventually
 
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.store import jobs
-from app.store.failures import is_of_the_store, keeps_all_waiting
+from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
 from app.store.keys import KeyStore
+from app.store.postgresql import SilentServer, bound_silence
 
 PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
 ORDER = {**LAS_VEGAS, "name": BODY}
@@ -292,3 +294,19 @@ def test_a_server_that_takes_no_connection_in_time_is_at_fault():
     error = DBAPIError.instance("", {}, timeout, psycopg.Error)
     assert is_of_the_store(error)
     assert keeps_all_waiting(error)
+
+
+def test_a_server_that_is_silent_while_a_connection_is_made_is_not_waited_for_as_psycopg_does():
+    """Its own patience, of 2 s at least, is longer than any answer may take."""
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        engine = create_engine(
+            f"postgresql+psycopg://nobody@127.0.0.1:{silent.getsockname()[1]}/none",
+            connect_args={"connect_timeout": 60},
+        )
+        bound_silence(engine)
+        with pytest.raises(OperationalError) as failed:
+            engine.connect()
+        assert isinstance(failed.value.orig, SilentServer)
+        assert keeps_all_waiting(failed.value)
+        with pytest.raises(StoreUnavailable):
+            engine.connect()  # nobody else waits for it just after

@@ -38,12 +38,13 @@ _DETAILS = {
 
 
 class GuardedProtocol(H11Protocol):
-    """One connection.  The class attributes are set once, before the server starts."""
+    """One connection.  The settings of the class are set once, before the server starts."""
 
     connections_max: ClassVar[int]
     head_timeout_s: ClassVar[float]
     write_timeout_s: ClassVar[float]
     unsent_max_bytes: ClassVar[int]
+    will_look_at_unsent: ClassVar[bool] = False
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401 (uvicorn's own)
         super().__init__(*args, **kwargs)
@@ -86,6 +87,12 @@ class GuardedProtocol(H11Protocol):
         super().pause_writing()
         self.stuck_since_s = self.loop.time()
         self._watch_reading(self.unsent_bytes)
+        if not type(self).will_look_at_unsent:  # once for all that pause in this turn of the loop
+            type(self).will_look_at_unsent = True
+            self.loop.call_soon(self._cut_slowest)
+
+    def _cut_slowest(self) -> None:
+        type(self).will_look_at_unsent = False
         for slow in to_cut(self._held(), self.unsent_max_bytes):
             slow.transport.abort()
 
