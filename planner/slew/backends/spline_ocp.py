@@ -122,31 +122,42 @@ class SplineOcp:
         """Its parameter is the gradient."""
         import casadi
 
-        return self._programme(casadi.sparsify(casadi.DM(self.hessian)), ())
+        parameter = casadi.MX.sym("gradient", self.free_count)
+        return self._programme(casadi.sparsify(casadi.DM(self.hessian)), parameter)
 
     @cached_property
     def _calm_solver(self) -> "casadi.Function":
         """Its parameters are the gradient and the full hessian, which modes change."""
         import casadi
 
-        hessian = casadi.MX.sym("hessian", self.free_count, self.free_count)
-        return self._programme(hessian, (casadi.vec(hessian),))
+        n = self.free_count
+        parameters = casadi.MX.sym("gradient and hessian", n + n * n)
+        return self._programme(casadi.reshape(parameters[n:], n, n), parameters)
 
     def _programme(
-        self, hessian: "casadi.DM | casadi.MX", parameters: "tuple[casadi.MX, ...]"
+        self, hessian: "casadi.DM | casadi.MX", parameters: "casadi.MX"
     ) -> "casadi.Function":
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
 
         y = casadi.MX.sym("y", self.free_count)
-        gradient = casadi.MX.sym("gradient", self.free_count)
         problem = {
             "x": y,
-            "p": casadi.vertcat(gradient, *parameters),
-            "f": casadi.bilin(hessian, y, y) / 2.0 + casadi.dot(gradient, y),
+            "p": parameters,
+            "f": casadi.bilin(hessian, y, y) / 2.0 + casadi.dot(parameters[: self.free_count], y),
             "g": casadi.mtimes(casadi.sparsify(casadi.DM(self.jacobian)), y),
         }
-        return casadi.nlpsol("slew", "ipopt", problem, {"print_time": False, "ipopt": IPOPT})
+        weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", len(self.jacobian))
+        # Told, as CasADi would take seconds to find a full one by differentiation.
+        lagrangian_hessian = casadi.Function(
+            "nlp_hess_l",
+            [y, parameters, weight, row_weights],
+            [casadi.triu(weight * hessian)],
+            ["x", "p", "lam_f", "lam_g"],
+            ["triu_hess_gamma_x_x"],
+        )
+        options = {"print_time": False, "ipopt": IPOPT, "hess_lag": lagrangian_hessian}
+        return casadi.nlpsol("slew", "ipopt", problem, options)
 
     def solve(
         self,
