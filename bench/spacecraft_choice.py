@@ -11,10 +11,8 @@ from spacecraft_cases import DATA
 
 from planner.errors import Refusal
 from planner.orbits import TleOrbit
-from planner.spacecraft.candidates import candidates
-from planner.spacecraft.choose import choose
-from planner.spacecraft.definition import AGILE_CMG, SlewLimits
-from planner.spacecraft.eigenaxis import eigenaxis_turn
+from planner.spacecraft.imaging.candidates import candidates
+from planner.spacecraft.imaging.choose import choose
 from planner.spacecraft.plan import make_session
 from planner.spacecraft.requests import (
     GeoLineString,
@@ -22,9 +20,11 @@ from planner.spacecraft.requests import (
     StereoRequest,
     StripRequest,
 )
-from planner.spacecraft.turn_ocp import solve_turn
-from planner.spacecraft.turn_problem import EndState, TurnProblem
-from planner.spacecraft.turns import quickest_turn, smooth_turn
+from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
+from planner.spacecraft.turns.turn_choice import quickest_turn, smooth_turn
+from planner.spacecraft.turns.turn_ocp import solve_turn
+from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.vehicle.definition import AGILE_CMG, SlewLimits
 
 
 def random_problem(random: np.random.Generator, moving: bool, per_axis: bool) -> TurnProblem:

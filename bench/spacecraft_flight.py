@@ -11,20 +11,25 @@ from spacecraft_cases import EPOCH, area, session_request, sun_synchronous
 
 from planner.errors import Refusal
 from planner.frames.time_scales import Instants
-from planner.spacecraft.candidates import candidates
-from planner.spacecraft.definition import AGILE_CMG, AgileSpacecraft, ControlGains, SlewLimits
-from planner.spacecraft.eigenaxis import eigenaxis_turn
-from planner.spacecraft.flight import Log
+from planner.spacecraft.flight.closed_loop import Log
+from planner.spacecraft.flight.simulation import dispersed, fly_many, fly_table
+from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
+from planner.spacecraft.imaging.candidates import candidates
+from planner.spacecraft.imaging.timeline import InertialHold, Timeline, build_timeline, looks_of
 from planner.spacecraft.mrp import BodyMotion
-from planner.spacecraft.onboard import PAPER, TABLE
 from planner.spacecraft.plan import make_session, make_table, plan_imaging
 from planner.spacecraft.requests import ImagingPlanRequest, SpacecraftSettings
-from planner.spacecraft.simulation import dispersed, fly_many, fly_table
-from planner.spacecraft.stabilisation import rate_errors, settled_after_s
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
-from planner.spacecraft.timeline import InertialHold, Timeline, build_timeline, looks_of
-from planner.spacecraft.turn_problem import EndState, TurnProblem
-from planner.spacecraft.turns import smooth_turn
+from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
+from planner.spacecraft.turns.turn_choice import smooth_turn
+from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.vehicle.definition import (
+    AGILE_CMG,
+    AgileSpacecraft,
+    ControlGains,
+    SlewLimits,
+)
+from planner.spacecraft.vehicle.onboard import PAPER, TABLE
 
 PAPER_TURNS_S = (
     600, 725, 756, 789, 821, 882, 914, 946, 979, 1040, 1071, 1104, 1136, 1197, 1229, 1261, 1294,

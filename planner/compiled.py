@@ -16,7 +16,7 @@ _ROOMS = ("spacecraft", "campaigns")  # which have kernels
 def _digest(planner: Path) -> str:
     sources = [planner / "compiled.py"]
     for room in _ROOMS:
-        sources += sorted((planner / room).glob("*.py"))
+        sources += sorted((planner / room).rglob("*.py"))
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
 
 

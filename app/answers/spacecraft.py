@@ -13,10 +13,10 @@ from app.answers.provenance import ProvenanceOut
 from planner.arrays import Array
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
+from planner.spacecraft.flight.stabilisation import FlownWindow, StabilisationReport
+from planner.spacecraft.imaging.timeline import PlannedTurn
 from planner.spacecraft.plan import ImagingPlan
-from planner.spacecraft.stabilisation import FlownWindow, StabilisationReport
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
-from planner.spacecraft.timeline import PlannedTurn
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
 DECIMALS = 9

@@ -4,9 +4,9 @@ import json
 from typing import Any
 
 from app.requests.json_reader import JsonReader
-from planner.spacecraft.definition import SPACECRAFT
 from planner.spacecraft.geojson import requests_from_features
 from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.vehicle.definition import SPACECRAFT
 
 
 def _with_plain_requests(document: object) -> object:

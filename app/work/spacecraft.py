@@ -11,11 +11,11 @@ from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import Packed, pack, unpack
 from app.store.planned import Planned
 from planner.frames.time_scales import utc_from_text, utc_text
-from planner.spacecraft.definition import AgileSpacecraft
 from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 _COLUMNS = (
     "eci_from_body_xyzw",

@@ -1,1 +1,1 @@
-"""How does an agile spacecraft with control moment gyros image the Earth?"""
+"""An agile spacecraft with control moment gyros that images the Earth: plan, table, judge."""

@@ -16,9 +16,9 @@ from planner.export.exporter import Exporter
 from planner.export.netcdf import describe
 from planner.export.table_states import continuous
 from planner.frames.time_scales import Instants, utc_text
-from planner.spacecraft.definition import AgileSpacecraft
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 Array = NDArray[np.float64]
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"

@@ -11,21 +11,17 @@ from scipy.spatial.transform import Rotation
 
 from planner.errors import InfeasibleSlew, InvalidInput, Refusal, Unreachable, VerificationFailed
 from planner.frames.time_scales import elapsed_s
-from planner.spacecraft.candidates import Candidate, Session, candidates
-from planner.spacecraft.choose import Choice, choose
-from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.gimbals import gimbal_rows, total_momentum_eci
-from planner.spacecraft.ground_arc import fitted_profile
-from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.simulation import fly_many
-from planner.spacecraft.stabilisation import (
+from planner.spacecraft.flight.simulation import fly_many
+from planner.spacecraft.flight.stabilisation import (
     ASSUMPTIONS,
     StabilisationReport,
     flown_windows,
     stabilisation,
 )
-from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.timeline import (
+from planner.spacecraft.imaging.candidates import Candidate, Session, candidates
+from planner.spacecraft.imaging.choose import Choice, choose
+from planner.spacecraft.imaging.ground_arc import fitted_profile
+from planner.spacecraft.imaging.timeline import (
     InertialHold,
     Misfit,
     Outcome,
@@ -35,9 +31,13 @@ from planner.spacecraft.timeline import (
     build_timeline,
     looks_of,
 )
-from planner.spacecraft.turn_time import MovingEnds, turn_time
+from planner.spacecraft.imaging.way_out import refusal_with_way_out
+from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.turns.turn_time import MovingEnds, turn_time
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
-from planner.spacecraft.way_out import refusal_with_way_out
 
 Array = NDArray[np.float64]
 EASES_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn

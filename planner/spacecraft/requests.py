@@ -9,7 +9,7 @@ from pydantic import Field
 
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
-from planner.spacecraft.definition import (
+from planner.spacecraft.vehicle.definition import (
     OFF_NADIR_DEG,
     SETTLE_S,
     SPACECRAFT,
@@ -17,8 +17,8 @@ from planner.spacecraft.definition import (
     AgileSpacecraft,
     Camera,
     SlewLimits,
+    TurnObjective,
 )
-from planner.spacecraft.turn_problem import Objective
 from planner.spec import UnitPart, Within, spec
 
 # Longitude, latitude and, if given, height in metres: no use is made of it.
@@ -282,7 +282,7 @@ class ImagingPlanRequest:
     stop: datetime
     initial_q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] | None = None
     requests: tuple[Request, ...]
-    objective: Objective = "smooth"
+    objective: TurnObjective = "smooth"
     simulation_runs: Annotated[int, Within(0, 100)] = 4
     seed: Annotated[int, Within(0, 2**32 - 1)] = 0
 

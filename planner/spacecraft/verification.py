@@ -17,9 +17,9 @@ from planner.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spacecraft.definition import AgileSpacecraft
 from planner.spacecraft.requests import AreaRequest, ImagingPlanRequest, Request
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 Array = NDArray[np.float64]
 StatesAt = Callable[[Instants], OrbitStates]

@@ -8,10 +8,10 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.cmg_array import CmgArray
-from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.dynamics import _derivative, array_momentum, body_rate
-from planner.spacecraft.simulation import nominal, plant
+from planner.spacecraft.flight.simulation import nominal, plant
+from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle.dynamics import _derivative, array_momentum, body_rate
 
 GOLDEN = json.loads(
     (Path(__file__).parents[1] / "data" / "spacecraft" / "basilisk_turn.json").read_text()

@@ -8,11 +8,11 @@ import pytest
 from ruckig import InputParameter, Ruckig, Trajectory
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.candidates import Candidate
-from planner.spacecraft.choose import choose
-from planner.spacecraft.definition import AGILE_CMG
-from planner.spacecraft.ground_arc import GroundArc
-from planner.spacecraft.turn_time import MovingEnds, turn_time
+from planner.spacecraft.imaging.candidates import Candidate
+from planner.spacecraft.imaging.choose import choose
+from planner.spacecraft.imaging.ground_arc import GroundArc
+from planner.spacecraft.turns.turn_time import MovingEnds, turn_time
+from planner.spacecraft.vehicle.definition import AGILE_CMG
 
 TIME = turn_time(AGILE_CMG)
 

@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lti, step
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.definition import AGILE_CMG
-from planner.spacecraft.dynamics import (
+from planner.spacecraft.flight.simulation import nominal, plant
+from planner.spacecraft.vehicle.definition import AGILE_CMG
+from planner.spacecraft.vehicle.dynamics import (
     advance,
     array_momentum,
     body_rate,
@@ -17,7 +18,6 @@ from planner.spacecraft.dynamics import (
     servo_half_step,
     servo_transition,
 )
-from planner.spacecraft.simulation import nominal, plant
 
 M = len(AGILE_CMG.modes)
 

@@ -8,11 +8,11 @@ import pytest
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from planner.errors import InfeasibleSlew
-from planner.spacecraft.definition import SlewLimits
-from planner.spacecraft.eigenaxis import eigenaxis_turn
 from planner.spacecraft.mrp import body_motion, mrp_rates
-from planner.spacecraft.turn_problem import EndState, TurnProblem
-from planner.spacecraft.turns import compare, quickest_turn, smooth_turn
+from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
+from planner.spacecraft.turns.turn_choice import compare, quickest_turn, smooth_turn
+from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.vehicle.definition import SlewLimits
 
 J = np.array([800.0, 500.0, 800.0])
 STILL = np.zeros(3)

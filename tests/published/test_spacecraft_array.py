@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.spacecraft.cmg_array import CmgArray, rotor_momentum, steer
+from planner.spacecraft.vehicle.cmg_array import CmgArray, rotor_momentum, steer
 
 ARRAY = CmgArray()
 PYRAMID = CmgArray(arrangement="pyramid")

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.compiled import compiled
-from planner.spacecraft.dynamics import (
+from planner.spacecraft.vehicle.dynamics import (
     Plant,
     Scratch,
     advance,
@@ -19,7 +19,7 @@ from planner.spacecraft.dynamics import (
     rotate,
     scratch,
 )
-from planner.spacecraft.onboard import (
+from planner.spacecraft.vehicle.onboard import (
     PRIOR,
     Computer,
     Memory,

@@ -18,8 +18,7 @@ from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_stat
 from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.orbits import Ephemeris
-from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.ground_arc import GroundArc, arc_attitude, look_angles
+from planner.spacecraft.imaging.ground_arc import GroundArc, arc_attitude, look_angles
 from planner.spacecraft.requests import (
     AreaRequest,
     CorridorRequest,
@@ -29,7 +28,8 @@ from planner.spacecraft.requests import (
     StripRequest,
 )
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turn_time import MovingEnds, TurnTime
+from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 Array = NDArray[np.float64]
 GRID_S = 2.0

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
-from planner.spacecraft.turn_problem import (
+from planner.spacecraft.turns.turn_problem import (
     LIMIT_TOLERANCE,
-    Objective,
     Turn,
     TurnProblem,
     loads,
 )
+from planner.spacecraft.vehicle.definition import TurnObjective
 
 Array = NDArray[np.float64]
 PER_POINT = 7  # |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2
@@ -37,7 +37,7 @@ class Shape(NamedTuple):
     points: int
 
 
-SHAPES: dict[Objective, Shape] = {
+SHAPES: dict[TurnObjective, Shape] = {
     "smooth": Shape(degree=5, spans=12, points=2),
     "minimum_time": Shape(degree=3, spans=18, points=2),
 }
@@ -105,7 +105,7 @@ def _point_loads() -> casadi.Function:
 
 
 @cache
-def _transcription(objective: Objective) -> Transcription:
+def _transcription(objective: TurnObjective) -> Transcription:
     """Build the kept solver of an objective (0.5-1 s, once a process)."""
     shape = SHAPES[objective]
     u = _points(shape)
@@ -164,7 +164,7 @@ def _transcription(objective: Objective) -> Transcription:
 
 
 def solve_turn(
-    problem: TurnProblem, guess: Turn, objective: Objective, duration_s: float | None
+    problem: TurnProblem, guess: Turn, objective: TurnObjective, duration_s: float | None
 ) -> Turn | None:
     """The optimal turn from a guess, or None when Ipopt finds none that keeps the limits.
 

@@ -5,14 +5,15 @@ assumption, named as such here and repeated in `ASSUMPTIONS` of the stabilisatio
 """
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spacecraft.cmg_array import CmgArray
+from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spec import Within, spec
 
+TurnObjective = Literal["smooth", "minimum_time"]
 Vector3 = tuple[float, float, float]
 SETTLE_S = (0.0, 60.0)
 SWATH_M = (100.0, 500e3)

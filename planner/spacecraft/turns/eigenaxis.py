@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from ruckig import InputParameter, Ruckig, Trajectory
 
-from planner.spacecraft.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
+from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 
 Array = NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array, Array, Array]]

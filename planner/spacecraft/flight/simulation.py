@@ -16,12 +16,12 @@ from scipy.signal import butter
 
 from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.orbits.ephemeris import OrbitStates
-from planner.spacecraft.cmg_array import CmgArray
-from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.dynamics import Plant, servo_transition
-from planner.spacecraft.flight import Log, Noise, Reference, fly
-from planner.spacecraft.onboard import TABLE, Computer
+from planner.spacecraft.flight.closed_loop import Log, Noise, Reference, fly
 from planner.spacecraft.table import TICK_S, AttitudeTable
+from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle.dynamics import Plant, servo_transition
+from planner.spacecraft.vehicle.onboard import TABLE, Computer
 
 Array = NDArray[np.float64]
 STEP_S = 0.005

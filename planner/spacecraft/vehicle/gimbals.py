@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from planner.compiled import compiled
 from planner.frames.geodesy import MU_EARTH_M3_S2
-from planner.spacecraft.cmg_array import CmgArray, rotor_momentum, steer
 from planner.spacecraft.table import TICK_S
+from planner.spacecraft.vehicle.cmg_array import CmgArray, rotor_momentum, steer
 
 Array = NDArray[np.float64]
 

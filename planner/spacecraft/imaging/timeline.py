@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.frames.time_scales import shifted_utc
-from planner.spacecraft.candidates import Candidate, Session, on_ticks
-from planner.spacecraft.ground_arc import GroundArc, fitted_profile
+from planner.spacecraft.imaging.candidates import Candidate, Session, on_ticks
+from planner.spacecraft.imaging.ground_arc import GroundArc, fitted_profile
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.table import TICK_S, ImagingWindow
-from planner.spacecraft.turn_problem import EndState, Objective, Turn, TurnProblem
-from planner.spacecraft.turns import TurnComparison, TurnNeedsTime, compare, turn_onto
+from planner.spacecraft.turns.turn_choice import TurnComparison, TurnNeedsTime, compare, turn_onto
+from planner.spacecraft.turns.turn_problem import EndState, Turn, TurnProblem
+from planner.spacecraft.vehicle.definition import TurnObjective
 
 Array = NDArray[np.float64]
 LEAST_MORE_TICKS = 3
@@ -112,7 +113,7 @@ class _Builder:
         self,
         session: Session,
         momentum_eci_n_m_s: Array,
-        objective: Objective,
+        objective: TurnObjective,
         known: dict[Hashable, Outcome],
     ) -> None:
         self.known = known
@@ -241,7 +242,7 @@ class _Shifted:
 
 
 def _outcome(
-    problem_at: Callable[[float], TurnProblem], available_s: float, objective: Objective
+    problem_at: Callable[[float], TurnProblem], available_s: float, objective: TurnObjective
 ) -> Outcome:
     try:
         return turn_onto(problem_at, available_s, objective)
@@ -263,7 +264,7 @@ def build_timeline(
     looks: tuple[Look, ...],
     names: Sequence[str],
     gyro_momentum_n_m_s: Array,
-    objective: Objective,
+    objective: TurnObjective,
     initial: InertialHold | None = None,
     known: dict[Hashable, Outcome] | None = None,
 ) -> Timeline:

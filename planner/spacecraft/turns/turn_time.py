@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.eigenaxis import eigenaxis_turn
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turn_problem import EndState, TurnProblem
+from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
+from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 Array = NDArray[np.float64]
 SMOOTH = 1.03  # what a spline without corners in its torque rate takes

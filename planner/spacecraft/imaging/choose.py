@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spacecraft.candidates import Candidate
-from planner.spacecraft.path_labels import WAIT_TICKS, label_paths
+from planner.spacecraft.imaging.candidates import Candidate
+from planner.spacecraft.imaging.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turn_time import MovingEnds, TurnTime, joined
+from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime, joined
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

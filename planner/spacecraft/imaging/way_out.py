@@ -15,7 +15,7 @@ from planner.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusa
 from planner.frames.earth_orientation import itrf_from_eci_state
 from planner.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.spacecraft.candidates import (
+from planner.spacecraft.imaging.candidates import (
     PASSING_RAD,
     Candidate,
     Session,

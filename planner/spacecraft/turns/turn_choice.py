@@ -5,10 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from planner.errors import InfeasibleSlew
-from planner.spacecraft.eigenaxis import eigenaxis_turn
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turn_ocp import solve_turn
-from planner.spacecraft.turn_problem import Objective, Turn, TurnProblem
+from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
+from planner.spacecraft.turns.turn_ocp import solve_turn
+from planner.spacecraft.turns.turn_problem import Turn, TurnProblem
+from planner.spacecraft.vehicle.definition import TurnObjective
 
 FIRST_GUESS_TICKS = 200
 NEVER_S = 1e4
@@ -103,7 +104,7 @@ def _smooth(problem: TurnProblem, duration_s: float) -> Turn | None:
 
 
 def turn_onto(
-    problem_at: Callable[[float], TurnProblem], available_s: float, objective: Objective
+    problem_at: Callable[[float], TurnProblem], available_s: float, objective: TurnObjective
 ) -> Turn:
     """The turn onto a moving goal, its duration a whole number of ticks, at most available_s.
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.spacecraft.definition import AgileSpacecraft
-from planner.spacecraft.flight import Log
+from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification
 
 Array = NDArray[np.float64]

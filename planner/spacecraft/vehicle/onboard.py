@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.compiled import compiled
-from planner.spacecraft.cmg_array import rotor_momentum, steer
-from planner.spacecraft.dynamics import rotate, unrotate
+from planner.spacecraft.vehicle.cmg_array import rotor_momentum, steer
+from planner.spacecraft.vehicle.dynamics import rotate, unrotate
 
 Array = NDArray[np.float64]
 TABLE = 0

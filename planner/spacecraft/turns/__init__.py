@@ -1,0 +1,1 @@
+"""Turns from one moving attitude to another within the spacecraft's limits."""

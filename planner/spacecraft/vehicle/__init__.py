@@ -1,0 +1,1 @@
+"""The spacecraft itself: its definition, gyros, dynamics and on-board computer."""
