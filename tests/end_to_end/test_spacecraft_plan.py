@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
 from spacecraft_cases import EPOCH, ORBIT, area, four_modes, line, session
@@ -83,6 +84,39 @@ def test_the_judge_catches_what_was_not_asked(plan):
     turned[:, 0] += 1e-4
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     assert not tampered(plan, eci_from_body_xyzw=turned).passed
+
+
+def only(verification, words):
+    """The one finding of a table that failed, which says so."""
+    (finding,) = verification.findings
+    assert not verification.passed
+    assert words in finding
+
+
+def test_a_scan_at_another_speed_than_asked_is_found(plan):
+    strip = dataclasses.replace(plan.request.requests[0], scan_speed_m_s=60e3 / 11.0 * 1.002)
+    asked = dataclasses.replace(plan.request, requests=(strip, *plan.request.requests[1:]))
+    only(verify_table(plan.table, asked), "scan speed off by")
+
+
+def test_an_image_that_drifts_across_the_columns_is_found(plan):
+    """2e-4 rad about the optical axis: the scanned line stays, gyros hold 0.012 N m s amiss."""
+    table, about_y = plan.table, Rotation.from_rotvec([0.0, 2e-4, 0.0])
+    turned = tampered(
+        plan,
+        eci_from_body_xyzw=(Rotation.from_quat(table.eci_from_body_xyzw) * about_y).as_quat(),
+        omega_body_rad_s=about_y.inv().apply(table.omega_body_rad_s),
+        alpha_body_rad_s2=about_y.inv().apply(table.alpha_body_rad_s2),
+    )
+    assert len(turned.findings) == len(plan.table.windows)
+    assert all("the image drifts by" in finding for finding in turned.findings)
+
+
+def test_rates_that_do_not_give_the_attitudes_are_found(plan):
+    """3e-3 rad/s^2 in one row, 0.2 s / 12 of it in the mean rate: 1e-5 rad; and 3 N m at most."""
+    alpha = plan.table.alpha_body_rad_s2.copy()
+    alpha[3, 0] += 3e-3
+    only(tampered(plan, alpha_body_rad_s2=alpha), "attitude and rate disagree")
 
 
 def test_from_inertial_rest_it_first_turns_to_orbital_orientation():
