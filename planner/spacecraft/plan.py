@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.commands import ROWS_PER_S
 from planner.errors import InfeasibleSlew, InvalidInput, Refusal, Unreachable, VerificationFailed
 from planner.frames.time_scales import elapsed_s
 from planner.spacecraft.flight.simulation import fly_many
@@ -318,7 +319,7 @@ def make_table(request: ImagingPlanRequest, session: Session, timeline: Timeline
     rows = len(timeline.motion.omega_body_rad_s)
     inertia = np.array(spacecraft.inertia_kg_m2)
     omega = timeline.motion.omega_body_rad_s
-    states = session.ephemeris.states(session.instants(np.arange(rows) / 5.0))
+    states = session.ephemeris.states(session.instants(np.arange(rows) / ROWS_PER_S))
     gyros = np.array(request.settings.momentum_n_m_s)
     total = total_momentum_eci(
         timeline.attitude,

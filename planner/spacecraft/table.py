@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.spacecraft.mrp import BodyMotion, body_motion, mrp_rates, quintic, relative_mrp
 
 Array = NDArray[np.float64]
-TICK_S = 0.2  # Platonov, Sumarokov 2019: the control cycle
+TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,12 +52,12 @@ class AttitudeTable:
     @property
     def t_s(self) -> Array:
         """Seconds since the epoch of each row, (n,)."""
-        return np.arange(len(self.omega_body_rad_s)) / 5.0
+        return np.arange(len(self.omega_body_rad_s)) / ROWS_PER_S
 
     def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
         """eci_from_body and body rates at any instants (m,) from the first to the last row."""
         n = len(self.omega_body_rad_s)
-        position = np.clip(np.asarray(t_s) * 5.0, 0.0, n - 1.0)
+        position = np.clip(np.asarray(t_s) * ROWS_PER_S, 0.0, n - 1.0)
         k = np.minimum(position.astype(int), n - 2)
         start = Rotation.from_quat(self.eci_from_body_xyzw[k])
         end = Rotation.from_quat(self.eci_from_body_xyzw[k + 1])

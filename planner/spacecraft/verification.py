@@ -1,4 +1,4 @@
-"""Does a table do what was asked, within the spacecraft's limits?
+"""The judgement of a table: does it do what was asked, within the spacecraft's limits.
 
 The judge sees the table and the request: no candidate, no profile, no solver.  Ground points
 come from its own intersection of the optical axis with the ellipsoid.
@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.commands import ROWS_PER_S
 from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
+from planner.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
@@ -29,7 +30,13 @@ COVERAGE_TOLERANCE = 1e-3  # of the swath: strips of full width side by side on 
 DRIFT_TOLERANCE_RAD = 1e-4  # over 32 TDI lines: 0.003 pixel
 KINEMATIC_TOLERANCE_RAD = 5e-6  # 1 arcsec: torque rate steps of 40 N m/s inside a row
 MOMENTUM_TOLERANCE_N_M_S = 0.02
-BETWEEN = 5  # instants looked at per row
+LIMIT_TOLERANCE = 2e-3  # relative: planned on rows, the quintic swings between them
+ANGLE_TOLERANCE_DEG = 0.2  # the last part of a tick may scan past the arc's end and its limit
+UNIT_TOLERANCE = 1e-9  # of a quaternion's length, and
+GIMBAL_TOLERANCE_RAD = 1e-9  # of an angle: rounding, summed over a session
+BETWEEN = 5  # instants looked at per row for the limits, and
+ON_GROUND = 4  # for the line scanned
+ENDS = slice(2, -2)  # without the ends, where differences are one-sided
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,23 +60,29 @@ class VerifiedWindow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpacecraftVerification:
-    """The verdict; findings say what breaks, in words.
+class TableExtremes:
+    """Extremes of a table, between rows too.
 
-    Extremes between rows too: rate_deg_s per axis (3,), torque_n_m, momentum_n_m_s;
-    gimbal_rate_deg_s; gimbal_margin, least singular value of D; momentum_mismatch_n_m_s,
-    between what the gimbal angles hold and what the attitude needs.
+    rate_deg_s per axis (3,), torque_n_m, momentum_n_m_s; gimbal_rate_deg_s; gimbal_margin,
+    least singular value of D; momentum_mismatch_n_m_s, between what the gimbal angles hold
+    and what the attitude needs.
     """
 
-    passed: bool
-    findings: tuple[str, ...]
-    windows: tuple[VerifiedWindow, ...]
     rate_deg_s: Array
     torque_n_m: float
     momentum_n_m_s: float
     gimbal_rate_deg_s: float
     gimbal_margin: float
     momentum_mismatch_n_m_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftVerification(TableExtremes):
+    """The verdict; findings say what breaks, in words."""
+
+    passed: bool
+    findings: tuple[str, ...]
+    windows: tuple[VerifiedWindow, ...]
 
 
 def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> SpacecraftVerification:
@@ -93,10 +106,7 @@ def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> Spacecraf
     windows = tuple(
         _window(table, window, request, ephemeris.states, spacecraft) for window in table.windows
     )
-    found = SpacecraftVerification(
-        passed=True,
-        findings=(),
-        windows=windows,
+    extremes = TableExtremes(
         rate_deg_s=np.rad2deg(np.max(np.abs(motion.omega_body_rad_s), axis=0)),
         torque_n_m=float(np.max(np.linalg.norm(torque, axis=1))),
         momentum_n_m_s=float(np.max(np.linalg.norm(stored, axis=1))),
@@ -106,11 +116,13 @@ def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> Spacecraf
     )
     findings = (
         *_structure(table),
-        *_limits(found, spacecraft),
+        *_limits(extremes, spacecraft),
         *(text for window in windows for text in _ground(window, spacecraft)),
         *_coverage(table, request, ephemeris.states),
     )
-    return SpacecraftVerification(**{**vars(found), "passed": not findings, "findings": findings})
+    return SpacecraftVerification(
+        passed=not findings, findings=findings, windows=windows, **vars(extremes)
+    )
 
 
 def _needed_momentum(
@@ -122,7 +134,7 @@ def _needed_momentum(
     r = states.r_sat_eci_m
     radius = np.linalg.norm(r, axis=1, keepdims=True)
     nadir = attitude.inv().apply(r / radius)
-    torque = attitude.apply(3.0 * 3.986004418e14 / radius**3 * np.cross(nadir, inertia * nadir))
+    torque = attitude.apply(3.0 * MU_EARTH_M3_S2 / radius**3 * np.cross(nadir, inertia * nadir))
     steps = np.cumsum(0.5 * TICK_S * (torque[1:] + torque[:-1]), axis=0)
     total = attitude[0].apply(inertia * table.omega_body_rad_s[0] + start)
     total = total + np.vstack([np.zeros(3), steps])
@@ -142,31 +154,31 @@ def _columns(table: AttitudeTable) -> tuple[Array, ...]:
 def _structure(table: AttitudeTable) -> Sequence[str]:
     found = []
     if not all(np.isfinite(column).all() for column in _columns(table)):
-        found.append("a value is no number")
-    if np.max(np.abs(np.linalg.norm(table.eci_from_body_xyzw, axis=1) - 1.0)) > 1e-9:
+        found.append("a value is not a finite number")
+    if np.max(np.abs(np.linalg.norm(table.eci_from_body_xyzw, axis=1) - 1.0)) > UNIT_TOLERANCE:
         found.append("a quaternion is not of unit length")
     attitude = Rotation.from_quat(table.eci_from_body_xyzw)
     turned = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
-    w, a = table.omega_body_rad_s, table.alpha_body_rad_s2
-    mean = 0.5 * (w[1:] + w[:-1]) + TICK_S / 12.0 * (a[:-1] - a[1:])
+    omega, alpha = table.omega_body_rad_s, table.alpha_body_rad_s2
+    mean = 0.5 * (omega[1:] + omega[:-1]) + TICK_S / 12.0 * (alpha[:-1] - alpha[1:])
     # The rotation vector of a short step: the mean rate plus half the rates' coning.
-    expected = TICK_S * mean + TICK_S**2 / 12.0 * np.cross(w[:-1], w[1:])
+    expected = TICK_S * mean + TICK_S**2 / 12.0 * np.cross(omega[:-1], omega[1:])
     miss = float(np.max(np.linalg.norm(turned - expected, axis=1)))
     if miss > KINEMATIC_TOLERANCE_RAD:
         found.append(
             f"attitude and rate disagree by {np.rad2deg(miss) * 3600:.3f} arcsec over one row"
         )
     stepped = table.gimbal_rad[:-1] + TICK_S * table.gimbal_rate_rad_s[:-1]
-    if np.max(np.abs(stepped - table.gimbal_rad[1:])) > 1e-9:
+    if np.max(np.abs(stepped - table.gimbal_rad[1:])) > GIMBAL_TOLERANCE_RAD:
         found.append("gimbal angles and rates disagree")
-    rows = [(w.first_row, w.last_row) for w in table.windows]
+    rows = [(window.first_row, window.last_row) for window in table.windows]
     ends = [0] + [last for _, last in rows]
     if any(first < end or last <= first for (first, last), end in zip(rows, ends, strict=False)):
         found.append("imaging intervals overlap or run backwards")
     return found
 
 
-def _limits(found: SpacecraftVerification, spacecraft: AgileSpacecraft) -> Sequence[str]:
+def _limits(found: TableExtremes, spacecraft: AgileSpacecraft) -> Sequence[str]:
     slew, array = spacecraft.slew, spacecraft.array
     table = (
         (float(np.max(found.rate_deg_s)), math.degrees(slew.rate_axis_rad_s), "body rate, deg/s"),
@@ -178,7 +190,7 @@ def _limits(found: SpacecraftVerification, spacecraft: AgileSpacecraft) -> Seque
     return [
         f"{what}: {value:.4g} exceeds {limit:.4g}"
         for value, limit, what in table
-        if value > limit * 1.002
+        if value > limit * (1.0 + LIMIT_TOLERANCE)
     ]
 
 
@@ -221,7 +233,8 @@ def _window(
     spacecraft: AgileSpacecraft,
 ) -> VerifiedWindow:
     request = next(one for one in session.requests if one.name == window.request)
-    t_s = np.arange(window.first_row * 4, window.last_row * 4 + 1) / 20.0
+    count = (window.last_row - window.first_row) * ON_GROUND + 1
+    t_s = (window.first_row * ON_GROUND + np.arange(count)) / (ON_GROUND * ROWS_PER_S)
     instants = Instants(table.epoch_utc, t_s)
     states = states_at(instants)
     attitude, _ = table.at(t_s)
@@ -240,8 +253,8 @@ def _window(
     return VerifiedWindow(
         window=window,
         scan_speed_m_s=float(np.mean(speed)),
-        speed_spread=float(np.max(np.abs(speed[2:-2] / request.scan_speed_m_s - 1.0))),
-        drift_rad=float(np.max(np.arctan2(sine, cosine)[2:-2])),
+        speed_spread=float(np.max(np.abs(speed[ENDS] / request.scan_speed_m_s - 1.0))),
+        drift_rad=float(np.max(np.arctan2(sine, cosine)[ENDS])),
         miss_m=0.0 if line is None else _miss_m(line, ground, request.scan_speed_m_s),
         along_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(los[:, 0], los[:, 2]))))),
         across_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(los[:, 1], los[:, 2]))))),
@@ -261,7 +274,7 @@ def _miss_m(line: tuple[Array, Array], ground: Array, speed_m_s: float) -> float
     # The plane through the ellipsoid's centre isn't exactly that of the heights' ends: 0.1 m.
     off_plane = float(np.max(np.abs(ground @ normal)))
     end = float(np.min(np.linalg.norm(ground[-12:] - p1, axis=1)))
-    overscan = end - speed_m_s * TICK_S / 4
+    overscan = end - speed_m_s * TICK_S / ON_GROUND
     return max(float(np.linalg.norm(ground[0] - p0)), off_plane, overscan)
 
 
@@ -275,10 +288,9 @@ def _ground(window: VerifiedWindow, spacecraft: AgileSpacecraft) -> Sequence[str
         found.append(f"{name}: the image drifts by {math.degrees(window.drift_rad):.4f} deg")
     if window.miss_m > GROUND_TOLERANCE_M:
         found.append(f"{name}: scans {window.miss_m:.2f} m beside the line asked for")
-    # The last fraction of a tick may scan past the arc's end and its angle limit.
-    if window.along_deg > camera.along_max_deg + 0.2:
+    if window.along_deg > camera.along_max_deg + ANGLE_TOLERANCE_DEG:
         found.append(f"{name}: {window.along_deg:.2f} deg along the track")
-    if window.across_deg > camera.across_max_deg + 0.2:
+    if window.across_deg > camera.across_max_deg + ANGLE_TOLERANCE_DEG:
         found.append(f"{name}: {window.across_deg:.2f} deg across the track")
     return found
 
@@ -289,7 +301,7 @@ def _coverage(
     """Every request begun is completed: all legs, both looks, all of an area's corners."""
     found = []
     for request in session.requests:
-        looks = [w for w in table.windows if w.request == request.name]
+        looks = [window for window in table.windows if window.request == request.name]
         if not looks:
             continue
         if request.mode == "area":
@@ -317,7 +329,7 @@ def _uncovered_m(
     half_m = 0.5 * session.definition().camera.swath_m
     worst = np.full(len(corners), np.inf)
     for look in looks:
-        t_s = np.array([look.first_row, look.last_row]) / 5.0
+        t_s = np.array([look.first_row, look.last_row]) / ROWS_PER_S
         instants = Instants(table.epoch_utc, t_s)
         states = states_at(instants)
         attitude, _ = table.at(t_s)

@@ -18,14 +18,17 @@ from planner.platforms import PLATFORMS
 from planner.slew.backends import BACKENDS
 from planner.targets import TARGETS
 
+WITH_WINDOWS = {name: mode for name, mode in TARGETS.items() if mode.has_windows}
 REGISTRIES = [
     ("PlanRequest", "orbit", "source", ORBITS),
     ("PlanRequest", "attitude", "law", ATTITUDES),
     ("Session", "target", "mode", TARGETS),
     ("OpportunityRequest", "orbit", "source", ORBITS),
     ("OpportunityRequest", "attitude", "law", ATTITUDES),
-    ("OpportunityTarget", "target", "mode", TARGETS),
+    ("OpportunityTarget", "target", "mode", WITH_WINDOWS),
+    ("CampaignTarget", "target", "mode", WITH_WINDOWS),
 ]
+REGISTERED = {(schema, field): registry for schema, field, _, registry in REGISTRIES}
 KINDS = [
     pytest.param(schema, field, member, kind, cls, id=f"{schema}-{field}-{kind}")
     for schema, field, member, registry in REGISTRIES
@@ -49,6 +52,7 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
     schemas = document["components"]["schemas"]
     union = schemas[schema]["properties"][field]
     assert union["discriminator"]["propertyName"] == member
+    assert len(union["oneOf"]) == len(REGISTERED[schema, field])
     ref = union["discriminator"]["mapping"][kind]
     assert {"$ref": ref} in union["oneOf"]
     described = schemas[ref.rsplit("/", 1)[1]]

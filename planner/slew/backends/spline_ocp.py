@@ -9,7 +9,7 @@ serves every slew.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,7 +141,7 @@ class SplineOcp:
         import casadi
 
         y = casadi.MX.sym("y", self.free_count)
-        problem = {
+        problem: dict[str, Any] = {
             "x": y,
             "p": parameters,
             "f": casadi.bilin(hessian, y, y) / 2.0 + casadi.dot(parameters[: self.free_count], y),
@@ -156,7 +156,11 @@ class SplineOcp:
             ["x", "p", "lam_f", "lam_g"],
             ["triu_hess_gamma_x_x"],
         )
-        options = {"print_time": False, "ipopt": IPOPT, "hess_lag": lagrangian_hessian}
+        options: dict[str, Any] = {
+            "print_time": False,
+            "ipopt": IPOPT,
+            "hess_lag": lagrangian_hessian,
+        }
         return casadi.nlpsol("slew", "ipopt", problem, options)
 
     def solve(

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.commands import ROWS_PER_S
 from planner.frames.time_scales import shifted_utc
 from planner.spacecraft.imaging.candidates import Candidate, Session, on_ticks
 from planner.spacecraft.imaging.ground_arc import GroundArc, fitted_profile
@@ -319,7 +320,7 @@ def _assembled(builder: _Builder, looks: tuple[Look, ...], names: Sequence[str])
     for until, stretch in builder.stretches:
         rows = np.arange(row, until + (until == builder.last_row))
         if len(rows):
-            attitude, motion = stretch.at(rows / 5.0)
+            attitude, motion = stretch.at(rows / ROWS_PER_S)
             attitudes.append(attitude)
             motions.append(motion)
             row = int(rows[-1]) + 1
