@@ -1,4 +1,4 @@
-"""What can the operator set, by `SLEWTRACK_*` environment variables?"""
+"""What the operator can set, by `SLEWTRACK_*` environment variables."""
 
 import os
 from pathlib import Path

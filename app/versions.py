@@ -1,4 +1,4 @@
-"""Which versions of this program and of what shapes its results are at work?"""
+"""The versions of this program, of what it depends on, and of the shapes of its results."""
 
 import platform
 from functools import cache

@@ -1,4 +1,4 @@
-"""Where is the local vertical in images of the horizon?
+"""The local vertical from images of the horizon.
 
 OpenCV reads its cap on decoded pixels once, when it is loaded: it is set here, before any
 module of the package can load it.

@@ -1,4 +1,4 @@
-"""How bright is the air along a ray past the Earth?  The renderer's physics.
+"""The brightness of the air along a ray past the Earth: the renderer's physics.
 
 Single scattering of sunlight in a spherical atmosphere, integrated along every ray:
 Rayleigh scattering, dust near the ground and in a stratospheric layer, ozone absorption,

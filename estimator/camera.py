@@ -1,4 +1,4 @@
-"""Which direction does a pixel look in, and which pixel sees a direction?
+"""The camera model: the direction of a pixel, and the pixel of a direction.
 
 Pinhole with Brown-Conrady distortion, OpenCV's conventions: +Z out of the lens, +X right,
 +Y down, pixel centres at whole numbers, coefficients in the order k1, k2, p1, p2, k3.

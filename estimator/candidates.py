@@ -1,4 +1,4 @@
-"""Which pixels of a frame might lie on the limb?  Edges, bright on one side, dark beyond.
+"""Pixels of a frame that may lie on the limb: edges, bright on one side, dark beyond.
 
 Source: Canny 1986 for the edges; the outer-side test is systems.md's "dark on the outer side".
 """

@@ -1,4 +1,4 @@
-"""Does the measured vertical agree with the planned attitude?"""
+"""Whether the measured vertical agrees with the planned attitude."""
 
 from dataclasses import dataclass
 from enum import StrEnum

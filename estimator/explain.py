@@ -1,4 +1,4 @@
-"""Does something plain explain why frames showed no horizon: the Sun in them, or no sky?"""
+"""Plain reasons why frames showed no horizon: the Sun in them, or no sky."""
 
 from dataclasses import replace
 

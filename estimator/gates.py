@@ -1,4 +1,4 @@
-"""Is what was fitted really the limb, or does it only look like one?"""
+"""Tests of whether what was fitted is the limb, or only looks like one."""
 
 from dataclasses import dataclass
 

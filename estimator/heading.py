@@ -1,4 +1,4 @@
-"""Which way does the craft face about the vertical, by how the limb's light runs along it?
+"""The craft's heading about the vertical, from how the limb's light runs along it.
 
 Clear air scatters sunlight forwards and backwards more than sideways (Rayleigh), and the limb
 lies above most dust and cloud; so along each camera's arc the limb's brightness follows the

@@ -1,4 +1,4 @@
-"""What arrives as an image, and what does the estimator take from it?
+"""Image files, and the frames the estimator takes from them.
 
 Decoding trusts nothing: the kind is known by the file's first bytes, the size by its header,
 and both are checked before a decoder sees the file.  `decode_image` is meant to run in a

@@ -1,4 +1,4 @@
-"""Where, as seen from a craft, is the limb of an ellipsoid?
+"""The limb of an ellipsoid, as seen from a craft.
 
 A ray d from r grazes the ellipsoid x'Ex = 1 where d'Md = 0, with
 M = E r r'E - (r'Er - 1) E; inside the disc d'Md > 0.  Source: Christian 2017, "Accurate

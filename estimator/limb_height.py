@@ -1,4 +1,4 @@
-"""How high does the daylight limb stand where the Sun is low?
+"""The height of the daylight limb where the Sun is low.
 
 A textbook limb: air falling off exponentially, lit through itself.  With t the slant optical
 depth of a grazing ray, the brightness is (1 - exp(-t)) exp(-e t): the second factor is what

@@ -1,4 +1,4 @@
-"""Which attitude about the vertical fits the limb points of all cameras best, and how well?
+"""The attitude about the vertical that fits all cameras' limb points best, and how well.
 
 Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb, with
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb

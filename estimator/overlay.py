@@ -1,4 +1,4 @@
-"""How does a person see what was measured in a frame?"""
+"""The picture of what was measured in a frame."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""What nadir does the paper's own method give?  The baseline.
+"""The nadir by the paper's own method, the baseline.
 
 Two cameras; Canny edges, those dark beyond; a circle fitted to the horizon's arc; the vector
 that joins the arc's ends; the cross product of the two such vectors is the direction to the

@@ -1,4 +1,4 @@
-"""Where is the nadir in these images, how surely, and does the planned attitude agree?"""
+"""From images to the nadir, its uncertainty, and its agreement with the planned attitude."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What will a horizon camera see under a planned attitude: a usable limb, or why not?"""
+"""What a horizon camera will see under a planned attitude: a usable limb, or why not."""
 
 from dataclasses import dataclass, replace
 

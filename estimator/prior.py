@@ -1,4 +1,4 @@
-"""What is known of the limb and the attitude before an image is looked at?"""
+"""What is known of the limb and the attitude before an image is looked at."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

@@ -1,4 +1,4 @@
-"""What is asked of the horizon estimator?  The fields of `POST /v1/horizon/estimates`."""
+"""A request to the horizon estimator: the fields of `POST /v1/horizon/estimates`."""
 
 from datetime import datetime
 from typing import Annotated, Literal

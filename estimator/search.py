@@ -1,4 +1,4 @@
-"""Which of the nadirs voted for is a horizon that stands up to every test?"""
+"""Picks, of the nadirs voted for, the horizon that stands up to every test."""
 
 from dataclasses import dataclass, replace
 

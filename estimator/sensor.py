@@ -1,4 +1,4 @@
-"""What does a real image sensor make of a scene?  The renderer's lens and electronics."""
+"""A real image sensor's view of a scene: the renderer's lens and electronics."""
 
 from typing import Annotated
 

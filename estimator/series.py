@@ -1,4 +1,4 @@
-"""How does the attitude run over a session's frames, and is there a bias in it?"""
+"""The attitude over a session's frames, and its bias, if there is one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What does a camera above the Earth see?  Rendered horizon images with their truth known.
+"""Rendered images of the horizon, with their truth known.
 
 Every pixel's ray is put past the WGS84 ellipsoid in true perspective; its tangent height and
 azimuth look up the radiance that `atmosphere` integrated; rays that reach the ground add

@@ -1,4 +1,4 @@
-"""Is a file's brightness proportional to light, or is it encoded as pictures for people are?
+"""Whether a file's brightness is proportional to light, or tone-mapped for viewing.
 
 Above the limb the air thins by e every 7.6 km, and so does its light.  In an sRGB file, which
 holds about the 2.2nd root of the light, the limb fades half as fast and its steepest point lies

@@ -1,4 +1,4 @@
-"""Which nadirs do the edges of all cameras vote for, with no attitude known?
+"""The nadirs that the edges of all cameras vote for, with no attitude known.
 
 A limb ray d whose bright side lies along t (a unit vector across d) has its nadir at
 n = d cos(eta) + t sin(eta), sin(eta) = (R + h) / |r|; two limb rays leave two nadirs, the

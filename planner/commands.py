@@ -1,4 +1,4 @@
-"""What does the platform fly?  Plain data, made by one part and judged by another."""
+"""The command table: plain data, made by one part and judged by another."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""How is a numerical kernel compiled without losing its type, or the last edit?"""
+"""Compiles a numerical kernel without losing its type, or the last edit."""
 
 import hashlib
 import os

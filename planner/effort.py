@@ -1,4 +1,4 @@
-"""How much work does a request cost, and how much may it?  Counted, never timed.
+"""How much work a request costs, and how much it may: counted, never timed.
 
 What is expensive says what it does by `spend` where it does it: rows looked at, solver
 iterations times the rows of their problem, cells of a flood.  One request so always gets one

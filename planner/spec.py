@@ -1,4 +1,4 @@
-"""How is a value declared so that it is checked once, where it is born?"""
+"""Declares a value so that it is checked once, where it is born."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of a campaign: what was chosen, and how far it is planned?"""
+"""The answer about a campaign: what was chosen, and how far it is planned."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

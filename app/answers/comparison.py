@@ -1,4 +1,4 @@
-"""How does the answer set the optimal slew beside the paper's spline?"""
+"""The optimal slew beside the paper's spline, as answered."""
 
 import math
 from dataclasses import dataclass

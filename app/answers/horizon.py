@@ -1,4 +1,4 @@
-"""What do answers about the horizon hold?  Degrees, pixels and plain numbers."""
+"""Answers about the horizon: degrees, pixels and plain numbers."""
 
 import base64
 import math

@@ -1,4 +1,4 @@
-"""What a horizon camera will see, as it is answered."""
+"""What a horizon camera will see, as answered."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What is told of a plan that isn't made, or not yet?"""
+"""The answer about a plan that isn't made, or not yet."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

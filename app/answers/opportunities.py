@@ -1,4 +1,4 @@
-"""What does the answer to a request for opportunities hold?  Degrees, UTC text, plain numbers."""
+"""The answer to a request for opportunities: degrees, UTC text, plain numbers."""
 
 from dataclasses import dataclass, fields
 from datetime import datetime

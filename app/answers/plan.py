@@ -1,4 +1,4 @@
-"""What does the answer to a plan hold?  Degrees, UTC text and plain numbers."""
+"""The answer to a plan: degrees, UTC text and plain numbers."""
 
 import math
 from collections.abc import Sequence

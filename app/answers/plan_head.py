@@ -1,4 +1,4 @@
-"""What do all plans' answers begin with, whatever was planned?"""
+"""The fields every plan's answer begins with, whatever was planned."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""How does the answer say how well, and in what view, each session's target is held?"""
+"""How well each session's target is held, and in what view, as answered."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a refusal or a failure of ours is answered with: RFC 9457 problem details."""
+"""The answer to a refusal or to a failure of ours: RFC 9457 problem details."""
 
 from dataclasses import asdict, dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What does the answer to an imaging session hold?  Degrees, UTC text and plain numbers."""
+"""The answer to an imaging session: degrees, UTC text and plain numbers."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How is a plan's table handed out by itself, in one of the registered formats?"""
+"""A plan's table by itself, in one of the registered formats."""
 
 import re
 from collections.abc import Iterable

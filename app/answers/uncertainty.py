@@ -1,4 +1,4 @@
-"""How does the answer say how far off the camera may look?"""
+"""The pointing budget, as answered."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""How is a campaign run on the command line?  Chosen, planned pass by pass, reported."""
+"""Campaigns on the command line: chosen, planned pass by pass, reported."""
 
 import csv
 import io

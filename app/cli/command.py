@@ -1,4 +1,4 @@
-"""What does the `slewtrack` command do?
+"""The arguments of the `slewtrack` command, and what it does with them.
 
 Exit codes: 0 done, 1 failed (by us, or a table that fails its verification), 2 refused;
 what goes wrong is one line on stderr.

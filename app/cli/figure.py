@@ -1,4 +1,4 @@
-"""What does a plan look like?  Angles, rates and accelerations with their limits."""
+"""The figure of a plan: angles, rates and accelerations with their limits."""
 
 import io
 import math

@@ -1,4 +1,4 @@
-"""What does `slewtrack horizon` do with its files?"""
+"""`slewtrack horizon`: image files in, the measured vertical out."""
 
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""What does a person want to know of a measured vertical at first sight?"""
+"""The summary of a measured vertical on the terminal."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What does `slewtrack keys` do?  It works on the database the service uses, running or not."""
+"""`slewtrack keys`, on the database the service uses, running or not."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

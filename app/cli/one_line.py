@@ -1,4 +1,4 @@
-"""How does a command say what went wrong?  One line on stderr, and an exit code."""
+"""What went wrong with a command: one line on stderr, and an exit code."""
 
 import sys
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What does a person want to know of a plan at first sight?"""
+"""The summary of a plan on the terminal."""
 
 from rich.console import Console
 from rich.table import Table

@@ -1,4 +1,4 @@
-"""How do all reports show a table, a number that has no meaning, and a warning?"""
+"""What all reports share: tables, numbers that have no meaning, warnings."""
 
 from collections.abc import Iterable
 

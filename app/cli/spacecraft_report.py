@@ -1,4 +1,4 @@
-"""What does a person want to know of an imaging session at first sight?"""
+"""The summary of an imaging session on the terminal."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What does a person want to know of opportunities at first sight, and a spreadsheet?"""
+"""The summary of opportunities on the terminal, and their CSV for a spreadsheet."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""What does the HTTP service consist of?"""
+"""The HTTP service, put together from its parts."""
 
 import asyncio
 import os

@@ -1,4 +1,4 @@
-"""How is the progress of a job told as server-sent events?
+"""The progress of a job as server-sent events.
 
 Source: HTML Living Standard, section 9.2.
 """

@@ -1,4 +1,4 @@
-"""How do a request and its images arrive in one multipart body?"""
+"""Reads a request and its images from one multipart body."""
 
 import hashlib
 from collections.abc import AsyncGenerator

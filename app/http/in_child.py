@@ -1,4 +1,4 @@
-"""How does a route that answers directly have its work done where it can do no harm?"""
+"""Runs the work of a route that answers directly where it can do no harm."""
 
 import asyncio
 from collections.abc import Callable

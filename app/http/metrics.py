@@ -1,4 +1,4 @@
-"""What can be counted and timed of a running service?  Read by Prometheus at /metrics.
+"""Counts and timings of a running service, for Prometheus at /metrics.
 
 One registry per application, so that two in one process don't count each other's requests.
 Labels take few values whatever is sent: route templates, known methods, registered kinds.

@@ -1,4 +1,4 @@
-"""Does the request come in, and accept the answer in, a form this service speaks?"""
+"""Content negotiation: the forms this service reads and writes."""
 
 from http import HTTPStatus
 

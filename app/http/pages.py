@@ -1,4 +1,4 @@
-"""Which pages document the API, without a network and under a strict content policy?"""
+"""The pages that document the API, without a network and under a strict content policy."""
 
 import json
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""What may the query of an address hold?  Each parameter known, once, written as documented."""
+"""Query parameters: each one known, given once, written as documented."""
 
 import re
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Can the service do its work now: does what it depends on answer?"""
+"""Readiness: whether all that the service depends on answers now."""
 
 import asyncio
 import time

@@ -1,4 +1,4 @@
-"""How does a route read the database without holding up the others?"""
+"""Database reads by routes that don't hold up the others."""
 
 from collections.abc import Callable
 from typing import TypeVar

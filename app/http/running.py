@@ -1,4 +1,4 @@
-"""What works on jobs while the service runs?"""
+"""What works on jobs while the service runs."""
 
 import os
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How is the service brought to a port?"""
+"""Starts the service on its port."""
 
 import asyncio
 import socket

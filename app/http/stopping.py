@@ -1,4 +1,4 @@
-"""What is a client told whose request is still at work when the service is stopped?"""
+"""The answer to a request still at work when the service is stopped."""
 
 from http import HTTPStatus
 

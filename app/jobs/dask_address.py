@@ -1,4 +1,4 @@
-"""Can this machine ask a Dask scheduler at this address, with the certificates it was given?"""
+"""Checks that a Dask scheduler answers at an address, with the certificates given."""
 
 from typing import TYPE_CHECKING, Literal
 

@@ -1,4 +1,4 @@
-"""How is work done on other machines?  By workers of a dask.distributed scheduler.
+"""Work on other machines, by workers of a dask.distributed scheduler.
 
 Imported only where SLEWTRACK_DASK_SCHEDULER is set.  What Dask loses, a worker, its scheduler
 or the connection, is begun again; a result counts once, for the lease it was made under.

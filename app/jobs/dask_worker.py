@@ -1,4 +1,4 @@
-"""What does a machine of the cluster do with a task?  The same as the service: a child each."""
+"""A task on a machine of the cluster: a child process each, as in the service."""
 
 import asyncio
 import contextlib

@@ -1,4 +1,4 @@
-"""How does accepted work get done, once, whatever dies in between?
+"""Gets accepted work done, once, whatever dies in between.
 
 The database is the truth; this holds leases on the jobs it works on and can lose them at any
 moment.  One thread takes work up and keeps the leases; results are stored in the executor's.

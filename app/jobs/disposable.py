@@ -1,4 +1,4 @@
-"""How does work that may run wild stay harmless?  In a process that can be thrown away.
+"""Work that may run wild, in a process that can be thrown away.
 
 Children are forked from a small server that has imported, and once done, what they are for, and
 holds nothing of the service: they can be killed at any moment and take no lock with them.

@@ -1,4 +1,4 @@
-"""What kinds of job are there?  One entry a kind: the work, its bounds, what its result becomes.
+"""The kinds of job, one entry each: the work, its bounds, what its result becomes.
 
 A new kind is a module with its work, which a child imports, and a line in JOB_KINDS.
 """

@@ -1,4 +1,4 @@
-"""How does a campaign become jobs, one per pass, and what happens to a pass that is refused?"""
+"""A campaign as jobs, one per pass, and what happens to a pass that is refused."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""What can be refused about jobs?"""
+"""What can be refused about jobs."""
 
 from typing import ClassVar
 

@@ -1,4 +1,4 @@
-"""What does a job become when its work has ended, however it ended?"""
+"""What a job becomes when its work has ended, however it ended."""
 
 from collections.abc import Mapping
 from concurrent.futures import Future

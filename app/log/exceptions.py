@@ -1,4 +1,4 @@
-"""What may be told of an exception: its type, where it was raised, and why in known words.
+"""What the log may say of an exception: its type, where it was raised, why in known words.
 
 Never its message nor the values of variables: they may hold a request, a key or a password.
 """

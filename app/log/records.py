@@ -1,4 +1,4 @@
-"""What may a log record hold?  Nothing that can be a secret, a body or a query.
+"""Allowed fields of a log record: nothing that can be a secret, a body or a query.
 
 Made where all records are made, so that no handler and no call, of ours or a library, tells more.
 """

@@ -1,4 +1,4 @@
-"""What do requests about the horizon hold, besides those for an estimate?"""
+"""Requests about the horizon, besides those for an estimate."""
 
 from datetime import datetime
 from typing import Annotated, Any

@@ -1,4 +1,4 @@
-"""Which horizon cameras may a request name?"""
+"""The horizon cameras a request may name."""
 
 from estimator.camera import HorizonCamera
 from estimator.request import MAX_CAMERAS

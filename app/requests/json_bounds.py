@@ -1,4 +1,4 @@
-"""Is a JSON text small enough inside to be built in memory?  Told before anything is built.
+"""Bounds on a JSON text's depth and size, checked before anything is built from it.
 
 Eight megabytes of `[],[],` would become 2.8 million lists, and of `[[[[` a stack overflow.
 """

@@ -1,4 +1,4 @@
-"""How is a JSON text read as a `@spec` value, and how is each field at fault named?
+"""Reads a JSON text as a `@spec` value, and names each field at fault.
 
 The HTTP service and the command line read requests here and nowhere else.
 """

@@ -1,4 +1,4 @@
-"""What does a request for an imaging session hold?"""
+"""A request for an imaging session, read."""
 
 import json
 from typing import Any

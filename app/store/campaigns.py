@@ -1,4 +1,4 @@
-"""What was chosen for which campaign, and how far is it planned?"""
+"""What was chosen for each campaign, and how far it is planned."""
 
 import json
 import zlib

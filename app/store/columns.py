@@ -1,4 +1,4 @@
-"""What kinds of value do all tables share?"""
+"""The kinds of column that all tables share."""
 
 from datetime import UTC, datetime
 

@@ -1,4 +1,4 @@
-"""Where is the data, and how is it read and written?
+"""The database: where it is, and its transactions.
 
 SQLite in the data folder without any set-up, PostgreSQL by SLEWTRACK_DATABASE_URL.
 

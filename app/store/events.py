@@ -1,4 +1,4 @@
-"""What happened to a job, in order?"""
+"""What happened to each job, in order."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

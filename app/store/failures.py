@@ -1,4 +1,4 @@
-"""Which failures of a database are of its state, full, locked or away, and not bugs of ours?"""
+"""Failures of a database that are of its state, full, locked or away, and no bugs of ours."""
 
 import sqlite3
 from typing import ClassVar

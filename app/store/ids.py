@@ -1,4 +1,4 @@
-"""What are things stored under?"""
+"""The ids things are stored under."""
 
 import secrets
 import time

@@ -1,4 +1,4 @@
-"""Where are API keys kept?"""
+"""The API keys stored."""
 
 from collections.abc import Sequence
 from datetime import UTC, datetime

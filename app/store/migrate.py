@@ -1,4 +1,4 @@
-"""How does a database get the tables this version needs?"""
+"""Brings a database to the tables this version needs."""
 
 import time
 from collections.abc import Iterator

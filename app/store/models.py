@@ -1,4 +1,4 @@
-"""Which tables are there?"""
+"""The tables of jobs, plans, campaigns, events and probes."""
 
 from datetime import datetime
 from typing import Any

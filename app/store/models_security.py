@@ -1,4 +1,4 @@
-"""Which tables say who may ask, and who did what?"""
+"""The tables of who may ask, and who did what."""
 
 from datetime import datetime
 

@@ -1,4 +1,4 @@
-"""How are columns of numbers kept small and every bit of them kept?
+"""Columns of numbers packed small, with every bit of them kept.
 
 Rows lie on smooth curves: fifth differences of the doubles' bit patterns, as integers that wrap
 around, are small; with their bytes sorted by weight, zlib makes 12 bytes of a row of two axes

@@ -1,4 +1,4 @@
-"""What does the child hand back that planned something?"""
+"""What the child that planned something hands back."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""Which plans were made?  Stored once, never changed."""
+"""The plans made, stored once and never changed."""
 
 import zlib
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Can anything be written now?  Only writing tells: a full disk is read without complaint."""
+"""Whether anything can be written now: a full disk is read without complaint."""
 
 import os
 from datetime import UTC, datetime, timedelta

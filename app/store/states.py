@@ -1,4 +1,4 @@
-"""In which states can a job be?"""
+"""The states of a job."""
 
 from typing import Literal, get_args
 

@@ -1,4 +1,4 @@
-"""Who of this process may write to SQLite now?  One at a time; all hear when nothing moves."""
+"""Turns at writing to SQLite: one writer at a time; all hear when nothing moves."""
 
 import threading
 import time

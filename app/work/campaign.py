@@ -1,4 +1,4 @@
-"""What does a child do for a campaign?  It chooses, and writes down a plan request per pass."""
+"""A child's work for a campaign: choose, and write a plan request per pass."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What does the disposable child do with images of the horizon?
+"""A child's work on images of the horizon.
 
 Bytes in, bytes out: what comes from outside is decoded nowhere else.
 """

@@ -1,4 +1,4 @@
-"""Which sessions of a plan can be checked by the carrier's horizon cameras?"""
+"""The sessions of a plan that the carrier's horizon cameras can check."""
 
 from app.answers.horizon_view import HorizonCheckOut, ViewOut
 from app.work.horizon_views import views

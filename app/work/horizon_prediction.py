@@ -1,4 +1,4 @@
-"""What does the child do to predict what horizon cameras will see?"""
+"""A child's work to predict what horizon cameras will see."""
 
 from pydantic import TypeAdapter
 

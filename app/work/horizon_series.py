@@ -1,4 +1,4 @@
-"""How does the vertical run over a session's frames: many requests, or an orbit and its cameras?"""
+"""The vertical over a session's frames: from many requests, or an orbit and its cameras."""
 
 import json
 import math

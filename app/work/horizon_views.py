@@ -1,4 +1,4 @@
-"""What will horizon cameras see from an orbit under an attitude?"""
+"""What horizon cameras will see from an orbit under an attitude."""
 
 from collections.abc import Sequence
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What does the child do for opportunities?"""
+"""A child's work for opportunities."""
 
 from app.answers.opportunities import opportunities_json
 from app.answers.provenance import ProvenanceOut

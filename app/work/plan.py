@@ -1,4 +1,4 @@
-"""What do the children do for a plan, and how is its table read again?"""
+"""A child's work for a plan, and the reading of its stored table."""
 
 import hashlib
 import zlib

@@ -1,4 +1,4 @@
-"""How does work say how far it is?  It reports to whoever runs it, or to nobody."""
+"""How far work is, reported to whoever runs it, or to nobody."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What do the children do for an imaging session, and how is its table read again?"""
+"""A child's work for an imaging session, and the reading of its stored table."""
 
 import hashlib
 import zlib

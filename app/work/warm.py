@@ -1,4 +1,4 @@
-"""What do children find ready?  Imported once, by the server they are forked from.
+"""What children find ready: imported once, by the server they are forked from.
 
 Importing it plans the worked example: solvers are built, ephemerides read and tables of Earth
 orientation interpolated before the first fork, so that no child does it again.

@@ -1,4 +1,4 @@
-"""Which attitude laws are known?"""
+"""The attitude laws."""
 
 from typing import Annotated, Protocol, get_args
 

@@ -1,4 +1,4 @@
-"""How wrong may a predicted attitude be, by its law and age?"""
+"""The error of a predicted attitude, by its law and age."""
 
 from dataclasses import dataclass
 

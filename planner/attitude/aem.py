@@ -1,4 +1,4 @@
-"""How does a carrier point according to an attitude message (CCSDS AEM)?"""
+"""An attitude from a message (CCSDS AEM)."""
 
 from dataclasses import dataclass
 from datetime import datetime

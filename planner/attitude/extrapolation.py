@@ -1,4 +1,4 @@
-"""How will an attitude to the local vertical go on after the end of its history?
+"""How an attitude to the local vertical goes on after the end of its history.
 
 A vehicle in torque equilibrium swings about its mean attitude with the orbit and its
 harmonics; one that has just manoeuvred does not.  Which description foretells best is

@@ -1,4 +1,4 @@
-"""How will a carrier point that keeps swinging as its attitude history shows?"""
+"""An attitude that keeps swinging as its history shows."""
 
 from datetime import datetime
 from functools import cached_property

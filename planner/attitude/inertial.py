@@ -1,4 +1,4 @@
-"""How does a carrier point that turns with a constant body rate?"""
+"""An attitude that turns with a constant body rate."""
 
 import math
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""How does a carrier point that keeps a constant attitude to the local vertical?"""
+"""A constant attitude to the local vertical."""
 
 from typing import Annotated, Literal
 

@@ -1,4 +1,4 @@
-"""Which row of an attitude message can't be right, seeing its neighbours?"""
+"""Rows of an attitude message that can't be right, seeing their neighbours."""
 
 import numpy as np
 from numpy.typing import NDArray

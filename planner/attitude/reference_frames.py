@@ -1,4 +1,4 @@
-"""How does an attitude against some frame become one against ECI?"""
+"""Attitudes against other frames, turned into attitudes against ECI."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

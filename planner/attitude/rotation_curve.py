@@ -1,4 +1,4 @@
-"""Which smooth curve of attitudes do the rows of a message stand for?
+"""The smooth curve of attitudes that the rows of a message stand for.
 
 Predicted attitudes are smooth and are interpolated.  Measured ones carry noise: a curve
 through every row of real 1 s telemetry accelerates by 10-25 arcsec/s2 where the vehicle does

@@ -1,4 +1,4 @@
-"""Which sessions, in what order?"""
+"""Which sessions a platform is to fly, and in what order."""
 
 from planner.campaigns.campaign import (
     Campaign,

@@ -1,4 +1,4 @@
-"""Which looks, in which passes, in what order; and how far from the best can that be?"""
+"""Chooses looks, passes and order, and bounds how far from the best they can be."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass

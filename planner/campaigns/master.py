@@ -1,4 +1,4 @@
-"""Which of the paths proposed for each pass go together best?"""
+"""Picks the paths, one proposed for each pass, that go together best."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""When can each way of a pass be reached from each other one?"""
+"""When each way of a pass can be reached from each other one."""
 
 from dataclasses import dataclass, replace
 

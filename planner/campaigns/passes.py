@@ -1,4 +1,4 @@
-"""Which windows make one pass: a stretch that begins and ends with the platform at rest?"""
+"""Windows grouped into passes, each of which begins and ends with the platform at rest."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Which targets compete for the platform, from when to when, and how much is each worth?"""
+"""A request for a campaign: targets that compete for the platform, and their worth."""
 
 import math
 from collections.abc import Mapping

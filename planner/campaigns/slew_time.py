@@ -1,4 +1,4 @@
-"""How long does an axis need at least from one track to another?  Millions of times over.
+"""The least time of a slew from one track to another, computed millions of times over.
 
 `planner.slew.quickest` answers for any state; here the accelerations at both ends, small
 beside the limit on a track, are taken away by ramps of their own, and what they cost is added

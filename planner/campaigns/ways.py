@@ -1,4 +1,4 @@
-"""How do the axes move while each target can be looked at, on a common grid of time?"""
+"""The motion of the axes while each target can be looked at, on a common grid of time."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""In which formats can a plan be taken away?"""
+"""The formats a plan can be exported in."""
 
 from planner.export.aem import write_aem
 from planner.export.csv import write_csv

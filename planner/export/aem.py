@@ -1,4 +1,4 @@
-"""How is the payload's attitude written as a CCSDS attitude ephemeris message (AEM)?"""
+"""The payload's attitude as a CCSDS attitude ephemeris message (AEM)."""
 
 from datetime import datetime
 

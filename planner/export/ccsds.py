@@ -1,4 +1,4 @@
-"""How is a CCSDS message in KVN put together?"""
+"""The parts of a CCSDS message in KVN."""
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""How is a command table written as CSV?"""
+"""The command table as CSV."""
 
 from datetime import datetime
 

@@ -1,4 +1,4 @@
-"""How is a plan written for Cesium (CZML)?  Orbit, boresight, footprint, targets on the globe.
+"""A plan for Cesium (CZML): orbit, boresight, footprint, targets on the globe.
 
 Positions are Earth-fixed (ITRF, taken as WGS84): Cesium turns inertial ones only with tables
 it loads from the network.

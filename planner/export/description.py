@@ -1,4 +1,4 @@
-"""What must a reader of an exported file know?  Frames, units, time scale, order of rotation."""
+"""What the reader of an exported file must know: frames, units, time scale, rotations."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What is a format to take a plan away in?"""
+"""An export format: its title, media type, suffix and writer."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Where on the ellipsoid does the payload look, and what does its frame cover?"""
+"""Where on the ellipsoid the payload looks, and what its frame covers."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""How is a command table written as JSON?"""
+"""The command table as JSON."""
 
 import json
 from datetime import datetime

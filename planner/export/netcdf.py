@@ -1,4 +1,4 @@
-"""How is a plan written as NetCDF?  Classic format, CF conventions."""
+"""A plan as NetCDF: classic format, CF conventions."""
 
 import io
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""How is the carrier's orbit written as a CCSDS orbit ephemeris message (OEM)?"""
+"""The carrier's orbit as a CCSDS orbit ephemeris message (OEM)."""
 
 from datetime import datetime
 

@@ -1,4 +1,4 @@
-"""How are the payload's axes turned while the platform moves?"""
+"""The orientation of the payload's axes while the platform moves."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

@@ -1,4 +1,4 @@
-"""How are attitudes written for STK, the carrier's (.a) and the payload's on it (.sp)?
+"""Attitudes for STK: the carrier's (.a) and the payload's on it (.sp).
 
 Both hold quaternions q1 q2 q3 q4, scalar last, that turn the reference axes into the
 described ones (`axes_turn`).  Source: STK help, "Attitude File Format (*.a)" and "Sensor

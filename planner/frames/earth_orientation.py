@@ -1,4 +1,4 @@
-"""How is the Earth oriented?  ITRF and TEME against ECI (GCRF axes), EME2000 against GCRF.
+"""The Earth's orientation: ITRF and TEME against ECI (GCRF axes), EME2000 against GCRF.
 
 IAU 2006/2000A precession-nutation with the IERS's UT1, polar motion and celestial pole
 offsets.  Precession, nutation, pole and UT1 - TAI are computed on a 120 s grid and

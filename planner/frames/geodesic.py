@@ -1,4 +1,4 @@
-"""Where does a straight course over the ellipsoid lead, and which one joins two points?
+"""Geodesics on the ellipsoid: where one leads, and which one joins two points.
 
 WGS84; distances along the ellipsoid's surface.  Good to 0.1 mm for courses up to `LONGEST_M`.
 Source: Vincenty 1975, Survey Review 23 (176), the direct and inverse formulae.

@@ -1,4 +1,4 @@
-"""Where on the Earth is it?  WGS84 geodetic coordinates against ITRF positions.
+"""WGS84 geodetic coordinates against ITRF positions.
 
 WGS84 is taken identical to ITRF (they agree to centimetres).
 """

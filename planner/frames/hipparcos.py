@@ -1,4 +1,4 @@
-"""Where is the star of a Hipparcos number?  Hipparcos, the New Reduction, from a package.
+"""Stars by Hipparcos number: Hipparcos, the New Reduction, from a package.
 
 Source: van Leeuwen 2007, Hipparcos, the New Reduction of the Raw Data; CDS catalogue I/311.
 The file is sorted by number with records of equal length, so a star is found by halving,

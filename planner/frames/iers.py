@@ -1,4 +1,4 @@
-"""What do the IERS tables say?  Leap seconds and Earth orientation parameters, from a package.
+"""The IERS tables: leap seconds and Earth orientation parameters, from a package.
 
 No download at run time: the tables are those of the installed astropy-iers-data.
 """

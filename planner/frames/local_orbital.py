@@ -1,4 +1,4 @@
-"""Which way are the axes of the local orbital frame (LVLH)?"""
+"""The axes of the local orbital frame (LVLH)."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Where are the Sun, the Moon and the planets?  JPL's DE421, from a package.
+"""The Sun, the Moon and the planets: JPL's DE421, from a package.
 
 Geometric positions in GCRF (= ICRF) axes; neither light time nor aberration.
 """

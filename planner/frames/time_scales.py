@@ -1,4 +1,4 @@
-"""When is it?  UTC with its leap seconds, TAI, TT and UT1.
+"""Time scales: UTC with its leap seconds, TAI, TT and UT1.
 
 Inside a positive leap second a `datetime` can't say 23:59:60.x; here it is the second
 occurrence of 23:59:59.x, marked by `fold=1`.  Every function of this module reads and

@@ -1,4 +1,4 @@
-"""How near to a target can the axes keep where following it exactly would break a limit?"""
+"""Tracking as near to a target as the limits allow where exact tracking would break one."""
 
 from planner.keyhole.track import followed
 

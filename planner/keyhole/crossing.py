@@ -1,4 +1,4 @@
-"""How do both axes get from one way of following to another, erring least on the way?"""
+"""How both axes get from one way of tracking to another, erring least on the way."""
 
 import math
 from dataclasses import dataclass

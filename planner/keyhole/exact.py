@@ -1,4 +1,4 @@
-"""Where can the target be followed exactly, and in which ways, on rows of the table?"""
+"""Where a target can be tracked exactly, and in which ways, on rows of the table."""
 
 import itertools
 import math

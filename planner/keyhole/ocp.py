@@ -1,4 +1,4 @@
-"""Which motion of both axes, within all limits, keeps the boresight nearest to a direction?
+"""The motion of both axes, within all limits, that keeps the boresight nearest a direction.
 
 Both axes move with constant jerk between knots that lie on rows of the command table, so that
 the flown cubic Hermite is the motion itself.  Knots, directions and limits enter as numbers:

@@ -1,4 +1,4 @@
-"""How is a target followed through the singular direction, as near as the limits allow?
+"""Tracks a target through the singular direction, as near as the limits allow.
 
 Where the exact motion breaks no limit it is kept.  Around each place where it does, both axes
 are optimised together, from every way of following the target before to every way after it:

@@ -1,4 +1,4 @@
-"""What does a CCSDS attitude ephemeris message (AEM) say?
+"""Reads a CCSDS attitude ephemeris message (AEM).
 
 Reads versions 1 and 2, KVN and XML: quaternions and Euler angles, of the spacecraft's body
 against an inertial, Earth-fixed or local orbital frame.  Spin axes are refused.

@@ -1,4 +1,4 @@
-"""When is the epoch of a CCSDS message?  Time codes A and B, in several time systems, as TAI."""
+"""Epochs of CCSDS messages: time codes A and B, in several time systems, as TAI."""
 
 import re
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""Which values does a CCSDS message of one satellite at one epoch (OMM, OPM) state?"""
+"""Values of a CCSDS message of one satellite at one epoch (OMM, OPM)."""
 
 import math
 import re

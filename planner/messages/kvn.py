@@ -1,4 +1,4 @@
-"""What does a CCSDS ephemeris message (OEM, AEM) in keyword = value notation say?"""
+"""Reads CCSDS ephemeris messages (OEM, AEM) in keyword = value notation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What does a CCSDS orbit ephemeris message (OEM) say?
+"""Reads a CCSDS orbit ephemeris message (OEM).
 
 Permissive where real messages stray from the standard (NASA's <ndm> wrapper, empty comments,
 no interpolation keywords), strict where a guess could point a camera elsewhere (frames, time

@@ -1,4 +1,4 @@
-"""What does a CCSDS orbit mean-elements message (OMM) say?
+"""Reads a CCSDS orbit mean-elements message (OMM).
 
 Reads KVN, XML and the JSON of general-perturbation catalogues (one object, or a list of one).
 Source: CCSDS 502.0-B-3, section 4; CelesTrak's GP data formats for JSON.

@@ -1,4 +1,4 @@
-"""What does a CCSDS orbit parameter message (OPM) say?
+"""Reads a CCSDS orbit parameter message (OPM).
 
 Source: CCSDS 502.0-B-3, section 3.
 """

@@ -1,4 +1,4 @@
-"""What is common to the segments of CCSDS ephemeris messages (OEM, AEM), in either notation?"""
+"""Segments of CCSDS ephemeris messages (OEM, AEM), in either notation."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What does a CCSDS message in XML say?  Read so that hostile text can do no harm."""
+"""Reads CCSDS messages in XML, so that hostile text can do no harm."""
 
 import re
 from collections.abc import Iterator

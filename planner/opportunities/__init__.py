@@ -1,4 +1,4 @@
-"""When can a target be seen?"""
+"""When each target can be seen."""
 
 from planner.opportunities.request import (
     OpportunityConditions,

@@ -1,4 +1,4 @@
-"""When, at most, could the carrier stand high enough above points on the ground?"""
+"""The only times at which the carrier could stand high enough above points on the ground."""
 
 import numpy as np
 

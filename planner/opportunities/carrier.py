@@ -1,4 +1,4 @@
-"""Where are the carrier, its platform, the Sun and the Moon at any instant of some days?
+"""The carrier, its platform, the Sun and the Moon at any instant of some days.
 
 One evaluation of the orbit and of the attitude law on a uniform grid serves all targets.
 Everything is in ITRF axes, in which targets on the ground stand still.

@@ -1,4 +1,4 @@
-"""By what margin is each condition of a request met?"""
+"""The margin by which each condition of a request is met."""
 
 import math
 from collections.abc import Iterator

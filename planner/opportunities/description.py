@@ -1,4 +1,4 @@
-"""What can be said of each window: closest approach, greatest elevation, axis angles, light?"""
+"""What is said of each window: closest approach, elevation, axis angles, light."""
 
 import math
 

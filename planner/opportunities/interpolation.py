@@ -1,4 +1,4 @@
-"""What lies between the rows of a uniform table?"""
+"""Interpolation between the rows of a uniform table."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""For which targets are opportunities sought, from when to when, and what makes one?"""
+"""A request for opportunities: targets, a span of time, and the conditions to be met."""
 
 import math
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""When can each target be seen?  The search, from the request to its windows."""
+"""The search for opportunities, from the request to its windows."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How do many targets stand to the carrier, each at its own instants?"""
+"""The geometry between many targets and the carrier, each at its own instants."""
 
 import math
 from collections.abc import Sequence

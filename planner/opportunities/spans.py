@@ -1,4 +1,4 @@
-"""From when to when does a condition hold?
+"""The spans of time over which a condition holds.
 
 A condition is a margin, a function of time that is positive where the condition holds.
 It is looked at on nodes; a turning point between nodes that could hide a change of sign is

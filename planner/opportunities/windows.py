@@ -1,4 +1,4 @@
-"""What is known of the opportunities found?"""
+"""What is known of the opportunities found."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

@@ -1,4 +1,4 @@
-"""Which orbit sources are there?"""
+"""The orbit sources."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""How wrong may a predicted orbit be, by its kind and age?"""
+"""The error of a predicted orbit, by its kind and age."""
 
 from dataclasses import dataclass
 

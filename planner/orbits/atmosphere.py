@@ -1,4 +1,4 @@
-"""How dense is the air up there?  Harris-Priester, for mean solar activity."""
+"""The density of the upper air: Harris-Priester, for mean solar activity."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""By how much does an ephemeris miss its next node, if nothing but nature pulls?
+"""By how much an ephemeris misses its next node, if nothing but nature pulls.
 
 What is left shows engines that burn, and nodes that were damaged on their way to us.
 """

@@ -1,4 +1,4 @@
-"""How does a satellite move under all forces?  Picard iteration on Chebyshev nodes.
+"""A satellite's motion under all forces: Picard iteration on Chebyshev nodes.
 
 A segment's acceleration is one polynomial through its nodes; velocity and position are its
 integrals, so that the velocity is the exact derivative of the position.  The force model

@@ -1,4 +1,4 @@
-"""What does every orbit source give?  Positions and velocities over a plan's time span."""
+"""What every orbit source gives: positions and velocities over a plan's time span."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What accelerates a satellite?  Earth, Sun, Moon and air, at many instants at once."""
+"""The accelerations of a satellite by Earth, Sun, Moon and air, at many instants at once."""
 
 from dataclasses import dataclass
 

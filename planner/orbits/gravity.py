@@ -1,4 +1,4 @@
-"""How strongly does the Earth pull?  EIGEN-6S to degree and order 36, at many positions at once."""
+"""The Earth's gravity: EIGEN-6S to degree and order 36, at many positions at once."""
 
 from dataclasses import dataclass
 from functools import cache

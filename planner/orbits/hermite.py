@@ -1,4 +1,4 @@
-"""What lies between the nodes of an ephemeris?  Hermite polynomials on position and velocity."""
+"""Ephemerides between their nodes: Hermite polynomials on position and velocity."""
 
 import numpy as np
 from numpy.typing import NDArray

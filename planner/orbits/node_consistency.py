@@ -1,4 +1,4 @@
-"""Which node of an ephemeris can't be right, seeing its neighbours?
+"""Nodes of an ephemeris that can't be right, seeing their neighbours.
 
 A node with a digit damaged lies off the path that its neighbours lead to, or moves otherwise.
 An engine does neither: a thrust within a cell changes the position by no more than its gain of

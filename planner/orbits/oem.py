@@ -1,4 +1,4 @@
-"""Where is the satellite according to an ephemeris message (CCSDS OEM)?"""
+"""An orbit from an ephemeris message (CCSDS OEM)."""
 
 from dataclasses import dataclass
 from datetime import datetime

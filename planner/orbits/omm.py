@@ -1,4 +1,4 @@
-"""Where is the satellite according to mean elements as a message (CCSDS OMM)?  (SGP4)"""
+"""An orbit from mean elements as a message (CCSDS OMM), by SGP4."""
 
 import math
 from datetime import UTC, datetime

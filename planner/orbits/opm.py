@@ -1,4 +1,4 @@
-"""Where will a satellite be whose state came as a message (CCSDS OPM)?"""
+"""An orbit from a state as a message (CCSDS OPM)."""
 
 import re
 from datetime import datetime

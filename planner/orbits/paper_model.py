@@ -1,4 +1,4 @@
-"""How does the paper predict the orbit?  J2 and J4 only, Runge-Kutta steps of 1 s."""
+"""The paper's prediction of the orbit: J2 and J4 only, Runge-Kutta steps of 1 s."""
 
 import math
 from dataclasses import dataclass

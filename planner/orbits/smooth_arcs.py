@@ -1,4 +1,4 @@
-"""Between which nodes of an ephemeris does no engine burn?
+"""Arcs of an ephemeris over which no engine burns.
 
 A burn makes a kink in the acceleration that a polynomial must not cross.  It shows as a change
 of velocity between two nodes that gravity and air don't explain.

@@ -1,4 +1,4 @@
-"""Where will a satellite be that was at this place with this velocity?"""
+"""An orbit from one position and velocity."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Where is the satellite according to a two-line element set?  (SGP4)"""
+"""An orbit from a two-line element set, by SGP4."""
 
 import calendar
 import re

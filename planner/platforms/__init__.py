@@ -1,4 +1,4 @@
-"""Which platforms are known by name?"""
+"""The platforms known by name."""
 
 from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition

@@ -1,4 +1,4 @@
-"""How does a person write down a two-axis platform?  In degrees."""
+"""A two-axis platform as a person writes it down, in degrees."""
 
 import math
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""What are the axes and limits of the camera platform on the ISS?
+"""The axes and limits of the camera platform on the ISS.
 
 Source: Sumarokov 2016, p. 86 and eq. 11-12.
 """

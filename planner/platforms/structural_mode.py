@@ -1,4 +1,4 @@
-"""How does a structure ring that the platform is mounted on, or that it carries?"""
+"""A structural mode: how what the platform is mounted on, or carries, rings."""
 
 import math
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""What is a two-axis platform: which axes, which limits, how is it mounted?"""
+"""A two-axis platform: its axes, its limits and its mounting."""
 
 import math
 from dataclasses import replace

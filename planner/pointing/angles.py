@@ -1,4 +1,4 @@
-"""Which axis angles, rates and accelerations point a two-axis platform along a direction?"""
+"""Axis angles, rates and accelerations that point a two-axis platform along a direction."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What do the axes do between two rows: the flown cubic Hermite and the planned quintic one?"""
+"""The axes between two rows: the cubic Hermite commanded, the quintic planned."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""How deep does the boresight enter the cones it must keep out of, as they move?"""
+"""How deep the boresight enters the cones it must keep out of, as they move."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Which way must the payload look, and how fast does that direction turn?"""
+"""The direction the payload must look in, and how fast it turns."""
 
 from dataclasses import dataclass
 

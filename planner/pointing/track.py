@@ -1,4 +1,4 @@
-"""How must the axes move to keep the boresight on a target, and can they?"""
+"""The motion of the axes that keeps the boresight on a target, and whether they can."""
 
 import itertools
 import math

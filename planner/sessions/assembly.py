@@ -1,4 +1,4 @@
-"""How do slews and tracks become one command table?"""
+"""Slews and tracks put together as one command table."""
 
 from dataclasses import replace
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""Which steps from way to way make the cheapest chain of slews through all sessions?"""
+"""The cheapest chain of slews through all sessions, step by step from way to way."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""When can the slew first reach the track?"""
+"""The earliest instant at which a slew can reach the track."""
 
 import math
 from collections.abc import Callable, Iterator

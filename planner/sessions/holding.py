@@ -1,4 +1,4 @@
-"""In which ways can a session's target be held?"""
+"""The ways in which a session's target can be held."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How does the platform get from its state onto one session's track?"""
+"""The slew from the platform's state onto one session's track."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""When is the nearest start at which a refused session can be flown?"""
+"""The nearest start at which a refused session can be flown."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What does moving one session cost the others of its request?"""
+"""What moving one session costs the others of its request."""
 
 from dataclasses import replace
 

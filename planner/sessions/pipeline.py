@@ -1,4 +1,4 @@
-"""How does a scenario become a verified plan?  The whole story on one screen."""
+"""From a scenario to a verified plan: the whole story on one screen."""
 
 import time
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Which way is every session held, and when is each joined and left?"""
+"""Which way every session is held, and when each is joined and left."""
 
 import math
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Can a session be flown if it is moved?"""
+"""Trials of whether a session can be flown if it is moved."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""How far off may the camera look, and will the target be in its frame?
+"""The pointing budget: 1-sigma errors, and whether the target will be in the frame.
 
 Each cause is carried through the geometry by repeating it with the cause disturbed by its
 1-sigma: an orbit that is off also turns the local vertical the attitude is against.

@@ -1,4 +1,4 @@
-"""How much does a flexible structure still ring after a slew?"""
+"""How much a flexible structure still rings after a slew."""
 
 import numpy as np
 

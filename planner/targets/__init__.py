@@ -1,4 +1,4 @@
-"""Which target modes are known?"""
+"""The target modes."""
 
 from typing import TYPE_CHECKING, Annotated, Union, get_args
 

@@ -1,4 +1,4 @@
-"""Where does a target seem to be, seen from the moving carrier?"""
+"""The apparent direction of a target, seen from the moving carrier."""
 
 from dataclasses import dataclass
 from typing import Protocol

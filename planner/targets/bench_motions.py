@@ -1,4 +1,4 @@
-"""Which test signals can an axis be given?
+"""The test signals an axis can be given.
 
 Every motion gives angle, rate and acceleration in closed form, in the units of the request:
 `motion_deg(t_s)` has shape (3, n) for t_s of shape (n,).  angle_deg is where the signal is

@@ -1,4 +1,4 @@
-"""Where is the Sun, the Moon or a planet?"""
+"""The Sun, the Moon or a planet as a target."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""How much do the Sun, Jupiter, Saturn and the Earth bend the light of a star or planet?"""
+"""The bending of light from a star or planet by the Sun, Jupiter, Saturn and the Earth."""
 
 import erfa
 import numpy as np

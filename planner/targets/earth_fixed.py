@@ -1,4 +1,4 @@
-"""How is a target seen that belongs to the Earth's surface?"""
+"""Targets that belong to the Earth's surface, and how they are seen."""
 
 import math
 from abc import ABC, abstractmethod

@@ -1,4 +1,4 @@
-"""How near does a line of sight into space pass to the Earth, and what does the air do to it?"""
+"""How near a line of sight into space passes the Earth, and what the air does to it."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Where is a point on the ground?"""
+"""A point on the ground as a target."""
 
 import math
 from typing import ClassVar, Literal

@@ -1,4 +1,4 @@
-"""Where is something that moves over the ground at a steady course and speed?"""
+"""A target that moves over the ground at a steady course and speed."""
 
 import math
 from datetime import datetime

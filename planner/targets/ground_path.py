@@ -1,4 +1,4 @@
-"""Where is the point that scans a line on the ground?"""
+"""A target point that scans a line on the ground."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""From which directions must the boresight keep away?"""
+"""The directions the boresight must keep away from."""
 
 import math
 from typing import Annotated

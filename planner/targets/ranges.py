@@ -1,4 +1,4 @@
-"""Which values can a place on the ground take?"""
+"""The values that a place on the ground can take."""
 
 from typing import Annotated
 

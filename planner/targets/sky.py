@@ -1,4 +1,4 @@
-"""How is a target seen that stands in the sky beyond the Earth?"""
+"""Targets in the sky beyond the Earth, and how they are seen."""
 
 import math
 from abc import ABC, abstractmethod

@@ -1,4 +1,4 @@
-"""How does something go from one level to another with continuous jerk?
+"""A step from one level to another with continuous jerk.
 
 With x from 0 to 1: w = 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7, whose first three derivatives
 vanish at both ends.  Source: Ebert et al. 2003, Texturing and Modeling (smoothstep family).

@@ -1,4 +1,4 @@
-"""How strongly does the air refract at each height?  U.S. Standard Atmosphere 1976, dry air."""
+"""Refractivity by height: U.S. Standard Atmosphere 1976, dry air."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,4 +1,4 @@
-"""Where is a star?"""
+"""A star as a target."""
 
 import math
 from typing import Annotated, Literal

@@ -1,4 +1,4 @@
-"""How do the axes move to identify the platform on the bench, with no target in sight?"""
+"""Axis motions that identify the platform on the bench, with no target in sight."""
 
 import math
 from collections.abc import Mapping

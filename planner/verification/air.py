@@ -1,4 +1,4 @@
-"""How far does the standard atmosphere bend a ray, to the ground or past the limb?
+"""How far the standard atmosphere bends a ray, to the ground or past the limb.
 
 The judge's own air (the printed bases of the U.S. Standard Atmosphere 1976, Ciddor's index)
 and its own quadratures of Bouguer's law, n r sin(zenith angle) = p, layer by layer.

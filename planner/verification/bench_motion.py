@@ -1,4 +1,4 @@
-"""Do the axes fly the motion a bench session prescribes, on the rows and between them?"""
+"""Whether the axes fly a bench session's motion, on the rows and between them."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Where does a direction fixed to the platform point in inertial space?
+"""Directions fixed to the platform, in inertial space.
 
 Derived again from the orbit's states by the definitions of the attitude laws, as plain
 vectors and matrices.

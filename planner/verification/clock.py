@@ -1,4 +1,4 @@
-"""How much time passes between two UTC instants, by the judge's own count of leap seconds?"""
+"""The time between two UTC instants, by the judge's own count of leap seconds."""
 
 from datetime import UTC, datetime
 from functools import cache

@@ -1,4 +1,4 @@
-"""How does the Earth stand at each instant, straight from the IAU series and the IERS's values?
+"""The Earth's orientation, straight from the IAU series and the IERS's values.
 
 The judge's own chain: full IAU 2006/2000A series and the exact celestial and polar matrices
 at instants at most half an hour apart, a cubic spline through them, the Earth rotation angle

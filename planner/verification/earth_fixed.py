@@ -1,4 +1,4 @@
-"""Where does a target fixed to the Earth appear, and does the Earth or its horizon hide it?"""
+"""Where a target fixed to the Earth appears, and whether the Earth hides it."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What does an axis do between two rows?  The cubic Hermite, and its extremes in closed form."""
+"""An axis between two rows: the cubic Hermite, and its extremes in closed form."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Is this command table good?  The independent judge: it reads the table and the scenario."""
+"""The independent judge of a command table: it reads the table and the scenario."""
 
 from collections.abc import Callable
 from functools import cache

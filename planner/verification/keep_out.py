@@ -1,4 +1,4 @@
-"""Does the boresight ever enter a cone it must keep out of, on rows or between them?"""
+"""Whether the boresight enters a cone it must keep out of, on rows or between them."""
 
 import math
 from collections.abc import Iterator

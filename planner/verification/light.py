@@ -1,4 +1,4 @@
-"""What becomes of light on its way to a moving observer: bending at the Sun, aberration?"""
+"""Light on its way to a moving observer: bending at the Sun, aberration."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""How far from the Earth's limb does a line of sight pass, and how high above the ground?"""
+"""How far from the Earth's limb a line of sight passes, and how high above the ground."""
 
 import erfa
 import numpy as np

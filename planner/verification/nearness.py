@@ -1,4 +1,4 @@
-"""How far off its target may the boresight be, and where is it tracked only nearly?"""
+"""How far off its target the boresight may be, and where it tracks it only nearly."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Does the boresight stay on the target through a session, at the rows and between them?"""
+"""Whether the boresight stays on the target, at the rows and between them."""
 
 import math
 from collections.abc import Iterator

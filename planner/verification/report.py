@@ -1,4 +1,4 @@
-"""What did the judge find?  Plain data: margins, pointing errors, findings, a verdict."""
+"""What the judge found: margins, pointing errors, findings, a verdict."""
 
 from dataclasses import dataclass
 from datetime import datetime

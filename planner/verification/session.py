@@ -1,4 +1,4 @@
-"""At which instants is a session judged, and how large is its error over them?"""
+"""The instants at which a session is judged, and its largest error over them."""
 
 from dataclasses import dataclass
 from datetime import datetime

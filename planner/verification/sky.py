@@ -1,4 +1,4 @@
-"""Where does a star, the Sun, the Moon or a planet appear, and how far from the Earth's limb?"""
+"""Where a star, the Sun, the Moon or a planet appears, and how far from the Earth's limb."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Where are the Earth, the Sun, the Moon and the planets, by the judge's own reading of DE421?
+"""The Earth, the Sun, the Moon and the planets, by the judge's own reading of DE421.
 
 The file's bytes are taken apart here; the Earth's velocity is another theory's, ERFA's.
 Source: NAIF, DAF and SPK Required Reading (segments of data type 2).

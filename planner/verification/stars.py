@@ -1,4 +1,4 @@
-"""In which direction does a star stand, seen from a place in the solar system?"""
+"""The direction of a star, seen from a place in the solar system."""
 
 from bisect import bisect_left
 from dataclasses import dataclass

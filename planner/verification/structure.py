@@ -1,4 +1,4 @@
-"""Is the table whole: right epoch, axes and beginning, finite, long enough for every session?"""
+"""Whether the table is whole: epoch, axes and start right, finite, long enough."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How long may a body take to come, and how much of all bodies is held at a time?"""
+"""Bounds on request bodies: how long one may take to arrive, how much is held of all."""
 
 import asyncio
 from http import HTTPStatus

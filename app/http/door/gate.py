@@ -1,4 +1,4 @@
-"""What must a request get past before the service looks at what it asks?"""
+"""The checks a request must pass before the service looks at what it asks."""
 
 import asyncio
 from contextlib import AbstractContextManager, nullcontext

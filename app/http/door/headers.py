@@ -1,4 +1,4 @@
-"""Which headers keep a browser from doing more with our answers than show them?"""
+"""Headers that keep a browser from doing more with our answers than show them."""
 
 from starlette.datastructures import MutableHeaders
 

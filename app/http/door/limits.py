@@ -1,4 +1,4 @@
-"""How often, and how many times at once, may one caller ask?
+"""Limits on how often, and how many times at once, one caller may ask.
 
 A caller is a key, or an address where none is needed.  Counts are this process's own.
 """

@@ -1,4 +1,4 @@
-"""How does the service keep connections from being held, flooded or read two ways?
+"""Keeps connections from being held open, flooded or read in two ways.
 
 Uvicorn's HTTP/1.1 by h11, with what uvicorn leaves out: time limits on heads, on what a client
 still sends after its answer and on its reading of answers, caps on connections and on what waits

@@ -1,4 +1,4 @@
-"""Is a request's head of a shape we answer at all, before anyone reads on?"""
+"""Refuses a request whose head has a shape we never answer, before anyone reads on."""
 
 from collections import Counter
 from http import HTTPStatus

@@ -1,4 +1,4 @@
-"""Under which id do the log, the answer's header and a problem's `instance` speak of a request?"""
+"""The id of a request in the log, in the answer's header and in a problem's `instance`."""
 
 import re
 import uuid

@@ -1,4 +1,4 @@
-"""What happens around every request: its id, its log line, its metrics, its last resort.
+"""Around every request: its id, its log line, its metrics, its last resort.
 
 The outermost layer: whatever an answer comes from, refusals of the gate and bugs included, it
 carries the id and the security headers.

@@ -1,4 +1,4 @@
-"""How does the OpenAPI document show what is answered?  With answers as they were really given."""
+"""Example answers in the OpenAPI document, as they were really given."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""How does the OpenAPI document show each refusal?  With an answer as it is really given."""
+"""Example refusals in the OpenAPI document, as they were really given."""
 
 from dataclasses import dataclass, field, replace
 from http import HTTPStatus

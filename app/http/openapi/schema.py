@@ -1,4 +1,4 @@
-"""What must the OpenAPI document say beyond what FastAPI finds by itself?"""
+"""What the OpenAPI document says beyond what FastAPI finds by itself."""
 
 from typing import Any
 

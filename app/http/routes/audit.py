@@ -1,4 +1,4 @@
-"""How is the audit log read over HTTP?"""
+"""The audit log over HTTP."""
 
 from dataclasses import dataclass
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""How are campaigns asked for, followed and ended over HTTP?"""
+"""Campaigns over HTTP: posted, followed, ended."""
 
 from dataclasses import dataclass
 from http import HTTPStatus

@@ -1,4 +1,4 @@
-"""How are the horizon's estimates, predictions and pictures asked for over HTTP?"""
+"""The horizon over HTTP: estimates, predictions and pictures."""
 
 import hashlib
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""How is work accepted, followed, cancelled and deleted, whatever resource it is for?"""
+"""Jobs over HTTP, of any resource: accepted, followed, cancelled, deleted."""
 
 import hashlib
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""How are opportunities asked for over HTTP?"""
+"""Opportunities over HTTP."""
 
 import hashlib
 from datetime import UTC, datetime

@@ -1,4 +1,4 @@
-"""Which parameters do the resources that hold plans take?  A misspelled one is refused."""
+"""Query parameters of the resources that hold plans; a misspelled one is refused."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""What differs between the resources that hold plans?"""
+"""What differs between the resources that hold plans."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

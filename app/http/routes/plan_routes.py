@@ -1,4 +1,4 @@
-"""How are plans asked for, found, listed, followed and removed over HTTP?
+"""Plans over HTTP: posted, found, listed, followed and removed.
 
 The same for every resource that holds plans.
 """

@@ -1,4 +1,4 @@
-"""How are plans of the two-axis platform asked for over HTTP?"""
+"""Plans of the two-axis platform over HTTP."""
 
 from app.answers.plan import DryRunResponse, PlanResponse
 from app.answers.provenance import ProvenanceOut

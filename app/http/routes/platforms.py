@@ -1,4 +1,4 @@
-"""Which platforms can be asked for by name?"""
+"""The platforms that can be named in a request, over HTTP."""
 
 import math
 from dataclasses import dataclass

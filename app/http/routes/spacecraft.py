@@ -1,4 +1,4 @@
-"""How are sessions of the imaging spacecraft asked for over HTTP?"""
+"""Imaging sessions of the spacecraft over HTTP."""
 
 from app.answers.provenance import ProvenanceOut
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse

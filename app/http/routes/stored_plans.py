@@ -1,4 +1,4 @@
-"""How is a stored plan found and answered with, whole or its table by itself?"""
+"""Finds a stored plan and answers with it, whole or its table by itself."""
 
 from dataclasses import dataclass
 from http import HTTPStatus

@@ -1,4 +1,4 @@
-"""Is the service alive and ready, which version is it, and what has it counted?"""
+"""The service itself over HTTP: alive, ready, version, metrics."""
 
 from dataclasses import dataclass
 from http import HTTPStatus

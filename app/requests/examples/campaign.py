@@ -1,4 +1,4 @@
-"""What do requests for campaigns look like?  Worked examples for the API's pages."""
+"""Example requests for campaigns, for the API's pages."""
 
 from typing import Any
 

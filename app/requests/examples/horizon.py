@@ -1,4 +1,4 @@
-"""What do requests about the horizon look like?  Worked examples for the API's pages."""
+"""Example requests about the horizon, for the API's pages."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Which orbit and attitude messages do the worked examples send?
+"""The orbit and attitude messages of the example requests.
 
 All of the pass of `LAS_VEGAS`: the OEM, OMM and OPM hold the orbit of its TLE.
 """

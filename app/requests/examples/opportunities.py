@@ -1,4 +1,4 @@
-"""What do requests for opportunities look like?  Worked examples for the API's pages."""
+"""Example requests for opportunities, for the API's pages."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What do requests look like?  Worked examples for the API's pages; the tests run them all."""
+"""Example requests for plans, for the API's pages; the tests run them all."""
 
 from typing import Any
 

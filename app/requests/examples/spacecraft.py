@@ -1,4 +1,4 @@
-"""What do requests for imaging sessions look like?  Worked examples for the API's pages."""
+"""Example requests for imaging sessions, for the API's pages."""
 
 from typing import Any
 

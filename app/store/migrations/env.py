@@ -1,4 +1,4 @@
-"""How does Alembic reach the database?  By the connection `app.store.migrate` gives it."""
+"""Alembic's way to the database: the connection `app.store.migrate` gives it."""
 
 from alembic import context
 
