@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.extrapolation import DESCRIPTIONS, Extrapolation, choose, fitted
+from planner.attitude.extrapolation import DESCRIPTIONS, Extrapolation, choose, fit_extrapolation
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import TleOrbit
@@ -76,7 +76,7 @@ def main() -> None:
         choices[str(choice.description)] += 1
         laws: dict[str, Extrapolation | None] = {"chosen by hold-out": choice}
         for description in DESCRIPTIONS:
-            laws[str(description)] = fitted(
+            laws[str(description)] = fit_extrapolation(
                 description, t_s[known], q_body_from_lvlh[known], PERIOD_S
             )
         omegas_rad_s = {

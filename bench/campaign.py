@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from planner.campaigns import CampaignRequest, CampaignTarget, chosen_campaign, scenario_of
+from planner.campaigns import CampaignRequest, CampaignTarget, choose_campaign, scenario_of
 from planner.opportunities import OpportunityConditions
 from planner.orbits import TleOrbit
 from planner.platforms import PLATFORMS
@@ -45,7 +45,7 @@ def main() -> None:
         last[:] = [stage, now_s]
 
     began_s = time.process_time()
-    campaign = chosen_campaign(request, tell)
+    campaign = choose_campaign(request, tell)
     took_s = time.process_time() - began_s
     tell("", 0, 1)
     looks = sum(len(flight.looks) for flight in campaign.passes)

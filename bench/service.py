@@ -20,7 +20,7 @@ import numpy as np
 from plan import EXAMPLE, running_service
 
 from app.answers.plan_head import new_head, whole_answer
-from app.work.plan import planned, stored_table_json
+from app.work.plan import plan_and_pack, stored_table_json
 
 WARM_UP = 10
 
@@ -46,7 +46,7 @@ def _measured(
         request["initial_state"]["angles_deg"] = {"alpha": -30.0 + 0.25 * number, "beta": 5.0}
         body = json.dumps(request).encode()
         began_s = time.perf_counter()
-        made = planned(body)
+        made = plan_and_pack(body)
         table = stored_table_json(made.table_columns)
         whole_answer(new_head(made.state), zlib.decompress(made.document), table)
         bare_s.append(time.perf_counter() - began_s)

@@ -77,7 +77,7 @@ class HorizonCamera:
 
         NaN where the distortion can't be undone, which is only outside the image.
         """
-        plane = _undistorted(self, pixel)
+        plane = _undistort(self, pixel)
         rays = np.column_stack([plane, np.ones(len(plane))])
         rays /= np.linalg.norm(rays, axis=1, keepdims=True)
         return np.asarray(rays @ self._c_camera_from_body)
@@ -104,7 +104,7 @@ class HorizonCamera:
         # Outside the corner's radius the polynomial may fold back into the image.
         plane[np.sum(plane**2, axis=1) > (1.1 * self._reach) ** 2] = np.nan
         if any(self.distortion):
-            plane = _distorted(plane, self.distortion)[0]
+            plane = _distort(plane, self.distortion)[0]
         return plane * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
 
     def sees(self, pixel: Array, margin_px: float = 0.0) -> NDArray[np.bool_]:
@@ -129,14 +129,14 @@ class HorizonCamera:
 
 def _check_lens(camera: HorizonCamera) -> None:
     border = _border_px(camera.width_px, camera.height_px)
-    if not np.all(np.isfinite(_undistorted(camera, border))):
+    if not np.all(np.isfinite(_undistort(camera, border))):
         raise ValueError(
             f"distortion {list(camera.distortion)} folds the image over before its edge; "
             "give coefficients that stay monotone out to the corners"
         )
 
 
-def _distorted(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Array]:
+def _distort(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Array]:
     """Distorted normalised coordinates (n, 2) and their Jacobian (n, 2, 2)."""
     k1, k2, p1, p2, k3 = distortion
     x, y = plane[:, 0], plane[:, 1]
@@ -157,7 +157,7 @@ def _distorted(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Arra
     return distorted, jacobian
 
 
-def _undistorted(camera: HorizonCamera, pixel: Array) -> Array:
+def _undistort(camera: HorizonCamera, pixel: Array) -> Array:
     """Normalised coordinates (n, 2) by Newton's method; NaN where it finds no monotone root."""
     wanted = (pixel - [camera.cx_px, camera.cy_px]) / [camera.fx_px, camera.fy_px]
     if not any(camera.distortion):
@@ -165,13 +165,13 @@ def _undistorted(camera: HorizonCamera, pixel: Array) -> Array:
     plane = wanted.copy()
     with np.errstate(all="ignore"):
         for _ in range(_NEWTON_STEPS):
-            distorted, jacobian = _distorted(plane, camera.distortion)
+            distorted, jacobian = _distort(plane, camera.distortion)
             error = distorted - wanted
             a, b, c, d = jacobian[:, 0, 0], jacobian[:, 0, 1], jacobian[:, 1, 0], jacobian[:, 1, 1]
             determinant = a * d - b * c
             plane[:, 0] -= (d * error[:, 0] - b * error[:, 1]) / determinant
             plane[:, 1] -= (a * error[:, 1] - c * error[:, 0]) / determinant
-        distorted, jacobian = _distorted(plane, camera.distortion)
+        distorted, jacobian = _distort(plane, camera.distortion)
         good = (
             (np.abs(distorted - wanted).max(axis=1) < _CONVERGED)
             & (np.linalg.det(jacobian) > 0.0)
@@ -196,6 +196,4 @@ def _border_px(width_px: int, height_px: int) -> Array:
 
 def _corners(camera: HorizonCamera) -> Array:
     right, bottom = camera.width_px - 1.0, camera.height_px - 1.0
-    return _undistorted(
-        camera, np.array([[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]])
-    )
+    return _undistort(camera, np.array([[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]]))

@@ -13,7 +13,7 @@ _UNEXPLAINED = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.R
 _SKY_SHARE = 0.12
 
 
-def explained(horizon: FoundHorizon, views: list[View], search: Search) -> FoundHorizon:
+def explain_reasons(horizon: FoundHorizon, views: list[View], search: Search) -> FoundHorizon:
     """The horizon, its cameras' reasons replaced where there is a plainer one."""
     reasons = [
         _plainer(camera.reason, view, search)

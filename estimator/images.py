@@ -48,7 +48,7 @@ class Frame:
     table: Grey
     decoded: bool = False
 
-    def saturated(self, pixel: Array) -> NDArray[np.bool_]:
+    def is_saturated(self, pixel: Array) -> NDArray[np.bool_]:
         """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
         height, width = self.grey.shape
         inside = np.nan_to_num(np.rint(pixel))

@@ -64,7 +64,7 @@ class LimbPoints:
     def __len__(self) -> int:
         return len(self.azimuth_rad)
 
-    def thinned(self, by: int) -> "LimbPoints":
+    def every(self, by: int) -> "LimbPoints":
         """Every so many-th column; neighbours share nearly all they know."""
         kept = {
             field.name: getattr(self, field.name)[::by]
@@ -131,7 +131,7 @@ def find_limb(
     m_per_px = 2.0 * rise_m / length[good]
     typical_m_per_px = float(np.median(m_per_px)) if len(azimuth) else 1.0
     if len(azimuth) < 8:
-        return _nothing(step_rad)
+        return _no_points(step_rad)
 
     smooth_px = max(_SMOOTHING_M / typical_m_per_px, 0.9)
     pitch_px = float(np.clip(smooth_px / 3.0, 0.35, 2.0))
@@ -172,7 +172,7 @@ def find_limb(
         azimuth_rad=azimuth,
         found=found & np.isfinite(ray[:, 0]),
         blocked=~inside[:, half],
-        clipped=np.any(frame.saturated(shoulder), axis=1),
+        clipped=np.any(frame.is_saturated(shoulder), axis=1),
         sigma_rad=sigma_px * m_per_px / reach_m,
         width_m=width_px * m_per_px,
         contrast=(within - beyond) / (within + beyond + 1e-6),
@@ -258,7 +258,7 @@ def gumbel_shift(blur: float) -> float:
     return float(np.interp(blur, *_gumbel_shifts()))
 
 
-def _nothing(step_rad: float) -> LimbPoints:
+def _no_points(step_rad: float) -> LimbPoints:
     none = np.zeros(0)
     no = np.zeros(0, dtype=bool)
     return LimbPoints(

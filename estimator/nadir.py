@@ -92,7 +92,7 @@ def attitude_facing(nadir_body: Array, limb: Limb, heading_rad: float = 0.0) -> 
     return np.asarray(body.T @ itrf)
 
 
-def turned_to(c_body_from_itrf: Array, nadir_body: Array, limb: Limb) -> Array:
+def attitude_with_nadir(c_body_from_itrf: Array, nadir_body: Array, limb: Limb) -> Array:
     """The attitude turned by the least angle so that geodetic nadir lies along (3,)."""
     have = c_body_from_itrf @ limb.nadir_geodetic_itrf
     axis = np.cross(have, nadir_body)
@@ -107,7 +107,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     """The best attitude and limb height from a trial attitude near it."""
     used = [p for p in points if np.any(p.found)]
     if not used:
-        return _unfitted(points, c_body_from_itrf, prior)
+        return _without_fit(points, c_body_from_itrf, prior)
     ray_body = np.concatenate([p.ray_body[p.found] for p in used])
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
     crowd = np.concatenate([columns_per_patch(p)[p.found] for p in used])
@@ -118,7 +118,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     by_m = (limb.cone(prior.height_m + 50.0) - limb.cone(prior.height_m - 50.0)) / 100.0
     c = c_body_from_itrf.copy()
     # Besides the tilts: turn, height, and what lifts the limb from place to place.
-    expected, sigma = _expected(prior, clipped.shape[1], bent_body.shape[2])
+    expected, sigma = _expected_unknowns(prior, clipped.shape[1], bent_body.shape[2])
     free = expected.copy()
     known = sigma**-2
     # Out of this range it will be refused; within it, there is a limb to compare with.
@@ -156,7 +156,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     # A fit worse than its model says is less certain than its model says.
     covariance = np.linalg.inv(normal) * _misfit2(residual, weight, one, spread2)
     return replace(
-        _unfitted(points, c, prior),
+        _without_fit(points, c, prior),
         height_m=float(free[1]),
         covariance=covariance,
         residual_rad=_per_camera(points, residual),
@@ -165,7 +165,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     )
 
 
-def turned_within(result: Fit, limb: Limb) -> list[Fit]:
+def fits_within_uncertainty(result: Fit, limb: Limb) -> list[Fit]:
     """A fit cut into slices of its own uncertainty about nadir, so that each may be judged.
 
     Every slice has its share of that uncertainty left; its cost holds how far out it lies.
@@ -190,7 +190,7 @@ def turned_within(result: Fit, limb: Limb) -> list[Fit]:
     return slices
 
 
-def _expected(prior: Prior, overexposed: int, bends: int) -> tuple[Array, Array]:
+def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, and their 1-sigma; lenses' in units of theirs."""
     expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
     expected += [0.0] * bends
@@ -287,7 +287,7 @@ def _per_camera(points: list[LimbPoints], values: Array) -> tuple[Array, ...]:
     return tuple(spread)
 
 
-def _unfitted(points: list[LimbPoints], c: Array, prior: Prior) -> Fit:
+def _without_fit(points: list[LimbPoints], c: Array, prior: Prior) -> Fit:
     nothing = tuple(np.full(len(p), np.nan) for p in points)
     return Fit(
         c_body_from_itrf=c,

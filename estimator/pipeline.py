@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
-from estimator.explain import explained
+from estimator.explain import explain_reasons
 from estimator.images import Pixels, blue_is_sharp, prepare
 from estimator.limb_geometry import Limb
 from estimator.nadir import Fit
@@ -95,7 +95,7 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
         c_predicted=c_predicted,
     )
     views = [look(frame, camera) for frame, camera in zip(frames, request.cameras, strict=True)]
-    horizon = explained(find_horizon(views, search), views, search)
+    horizon = explain_reasons(find_horizon(views, search), views, search)
     return _answer(horizon, request, around, c_predicted)
 
 

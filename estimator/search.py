@@ -25,7 +25,14 @@ from estimator.gates import (
 from estimator.heading import Sunlight, limb_brightness, limb_colour
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
-from estimator.nadir import Fit, Prior, attitude_facing, fit, turned_to, turned_within
+from estimator.nadir import (
+    Fit,
+    Prior,
+    attitude_facing,
+    attitude_with_nadir,
+    fit,
+    fits_within_uncertainty,
+)
 from estimator.prior import air_scale_m
 from estimator.request import Surroundings
 from estimator.tone import fade_ratio, linear
@@ -91,7 +98,7 @@ class Search:
     def start(self, nadir_body: Array) -> Array:
         if self.c_predicted is None:
             return attitude_facing(nadir_body, self.around.limb)
-        return turned_to(self.c_predicted, nadir_body, self.around.limb)
+        return attitude_with_nadir(self.c_predicted, nadir_body, self.around.limb)
 
 
 def look(frame: Frame, camera: HorizonCamera) -> View:
@@ -142,13 +149,13 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Array) -> FoundHor
     active = [view.unusable is None for view in views]
     points, result = _first_fit(views, search, c_body_from_itrf, active)
     if search.daylight:
-        decoded = _decoded(views, points, result, search)
+        decoded = _decode(views, points, result, search)
         if decoded is not None:
             views = decoded
             points, result = _first_fit(views, search, result.c_body_from_itrf, active)
-    cameras = _judged(views, points, result, search)
+    cameras = _judge(views, points, result, search)
     if all(c.arc_rad < _PROMISING * p.arc_rad for c, p in zip(cameras, points, strict=True)):
-        return _failed(points, result, cameras)
+        return _failure(points, result, cameras)
     if search.daylight:
         cameras = [
             replace(c, reason=_no_lit_earth(view, p, search, result)) if on else c
@@ -156,21 +163,21 @@ def _try(views: list[View], search: Search, c_body_from_itrf: Array) -> FoundHor
         ]
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
     if not any(active):
-        return _failed(points, result, cameras)
+        return _failure(points, result, cameras)
     for window in _WINDOWS_RAD:
         c, height = result.c_body_from_itrf, result.height_m
         points = _all_points(views, search, c, height, window, active)
         result = fit(points, limb, c, prior)
-        judged = _judged(views, points, result, search)
-        cameras = _kept_reasons(judged, cameras, active)
+        judged = _judge(views, points, result, search)
+        cameras = _keep_reasons(judged, cameras, active)
         active = [on and c.reason is None for on, c in zip(active, cameras, strict=True)]
         if not any(active):
-            return _failed(points, result, cameras)
+            return _failure(points, result, cameras)
     if not all(active):
-        points = [p if on else _emptied(p) for p, on in zip(points, active, strict=True)]
+        points = [p if on else _without_points(p) for p, on in zip(points, active, strict=True)]
     fits = _all_headings(views, points, result.c_body_from_itrf, search, *_HEADINGS)
-    judged = _judged(views, points, fit(points, limb, _best(fits).c_body_from_itrf, prior), search)
-    cameras = _kept_reasons(judged, cameras, active)
+    judged = _judge(views, points, fit(points, limb, _best(fits).c_body_from_itrf, prior), search)
+    cameras = _keep_reasons(judged, cameras, active)
     horizon = FoundHorizon(reason=None, fits=fits, cameras=tuple(cameras), points=tuple(points))
     return replace(horizon, reason=_verdict(horizon, search))
 
@@ -186,7 +193,7 @@ def _first_fit(
     return points, fit(points, search.around.limb, c, search.prior)
 
 
-def _decoded(
+def _decode(
     views: list[View], points: list[LimbPoints], rough: Fit, search: Search
 ) -> list[View] | None:
     """The views with their tone curves undone, or None where files hold light as it is.
@@ -231,7 +238,7 @@ def _points(
     limb = search.around.limb
     points = find_limb(view.frame, view.camera, limb, c, height, window_rad, scale_m)
     if not active:
-        return _emptied(points)
+        return _without_points(points)
     # Without a prediction the first window's brightness has told the Sun's side by now.
     facing_known = search.heading_known or window_rad < _FIRST_WINDOW_RAD
     if search.daylight and facing_known and len(points):
@@ -255,13 +262,15 @@ def _all_headings(
         return ((1.0, fit(points, limb, c_body_from_itrf, prior)),)
     prior = replace(prior, heading_sigma_rad=np.pi / tried)
     nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
-    points = [p.thinned(_THINNED) for p in points]
+    points = [p.every(_THINNED) for p in points]
     headings = np.arange(tried) * (2.0 * np.pi / tried)
     facing = [attitude_facing(nadir_body, limb, heading) for heading in headings]
     clues = _sunlight(views, points, search, nadir_body)
     costs = np.array([clues.cost(c, prior.height_m) for c in facing])
     facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
-    fits = [one for c in facing for one in turned_within(fit(points, limb, c, prior), limb)]
+    fits = [
+        one for c in facing for one in fits_within_uncertainty(fit(points, limb, c, prior), limb)
+    ]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     cost = cost + [clues.cost(f.c_body_from_itrf, f.height_m) for f in fits]
     weight = np.exp(-0.5 * (cost - cost.min()))
@@ -288,7 +297,7 @@ def _best(fits: tuple[tuple[float, Fit], ...]) -> Fit:
     return max(fits, key=lambda weighted: weighted[0])[1]
 
 
-def _judged(
+def _judge(
     views: list[View], points: list[LimbPoints], result: Fit, search: Search
 ) -> list[CameraFit]:
     reach_m = search.around.limb.touch_range_m(result.height_m)
@@ -311,7 +320,7 @@ def _no_lit_earth(view: View, points: LimbPoints, search: Search, rough: Fit) ->
     return Reason.GLOWING_LAYER if dark or is_glowing_layer(points) else None
 
 
-def _kept_reasons(
+def _keep_reasons(
     judged: list[CameraFit], before: list[CameraFit], active: list[bool]
 ) -> list[CameraFit]:
     """The latest judgement; cameras set aside earlier keep why."""
@@ -364,11 +373,11 @@ def _with_no_dissent(
     return found
 
 
-def _emptied(points: LimbPoints) -> LimbPoints:
+def _without_points(points: LimbPoints) -> LimbPoints:
     return replace(points, found=np.zeros(len(points), dtype=bool))
 
 
-def _failed(points: list[LimbPoints], result: Fit, cameras: list[CameraFit]) -> FoundHorizon:
+def _failure(points: list[LimbPoints], result: Fit, cameras: list[CameraFit]) -> FoundHorizon:
     reasons = [c.reason for c in cameras if c.reason is not None]
     longest = max(cameras, key=lambda c: c.arc_rad)
     return FoundHorizon(

@@ -101,7 +101,7 @@ class DrawnHorizon:
         light = np.zeros((len(rays), 3))
         through = np.zeros((len(rays), 3))
         for shift_m in (-half_px_m, half_px_m):
-            air, clear = _looked_up(tables, azimuth, tangent_m + shift_m)
+            air, clear = _look_up(tables, azimuth, tangent_m + shift_m)
             light += 0.5 * air
             through += 0.5 * clear
         ground = tangent_m < 0.0
@@ -159,10 +159,10 @@ class DrawnHorizon:
         sun = normal @ self.sun_itrf
         light = np.stack([np.interp(sun, cosine, table[:, c]) for c in range(3)], axis=1)
         light += self.scene.moonlight * _MOONLIT
-        land = _sampled(self._ground, east_m, north_m, 0.6) < self.scene.land
-        cloud = _sampled(self._clouds, east_m, north_m, 1.0)
+        land = _sample(self._ground, east_m, north_m, 0.6) < self.scene.land
+        cloud = _sample(self._clouds, east_m, north_m, 1.0)
         cover = np.clip((self.scene.cloud_cover - cloud) / 0.12, 0.0, 1.0)[:, None]
-        texture = 0.6 + 0.8 * _sampled(self._clouds, north_m, east_m, 5.0)[:, None]
+        texture = 0.6 + 0.8 * _sample(self._clouds, north_m, east_m, 5.0)[:, None]
         albedo = np.where(land[:, None], _LAND * texture, _OCEAN)
         return np.asarray(light * (albedo * (1.0 - cover) + _CLOUD * texture * cover))
 
@@ -195,7 +195,7 @@ def _pixel_rays_itrf(camera: HorizonCamera, c_body_from_itrf: Array) -> Array:
     return camera.rays_body(np.column_stack([x.ravel(), y.ravel()])) @ c_body_from_itrf
 
 
-def _looked_up(tables: LimbRadiance, azimuth: Array, tangent_m: Array) -> tuple[Array, Array]:
+def _look_up(tables: LimbRadiance, azimuth: Array, tangent_m: Array) -> tuple[Array, Array]:
     """Radiance and transmittance (n, 3) by bilinear interpolation in the tables."""
     grid = tables.tangent_m
     middle = 0.5 * (tables.azimuth_rad[0] + tables.azimuth_rad[-1])
@@ -243,7 +243,7 @@ def _texture(rng: np.random.Generator, slope: float) -> NDArray[np.float32]:
     return ranks.reshape(noise.shape)
 
 
-def _sampled(tile: NDArray[np.float32], x_m: Array, y_m: Array, zoom: float) -> Array:
+def _sample(tile: NDArray[np.float32], x_m: Array, y_m: Array, zoom: float) -> Array:
     scale = zoom * _TILE_PX / _TILE_M
     i, j = np.mod(x_m * scale, _TILE_PX - 1.0), np.mod(y_m * scale, _TILE_PX - 1.0)
     i0, j0 = i.astype(int), j.astype(int)

@@ -38,10 +38,10 @@ class Effort:
     _token: Token["Effort | None"] = field(init=False, repr=False)
 
     @property
-    def left(self) -> float:
+    def remaining(self) -> float:
         """Least of its own and of all around it."""
         own = max(self.bound - self.done_rows, 0.0)
-        return own if self.outer is None else min(own, self.outer.left)
+        return own if self.outer is None else min(own, self.outer.remaining)
 
     def __enter__(self) -> "Effort":
         self.outer = _NOW.get()
@@ -96,7 +96,7 @@ def count(rows: float) -> None:
         effort.add(rows)
 
 
-def left() -> float:
+def remaining() -> float:
     """What may still be done; infinite where nothing is bounded."""
     effort = _NOW.get()
-    return float("inf") if effort is None else effort.left
+    return float("inf") if effort is None else effort.remaining

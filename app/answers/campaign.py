@@ -130,7 +130,7 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
         CampaignResponse(
             **{name: getattr(told, name) for name in JobResponse.__dataclass_fields__},
             choice=None if choice is None else _CHOICE.validate_python(choice),
-            planned=_planned(passes),
+            planned=_planned_out(passes),
             passes=passes,
         )
     )
@@ -150,7 +150,7 @@ def _pass_out(part: Job) -> CampaignPassOut:
     )
 
 
-def _planned(passes: Sequence[CampaignPassOut]) -> PlannedOut:
+def _planned_out(passes: Sequence[CampaignPassOut]) -> PlannedOut:
     states = [one.state for one in passes]
     looks = [look for one in passes if one.state == "done" for look in one.looks]
     return PlannedOut(

@@ -96,7 +96,7 @@ def estimate_out(
     estimate: VerticalEstimate, overlays: Sequence[bytes], provenance: ProvenanceOut
 ) -> EstimateResponse:
     """overlays: PNG files, one per camera, or none at all."""
-    geocentric, geodetic = _told(estimate.geocentric), _told(estimate.geodetic)
+    geocentric, geodetic = _nadir_fields(estimate.geocentric), _nadir_fields(estimate.geodetic)
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
     return EstimateResponse(
         verdict=estimate.verdict,
@@ -164,17 +164,17 @@ def _check(check: AttitudeCheck) -> CheckOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Told:
+class _NadirFields:
     nadir_body: list[float] | None = None
     axes_body: list[list[float]] | None = None
     covariance_deg2: list[list[float]] | None = None
     sigma_deg: float | None = None
 
 
-def _told(nadir: Nadir | None) -> _Told:
+def _nadir_fields(nadir: Nadir | None) -> _NadirFields:
     if nadir is None:
-        return _Told()
-    return _Told(
+        return _NadirFields()
+    return _NadirFields(
         nadir_body=rounded(nadir.nadir_body),
         axes_body=rows(nadir.axes_body),
         covariance_deg2=rows(nadir.covariance_rad2 * math.degrees(1.0) ** 2, 12),

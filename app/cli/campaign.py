@@ -14,10 +14,10 @@ from rich.table import Table
 from rich.text import Text
 
 from app.cli.report_parts import print_warnings
-from app.store.planned import Planned
+from app.store.planned import NewPlan
 from app.work import progress
-from app.work.campaign import Chosen, Part, choose, without_refused
-from app.work.plan import planned, stored_table_json
+from app.work.campaign import NewCampaign, Part, choose, without_refused
+from app.work.plan import plan_and_pack, stored_table_json
 from planner.errors import Refusal
 
 SHOWN_MAX = 100
@@ -28,11 +28,11 @@ class PlannedPass:
     """A pass with its plan; None where no look of it can be flown, and then why."""
 
     part: Part
-    plan: Planned | None
+    plan: NewPlan | None
     refusal: str | None
 
 
-def run_campaign(body: bytes) -> tuple[Chosen, list[PlannedPass]]:
+def run_campaign(body: bytes) -> tuple[NewCampaign, list[PlannedPass]]:
     """Choose and plan, with a bar on a terminal; raises a Refusal of the request."""
     with _bar() as bar:
         task = bar.add_task("opportunities", total=None)
@@ -46,7 +46,7 @@ def run_campaign(body: bytes) -> tuple[Chosen, list[PlannedPass]]:
         bar.update(task, description="plans", completed=0, total=len(chosen.parts))
         flown = []
         for part in chosen.parts:
-            flown.append(_flown(part))
+            flown.append(_plan_pass(part))
             bar.advance(task)
     return chosen, flown
 
@@ -65,11 +65,11 @@ def _bar() -> Iterator[Progress]:
         yield bar
 
 
-def _flown(part: Part) -> PlannedPass:
+def _plan_pass(part: Part) -> PlannedPass:
     """The pass, without what can't be flown of it."""
     while True:
         try:
-            return PlannedPass(part=part, plan=planned(part.request), refusal=None)
+            return PlannedPass(part=part, plan=plan_and_pack(part.request), refusal=None)
         except Refusal as refusal:
             repaired = without_refused(part, refusal.field, refusal.detail)
             if repaired is None:
@@ -97,13 +97,13 @@ def print_campaign(told: dict[str, object], flown: list[PlannedPass]) -> None:
         if ids:
             console.print(Text(f"{meaning}: {', '.join(ids[:SHOWN_MAX])}"))
     for one in flown:
-        print_warnings(console, _not_flown(one))
+        print_warnings(console, _losses(one))
     warnings = told["warnings"]
     assert isinstance(warnings, list)
     print_warnings(console, warnings)
 
 
-def _not_flown(one: PlannedPass) -> Iterator[str]:
+def _losses(one: PlannedPass) -> Iterator[str]:
     for left_out in one.part.told["left_out"]:
         yield (
             f"pass {one.part.told['pass']}: {left_out['target']} was left out, "

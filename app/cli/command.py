@@ -27,7 +27,7 @@ WholeAnswer = Annotated[
 
 
 class _OneLinePerFault(TyperGroup):
-    """Says what is wrong with the words of a command as everything else is said."""
+    """Reports a wrong argument as every other refusal is reported."""
 
     def main(self, *args: Any, **options: Any) -> Any:  # noqa: ANN401 (Typer's own signature)
         try:
@@ -309,7 +309,7 @@ def worker(
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _RequestFile:
     """A request as it stands in its file, and when it was read."""
 
     body: bytes
@@ -320,9 +320,9 @@ class _Asked:
         return hashlib.sha256(self.body).hexdigest()
 
 
-def _read(file: str) -> _Asked:
+def _read(file: str) -> _RequestFile:
     body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
-    return _Asked(body, datetime.now(UTC))
+    return _RequestFile(body, datetime.now(UTC))
 
 
 def _formats_and_paths(texts: list[str] | None, formats: Collection[str]) -> list[tuple[str, Path]]:

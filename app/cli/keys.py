@@ -73,10 +73,10 @@ def revoke(
 def _store() -> Iterator["KeyStore"]:
     from app.settings import settings_of_environment
     from app.store.keys import KeyStore
-    from app.store.migrate import opened
+    from app.store.migrate import open_migrated
 
     settings = settings_of_environment()
-    with opened(settings.database_url, settings.data_dir) as database:
+    with open_migrated(settings.database_url, settings.data_dir) as database:
         yield KeyStore(database)
 
 

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import typer
 
-from app.log.exceptions import described
+from app.log.exceptions import describe_error
 from planner.errors import Refusal, Unverified
 
 FAILED, REFUSED = 1, 2
@@ -27,7 +27,7 @@ def one_line_for_what_goes_wrong() -> Iterator[None]:
         raise typer.Exit(REFUSED) from None
     except Exception as error:  # noqa: BLE001 (the edge: a user gets one line, not a traceback)
         by_driver = type(error).__module__.startswith(("sqlalchemy", "psycopg", "sqlite3"))
-        told = described(error) if by_driver else f"{type(error).__name__}: {error}"
+        told = describe_error(error) if by_driver else f"{type(error).__name__}: {error}"
         say(f"internal error: {told}")
         raise typer.Exit(FAILED) from None
 

@@ -24,7 +24,7 @@ _LOOK_S = 0.25
 _SILENCE_S = 15.0  # proxies cut connections nothing comes over
 
 
-async def told(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
+async def stream_events(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
     """Events after the seq-th, until the job has ended or the service is told to stop."""
     stopping: asyncio.Event = request.app.state.stopping
     said_s = time.monotonic()

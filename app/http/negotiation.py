@@ -9,10 +9,10 @@ JSON = "application/json"
 
 def accepts_json(request: Request) -> None:
     """Refuse with 406 a client that wants something else than JSON."""
-    preferred(request, (JSON,))
+    preferred_type(request, (JSON,))
 
 
-def preferred(request: Request, offered: tuple[str, ...]) -> str:
+def preferred_type(request: Request, offered: tuple[str, ...]) -> str:
     """The offered media type the Accept header weighs most, the first of equals.
 
     Raises 406 when it admits none.  Source: RFC 9110, section 12.5.1.

@@ -57,11 +57,11 @@ def http_error(request: Request, error: Exception) -> Response:
     return problem_answer(
         request,
         {"type": "about:blank", "title": status.phrase, "status": status.value, "detail": detail},
-        _allowed(request) if status == HTTPStatus.METHOD_NOT_ALLOWED else error.headers,
+        _allowed_methods(request) if status == HTTPStatus.METHOD_NOT_ALLOWED else error.headers,
     )
 
 
-def _allowed(request: Request) -> dict[str, str]:
+def _allowed_methods(request: Request) -> dict[str, str]:
     """All methods of the address; Starlette names those of its first route only."""
     path = getattr(request.scope.get("route"), "path", "")
     methods = {*request.app.openapi()["paths"].get(path, {"get": {}})}  # else one of our pages

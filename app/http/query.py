@@ -22,7 +22,7 @@ class Parameters(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _as_documented(cls, given: object, info: ValidationInfo) -> object:
+    def _require_documented_form(cls, given: object, info: ValidationInfo) -> object:
         if isinstance(given, str) and info.field_name is not None:
             wanted = cls.model_fields[info.field_name].annotation
             if wanted is int and not _WHOLE.fullmatch(given):

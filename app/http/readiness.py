@@ -44,7 +44,7 @@ class Readiness:
     """Asks all checks at once, each by one thread at a time."""
 
     def __init__(self, checks: Mapping[str, Check]) -> None:
-        self._checks = [_Kept(name, check) for name, check in checks.items()]
+        self._checks = [_LastAnswer(name, check) for name, check in checks.items()]
 
     async def now(self) -> tuple[ReadinessCheckOut, ...]:
         """At most some seconds old, and answered within two."""
@@ -52,10 +52,10 @@ class Readiness:
         waited_for = [one for one in asked if one is not None]
         if waited_for:
             await asyncio.wait(waited_for, timeout=_WAIT_S)
-        return tuple(check.told() for check in self._checks)
+        return tuple(check.answer() for check in self._checks)
 
 
-class _Kept:
+class _LastAnswer:
     """A check, and what it found last."""
 
     def __init__(self, name: str, check: Check) -> None:
@@ -74,12 +74,12 @@ class _Kept:
 
     async def _ask(self) -> None:
         try:
-            self._found = await to_thread.run_sync(_asked, self._name, self._check)
+            self._found = await to_thread.run_sync(_run_check, self._name, self._check)
             self._found_s = time.monotonic()
         finally:
             self._asking = None
 
-    def told(self) -> ReadinessCheckOut:
+    def answer(self) -> ReadinessCheckOut:
         """Of a check that takes its time, what it found before, while that isn't old."""
         if self._found is None or time.monotonic() - self._found_s > _OLD_S:
             return ReadinessCheckOut(
@@ -88,7 +88,7 @@ class _Kept:
         return self._found
 
 
-def _asked(name: str, check: Check) -> ReadinessCheckOut:
+def _run_check(name: str, check: Check) -> ReadinessCheckOut:
     try:
         state, detail = check()
     except StoreUnavailable as error:

@@ -14,7 +14,7 @@ from app.jobs.dask_address import check_scheduler
 from app.log.logs import configure_logs
 from app.settings import Settings
 from app.store.keys import KeyStore
-from app.store.migrate import opened
+from app.store.migrate import open_migrated
 from planner.errors import Refusal
 
 # For requests at work when the service is told to stop: who only waits is answered at once.
@@ -31,7 +31,7 @@ def serve_on(host: str, port: int, settings: Settings) -> None:
     if not is_loopback(host):
         settings = settings.model_copy(update={"require_keys": True})
         _require_a_key(host, settings)
-    with opened(settings.database_url, settings.data_dir):
+    with open_migrated(settings.database_url, settings.data_dir):
         pass  # what is wrong with it is told before anything starts
     _require_free(host, port)
     configure_logs(settings.log_level, settings.log_format)
@@ -98,7 +98,7 @@ class _Server(uvicorn.Server):
 
 
 def _require_a_key(host: str, settings: Settings) -> None:
-    with opened(settings.database_url, settings.data_dir) as database:
+    with open_migrated(settings.database_url, settings.data_dir) as database:
         if not KeyStore(database).any_valid():
             raise Refusal(
                 f"{host} can be reached from other machines and there is no API key yet; make one "

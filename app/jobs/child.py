@@ -60,14 +60,14 @@ def do_all(line: Connection) -> None:
     _say_nothing()
     if not line.poll(_IDLE_S):
         warm.warm_up()
-    report_through(lambda progress: line.send_bytes(_packed(PROGRESS, progress)))
+    report_through(lambda progress: line.send_bytes(_pack_outcome(PROGRESS, progress)))
     grown_bytes = _bytes(_HELD) + _GROWN_BYTES
     while True:
         try:
             bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
         except (EOFError, ConnectionResetError):  # the service has ended
             return
-        line.send_bytes(_packed(BEGUN, None))
+        line.send_bytes(_pack_outcome(BEGUN, None))
         _bind(bounds)
         line.send_bytes(_answer(bounds, work, given, grown_bytes))
 
@@ -80,18 +80,18 @@ def _answer(
             kind, value = DONE, work(*given)
         except Refusal as refusal:
             kind, value = REFUSED, refusal
-        return _packed(kind, value, not bounds.alone and _bytes(_HELD) < grown_bytes)
+        return _pack_outcome(kind, value, not bounds.alone and _bytes(_HELD) < grown_bytes)
     except MemoryError:
         too_much = TooDemanding(
             f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
             "a time"
         )
-        return _packed(REFUSED, too_much)
+        return _pack_outcome(REFUSED, too_much)
     except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
-        return _packed(FAILED, traceback_text(error))
+        return _pack_outcome(FAILED, traceback_text(error))
 
 
-def _packed(kind: int, value: object, may_do_more: bool = False) -> bytes:
+def _pack_outcome(kind: int, value: object, may_do_more: bool = False) -> bytes:
     return pickle.dumps((kind, value, may_do_more))
 
 

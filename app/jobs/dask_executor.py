@@ -68,7 +68,7 @@ class DaskExecutor:
             del self._listeners[key]
 
     def _done(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
-        client = self._connected()
+        client = self._connect()
         future = client.submit(run_here, key, task, key=key, resources={SLOT: 1}, pure=False)
         future.add_done_callback(lambda _: wake.set())
         wake.wait()
@@ -92,7 +92,7 @@ class DaskExecutor:
         except _LOST as error:
             log.warning("the cluster was lost", error=error)
 
-    def _connected(self) -> Client:
+    def _connect(self) -> Client:
         """A client of the scheduler, a new one where the last has lost it; raises TimeoutError."""
         with self._lock:
             if self._client is None or self._client.status != "running":

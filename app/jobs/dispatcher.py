@@ -105,7 +105,7 @@ class Dispatcher:
         Raises QueueFull.
         """
         if not self._take_place():
-            job, _ = self._accepted(new, mine=False)
+            job, _ = self._accept_once(new, mine=False)
             self._look_again()
             return job
         # Worked on while the database writes it down; nobody hears of what isn't accepted.
@@ -113,7 +113,7 @@ class Dispatcher:
         work = self._work(running, new.request, new.deadline_s)
         token = None
         try:
-            job, token = self._accepted(new, mine=True)
+            job, token = self._accept_once(new, mine=True)
         finally:
             if token is None:
                 running.stop.request()
@@ -123,13 +123,13 @@ class Dispatcher:
             self._follow(running, work)
         return job
 
-    def _accepted(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
+    def _accept_once(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
         try:
-            return self._written(new, mine)
+            return self._write_job(new, mine)
         except IntegrityError:  # the same key came in elsewhere at the same time
-            return self._written(new, mine)
+            return self._write_job(new, mine)
 
-    def _written(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
+    def _write_job(self, new: NewJob, mine: bool) -> tuple[Job, str | None]:
         with self._database.writing() as connection:
             if new.idempotency is not None:
                 known = jobs.find_idempotent(connection, new.idempotency)
@@ -236,7 +236,7 @@ class Dispatcher:
         told = {name: value for name, value in asdict(progress).items() if value is not None}
         try:
             with self._database.writing() as connection:
-                if jobs.owned(connection, running.token) is not None:
+                if jobs.job_of_lease(connection, running.token) is not None:
                     events.record(connection, running.job_id, events.PROGRESS, told)
         except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
             log.warning("progress can't be stored", job=running.job_id, error=error)
@@ -245,7 +245,7 @@ class Dispatcher:
         took_s = time.monotonic() - running.began_s
         state = None
         try:
-            state = self._stored(running, done)
+            state = self._store_end(running, done)
             if state is not None:
                 result = done.result() if done.exception() is None else None
                 iterations = None if result is None else running.kind.iterations(result)
@@ -260,7 +260,7 @@ class Dispatcher:
             if self._may_wait or state in OPEN_STATES or running.parent_id is not None:
                 self._look_again()
 
-    def _stored(self, running: _Running, done: Future[Any]) -> JobState | None:
+    def _store_end(self, running: _Running, done: Future[Any]) -> JobState | None:
         """The state the job has now; None when it is no longer ours.
 
         What no database takes would fail again at every attempt: it is given up at once.
@@ -287,7 +287,7 @@ class Dispatcher:
         while True:
             try:
                 with self._database.writing() as connection:
-                    job = jobs.owned(connection, running.token)
+                    job = jobs.job_of_lease(connection, running.token)
                     if job is None:
                         log.warning("a lease was lost", job=running.job_id)
                         return None
@@ -318,7 +318,7 @@ class Dispatcher:
         while self._is_work_waiting() and self._take_place():
             claimed = None
             try:
-                claimed = self._claimed()
+                claimed = self._claim_next()
             finally:
                 if claimed is None:
                     self._leave_place()
@@ -341,7 +341,7 @@ class Dispatcher:
             self._may_wait = jobs.is_work_waiting(connection, tuple(JOB_KINDS))
         return self._may_wait
 
-    def _claimed(self) -> Claimed | None:
+    def _claim_next(self) -> Claimed | None:
         """The next job that is to be worked on."""
         while True:
             with self._database.writing() as connection:
@@ -368,7 +368,7 @@ class Dispatcher:
             self._extended_s = now_s
         else:
             with self._database.reading() as connection:
-                unwanted = jobs.unwanted(connection, tuple(by_token))
+                unwanted = jobs.leases_to_end(connection, tuple(by_token))
         for token in unwanted:
             by_token[token].stop.request()
 

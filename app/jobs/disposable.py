@@ -148,9 +148,9 @@ class _Children:
 
     def take(self) -> _Child:
         """The one that worked last of those that wait, or a new one."""
-        return self._counted(lambda: self._that_waited() or _Child())
+        return self._count_in(lambda: self._next_waiting() or _Child())
 
-    def _counted(self, child: Callable[[], _Child]) -> _Child:
+    def _count_in(self, child: Callable[[], _Child]) -> _Child:
         """As one that works, unless there is none: the server may have been killed, too."""
         with self._lock:
             self._working += 1
@@ -161,7 +161,7 @@ class _Children:
                 self._working -= 1
             raise
 
-    def _that_waited(self) -> _Child | None:
+    def _next_waiting(self) -> _Child | None:
         while True:
             with self._lock:
                 if not self._waiting:
@@ -192,7 +192,7 @@ class _Children:
         with self._forking:
             while self._working + len(self._waiting) < self._kept:
                 try:
-                    child = self._counted(_Child)
+                    child = self._count_in(_Child)
                 except (EOFError, OSError) as error:  # work that finds none forks its own
                     if self._kept:
                         log.warning("a child couldn't be forked", error=error)

@@ -13,11 +13,11 @@ from app.jobs.child import Bounds
 from app.jobs.parts import add_part
 from app.store import campaigns, plans
 from app.store.jobs import Job
-from app.store.planned import Planned
+from app.store.planned import NewPlan
 from app.store.states import JobState
-from app.work.campaign import Chosen, choose
-from app.work.plan import planned
-from app.work.spacecraft import session_planned
+from app.work.campaign import NewCampaign, choose
+from app.work.plan import plan_and_pack
+from app.work.spacecraft import plan_and_pack_session
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,12 +37,12 @@ class JobKind:
     iterations: Callable[[Any], int | None] = lambda _: None
 
 
-def _store_plan(connection: Connection, job: Job, made: Planned) -> JobState:
+def _store_plan(connection: Connection, job: Job, made: NewPlan) -> JobState:
     plans.store(connection, job.id, job.kind, job.options.get("revises"), made)
     return made.state
 
 
-def _iterations(made: Planned) -> int | None:
+def _iterations(made: NewPlan) -> int | None:
     return made.iterations
 
 
@@ -51,7 +51,7 @@ PLAN = JobKind(
     # As SLEWTRACK_JOB_DEADLINE_S has it unless set, so that the operator decides.  The most that
     # can be asked, 200 sessions that all shorten each other, took 23 s of a core and 0.3 GB.
     bounds=Bounds(deadline_s=300.0, memory_mib=2000),
-    work=planned,
+    work=plan_and_pack,
     store=_store_plan,
     iterations=_iterations,
 )
@@ -60,12 +60,12 @@ SPACECRAFT_PLAN = JobKind(
     # The most that can be asked, an hour with 200 requests and 100 closed-loop runs, took 212 s
     # and 2.6 GB on two cores that had four other things to do.
     bounds=Bounds(deadline_s=300.0, memory_mib=3000),
-    work=session_planned,
+    work=plan_and_pack_session,
     store=_store_plan,
 )
 
 
-def _store_campaign(connection: Connection, job: Job, made: Chosen) -> JobState:
+def _store_campaign(connection: Connection, job: Job, made: NewCampaign) -> JobState:
     if job.cancel_requested:
         return "cancelled"
     campaigns.store(connection, job.id, made.document)

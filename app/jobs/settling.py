@@ -31,7 +31,7 @@ def settle(
             jobs.finish(connection, job, state)
         return state
     if isinstance(error, Stopped):
-        return _stopped(connection, job)
+        return _state_when_stopped(connection, job)
     problem = _problem(job, error)
     if problem is None:
         return take_up_again(connection, job, attempts_max)
@@ -63,7 +63,7 @@ def give_up(connection: Connection, job: Job) -> JobState:
     return "failed"
 
 
-def _stopped(connection: Connection, job: Job) -> JobState:
+def _state_when_stopped(connection: Connection, job: Job) -> JobState:
     if job.cancel_requested:
         jobs.finish(connection, job, "cancelled")
         return "cancelled"

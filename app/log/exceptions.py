@@ -60,7 +60,7 @@ def reason(error: BaseException) -> str:
     return ", ".join(part for part in (code, words) if part)
 
 
-def described(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Type and reason."""
     kind = type(error)
     name = kind.__name__ if kind.__module__ == "builtins" else f"{kind.__module__}.{kind.__name__}"
@@ -79,7 +79,7 @@ def _lines(error: BaseException) -> Iterator[str]:
     following: BaseException | None = error
     while following is not None and id(following) not in told and len(told) < _CHAIN_MAX:
         told.append(id(following))
-        yield link + described(following)
+        yield link + describe_error(following)
         yield from _places(following.__traceback__)
         if isinstance(following, BaseExceptionGroup):
             for part in following.exceptions[:_CHAIN_MAX]:

@@ -13,8 +13,8 @@ from typing import Any, Literal, TextIO
 
 import structlog
 
-from app.log.exceptions import described
-from app.log.records import OURS, OneASecond, SafeRecord, only_what_may_be_told
+from app.log.exceptions import describe_error
+from app.log.records import OURS, OneASecond, SafeRecord, keep_loggable
 
 LogFormat = Literal["json", "console"]
 LogLevel = Literal["debug", "info", "warning", "error"]
@@ -41,7 +41,7 @@ def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
         structlog.stdlib.add_logger_name,
         structlog.stdlib.ExtraAdder(),
         structlog.processors.TimeStamper(fmt="iso", utc=True),
-        only_what_may_be_told,
+        keep_loggable,
     ]
     last: list[Any] = [structlog.stdlib.ProcessorFormatter.remove_processors_meta]
     if log_format == "json":
@@ -103,5 +103,5 @@ def _tell_warning(
     *_: object,
     **__: object,
 ) -> None:
-    kind = described(message) if isinstance(message, Warning) else category.__name__
+    kind = describe_error(message) if isinstance(message, Warning) else category.__name__
     log.warning("a warning of Python's", kind=kind, file=filename, line=lineno)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from types import TracebackType
 from typing import Any
 
-from app.log.exceptions import described, traceback_text
+from app.log.exceptions import describe_error, traceback_text
 
 OURS = "slewtrack"
 WITHHELD = "text withheld, it may hold what nobody should read"
@@ -64,7 +64,7 @@ class SafeRecord(logging.LogRecord):
 def _literal(logger: str, msg: object) -> str:
     """The text when it stands in the code that logs it, so that it is made of no data."""
     if isinstance(msg, BaseException):
-        return described(msg)
+        return describe_error(msg)
     if not isinstance(msg, str):
         return WITHHELD
     if logger == "asyncio":
@@ -88,16 +88,16 @@ def _numbers(args: Any) -> Any:  # noqa: ANN401 (logging's own)
 
 def _number(value: object) -> object:
     if isinstance(value, BaseException):
-        return described(value)
+        return describe_error(value)
     return value if isinstance(value, int | float) else "..."
 
 
-def only_what_may_be_told(_: object, __: str, event: dict[str, Any]) -> dict[str, Any]:
+def keep_loggable(_: object, __: str, event: dict[str, Any]) -> dict[str, Any]:
     """What comes with a record: plain values of ours, exceptions as they may be told."""
     foreign = event.get("logger") != OURS
     for name, value in tuple(event.items()):
         if isinstance(value, BaseException):
-            event[name] = described(value)
+            event[name] = describe_error(value)
         elif name.startswith("_"):  # structlog's own, which doesn't get out
             continue
         elif foreign and name not in _FROM_US:

@@ -110,14 +110,14 @@ def _document(body: bytes) -> object:
 
 
 def _whole_number(digits: str) -> int:
-    return int(_bounded(digits))
+    return int(_bounded_integer(digits))
 
 
 def _number(digits: str) -> float:
-    return float(_bounded(digits))
+    return float(_bounded_integer(digits))
 
 
-def _bounded(digits: str) -> str:
+def _bounded_integer(digits: str) -> str:
     if len(digits) > DIGITS_MAX:
         raise ValueError(f"a number has {len(digits)} digits, more than {DIGITS_MAX}")
     return digits
@@ -129,7 +129,7 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
         raise ValueError(f"an object has {len(pairs)} fields, more than {FIELDS_MAX}")
     if len(members) < len(pairs):
         [(field, times)] = Counter(field for field, _ in pairs).most_common(1)
-        raise ValueError(f"{_cut(field)!r} is given {times} times in one object; keep one")
+        raise ValueError(f"{_shorten(field)!r} is given {times} times in one object; keep one")
     return members
 
 
@@ -202,7 +202,7 @@ def _path_in(
             node = node[int(key)]
         elif not (keep_absent_end and depth == len(location) - 1):
             continue
-        path.append(_cut(str(key)))
+        path.append(_shorten(str(key)))
     return path, node
 
 
@@ -247,11 +247,11 @@ def _detail(error: Mapping[str, Any]) -> str:
 def _shown(value: object) -> str | float | int | bool | None:
     """A value fit to be repeated: scalars, cut short; never NaN, which is no JSON."""
     if isinstance(value, str):
-        return _cut(value)
+        return _shorten(value)
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value if isinstance(value, bool | int | float) else None
 
 
-def _cut(text: str) -> str:
+def _shorten(text: str) -> str:
     return text if len(text) <= VALUE_SHOWN_CHARACTERS else text[:VALUE_SHOWN_CHARACTERS] + "..."

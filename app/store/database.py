@@ -51,7 +51,7 @@ class Database:
     def reading(self) -> Iterator[Connection]:
         """A transaction that sees one state of the data."""
         with (
-            _told_apart(self._readers),
+            _raise_outages(self._readers),
             self._engine.connect() as connection,
             connection.begin(),
         ):
@@ -72,7 +72,7 @@ class Database:
     @contextmanager
     def _writer(self) -> Iterator[Connection]:
         with (
-            _told_apart(self._writers),
+            _raise_outages(self._writers),
             self._turn(),
             self._engine.connect().execution_options(**{_WRITES: True}) as connection,
         ):
@@ -94,7 +94,7 @@ class Database:
 
 
 @contextmanager
-def _told_apart(outage: Outage) -> Iterator[None]:
+def _raise_outages(outage: Outage) -> Iterator[None]:
     """Failures of the database from bugs in what it was asked."""
     outage.require_over()
     try:

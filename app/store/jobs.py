@@ -209,7 +209,7 @@ def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Cla
             .with_for_update(skip_locked=True)
         ).one_or_none()
         if row is not None:
-            return _claimed(connection, row, lease_s)
+            return _claim_row(connection, row, lease_s)
     return None
 
 
@@ -221,7 +221,7 @@ def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...],
     )
 
 
-def _claimed(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claimed:
+def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claimed:
     token = secrets.token_hex(16)
     members = dict(row._mapping)
     request = zlib.decompress(members.pop("request"))
@@ -243,13 +243,13 @@ def _claimed(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float)
 
 
 def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> frozenset[str]:
-    """Lengthen leases; returns those `unwanted`."""
+    """Lengthen leases; returns those `leases_to_end`."""
     mine = JobRow.lease_token.in_(tokens)
     connection.execute(update(JobRow).where(mine).values(lease_until_s=database_now_s() + lease_s))
-    return unwanted(connection, tokens)
+    return leases_to_end(connection, tokens)
 
 
-def unwanted(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
+def leases_to_end(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
     """Leases that are no longer ours, or on jobs that somebody wants to end."""
     wanted = connection.scalars(
         select(JobRow.lease_token).where(JobRow.lease_token.in_(tokens), not_(_UNWANTED))
@@ -257,7 +257,7 @@ def unwanted(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
     return frozenset(tokens) - frozenset(wanted)
 
 
-def owned(connection: Connection, token: str) -> Job | None:
+def job_of_lease(connection: Connection, token: str) -> Job | None:
     """The job of a lease that is still ours, locked until the transaction ends."""
     row = connection.execute(
         _JOBS.where(JobRow.lease_token == token).with_for_update()
@@ -278,7 +278,7 @@ def finish(
         problem=None if problem is None else dict(problem),
     )
     if job.parent_id is not None:
-        _part_ended(connection, job.parent_id)
+        _record_end_of_part(connection, job.parent_id)
 
 
 def wait_for_parts(connection: Connection, job: Job) -> None:
@@ -292,7 +292,7 @@ def parts_of(connection: Connection, job_id: str) -> list[Job]:
     return [_job(row) for row in found]
 
 
-def _part_ended(connection: Connection, whole_id: str) -> None:
+def _record_end_of_part(connection: Connection, whole_id: str) -> None:
     # Locked before its parts are counted: of two that end together one sees the other.
     row = connection.execute(_JOBS.where(JobRow.id == whole_id).with_for_update(of=JobRow)).one()
     whole = _job(row)

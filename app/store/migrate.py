@@ -24,7 +24,7 @@ _PAUSE_S = 0.2
 
 
 @contextmanager
-def opened(database_url: str, data_dir: Path) -> Iterator[Database]:
+def open_migrated(database_url: str, data_dir: Path) -> Iterator[Database]:
     """As `open_database` does, up to date, and closed at the end."""
     database = open_database(database_url, data_dir)
     try:

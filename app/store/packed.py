@@ -24,14 +24,14 @@ _HEAD = struct.Struct("<I")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Packed:
+class PackedColumns:
     """columns: doubles by name, each of any shape with the rows first.  facts: plain JSON."""
 
     columns: Mapping[str, Array]
     facts: Mapping[str, Any]
 
 
-def pack(table: Packed) -> bytes:
+def pack(table: PackedColumns) -> bytes:
     """Columns and facts in one piece."""
     shapes = {name: list(values.shape) for name, values in table.columns.items()}
     head = json.dumps({"shapes": shapes, "facts": table.facts}, separators=(",", ":")).encode()
@@ -39,7 +39,7 @@ def pack(table: Packed) -> bytes:
     return zlib.compress(b"".join([_HEAD.pack(len(head)), head, *bodies]), _LEVEL)
 
 
-def unpack(packed: bytes) -> Packed:
+def unpack(packed: bytes) -> PackedColumns:
     """The same table, bit for bit."""
     data = zlib.decompress(packed)
     (length,) = _HEAD.unpack_from(data)
@@ -49,7 +49,7 @@ def unpack(packed: bytes) -> Packed:
         size = 8 * math.prod(shape)
         columns[name] = _values(data[at : at + size], shape)
         at += size
-    return Packed(columns=columns, facts=head["facts"])
+    return PackedColumns(columns=columns, facts=head["facts"])
 
 
 def _sorted_bytes(values: NDArray[Any]) -> bytes:

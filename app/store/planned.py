@@ -6,7 +6,7 @@ from typing import Literal
 
 
 @dataclass(frozen=True, kw_only=True)
-class Planned:
+class NewPlan:
     """A plan as it is stored.
 
     state: `failed` where the judge rejects the table.  document: the answer's JSON without the

@@ -7,7 +7,7 @@ from datetime import datetime
 from sqlalchemy import Connection, func, insert, select
 
 from app.store.models import PlanRow
-from app.store.planned import Planned
+from app.store.planned import NewPlan
 from app.store.states import JobState
 
 
@@ -31,7 +31,7 @@ _PLANS = select(*(getattr(PlanRow, name) for name in StoredPlan.__dataclass_fiel
 
 
 def store(
-    connection: Connection, job_id: str, kind: str, revises: str | None, new: Planned
+    connection: Connection, job_id: str, kind: str, revises: str | None, new: NewPlan
 ) -> None:
     """The plan of a job, as the latest revision of the series of the plan it revises."""
     series, last = None, 0

@@ -33,7 +33,7 @@ class BoundedConnection(psycopg.Connection[TupleRow]):
 
     @classmethod
     def _connect_gen(cls, *how: Any, **more: Any) -> Any:  # noqa: ANN401 (psycopg's)
-        return _bounded(super()._connect_gen(*how, **more), SILENCE_MAX_S)
+        return _bound_exchange(super()._connect_gen(*how, **more), SILENCE_MAX_S)
 
     def wait(
         self,
@@ -43,14 +43,14 @@ class BoundedConnection(psycopg.Connection[TupleRow]):
     ) -> _Result:
         """All that a connection waits for, it waits for here."""
         try:
-            return super().wait(_bounded(gen, self.silence_max_s), *how, **more)
+            return super().wait(_bound_exchange(gen, self.silence_max_s), *how, **more)
         except SilentServer:
             self.outage.begin()
             self.pgconn.finish()
             raise
 
 
-def _bounded(
+def _bound_exchange(
     exchange: Generator[Any, Any, _Result], silence_max_s: float
 ) -> Generator[Any, Any, _Result]:
     """psycopg resumes an exchange ten times a second, by 0 when there was nothing.

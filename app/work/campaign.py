@@ -14,7 +14,7 @@ from planner.campaigns import (
     CampaignRequest,
     ChosenLook,
     ChosenPass,
-    chosen_campaign,
+    choose_campaign,
     scenario_of,
 )
 from planner.frames.time_scales import elapsed_s, utc_text
@@ -36,29 +36,29 @@ class Part:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chosen:
+class NewCampaign:
     """document: what is told of the choice as a whole, JSON, zlib."""
 
     document: bytes
     parts: tuple[Part, ...]
 
 
-def choose(body: bytes) -> Chosen:
+def choose(body: bytes) -> NewCampaign:
     """Read, choose and write down; raises a Refusal."""
     request = read_campaign_request(body)
     asked = json.loads(body)
-    campaign = chosen_campaign(
+    campaign = choose_campaign(
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
-    return Chosen(
-        document=zlib.compress(json.dumps(_told(request, campaign)).encode()),
+    return NewCampaign(
+        document=zlib.compress(json.dumps(_document(request, campaign)).encode()),
         parts=tuple(
             _part(asked, request, number, flight) for number, flight in enumerate(campaign.passes)
         ),
     )
 
 
-def _told(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
+def _document(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
     looked_at = {look.target for flight in campaign.passes for look in flight.looks}
     unseen = set(campaign.unseen)
     return {

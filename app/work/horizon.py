@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from app.answers.horizon import EstimateResponse, estimate_out, rounded
 from app.answers.provenance import ProvenanceOut
 from app.requests.horizon import PictureRequest
-from app.work.horizon_views import flown_attitudes, surroundings
+from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
 from estimator.errors import InvalidCamera
 from estimator.images import Pixels, decode_image
@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured:
+class Measurement:
     """An estimate and, where wanted, the annotated frames as PNG files."""
 
     estimate: VerticalEstimate
@@ -61,7 +61,7 @@ class PictureOut:
 _ESTIMATE = TypeAdapter(EstimateResponse)
 
 
-def _out_of_memory_said(work: Callable[P, T]) -> Callable[P, T]:
+def _report_out_of_memory(work: Callable[P, T]) -> Callable[P, T]:
     """OpenCV has an error of its own for a lack of memory."""
 
     @wraps(work)
@@ -76,8 +76,8 @@ def _out_of_memory_said(work: Callable[P, T]) -> Callable[P, T]:
     return said
 
 
-@_out_of_memory_said
-def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> Measured:
+@_report_out_of_memory
+def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> Measurement:
     """Decode, estimate and, if wanted, draw; raises InvalidImage, InvalidCamera."""
     if len(images) != len(request.cameras):
         raise InvalidCamera(
@@ -98,7 +98,7 @@ def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> 
     ]
     estimate = estimate_vertical(pixels, request)
     overlays = _overlays(request, pixels, estimate) if draw else ()
-    return Measured(estimate=estimate, overlays=overlays)
+    return Measurement(estimate=estimate, overlays=overlays)
 
 
 def estimate_json(
@@ -109,10 +109,10 @@ def estimate_json(
     return _ESTIMATE.dump_json(estimate_out(measured.estimate, measured.overlays, provenance))
 
 
-@_out_of_memory_said
+@_report_out_of_memory
 def picture(request: PictureRequest) -> bytes:
     """The rendered picture as a PNG file."""
-    around, c_body_from_itrf = _placed(request)
+    around, c_body_from_itrf = _surroundings(request)
     horizon = DrawnHorizon(
         around.limb.r_itrf_m,
         c_body_from_itrf,
@@ -125,7 +125,7 @@ def picture(request: PictureRequest) -> bytes:
 
 def picture_with_truth(request: PictureRequest, at: str) -> PictureOut:
     """The rendered picture and what an estimate should find in it."""
-    around, c_body_from_itrf = _placed(request)
+    around, c_body_from_itrf = _surroundings(request)
     q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci)
     return PictureOut(
         image_png=base64.b64encode(picture(request)).decode("ascii"),
@@ -137,8 +137,8 @@ def picture_with_truth(request: PictureRequest, at: str) -> PictureOut:
     )
 
 
-def _placed(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
-    [r_m], [q], _ = flown_attitudes(request.orbit, request.attitude, [request.at])
+def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
+    [r_m], [q], _ = attitudes_at(request.orbit, request.attitude, [request.at])
     around = surroundings(request.at, r_m, (request.camera,), Body())
     return around, q.as_matrix() @ around.c_itrf_from_eci.T
 

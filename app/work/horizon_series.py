@@ -16,7 +16,7 @@ from app.answers.provenance import ProvenanceOut
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
-from app.work.horizon_views import flown_attitudes, surroundings
+from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
 from estimator.errors import InvalidImage
@@ -57,7 +57,7 @@ class HorizonSession:
     def requests(self, count: int) -> tuple[HorizonRequest, ...]:
         """What is asked of the first `count` frames; raises OutsideCoverage."""
         moments = [shifted_utc(self.start, k * self.step_s) for k in range(count)]
-        r_sat_eci_m, q_body_from_eci, _ = flown_attitudes(self.orbit, self.attitude, moments)
+        r_sat_eci_m, q_body_from_eci, _ = attitudes_at(self.orbit, self.attitude, moments)
         asked = []
         for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci.as_quat(), strict=True):
             around = surroundings(moment, r_m, self.cameras, self.body)

@@ -19,7 +19,7 @@ from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 from planner.orbits import Orbit
 
 
-def flown_attitudes(
+def attitudes_at(
     orbit: Orbit, attitude: AttitudeLaw, moments: Sequence[datetime]
 ) -> tuple[Array, Rotation, tuple[str, ...]]:
     """r_sat_eci_m (n, 3) and q_body_from_eci (n) at any n moments, and the orbit's warnings.
@@ -59,7 +59,7 @@ def views(
     attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG,
 ) -> tuple[list[ViewOut], tuple[str, ...]]:
     """Moment by moment every camera's view, and what to know of orbit and attitude."""
-    r_sat_eci_m, q_body_from_eci, warnings = flown_attitudes(orbit, attitude, moments)
+    r_sat_eci_m, q_body_from_eci, warnings = attitudes_at(orbit, attitude, moments)
     found = []
     for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci, strict=True):
         around = surroundings(moment, r_m, cameras, body)

@@ -5,6 +5,6 @@ from app.answers.provenance import ProvenanceOut
 from planner.opportunities import OpportunityRequest, find_opportunities
 
 
-def opportunities_found(request: OpportunityRequest, made: ProvenanceOut) -> bytes:
+def answer_opportunities(request: OpportunityRequest, made: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
     return opportunities_json(find_opportunities(request), made)

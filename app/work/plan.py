@@ -10,8 +10,8 @@ from app.answers.plan import plan_document, table_json, verdict_state
 from app.answers.provenance import provenance
 from app.answers.table_export import require_verified
 from app.requests.plan import read_plan_request
-from app.store.packed import Packed, pack, unpack
-from app.store.planned import Planned
+from app.store.packed import PackedColumns, pack, unpack
+from app.store.planned import NewPlan
 from app.work.horizon_checks import horizon_checks
 from app.work.progress import Progress, report
 from planner.commands import CommandTable
@@ -22,20 +22,20 @@ from planner.sessions.plan import Plan
 from planner.verification import Finding
 
 
-def planned(request: bytes) -> Planned:
+def plan_and_pack(request: bytes) -> NewPlan:
     """Read, plan, judge and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
     asked = read_plan_request(request)
     plan = make_plan(asked, on_stage=lambda stage: report(Progress(stage=stage)))
     made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
     checks = horizon_checks(plan.scenario, asked.horizon_cameras)
-    return Planned(
+    return NewPlan(
         name=asked.name,
         state=verdict_state(plan),
         input_sha256=made.input_sha256,
         versions=made.versions,
         document=zlib.compress(plan_document(plan, checks, made)),
-        table_columns=pack(_packed(plan)),
+        table_columns=pack(_pack(plan)),
         planned_utc=now_utc,
         iterations=sum(run.iterations for run in plan.slews),
     )
@@ -56,7 +56,7 @@ def stored_table_file(
     return EXPORTERS[format_name].write(plan, created_utc)
 
 
-def _stored_plan(request: bytes, packed: Packed) -> FlightPlan:
+def _stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     """With its sessions as they were left after conflicts."""
     asked = read_plan_request(request)
     sessions = tuple(
@@ -70,9 +70,9 @@ def _stored_plan(request: bytes, packed: Packed) -> FlightPlan:
     )
 
 
-def _packed(plan: Plan) -> Packed:
+def _pack(plan: Plan) -> PackedColumns:
     table = plan.table
-    return Packed(
+    return PackedColumns(
         columns={"angle_rad": table.angle_rad, "rate_rad_s": table.rate_rad_s},
         facts={
             "epoch": _exact(table.epoch_utc),
@@ -96,7 +96,7 @@ def _packed(plan: Plan) -> Packed:
     )
 
 
-def _table(packed: Packed) -> CommandTable:
+def _table(packed: PackedColumns) -> CommandTable:
     return CommandTable(
         epoch_utc=utc_from_text(packed.facts["epoch"]),
         axis_names=tuple(packed.facts["axes"]),

@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 from app.answers.provenance import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
 from app.requests.spacecraft import read_spacecraft_request
-from app.store.packed import Packed, pack, unpack
-from app.store.planned import Planned
+from app.store.packed import PackedColumns, pack, unpack
+from app.store.planned import NewPlan
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.plan import plan_imaging
@@ -27,7 +27,7 @@ _COLUMNS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class SessionAsFlown:
+class StoredSession:
     """The parts of a stored session that its table's formats are written from."""
 
     request: ImagingPlanRequest
@@ -35,18 +35,18 @@ class SessionAsFlown:
     table: AttitudeTable
 
 
-def session_planned(request: bytes) -> Planned:
+def plan_and_pack_session(request: bytes) -> NewPlan:
     """Read, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
     plan = plan_imaging(read_spacecraft_request(request))
     made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
-    return Planned(
+    return NewPlan(
         name=plan.request.name,
         state="done",
         input_sha256=made.input_sha256,
         versions=made.versions,
         document=zlib.compress(spacecraft_document(plan, made)),
-        table_columns=pack(_packed(plan.table)),
+        table_columns=pack(_pack(plan.table)),
         planned_utc=now_utc,
     )
 
@@ -61,14 +61,14 @@ def stored_session_file(
 ) -> bytes:
     """The table by itself."""
     asked = read_spacecraft_request(request)
-    flown = SessionAsFlown(
+    flown = StoredSession(
         request=asked, spacecraft=asked.definition(), table=_table(unpack(table_columns))
     )
     return IMAGING_EXPORTERS[format_name].write(flown, created_utc)
 
 
-def _packed(table: AttitudeTable) -> Packed:
-    return Packed(
+def _pack(table: AttitudeTable) -> PackedColumns:
+    return PackedColumns(
         columns={name: getattr(table, name) for name in _COLUMNS},
         facts={
             "epoch": utc_text(table.epoch_utc, 6),
@@ -77,7 +77,7 @@ def _packed(table: AttitudeTable) -> Packed:
     )
 
 
-def _table(packed: Packed) -> AttitudeTable:
+def _table(packed: PackedColumns) -> AttitudeTable:
     return AttitudeTable(
         epoch_utc=utc_from_text(packed.facts["epoch"]),
         **{name: packed.columns[name] for name in _COLUMNS},

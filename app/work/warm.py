@@ -13,7 +13,7 @@ import app.work.horizon_prediction
 import app.work.opportunities
 import app.work.spacecraft  # noqa: F401 (for the children to find)
 from app.requests.examples.plan import LAS_VEGAS
-from app.work.plan import planned
+from app.work.plan import plan_and_pack
 
 SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()
@@ -21,7 +21,7 @@ _REQUEST = json.dumps(LAS_VEGAS).encode()
 
 def warm_up() -> None:
     """Plan the worked example."""
-    planned(_REQUEST)
+    plan_and_pack(_REQUEST)
 
 
 warm_up()

@@ -97,7 +97,7 @@ def choose(
     cuts_s = [t_s[-1] - lead_s * (1.0 + k / (CUTS - 1)) for k in range(CUTS)]
     tried = []
     for description in DESCRIPTIONS:
-        errors = _held_out(description, t_s, q_body_from_lvlh, period_s, cuts_s, lead_s)
+        errors = _held_out_errors(description, t_s, q_body_from_lvlh, period_s, cuts_s, lead_s)
         if errors is not None:
             tried.append((description, errors))
     if not tried:
@@ -106,7 +106,7 @@ def choose(
     description, (leads_s, error_rad) = tried[int(np.argmin(rms_rad))]
     edges_s = lead_s * np.array([0.25, 0.5, 0.75, 1.0])
     bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
-    chosen = fitted(description, t_s, q_body_from_lvlh, period_s)
+    chosen = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
     assert chosen is not None, "fitted on less history already"
     return ChosenExtrapolation(
         extrapolation=chosen,
@@ -118,7 +118,7 @@ def choose(
     )
 
 
-def _held_out(
+def _held_out_errors(
     description: Description,
     t_s: NDArray[np.float64],
     q_body_from_lvlh: Rotation,
@@ -131,7 +131,9 @@ def _held_out(
     for cut_s in cuts_s:
         known = t_s <= cut_s
         asked = ~known & (t_s <= cut_s + lead_s)
-        extrapolation = fitted(description, t_s[known], q_body_from_lvlh[known], period_s)
+        extrapolation = fit_extrapolation(
+            description, t_s[known], q_body_from_lvlh[known], period_s
+        )
         if extrapolation is None:
             break
         miss = extrapolation.at(t_s[asked]) * q_body_from_lvlh[asked].inv()
@@ -142,7 +144,7 @@ def _held_out(
     return np.concatenate(leads), np.concatenate(errors)
 
 
-def fitted(
+def fit_extrapolation(
     description: Description,
     t_s: NDArray[np.float64],
     q_body_from_lvlh: Rotation,

@@ -47,7 +47,7 @@ class HarmonicAttitude:
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
         try:
-            _ = self.chosen
+            _ = self.chosen_extrapolation
         except Refusal as refusal:
             raise ValueError(f"history_orbit: {refusal.detail}") from None
         except ValueError as error:
@@ -59,7 +59,7 @@ class HarmonicAttitude:
         return read_aem(self.content)
 
     @cached_property
-    def chosen(self) -> ChosenExtrapolation:
+    def chosen_extrapolation(self) -> ChosenExtrapolation:
         """Fitted once, at construction; its clock is that of the message's last segment."""
         t_s, q_body_from_lvlh = self._history()
         return choose(t_s, q_body_from_lvlh, self.orbital_period_s, self.lead_s)
@@ -67,13 +67,13 @@ class HarmonicAttitude:
     @cached_property
     def choice(self) -> str:
         """Which description was chosen, and on what evidence."""
-        tried = sorted(self.chosen.tried, key=lambda pair: pair[1])
+        tried = sorted(self.chosen_extrapolation.tried, key=lambda pair: pair[1])
         (best, best_rms), others = tried[0], tried[1:]
         against = "; ".join(f"{d}: {np.rad2deg(rms):.3f}" for d, rms in others)
         said = (
             f"the attitude is carried on from {utc_text(self._end_utc)} by {best}: "
-            f"{np.rad2deg(best_rms):.3f} deg rms over {self.chosen.lead_s[-1]:.0f} s of its own "
-            "history it had not seen"
+            f"{np.rad2deg(best_rms):.3f} deg rms over "
+            f"{self.chosen_extrapolation.lead_s[-1]:.0f} s of its own history it had not seen"
         )
         return f"{said} ({against})" if against else said
 
@@ -87,7 +87,7 @@ class HarmonicAttitude:
         Beyond the lead that was tried the error grows in proportion to the time.
         """
         lead_s = np.maximum(self._since_end_s(instants), 0.0)
-        tried_s, rms_rad = self.chosen.lead_s, self.chosen.error_rms_rad
+        tried_s, rms_rad = self.chosen_extrapolation.lead_s, self.chosen_extrapolation.error_rms_rad
         total_rad = np.interp(lead_s, tried_s, rms_rad) * np.maximum(1.0, lead_s / tried_s[-1])
         return np.asarray(total_rad / np.sqrt(3.0))
 
@@ -107,7 +107,7 @@ class HarmonicAttitude:
                     field="attitude.content",
                     at_utc=at_utc,
                 )
-        extrapolation = self.chosen.extrapolation
+        extrapolation = self.chosen_extrapolation.extrapolation
         q_body_from_lvlh = extrapolation.at(since_end_s + extrapolation.end_s)
         return q_body_from_lvlh * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
@@ -129,7 +129,7 @@ class HarmonicAttitude:
         attitudes: list[Rotation] = []
         for segment in segments:
             t_s = segment.t_s + elapsed_s(segment.epoch_utc, epoch_utc)
-            rows = _thinned(t_s, oldest_s)
+            rows = _thin(t_s, oldest_s)
             if len(rows) and (not times or t_s[rows[0]] > times[-1][-1]):
                 times.append(t_s[rows])
                 attitudes.append(self._q_body_from_lvlh(segment, rows))
@@ -153,7 +153,7 @@ class HarmonicAttitude:
         return q_body_from_frame * q_frame_from_eci(segment.frame, instants, states) * q_lvlh.inv()
 
 
-def _thinned(t_s: NDArray[np.float64], oldest_s: float) -> NDArray[np.intp]:
+def _thin(t_s: NDArray[np.float64], oldest_s: float) -> NDArray[np.intp]:
     """The last row of every stretch of ROW_STEP_S counted back from the end."""
     rows = np.flatnonzero(t_s >= oldest_s)[::-1]
     _, first = np.unique((t_s[-1] - t_s[rows]) // ROW_STEP_S, return_index=True)

@@ -54,8 +54,8 @@ class InertialAttitude:
         age_s = float(np.max(np.abs(since_epoch_s)))
         if age_s >= REFUSE_AGE_S:
             raise OutsideCoverage(
-                f"{self._said(age_s)}; at {REFUSE_AGE_S / 3600.0:.0f} h a constant body rate says "
-                "nothing; give attitude and rate nearer to the sessions, or another law",
+                f"{self._age_warning(age_s)}; at {REFUSE_AGE_S / 3600.0:.0f} h a constant body "
+                "rate says nothing; give attitude and rate nearer to the sessions, or another law",
                 field="attitude.epoch",
             )
         turned_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
@@ -64,7 +64,7 @@ class InertialAttitude:
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """That the epoch is far from the instants."""
         age_s = float(np.max(np.abs(self._since_epoch_s(instants))))
-        return (self._said(age_s),) if age_s > WARN_AGE_S else ()
+        return (self._age_warning(age_s),) if age_s > WARN_AGE_S else ()
 
     def error_rms_rad(self, instants: Instants) -> NDArray[np.float64]:
         """Of the rotation, shape (n,): measured up to 1800 s, beyond that growing as time^2."""
@@ -73,7 +73,7 @@ class InertialAttitude:
     def _since_epoch_s(self, instants: Instants) -> NDArray[np.float64]:
         return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self.epoch))
 
-    def _said(self, age_s: float) -> str:
+    def _age_warning(self, age_s: float) -> str:
         error_deg = float(np.rad2deg(_error_rms_rad(np.array([age_s]))[0]))
         error = f"be off by some {error_deg:.2g} deg" if error_deg < 90.0 else "point anywhere"
         return (

@@ -66,7 +66,7 @@ def rotation_curve(
             "apart: too far to say how it turned between; send rows closer in time"
         )
     spacing_s = _knot_spacing_s(t_s, q_xyzw, q_dot_s)
-    curve = _fitted(t_s, q_xyzw, q_dot_s, spacing_s)
+    curve = _fit(t_s, q_xyzw, q_dot_s, spacing_s)
     miss_rad = _distance_rad(curve(t_s), q_xyzw) if spacing_s else np.zeros(1)
     return RotationCurve(
         quaternion=curve,
@@ -114,11 +114,11 @@ def _held_out_rad(
     if not held_out.any():
         return np.zeros(1)
     rates = None if q_dot_s is None else q_dot_s[~held_out]
-    curve = _fitted(t_s[~held_out], q_xyzw[~held_out], rates, spacing_s)
+    curve = _fit(t_s[~held_out], q_xyzw[~held_out], rates, spacing_s)
     return _distance_rad(curve(t_s[held_out]), q_xyzw[held_out])
 
 
-def _fitted(
+def _fit(
     t_s: NDArray[np.float64],
     q_xyzw: NDArray[np.float64],
     q_dot_s: NDArray[np.float64] | None,

@@ -4,7 +4,7 @@ from planner.campaigns.campaign import (
     Campaign,
     ChosenLook,
     ChosenPass,
-    chosen_campaign,
+    choose_campaign,
     scenario_of,
 )
 from planner.campaigns.request import CampaignRequest, CampaignTarget
@@ -15,6 +15,6 @@ __all__ = [
     "CampaignTarget",
     "ChosenLook",
     "ChosenPass",
-    "chosen_campaign",
+    "choose_campaign",
     "scenario_of",
 ]

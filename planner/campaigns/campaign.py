@@ -9,7 +9,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
-from planner.campaigns.network import Network, network_of, relaxed
+from planner.campaigns.network import Network, network_of, relax
 from planner.campaigns.passes import (
     PASS_MAX_S,
     SESSIONS_MAX,
@@ -77,7 +77,7 @@ class Campaign:
         return 1.0 - self.value / self.bound if self.bound > 0.0 else 0.0
 
 
-def chosen_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) -> Campaign:
+def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) -> Campaign:
     """Choose sessions and their order.
 
     tell: is called with what is being done, and how many parts of how many are done.
@@ -225,7 +225,7 @@ def _bound(
     tell("bound", 0, 1)
     shortest = looking.length_steps[:, 0]
     table = limit_table(limits)
-    optimistic = [relaxed(network, ways, shortest, table) for network in networks]
+    optimistic = [relax(network, ways, shortest, table) for network in networks]
     return bound_at(optimistic, looking, choice.price)
 
 

@@ -72,9 +72,9 @@ def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Cam
     """
     search = _Search(networks, looking)
     free = np.zeros(len(looking.most_looks))
-    greedy = search.filled([()] * len(networks), free)
+    greedy = search.fill_passes([()] * len(networks), free)
     search.improve(greedy)
-    price = search.priced(tell)
+    price = search.find_prices(tell)
     tell("choosing", ROUNDS_MAX, ROUNDS_MAX)
     search.combine()
     return CampaignChoice(
@@ -96,7 +96,7 @@ class _Search:
         self._bound = float(looking.most_looks @ looking.worth.max(axis=1))
         self._proposed: dict[tuple[int, tuple[Look, ...]], None] = {}
 
-    def priced(self, tell: Reporter) -> Array:
+    def find_prices(self, tell: Reporter) -> Array:
         """Prices at which the bound is about least; improves the choice on the way."""
         looking = self._looking
         # At these nothing gains: all looks at their best.
@@ -112,7 +112,7 @@ class _Search:
             elif waited % PATIENCE == 0:
                 step *= 0.5
             if done % FILL_EVERY == 0:
-                self.improve(self.filled([()] * len(self._networks), price))
+                self.improve(self.fill_passes([()] * len(self._networks), price))
             wanted = looking.looks_of(passes) - looking.most_looks
             wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
             square = float(wanted @ wanted)
@@ -136,7 +136,7 @@ class _Search:
     def _propose(self, passes: Passes) -> None:
         self._proposed.update({(n, looks): None for n, looks in enumerate(passes) if looks})
 
-    def filled(self, start: Passes, price: Array) -> Passes:
+    def fill_passes(self, start: Passes, price: Array) -> Passes:
         """Pass after pass is given its best path at the prices for what the others leave."""
         looking = self._looking
         passes = list(start)
@@ -156,7 +156,7 @@ class _Search:
         free = np.zeros(len(self._looking.most_looks))
         value = self._looking.worth_of(passes)
         for _ in range(SWEEPS_MAX):
-            better = self.filled(passes, free)
+            better = self.fill_passes(passes, free)
             gained = self._looking.worth_of(better) - value
             if gained <= WORTHLESS:
                 break

@@ -90,7 +90,7 @@ def network_of(
     return network
 
 
-def relaxed(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> Network:
+def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> Network:
     """The same, every arrival as early as no motion can beat: for a bound."""
     arrival = np.empty_like(network.arrival)
     _fill(

@@ -73,8 +73,8 @@ def ways_to_follow(
         for rows, sight, which in _batches(looks, targets, carrier, last - first + 1)
         for run in _runs(rows, first, last, sight, which, carrier, platform, step_s, grid_s)
     ]
-    ways = _gathered(found, looks, step_s)
-    return _kept(ways, ways.steps > least[ways.target])
+    ways = _gather(found, looks, step_s)
+    return _select(ways, ways.steps > least[ways.target])
 
 
 def _batches(
@@ -116,7 +116,7 @@ def _runs(
     step = np.arange(len(look)) - np.repeat(begins, counts) + np.repeat(first[rows], counts)
     t_s = grid_s + step * step_s
     before, los, after = (
-        carrier.in_platform(sight.seen(np.repeat(which, counts), at_s).direction_itrf, at_s)
+        carrier.in_platform(sight.sighting(np.repeat(which, counts), at_s).direction_itrf, at_s)
         for at_s in (t_s - DELTA_S, t_s, t_s + DELTA_S)
     )
     los_rate_s = (after - before) / (2.0 * DELTA_S)
@@ -170,7 +170,7 @@ def _split(look: Indices, step: Indices, state: Array, usable: NDArray[np.bool_]
     )
 
 
-def _gathered(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
+def _gather(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
     def joined(name: str, empty: Array | Indices) -> Array | Indices:
         return np.concatenate([empty, *(getattr(run, name) for run in runs)])
 
@@ -187,7 +187,7 @@ def _gathered(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
     )
 
 
-def _kept(ways: Ways, rows: NDArray[np.bool_]) -> Ways:
+def _select(ways: Ways, rows: NDArray[np.bool_]) -> Ways:
     """Those at `rows`, by pass and time."""
     order = np.flatnonzero(rows)
     order = order[np.lexsort((ways.first_step[order], ways.pass_number[order]))]

@@ -25,7 +25,7 @@ def header(kind: str, version: str, created_utc: datetime, notes: Iterable[str])
     """Lines from the version to the originator; long notes are broken at spaces."""
     return [
         f"CCSDS_{kind}_VERS = {version}",
-        *(f"COMMENT {line}" for note in notes for line in _wrapped(note)),
+        *(f"COMMENT {line}" for note in notes for line in _wrap(note)),
         f"CREATION_DATE = {utc_text(created_utc).removesuffix('Z')}",
         f"ORIGINATOR = {ORIGINATOR}",
     ]
@@ -100,7 +100,7 @@ def attitude_message(
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _wrapped(note: str) -> list[str]:
+def _wrap(note: str) -> list[str]:
     lines = [""]
     for word in note.split(" "):
         if lines[-1] and len(lines[-1]) + len(word) >= TEXT_MAX:

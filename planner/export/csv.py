@@ -25,12 +25,12 @@ def table_csv(table: CommandTable) -> str:
     utc = Instants(table.epoch_utc, table.t_s).utc_text(1)
     t_s = table.t_s.tolist()
     rows = np.column_stack([column.values for column in written]).tolist()
-    lines = [",".join(["utc", "t_s", *(_quoted(column.name) for column in written)])]
+    lines = [",".join(["utc", "t_s", *(_quote(column.name) for column in written)])]
     for moment, t, row in zip(utc, t_s, rows, strict=True):
         lines.append(f"{moment},{t:.1f}," + ",".join(f"{value:.{DECIMALS}f}" for value in row))
     return "\n".join(lines) + "\n"
 
 
-def _quoted(name: str) -> str:
+def _quote(name: str) -> str:
     """As RFC 4180 has it where a name holds what would part columns or lines."""
     return name if name.isidentifier() else '"' + one_line(name).replace('"', '""') + '"'

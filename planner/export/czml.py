@@ -91,7 +91,7 @@ def _spacecraft(plan: FlightPlan, rows: TableStates, c_itrf: Array) -> list[Json
             "id": "carrier",
             "name": f"{named.name} ({named.designator})",
             "availability": availability,
-            "position": _sampled("cartesian", rows, r_sat_itrf_m, 3, degree=5),
+            "position": _sample("cartesian", rows, r_sat_itrf_m, 3, degree=5),
             "orientation": _orientation(rows, rows.q_body_from_eci_xyzw, c_itrf),
             "point": {"pixelSize": 8, "color": {"rgba": _ORBIT_RGBA}},
             "path": {
@@ -126,7 +126,7 @@ def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[J
             "id": "boresight-end",
             "name": "end of the boresight",
             "availability": availability,
-            "position": _sampled("cartesian", rows, end_itrf_m, 2),
+            "position": _sample("cartesian", rows, end_itrf_m, 2),
         },
         {
             "id": "boresight",
@@ -157,9 +157,7 @@ def _footprint(rows: TableStates, platform: TwoAxisPlatform) -> list[Json]:
             {
                 "id": name,
                 "availability": spans,
-                "position": _sampled(
-                    "cartesian", rows, corners.end_itrf_m[:, number], 2, kept=seen
-                ),
+                "position": _sample("cartesian", rows, corners.end_itrf_m[:, number], 2, kept=seen),
             }
             for number, name in enumerate(names)
         ),
@@ -210,15 +208,15 @@ def _place(rows: TableStates, place_itrf_m: Array, kept: NDArray[np.int_]) -> Js
         return {"cartesian": np.round(place_itrf_m[0], 3).tolist()}
     positions = np.zeros((len(rows.instants), 3))
     positions[kept] = place_itrf_m
-    return _sampled("cartesian", rows, positions, 3, degree=5, kept=kept)
+    return _sample("cartesian", rows, positions, 3, degree=5, kept=kept)
 
 
 def _orientation(rows: TableStates, q_from_eci_xyzw: Array, c_itrf: Array) -> Json:
     q_itrf = Rotation.from_matrix(c_itrf) * Rotation.from_quat(q_from_eci_xyzw).inv()
-    return _sampled("unitQuaternion", rows, continuous(q_itrf), 13, degree=3)
+    return _sample("unitQuaternion", rows, continuous(q_itrf), 13, degree=3)
 
 
-def _sampled(
+def _sample(
     key: str,
     rows: TableStates,
     values: Array,

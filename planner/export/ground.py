@@ -11,7 +11,7 @@ from planner.export.table_states import TableStates
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.platforms import TwoAxisPlatform
-from planner.targets.apparent import aberrated
+from planner.targets.apparent import aberrate
 
 BORESIGHT_PAYLOAD = np.array([[0.0, 0.0, 1.0]])
 FRAME_CORNERS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -41,7 +41,7 @@ def sights(rows: TableStates, rays_payload: Array) -> Sights:
     unit = rays_payload / np.linalg.norm(rays_payload, axis=1, keepdims=True)
     seen_eci = np.stack([q_eci_from_payload.apply(ray) for ray in unit], axis=1)
     v_eci_m_s = np.repeat(rows.states.v_sat_eci_m_s, k, axis=0)
-    natural_eci = aberrated(seen_eci.reshape(-1, 3), -v_eci_m_s).reshape(n, k, 3)
+    natural_eci = aberrate(seen_eci.reshape(-1, 3), -v_eci_m_s).reshape(n, k, 3)
     direction_itrf = np.einsum("nij,nkj->nki", c_itrf, natural_eci)
     r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, rows.states.r_sat_eci_m)
     return _on_ellipsoid(r_sat_itrf_m[:, None, :], direction_itrf)

@@ -44,7 +44,7 @@ def c_itrf_from_teme(instants: Instants) -> NDArray[np.float64]:
 
     Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
     """
-    at = _interpolated(instants)
+    at = _interpolate(instants)
     jd1, jd2 = instants.tai_jd()
     theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
     return np.asarray(_polar_motion(at) @ _rotation_z(theta))
@@ -95,7 +95,7 @@ def _celestial_to_terrestrial(
     instants: Instants,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s."""
-    at = _interpolated(instants)
+    at = _interpolate(instants)
     jd1, jd2 = instants.tai_jd()
     era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
     c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
@@ -121,7 +121,7 @@ def _rotation_z(angle_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     return c
 
 
-def _interpolated(instants: Instants) -> NDArray[np.float64]:
+def _interpolate(instants: Instants) -> NDArray[np.float64]:
     """Columns X, Y, s (rad), UT1 - TAI (s), xp, yp, s' (rad), d(UT1 - TAI)/dt, shape (n, 8)."""
     jd1, jd2 = instants.tai_jd()
     position = ((jd1 - MJD_JD) + jd2) * (DAY_S / NODE_STEP_S)

@@ -27,7 +27,7 @@ def geodesic_end(
     longitude given.  distance_m may be 0 or negative (astern).  Smooth in both.
     """
     azimuth, distance = np.broadcast_arrays(azimuth_rad, distance_m)
-    sin_u1, cos_u1 = _reduced(latitude_rad)
+    sin_u1, cos_u1 = _reduced_latitude(latitude_rad)
     sin_a1, cos_a1 = np.sin(azimuth), np.cos(azimuth)
     sin_a = cos_u1 * sin_a1
     cos2_a = 1.0 - sin_a**2
@@ -54,8 +54,8 @@ def geodesic_between(
 
     Refuses points more than about `LONGEST_M` apart, where the formula may not converge.
     """
-    sin_u1, cos_u1 = _reduced(latitude_rad)
-    sin_u2, cos_u2 = _reduced(to_latitude_rad)
+    sin_u1, cos_u1 = _reduced_latitude(latitude_rad)
+    sin_u2, cos_u2 = _reduced_latitude(to_latitude_rad)
     apart = math.remainder(to_longitude_rad - longitude_rad, 2.0 * math.pi)
     on_sphere = apart
     for _ in range(_INVERSE_PASSES):
@@ -82,7 +82,7 @@ def geodesic_between(
     )
 
 
-def _reduced(latitude_rad: float) -> tuple[float, float]:
+def _reduced_latitude(latitude_rad: float) -> tuple[float, float]:
     """Sine and cosine of the reduced latitude."""
     sin, cos = (1.0 - WGS84_F) * math.sin(latitude_rad), math.cos(latitude_rad)
     norm = math.hypot(sin, cos)

@@ -91,14 +91,15 @@ def earth_orientation_table() -> EarthOrientationTable:
     ut1_minus_tai_s = ut1_minus_utc_s - np.array(leaps.tai_minus_utc_s)[row]
     pole_rad = [column(*span)[known] * RAD_PER_ARCSEC for span in ((19, 27), (38, 46))]
     offset_rad = [
-        _held(column(*span)[known]) * 1e-3 * RAD_PER_ARCSEC for span in ((98, 106), (117, 125))
+        _fill_blanks(column(*span)[known]) * 1e-3 * RAD_PER_ARCSEC
+        for span in ((98, 106), (117, 125))
     ]
     return EarthOrientationTable(
         mjd_utc=mjd_utc, values=np.stack([ut1_minus_tai_s, *pole_rad, *offset_rad], axis=1)
     )
 
 
-def _held(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _fill_blanks(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Blanks replaced by the last value before them."""
     last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return values[last]

@@ -34,7 +34,7 @@ class Window:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Crossed:
+class CrossingMotion:
     """One local optimum.
 
     beyond_rad: how far it goes outside the frame's inner circle at most; infinite where it
@@ -56,11 +56,11 @@ class Crossing:
         self.frame_rad = min(platform.frame_half_rad)
         self._following, self._platform = following, platform
 
-    def nearest(self, before: RowMotion, after: RowMotion) -> Crossed:
+    def nearest(self, before: RowMotion, after: RowMotion) -> CrossingMotion:
         """The least integral of the squared error near a smooth swing from one to the other."""
-        return self._solved(self._guess(before, after), in_frame=False)
+        return self._solve(self._guess(before, after), in_frame=False)
 
-    def nearest_in_frame(self, found: Crossed) -> Crossed:
+    def nearest_in_frame(self, found: CrossingMotion) -> CrossingMotion:
         """Near a crossing that leaves the frame, the best one that doesn't, or the least beyond."""
         motion, at = found.motion, self._knots - self.window.first
         guess = Motion(
@@ -69,10 +69,10 @@ class Crossing:
             rate_rad_s=motion.rate_rad_s[at],
             acceleration_rad_s2=motion.acceleration_rad_s2[at],
         )
-        bounded = self._solved(guess, in_frame=True)
+        bounded = self._solve(guess, in_frame=True)
         return bounded if bounded.beyond_rad < found.beyond_rad else found
 
-    def _solved(self, guess: Motion, *, in_frame: bool) -> Crossed:
+    def _solve(self, guess: Motion, *, in_frame: bool) -> CrossingMotion:
         limits = self._platform.axis_limits
         found = nearest_ocp(len(guess.rows) - 1, in_frame=in_frame).solve(
             self._platform,
@@ -85,7 +85,7 @@ class Crossing:
         motion = RowMotion(self.window.first, *found.at_rows())
         t_s, error_rad = self._following.error_rad(motion)
         beyond_rad = max(float(error_rad.max()) - self.frame_rad, 0.0)
-        return Crossed(
+        return CrossingMotion(
             motion=motion,
             beyond_rad=beyond_rad if motion.within(limits).all() else math.inf,
             squared_rad2_s=float(np.mean(error_rad**2)) * float(t_s[-1] - t_s[0]),

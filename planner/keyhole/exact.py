@@ -17,7 +17,7 @@ from planner.pointing.angles import (
     boresight_platform,
     singular_margin_rad,
 )
-from planner.pointing.hermite import met_range
+from planner.pointing.hermite import cubic_and_row_range
 from planner.pointing.line_of_sight import LineOfSight
 from planner.slew.solution import bounds
 
@@ -56,7 +56,9 @@ class RowMotion:
 
     def _beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
         """(4, n - 1, 2): by order of derivative, cell and axis; also where not a number."""
-        flown = met_range(COMMAND_STEP_S, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2)
+        flown = cubic_and_row_range(
+            COMMAND_STEP_S, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2
+        )
         beyond = []
         for order, (least, greatest) in enumerate(flown):
             low, high = np.array([bounds(axis)[order] for axis in limits]).T
@@ -74,7 +76,7 @@ class RowMotion:
             acceleration_rad_s2=self.acceleration_rad_s2[rows],
         )
 
-    def turned(self, turns: tuple[int, ...]) -> "RowMotion":
+    def turn(self, turns: tuple[int, ...]) -> "RowMotion":
         """By whole turns of each axis."""
         return RowMotion(
             first_row=self.first_row,
@@ -237,4 +239,4 @@ def _whole_turns(
         least = math.ceil((limit.angle_min_rad - angle.min()) / TURN_RAD - LIMIT_TOLERANCE)
         most = math.floor((limit.angle_max_rad - angle.max()) / TURN_RAD + LIMIT_TOLERANCE)
         choices.append(range(least, most + 1))
-    return [motion.turned(turns) for turns in itertools.product(*choices)]
+    return [motion.turn(turns) for turns in itertools.product(*choices)]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from planner.commands import ROWS_PER_S
 from planner.errors import Refusal, SolverFailed, TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.keyhole.crossing import Crossed, Crossing, Window
+from planner.keyhole.crossing import Crossing, CrossingMotion, Window
 from planner.keyhole.exact import ExactFollowing, ExactWay, RowMotion
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.line_of_sight import LineOfSight
@@ -41,7 +41,7 @@ class _Chain:
     def rank(self) -> tuple[float, float]:
         return self.beyond_rad, self.squared_rad2_s
 
-    def carried_on(self, crossed: Crossed, way: ExactWay) -> "_Chain":
+    def carry_on(self, crossed: CrossingMotion, way: ExactWay) -> "_Chain":
         """Across a window, onto another way."""
         exact = self.way.motion
         return _Chain(
@@ -55,7 +55,7 @@ class _Chain:
             squared_rad2_s=self.squared_rad2_s + crossed.squared_rad2_s,
         )
 
-    def joined(self) -> RowMotion:
+    def join_parts(self) -> RowMotion:
         """Of the rows two parts share, the window's: its ends may be free."""
         pieces = []
         for number, part in enumerate((*self.parts, self.way.motion)):
@@ -69,7 +69,7 @@ class _Chain:
         return RowMotion(self.parts[0].first_row, *columns)
 
 
-def followed(
+def tracks_near(
     platform: TwoAxisPlatform,
     los: LineOfSight,
     start_s: float,
@@ -113,7 +113,7 @@ def nearest_track(
             axis=exact.axis,
             limit=exact.limit,
         )
-    motion = best.joined()
+    motion = best.join_parts()
     _require_in_frame(following, platform, los, motion, exact)
     return AxisTrack(
         axis_names=platform.axis_names,
@@ -166,11 +166,11 @@ def _chains(
             return []
         until = windows[number + 1].first if number + 1 < len(windows) else last
         crossing = Crossing(following, platform, window)
-        chains = _carried_on(crossing, chains, following.ways(window.last, until))
+        chains = _carry_on(crossing, chains, following.ways(window.last, until))
     return chains
 
 
-def _carried_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) -> list[_Chain]:
+def _carry_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) -> list[_Chain]:
     """For each way of following after a window the best chain that leads to it."""
     pairs = [(chain, way) for way in ways for chain in chains]
     found = [crossing.nearest(chain.way.whole, way.whole) for chain, way in pairs]
@@ -181,7 +181,7 @@ def _carried_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) 
         if promising and one.squared_rad2_s < min(in_frame, default=math.inf):
             found[number] = better = crossing.nearest_in_frame(one)
             in_frame += [better.squared_rad2_s] if better.beyond_rad == 0.0 else []
-    longer = [chain.carried_on(one, way) for (chain, way), one in zip(pairs, found, strict=True)]
+    longer = [chain.carry_on(one, way) for (chain, way), one in zip(pairs, found, strict=True)]
     count = len(chains)
     return [
         min(longer[start : start + count], key=lambda chain: chain.rank)

@@ -136,7 +136,7 @@ def _segment(raw: RawSegment) -> AemSegment:
 
 def _frames(raw: RawSegment) -> tuple[str, bool]:
     """The frame the attitude is against, and whether the body is REF_FRAME_B."""
-    stated = [raw.stated(key).upper() for key in ("REF_FRAME_A", "REF_FRAME_B")]
+    stated = [raw.require(key).upper() for key in ("REF_FRAME_A", "REF_FRAME_B")]
     is_body = [_BODY.fullmatch(name) is not None for name in stated]
     if sum(is_body) != 1:
         raw.refuse(
@@ -162,7 +162,7 @@ def _is_a_to_b(raw: RawSegment) -> bool:
 
 
 def _type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
-    stated = raw.stated("ATTITUDE_TYPE").upper().replace(" ", "_")
+    stated = raw.require("ATTITUDE_TYPE").upper().replace(" ", "_")
     if stated.startswith("SPIN"):
         raw.refuse(
             f"ATTITUDE_TYPE {stated} describes a spinning satellite by its axis, from which no "
@@ -204,7 +204,7 @@ def _scalar_first(raw: RawSegment) -> bool:
 
 def _sequence(raw: RawSegment) -> str:
     """Axes in the order they are turned about, each after the turns before."""
-    stated = raw.stated("EULER_ROT_SEQ").upper()
+    stated = raw.require("EULER_ROT_SEQ").upper()
     sequence = "".join(_AXES.get(axis, axis) for axis in stated)
     if not re.fullmatch(r"[XYZ]{3}", sequence) or sequence[1] in (sequence[0], sequence[2]):
         raw.refuse(f"EULER_ROT_SEQ {stated!r} is no sequence of three axes such as 321 or ZXZ")
@@ -212,7 +212,7 @@ def _sequence(raw: RawSegment) -> str:
 
 
 def _angvel_in_b(raw: RawSegment) -> bool:
-    stated = raw.stated("ANGVEL_FRAME").upper()
+    stated = raw.require("ANGVEL_FRAME").upper()
     in_a, in_b = (
         stated in (key, raw.metadata[key].upper()) for key in ("REF_FRAME_A", "REF_FRAME_B")
     )

@@ -51,20 +51,20 @@ class Keywords:
             self.refuse(f"{key} stands here for the second time; send one state", entries[1].line)
         return entries[0] if entries else None
 
-    def required(self, key: str) -> Entry:
+    def require(self, key: str) -> Entry:
         """As `only`, refused when absent."""
         return self.only(key) or self.refuse(f"{key} is missing")
 
     def text(self, key: str, default: str | None = None) -> str:
         """The entry's text; refused when absent and without default."""
-        entry = self.only(key) if default is not None else self.required(key)
+        entry = self.only(key) if default is not None else self.require(key)
         return default or "" if entry is None else entry.text
 
     def number(
         self, key: str, *units: str, within: tuple[float, float] = (-math.inf, math.inf)
     ) -> float:
         """A finite number in a closed range; a stated unit must be one of `units`."""
-        entry = self.required(key)
+        entry = self.require(key)
         if entry.unit and entry.unit.lower() not in units:
             self.refuse(f"{key} is in {entry.unit!r}; it must be in {units[0]}", entry.line)
         try:

@@ -139,7 +139,7 @@ def _segment(raw: RawSegment) -> OemSegment:
 
 def _frame(raw: RawSegment) -> str:
     """Of a kind we can convert, about the Earth."""
-    stated = raw.stated("REF_FRAME")
+    stated = raw.require("REF_FRAME")
     center = raw.metadata.get("CENTER_NAME", "EARTH")
     if center.upper() not in ("EARTH", "399", "EARTH CENTER"):
         raw.refuse(f"CENTER_NAME is {center!r}; only orbits about EARTH are supported")

@@ -51,7 +51,7 @@ def read_omm(content: str) -> Omm:
     _require(found, "REF_FRAME", ("TEME",))
     _require(found, "TIME_SYSTEM", ("UTC",))
     _require(found, "EPHEMERIS_TYPE", EPHEMERIS_TYPES)
-    epoch = found.required("EPOCH")
+    epoch = found.require("EPOCH")
     return Omm(
         object_name=found.text("OBJECT_NAME", ""),
         epoch_utc=found.epoch_utc(epoch, "UTC"),

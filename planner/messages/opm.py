@@ -43,7 +43,7 @@ def read_opm(content: str) -> Opm:
     if frame not in FRAMES:
         found.refuse(f"REF_FRAME {stated!r} is not supported; convert to one of {FRAMES}")
     time_system = found.text("TIME_SYSTEM").upper()
-    epoch = found.required("EPOCH")
+    epoch = found.require("EPOCH")
 
     def optional(key: str, *units: str) -> float | None:
         return found.number(key, *units) if found.only(key) else None

@@ -33,7 +33,7 @@ class RawSegment:
         """Say what is wrong with the segment, and in which line (its first by default)."""
         refuse(self.message, line or self.line, what)
 
-    def stated(self, key: str) -> str:
+    def require(self, key: str) -> str:
         """A metadata value there is no going on without."""
         if key not in self.metadata:
             self.refuse(f"the segment's metadata lack {key}")
@@ -84,7 +84,7 @@ def creation_utc(text: str | None) -> datetime | None:
 
 def time_axis(raw: RawSegment) -> TimeAxis:
     """Epochs of the rows; refused when out of order, or too few to interpolate."""
-    time_system = raw.stated("TIME_SYSTEM").upper()
+    time_system = raw.require("TIME_SYSTEM").upper()
     if time_system not in TIME_SYSTEMS:
         raw.refuse(f"TIME_SYSTEM {time_system!r} is not supported; use one of {TIME_SYSTEMS}")
     if len(raw.rows) < 2:

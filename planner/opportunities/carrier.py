@@ -22,7 +22,7 @@ from planner.opportunities.interpolation import NODES, UniformTable
 from planner.orbits import Ephemeris, OrbitStates
 from planner.platforms import TwoAxisPlatform
 from planner.targets import BodyTarget
-from planner.targets.apparent import aberrated
+from planner.targets.apparent import aberrate
 
 STEP_TURN_RAD = 0.066  # of the carrier about the Earth between rows: 60 s in low orbit
 STEP_MAX_S = 900.0
@@ -73,10 +73,10 @@ def carrier_over(
     step_s = min(STEP_TURN_RAD / _perigee_rate_rad_s(first_state), STEP_MAX_S)
     cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
     rows = _Rows(ephemeris, attitude, platform, start_utc, span_s, cells)
-    r_sat_itrf_m = _turned(rows.c_itrf, rows.states.r_sat_eci_m)
-    v_sat_itrf_m_s = _turned(rows.c_itrf, rows.states.v_sat_eci_m_s)
+    r_sat_itrf_m = _to_itrf(rows.c_itrf, rows.states.r_sat_eci_m)
+    v_sat_itrf_m_s = _to_itrf(rows.c_itrf, rows.states.v_sat_eci_m_s)
     r_sun_itrf_m, r_moon_itrf_m = (
-        _turned(rows.c_itrf, _apparent_geocentric_m(name, rows.instants))
+        _to_itrf(rows.c_itrf, _apparent_geocentric_m(name, rows.instants))
         for name in ("sun", "moon")
     )
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
@@ -158,8 +158,8 @@ def _apparent_geocentric_m(body: str, instants: Instants) -> Array:
     """Where the Earth's centre sees the Sun's or Moon's, GCRF axes, shape (n, 3)."""
     r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
     direction, range_m = BodyTarget(name=body).seen_from(instants, r_earth_bary_m)
-    return aberrated(direction, v_earth_bary_m_s) * range_m[:, None]
+    return aberrate(direction, v_earth_bary_m_s) * range_m[:, None]
 
 
-def _turned(c_itrf: Array, vector_eci: Array) -> Array:
+def _to_itrf(c_itrf: Array, vector_eci: Array) -> Array:
     return np.asarray(np.einsum("nij,nj->ni", c_itrf, vector_eci))

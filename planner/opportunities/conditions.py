@@ -15,7 +15,7 @@ from planner.opportunities.sights import EarthSight, Sight
 from planner.opportunities.spans import Indices, Margin
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles
-from planner.targets.apparent import aberrated
+from planner.targets.apparent import aberrate
 from planner.targets.earth_limb import limb_clearance_rad
 
 Cause = Literal[
@@ -109,7 +109,7 @@ def _body_direction(r_body_itrf_m: UniformTable, carrier: Carrier, t_s: Array) -
     """Where the moving carrier sees a body, unit vectors (n, 3)."""
     to_body_m = r_body_itrf_m.at(t_s) - carrier.r_sat_itrf_m.at(t_s)
     direction = to_body_m / np.linalg.norm(to_body_m, axis=1, keepdims=True)
-    return aberrated(direction, carrier.v_sat_itrf_m_s.at(t_s))
+    return aberrate(direction, carrier.v_sat_itrf_m_s.at(t_s))
 
 
 def _sunlight(asked: OpportunityConditions, sight: Sight) -> Margin:
@@ -126,7 +126,7 @@ def _sunlight(asked: OpportunityConditions, sight: Sight) -> Margin:
 
 def _off_nadir(limit_deg: float, carrier: Carrier, sight: Sight) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
-        direction_itrf = sight.seen(which, t_s).direction_itrf
+        direction_itrf = sight.sighting(which, t_s).direction_itrf
         return math.radians(limit_deg) - off_nadir_rad(direction_itrf, carrier, t_s)
 
     return margin
@@ -137,7 +137,7 @@ def _keep_out(
 ) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
         body = _body_direction(r_body_itrf_m, carrier, t_s)
-        away_rad = angle_rad(sight.seen(which, t_s).direction_itrf, body)
+        away_rad = angle_rad(sight.sighting(which, t_s).direction_itrf, body)
         above_limb_rad = limb_clearance_rad(body, carrier.r_sat_itrf_m.at(t_s), 0.0)
         return np.maximum(away_rad - math.radians(keep_out_deg), -HIDDEN_RAD - above_limb_rad)
 
@@ -146,7 +146,7 @@ def _keep_out(
 
 def _reach(platform: TwoAxisPlatform, carrier: Carrier, sight: Sight) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
-        los_platform = carrier.in_platform(sight.seen(which, t_s).direction_itrf, t_s)
+        los_platform = carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
         angle_rad = axis_angles(platform, los_platform).angle_rad
         return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
 

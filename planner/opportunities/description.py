@@ -25,7 +25,7 @@ _EDGE_RAD = 1e-6  # a window that ends at a stop ends within a microsecond's mot
 _STEP_S = 600.0  # windows shorter than three of these hold one approach
 
 
-def described(
+def describe_windows(
     request: OpportunityRequest, carrier: Carrier, sight: Sight, numbers: Indices, spans: Spans
 ) -> Windows:
     """The windows of one sight; numbers: its targets' rows in the request."""
@@ -47,7 +47,7 @@ def described(
         opened_by=spans.opened_by,
         closed_by=spans.closed_by,
         highest_s=highest_s,
-        highest_rad=sight.seen(spans.target, highest_s).elevation_rad,
+        highest_rad=sight.sighting(spans.target, highest_s).elevation_rad,
         closest=sightings.columns(0),
         through=sightings.columns(slice(1, None)),
         branch=branch,
@@ -73,7 +73,7 @@ def _sightings(
 ) -> tuple[Sightings, Indices, NDArray[np.bool_]]:
     """Of at_s (m, k), which (m k,); the branch reported, (m,), and the usable ones, (m, 2)."""
     t_s, shape = at_s.ravel(), at_s.shape
-    seen = sight.seen(which, t_s)
+    seen = sight.sighting(which, t_s)
     direction_itrf, range_m = seen.direction_itrf, seen.range_m
     across_m = range_m * math.radians(request.pixel_arcsec / 3600.0)
     sine = np.sin(seen.elevation_rad) if isinstance(sight, EarthSight) else np.ones(len(t_s))
@@ -121,7 +121,7 @@ def _rates(
 ) -> Array:
     """Axis rates, (n, 2), at angles (n, 2)."""
     before, after = (
-        carrier.in_platform(sight.seen(which, t).direction_itrf, t)
+        carrier.in_platform(sight.sighting(which, t).direction_itrf, t)
         for t in (t_s - _DELTA_S, t_s + _DELTA_S)
     )
     los_rate_s = (after - before) / (2.0 * _DELTA_S)

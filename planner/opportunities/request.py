@@ -37,7 +37,7 @@ class OpportunityTarget:
             raise ValueError("id must not be empty: windows are reported by it")
         if not self.target.has_windows:
             raise ValueError(
-                f"a {self.target.mode} belongs to a session and has no windows of its own; ask "
+                f"`{self.target.mode}` belongs to a session and has no windows of its own; ask "
                 "for those of a ground_path's points, as ground targets"
             )
 

@@ -10,7 +10,7 @@ from planner.frames.time_scales import Instants
 from planner.opportunities.candidates import candidate_nodes
 from planner.opportunities.carrier import Carrier, carrier_over
 from planner.opportunities.conditions import Condition, conditions_of
-from planner.opportunities.description import described
+from planner.opportunities.description import describe_windows
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import (
     EarthSight,
@@ -42,7 +42,7 @@ def find_opportunities(request: OpportunityRequest) -> Opportunities:
         ephemeris, request.attitude, request.platform, request.start, request.stop
     )
     found = [
-        described(request, carrier, sight, numbers, _windows(request, carrier, sight, nodes))
+        describe_windows(request, carrier, sight, numbers, _windows(request, carrier, sight, nodes))
         for numbers, sight, nodes in _batches(request, carrier)
     ]
     orientation = earth_orientation_warning(Instants(request.start, np.array([carrier.span_s])))
@@ -99,15 +99,15 @@ def _windows(request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes:
         closed_by=np.where(inside.to_last, "interval", "elevation"),
     )
     for condition in conditions_of(request.conditions, request.platform, carrier, sight):
-        spans = _narrowed(spans, sight, condition)
+        spans = _narrow(spans, sight, condition)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)
-    return spans.kept(spans.stop_s - spans.start_s >= least_s)
+    return spans.select(spans.stop_s - spans.start_s >= least_s)
 
 
-def _narrowed(spans: Spans, sight: Sight, condition: Condition) -> Spans:
+def _narrow(spans: Spans, sight: Sight, condition: Condition) -> Spans:
     nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
     inside = stretches(condition.margin, nodes)
-    before = spans.kept(inside.group)
+    before = spans.select(inside.group)
     return Spans(
         target=before.target,
         start_s=inside.start_s,

@@ -15,13 +15,13 @@ from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier
 from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, SkyTarget, Target
-from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrated
+from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrate
 
 Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class Sighting:
     """What the carrier sees of n targets.
 
     direction_itrf: unit vectors from the carrier, light time and aberration included, (n, 3).
@@ -45,7 +45,7 @@ class Sight(Protocol):
         """Greatest at the closest approach, (n,)."""
         ...
 
-    def seen(self, which: Indices, t_s: Array) -> Seen:
+    def sighting(self, which: Indices, t_s: Array) -> Sighting:
         """Directions, ranges, elevations."""
         ...
 
@@ -53,7 +53,7 @@ class Sight(Protocol):
         """Of the Sun's centre in the target's sky, without refraction; NaN in space, (n,)."""
         ...
 
-    def passing(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
+    def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
         """When, from t_s, the straight course at t_s is nearest, s, and how fast the line of
         sight then turns, rad/s, each (n,)."""
         ...
@@ -122,7 +122,7 @@ class EarthSight:
         """The range, negative."""
         return -_norm(self.carrier.r_sat_itrf_m.at(t_s) - self.places.r_target_itrf_m(which, t_s))
 
-    def seen(self, which: Indices, t_s: Array) -> Seen:
+    def sighting(self, which: Indices, t_s: Array) -> Sighting:
         """Light time with the Earth turning below, then aberration, as `EarthFixedTarget`."""
         r_sat_m = self.carrier.r_sat_itrf_m.at(t_s)
         r_target_m = self.places.r_target_itrf_m(which, t_s)
@@ -131,8 +131,8 @@ class EarthSight:
         r_emitting_m = self.places.r_target_itrf_m(which, t_s - light_time_s)
         turned_m = light_time_s[:, None] * _carried_m_s(r_emitting_m)
         los_m = r_emitting_m - turned_m - r_sat_m
-        return Seen(
-            direction_itrf=aberrated(
+        return Sighting(
+            direction_itrf=aberrate(
                 los_m / _norm(los_m)[:, None], self.carrier.v_sat_itrf_m_s.at(t_s)
             ),
             range_m=range_m,
@@ -143,10 +143,10 @@ class EarthSight:
         """Parallax and diurnal aberration included."""
         r_target_m = self.places.r_target_itrf_m(which, t_s)
         to_sun_m = self.carrier.r_sun_itrf_m.at(t_s) - r_target_m
-        direction = aberrated(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
+        direction = aberrate(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
         return np.arcsin(_dot(direction, self.places.up_itrf(which, r_target_m)))
 
-    def passing(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
+    def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
         """Target and carrier on straight lines in ITRF."""
         apart_m = self.carrier.r_sat_itrf_m.at(t_s) - self.places.r_target_itrf_m(which, t_s)
         speed_m_s = self.carrier.r_sat_itrf_m.rate_at(t_s)
@@ -174,11 +174,11 @@ class SkySight:
         """The carrier doesn't approach it: highest above the limb counts."""
         return self.clearance_rad(which, t_s)
 
-    def seen(self, which: Indices, t_s: Array) -> Seen:
+    def sighting(self, which: Indices, t_s: Array) -> Sighting:
         """As `SkyTarget`."""
         instants, states, c_itrf = self._carrier_at(t_s)
         apparent = self.target.apparent(instants, states)
-        return Seen(
+        return Sighting(
             direction_itrf=np.einsum("nij,nj->ni", c_itrf, apparent.direction_eci),
             range_m=apparent.range_m,
             elevation_rad=apparent.clearance_rad,
@@ -188,7 +188,7 @@ class SkySight:
         """There is no ground."""
         return np.full(len(t_s), math.nan)
 
-    def passing(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
+    def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
         """It stands still."""
         return np.zeros(len(t_s)), np.zeros(len(t_s))
 

@@ -40,7 +40,7 @@ class Spans:
     opened_by: NDArray[np.str_]
     closed_by: NDArray[np.str_]
 
-    def kept(self, rows: NDArray[np.bool_] | Indices) -> "Spans":
+    def select(self, rows: NDArray[np.bool_] | Indices) -> "Spans":
         """Those at `rows`."""
         return Spans(
             self.target[rows],
@@ -84,7 +84,7 @@ def nodes_over(spans: Spans, sight: Sight, step_s: float, turn_rad: float) -> No
     mid-span; they divide evenly the angle by which it turns on that course.
     """
     middle_s = 0.5 * (spans.start_s + spans.stop_s)
-    after_s, turn_rad_s = sight.passing(spans.target, middle_s)
+    after_s, turn_rad_s = sight.nearest_passage(spans.target, middle_s)
     nearest_s, turn_rad_s = middle_s + after_s, np.maximum(turn_rad_s, SLOWEST_RAD_S)
     from_rad = np.arctan(turn_rad_s * (spans.start_s - nearest_s))
     to_rad = np.arctan(turn_rad_s * (spans.stop_s - nearest_s))

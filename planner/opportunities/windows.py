@@ -100,10 +100,10 @@ def in_order(parts: Sequence[Windows]) -> Windows:
             np.concatenate([part.target for part in parts]),
         )
     )
-    return _joined(parts, order)
+    return _concatenate(parts, order)
 
 
-def _joined(parts: Sequence[T], order: NDArray[np.intp]) -> T:
+def _concatenate(parts: Sequence[T], order: NDArray[np.intp]) -> T:
     """The arrays of like dataclasses, however deep, end to end and then put in order."""
     joined: dict[str, object] = {}
     for field in fields(parts[0]):  # type: ignore[arg-type]  # T is a dataclass
@@ -111,6 +111,6 @@ def _joined(parts: Sequence[T], order: NDArray[np.intp]) -> T:
         joined[field.name] = (
             np.concatenate(values)[order]
             if isinstance(values[0], np.ndarray)
-            else _joined(values, order)
+            else _concatenate(values, order)
         )
     return type(parts[0])(**joined)

@@ -22,7 +22,7 @@ def hermite(
     first, size = _windows(node_s, t_s, nodes)
     for count in np.unique(size).tolist():
         here = size == count
-        r[here], v[here] = _interpolated(node_s, r_m, v_m_s, t_s[here], first[here], count)
+        r[here], v[here] = _interpolate(node_s, r_m, v_m_s, t_s[here], first[here], count)
     return r, v
 
 
@@ -56,7 +56,7 @@ def hermite_error_m(
         else:
             other_count = count - 1
             other_first = start + (t_s[here] > 0.5 * (node_s[0] + node_s[-1]))
-        other, _ = _interpolated(node_s, r_m, v_m_s, t_s[here], other_first, other_count)
+        other, _ = _interpolate(node_s, r_m, v_m_s, t_s[here], other_first, other_count)
         error_m[here] = np.linalg.norm(other - r[here], axis=1)
     return error_m
 
@@ -73,7 +73,7 @@ def _windows(
     return np.clip(cell - half + 1, 0, count - size), size
 
 
-def _interpolated(
+def _interpolate(
     node_s: NDArray[np.float64],
     r_m: NDArray[np.float64],
     v_m_s: NDArray[np.float64],

@@ -82,7 +82,7 @@ def paper_ephemeris(
     near = slice(max(low, 0), max(high, 2))
     t_s, states = t_s[near], states[near]
     c, s = np.cos(OMEGA_EARTH_RAD_S * t_s), np.sin(OMEGA_EARTH_RAD_S * t_s)
-    r_itrf_m, v_m_s = _turned(states[:, :3], c, s), _turned(states[:, 3:], c, s)
+    r_itrf_m, v_m_s = _turn_about_z(states[:, :3], c, s), _turn_about_z(states[:, 3:], c, s)
     v_itrf_m_s = v_m_s - np.cross([0.0, 0.0, OMEGA_EARTH_RAD_S], r_itrf_m)
     r_eci_m, v_eci_m_s = eci_from_itrf_state(r_itrf_m, v_itrf_m_s, Instants(epoch_utc, t_s))
     return PaperEphemeris(
@@ -114,12 +114,12 @@ def predict(start: State, span_s: float) -> tuple[NDArray[np.float64], NDArray[n
         before: State = tuple(parts[-1][-1].tolist())
         steps = step_s[first : first + KEPT_STEPS].tolist()
         whole_steps = all(abs(step) == STEP_S for step in steps) and len(steps) == KEPT_STEPS
-        parts.append(_kept_steps(before, steps[0]) if whole_steps else _steps(before, steps))
+        parts.append(_cached_steps(before, steps[0]) if whole_steps else _steps(before, steps))
     return t_s, np.concatenate(parts)
 
 
 @lru_cache(maxsize=KEPT)
-def _kept_steps(start: State, step_s: float) -> NDArray[np.float64]:
+def _cached_steps(start: State, step_s: float) -> NDArray[np.float64]:
     """Kept, since one plan asks for several spans: three days of steps take seconds."""
     return _steps(start, [step_s] * KEPT_STEPS)
 
@@ -134,9 +134,9 @@ def _steps(start: State, steps_s: list[float]) -> NDArray[np.float64]:
 
 def _runge_kutta(state: State, h: float) -> State:
     k1 = _derivative(state)
-    k2 = _derivative(_moved(state, k1, 0.5 * h))
-    k3 = _derivative(_moved(state, k2, 0.5 * h))
-    k4 = _derivative(_moved(state, k3, h))
+    k2 = _derivative(_step_along(state, k1, 0.5 * h))
+    k3 = _derivative(_step_along(state, k2, 0.5 * h))
+    k4 = _derivative(_step_along(state, k3, h))
     a, b = h / 6.0, h / 3.0
     return (
         state[0] + a * k1[0] + b * k2[0] + b * k3[0] + a * k4[0],
@@ -148,7 +148,7 @@ def _runge_kutta(state: State, h: float) -> State:
     )
 
 
-def _moved(s: State, k: State, h: float) -> State:
+def _step_along(s: State, k: State, h: float) -> State:
     return (
         s[0] + h * k[0],
         s[1] + h * k[1],
@@ -170,7 +170,7 @@ def _derivative(s: State) -> State:
     return s[3], s[4], s[5], across * x, across * y, along * z
 
 
-def _turned(
+def _turn_about_z(
     vectors: NDArray[np.float64], c: NDArray[np.float64], s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Components in axes turned about z by the angles of cosine c and sine s."""

@@ -124,10 +124,10 @@ class StateVectorOrbit:
         step_s = math.copysign(SEGMENT_S, span_s)
         count = math.floor(abs(span_s) / SEGMENT_S)
         while len(whole) < count:
-            whole.append(_propagated(self, whole, len(whole) * step_s, (len(whole) + 1) * step_s))
+            whole.append(_propagate(self, whole, len(whole) * step_s, (len(whole) + 1) * step_s))
         segments = whole[:count]
         if abs(span_s) > count * SEGMENT_S:
-            segments.append(_propagated(self, segments, count * step_s, span_s))
+            segments.append(_propagate(self, segments, count * step_s, span_s))
         return segments
 
     @cached_property
@@ -216,7 +216,7 @@ def _state_eci(orbit: StateVectorOrbit) -> tuple[NDArray[np.float64], NDArray[np
     return r_m, v_m_s
 
 
-def _propagated(
+def _propagate(
     orbit: StateVectorOrbit, before: list[CollocationSegment], start_s: float, stop_s: float
 ) -> CollocationSegment:
     """On from where the segments `before` it end, or from the epoch, either way."""

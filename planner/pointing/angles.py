@@ -89,14 +89,14 @@ def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     """
     outer, inner = platform.axes_platform
     zero = np.broadcast_to(_zero_direction(platform), (len(angle_rad), 3))
-    return _rotated(outer, angle_rad[:, 0], _rotated(inner, angle_rad[:, 1], zero))
+    return _rotate(outer, angle_rad[:, 0], _rotate(inner, angle_rad[:, 1], zero))
 
 
 def carried_axes(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[Array, Array]:
     """Outer and inner axis in the platform frame, unit vectors (n, 3) each, at angles (n, 2)."""
     outer, inner = platform.axes_platform
     shape = (len(angle_rad), 3)
-    turned = _rotated(outer, angle_rad[:, 0], np.broadcast_to(inner, shape))
+    turned = _rotate(outer, angle_rad[:, 0], np.broadcast_to(inner, shape))
     return np.broadcast_to(outer, shape), turned
 
 
@@ -125,7 +125,7 @@ def _angle_about(axis: Array, start: Array, end: Array) -> Array:
     return np.asarray(np.arctan2(sine, cosine))
 
 
-def _rotated(axis: Array, angle_rad: Array, vector: Array) -> Array:
+def _rotate(axis: Array, angle_rad: Array, vector: Array) -> Array:
     """Rodrigues' formula: `vector` (n, 3) turned by angle_rad (n,) about `axis` (3,)."""
     cosine, sine = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
     along = (vector @ axis)[:, None] * axis

@@ -20,7 +20,7 @@ class HermiteRange(NamedTuple):
     jerk_rad_s3: Array
 
 
-def flown_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRange:
+def cubic_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRange:
     """Exact extremes, cell by cell, of the cubic Hermite through rows `step_s` apart.
 
     angle_rad, rate_rad_s: shape (n, m).  The rate is a parabola over a cell, so its extreme
@@ -52,14 +52,14 @@ def flown_range(step_s: float, angle_rad: Array, rate_rad_s: Array) -> HermiteRa
     )
 
 
-def met_range(
+def cubic_and_row_range(
     step_s: float, angle_rad: Array, rate_rad_s: Array, acceleration_rad_s2: Array
 ) -> HermiteRange:
     """As flown, and on rows, where a slew must meet the motion itself, its own acceleration, too.
 
     The Hermite's differs from it by the jerk's change over a cell.
     """
-    flown = flown_range(step_s, angle_rad, rate_rad_s)
+    flown = cubic_range(step_s, angle_rad, rate_rad_s)
     before, after = acceleration_rad_s2[:-1], acceleration_rad_s2[1:]
     return flown._replace(
         acceleration_rad_s2=_least_and_greatest(

@@ -14,7 +14,7 @@ from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
-from planner.pointing.hermite import met_range, quintic_motion
+from planner.pointing.hermite import cubic_and_row_range, quintic_motion
 from planner.pointing.line_of_sight import LineOfSight
 
 TURN_RAD = 2.0 * math.pi
@@ -177,7 +177,7 @@ def _breaks(
     rate_rad_s: Array,
     acceleration_rad_s2: Array,
 ) -> list[_LimitBreaks]:
-    flown = met_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
+    flown = cubic_and_row_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
     limits = platform.axis_limits
     angle_min = np.array([axis.angle_min_rad for axis in limits])
     angle_max = np.array([axis.angle_max_rad for axis in limits])

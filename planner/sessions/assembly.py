@@ -8,11 +8,13 @@ import numpy as np
 from planner.commands import ROWS_PER_S, CommandTable
 from planner.frames.time_scales import elapsed_s
 from planner.scenario import Scenario
-from planner.sessions.holding import flown_span
+from planner.sessions.holding import remaining_span
 from planner.sessions.joining import Join
 
 
-def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]) -> CommandTable:
+def assemble_table(
+    epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]
+) -> CommandTable:
     """Row by row: at rest until each slew begins, the slew, the track.
 
     A row shared by two of them is the later one's.  What a slew leaves as end error is
@@ -42,12 +44,12 @@ def assembled(epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join
     )
 
 
-def as_flown(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str]]:
+def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Scenario, list[str]]:
     """The sessions as they are left after conflicts, and what each of them lost."""
     epoch_utc = scenario.initial_state.epoch
     sessions, losses = [], []
     for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
-        start, stop = flown_span(session, epoch_utc, join.join_row, join.stop_row)
+        start, stop = remaining_span(session, epoch_utc, join.join_row, join.stop_row)
         sessions.append(replace(session, start=start, stop=stop))
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
         if late_s or early_s:

@@ -11,7 +11,7 @@ from planner.frames.time_scales import elapsed_s
 from planner.scenario import Scenario
 from planner.sessions.earliest_join import track_states
 from planner.sessions.holding import GRID_TOLERANCE_S, Way
-from planner.sessions.joining import Join, first_row_in_reach, joined, may_be_slewed_between
+from planner.sessions.joining import Join, first_row_in_reach, may_slew_between, slew_onto
 from planner.slew import AxisState, next_duration_s
 
 SPLITS = 8  # how finely a loss is shared between two sessions
@@ -77,15 +77,15 @@ class Chain:
         self._states: dict[tuple[int, int], States] = {}
         self._shut: dict[Pair, int] = {}
         self._spans_s: dict[int, tuple[float, float]] = {}
-        self._care_left = CARE_SHARE * effort.left()
+        self._care_left = CARE_SHARE * effort.remaining()
         self._is_cut_short = False
 
-    def flown(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
+    def solve(self, mode: str, count: int | None = None) -> tuple[Steps, list[Join]] | None:
         """The cheapest steps of the first `count` sessions, all, whose slews are all found."""
         while (steps := self.cheapest(CONFLICTS[mode], count)) is not None:
             joins: list[Join] = []
             for number, step in enumerate(steps):
-                join = self._joined(self.stand(steps[:number]), step)
+                join = self._join(self.stand(steps[:number]), step)
                 if join is None:
                     break
                 if joins:
@@ -95,14 +95,14 @@ class Chain:
                 return steps, joins
         return None
 
-    def _joined(self, stand: Stand, step: ChainStep) -> Join | None:
+    def _join(self, stand: Stand, step: ChainStep) -> Join | None:
         """Solved once, whichever mode asks; None: undecided by closed form, then impossible."""
         pair, rows = (id(stand.way), id(step.way)), (step.leave_row, step.join_row)
         if (pair, *rows) not in self._joins:
             way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
             state = self.state(stand, step.leave_row)
             try:
-                self._joins[pair, *rows] = self._solved(way, step.leave_row, state)
+                self._joins[pair, *rows] = self._solve_join(way, step.leave_row, state)
             except InfeasibleSlew as refusal:
                 self._barred.setdefault(pair, set()).add(rows)
                 if refusal.limit == "keep_out":
@@ -110,17 +110,17 @@ class Chain:
                 return None
         return self._joins[pair, *rows]
 
-    def _solved(self, way: Way, from_row: int, state: States) -> Join:
+    def _solve_join(self, way: Way, from_row: int, state: States) -> Join:
         """Around cones what is found at once, else with care; without, with care as it lasts."""
         slew = self.scenario.slew
         if slew.objective == "minimum_time" and not slew.keep_out:
             join = self._with_care(way, from_row, state)
             if join is None:
-                join = joined(self.scenario, way, from_row, state, thorough=False, early=False)
+                join = slew_onto(self.scenario, way, from_row, state, thorough=False, early=False)
                 join = replace(join, cut_short=True)
             return join
         try:
-            return joined(self.scenario, way, from_row, state, thorough=False, early=False)
+            return slew_onto(self.scenario, way, from_row, state, thorough=False, early=False)
         except InfeasibleSlew as refusal:
             shut = refusal
         careful = self._with_care(way, from_row, state, early=False) if slew.keep_out else None
@@ -135,7 +135,7 @@ class Chain:
         join = None
         with at_most(min(CARE_MOST, self._care_left)) as care:
             try:
-                join = joined(self.scenario, way, from_row, state, early=early)
+                join = slew_onto(self.scenario, way, from_row, state, early=early)
             finally:
                 self._care_left -= care.done_rows
         self._is_cut_short |= join is None
@@ -146,7 +146,7 @@ class Chain:
         self._care_left = 0.0
         self._is_cut_short = True
 
-    def improved(self, steps: Steps, joins: list[Join]) -> list[Join]:
+    def improve(self, steps: Steps, joins: list[Join]) -> list[Join]:
         """The same chain around cones, as early and as smooth as is found.
 
         Each within its share of the work that is left; what isn't bettered by then stays.
@@ -154,20 +154,20 @@ class Chain:
         if not self.scenario.slew.keep_out:
             return joins
         better = []
-        share = CARE_SHARE * effort.left() / len(joins)
+        share = CARE_SHARE * effort.remaining() / len(joins)
         for number, (step, join) in enumerate(zip(steps, joins, strict=True)):
             way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
             state = self.state(self.stand(steps[:number]), step.leave_row)
             found = replace(join, cut_short=True)
             with at_most(share):
-                found = self._bettered(way, step.leave_row, state, join)
+                found = self._improve_join(way, step.leave_row, state, join)
             cut_short = found.cut_short or self._is_cut_short
             better.append(replace(found, stop_row=join.stop_row, cut_short=cut_short))
         return better
 
-    def _bettered(self, way: Way, from_row: int, state: States, join: Join) -> Join:
+    def _improve_join(self, way: Way, from_row: int, state: States, join: Join) -> Join:
         try:
-            return joined(self.scenario, way, from_row, state)
+            return slew_onto(self.scenario, way, from_row, state)
         except InfeasibleSlew:  # a search from other guesses may miss what was found
             return join
 
@@ -231,9 +231,7 @@ class Chain:
         if known not in self._may:
             there = self._state(way, join_row)
             state = self.state(stand, leave_row)
-            self._may[known] = may_be_slewed_between(
-                self.scenario, state, there, join_row - leave_row
-            )
+            self._may[known] = may_slew_between(self.scenario, state, there, join_row - leave_row)
         return self._may[known]
 
     def _is_open(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
@@ -298,17 +296,17 @@ def _refuse(chain: Chain, stand: Stand, way: Way) -> None:
 
 def _shorten_later(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
     """The later session begins late."""
-    return _shared(chain, stand, way, (0,))
+    return _share_loss(chain, stand, way, (0,))
 
 
 def _shorten_earlier(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
     """The earlier session ends early."""
-    return _shared(chain, stand, way, (SPLITS,))
+    return _share_loss(chain, stand, way, (SPLITS,))
 
 
 def _least_loss(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
     """Both give something, so that the sum is least."""
-    return _shared(chain, stand, way, tuple(range(SPLITS + 1)))
+    return _share_loss(chain, stand, way, tuple(range(SPLITS + 1)))
 
 
 CONFLICTS: dict[str, Resolve] = {
@@ -319,7 +317,7 @@ CONFLICTS: dict[str, Resolve] = {
 }
 
 
-def _shared(
+def _share_loss(
     chain: Chain, stand: Stand, way: Way, eighths: tuple[int, ...]
 ) -> tuple[int, int] | None:
     """The rows of least loss, of which the earlier session bears one of the given eighths."""

@@ -74,7 +74,7 @@ def earliest_join(
     the join is one with a failure just before it, not surely the first.
     """
 
-    def joined_at(row: int) -> SlewSolution | None:
+    def join_at(row: int) -> SlewSolution | None:
         end = track_states(track, row / ROWS_PER_S)
         if not _possible(start, end, limits, row / ROWS_PER_S - start_s):
             return None
@@ -100,9 +100,9 @@ def earliest_join(
         step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
         if bad is not None and row < bad + step:
             continue
-        solution = joined_at(row)
+        solution = join_at(row)
         if solution is not None:
-            return _earlier(joined_at, row - 1 if bad is None else bad, row, solution)
+            return _earlier(join_at, row - 1 if bad is None else bad, row, solution)
         bad, failures = row, failures + 1
         if failures >= FAILURES_MOST:
             break
@@ -127,7 +127,7 @@ def rows_within_reach(
     if not all_rows.size:
         return
     effort.spend(GLANCE * all_rows.size)
-    for row in all_rows[_certified(track, limits, start, start_s, all_rows)].tolist():
+    for row in all_rows[_certify(track, limits, start, start_s, all_rows)].tolist():
         if row < next_row:
             continue
         end = track_states(track, row / ROWS_PER_S)
@@ -138,7 +138,7 @@ def rows_within_reach(
         next_row = row + max(1, math.floor(skipped_s * ROWS_PER_S))
 
 
-def _certified(
+def _certify(
     track: AxisTrack,
     limits: tuple[AxisLimits, ...],
     start: tuple[AxisState, ...],
@@ -168,13 +168,13 @@ def _possible(
 
 
 def _earlier(
-    joined_at: Callable[[int], SlewSolution | None], bad: int, good: int, solution: SlewSolution
+    join_at: Callable[[int], SlewSolution | None], bad: int, good: int, solution: SlewSolution
 ) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""
     while good - bad > 1:
         middle = (good + bad) // 2
         try:
-            found = joined_at(middle)
+            found = join_at(middle)
         except EffortSpent:
             return EarliestJoin(t_s=good / ROWS_PER_S, solution=solution, cut_short=True)
         if found is None:

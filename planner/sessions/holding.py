@@ -11,7 +11,7 @@ from planner import effort
 from planner.commands import ROWS_PER_S
 from planner.errors import NotVisible, OutsideCoverage, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
-from planner.keyhole import followed
+from planner.keyhole import tracks_near
 from planner.orbits import Ephemeris
 from planner.pointing.keep_out import deepest_entry, keep_out_view
 from planner.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
@@ -54,7 +54,7 @@ def session_rows(session: Session, epoch_utc: datetime) -> Rows:
     return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
 
 
-def flown_span(
+def remaining_span(
     session: Session, epoch_utc: datetime, join_row: int, stop_row: int
 ) -> tuple[datetime, datetime]:
     """What is left of a session between the rows at which its track is joined and left."""
@@ -81,7 +81,7 @@ def ways_to_hold(
     looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
     effort.spend((HOLD + looked_at) * (1.0 + CONE_SHARE * len(scenario.slew.keep_out)))
     if isinstance(session.target, BenchMotionTarget):
-        track = _prescribed(scenario, session.target, number, rows)
+        track = _prescribed_track(scenario, session.target, number, rows)
         seen_from_s = _out_of_cones_from_s(scenario, ephemeris, number, track, rows)
         return (
             Way(
@@ -97,7 +97,7 @@ def ways_to_hold(
     start_s = rows.start / ROWS_PER_S
     platform = scenario.platform.with_limits(scenario.axis_limits)
     stop_s = rows.stop / ROWS_PER_S
-    tracks = followed(platform, los, start_s, stop_s, start_angle_rad, keyhole=session.keyhole)
+    tracks = tracks_near(platform, los, start_s, stop_s, start_angle_rad, keyhole=session.keyhole)
     seen_from_s = _seen_from_s(los, start_s)
     return tuple(
         Way(
@@ -113,7 +113,7 @@ def ways_to_hold(
     )
 
 
-def _prescribed(
+def _prescribed_track(
     scenario: Scenario, target: BenchMotionTarget, number: int, rows: Rows
 ) -> AxisTrack:
     """The motion a test target asks for, once it has shown that it can be flown."""
@@ -136,7 +136,7 @@ def _prescribed(
     )
 
 
-def covering(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
+def ephemeris_over(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:
     """The orbit over all sessions and, if it is known, over the time for joining one early."""
     epoch_utc = scenario.initial_state.epoch
     narrow_row = 0 if scenario.slew.keep_out else sessions[0].start

@@ -39,7 +39,7 @@ class Join:
     cut_short: bool = False
 
 
-def joined(
+def slew_onto(
     scenario: Scenario,
     way: Way,
     from_row: int,
@@ -68,7 +68,7 @@ def joined(
     met, cut_short = None, False
     if early and _joins_early(scenario):
         # What is left must do for a slew to the session's first row.
-        with at_most(effort.left() / 2.0) as search:
+        with at_most(effort.remaining() / 2.0) as search:
             met = earliest_join(
                 way.track,
                 scenario.axis_limits,
@@ -96,19 +96,19 @@ def joined(
     )
 
 
-def may_be_slewed(
+def may_slew_onto(
     scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
 ) -> bool:
-    """Whether closed forms leave open that `joined` succeeds; microseconds, cones aside."""
+    """Whether closed forms leave open that `slew_onto` succeeds; microseconds, cones aside."""
     join_row = way.rows.start
     there = track_states(way.track, join_row / ROWS_PER_S)
-    if may_be_slewed_between(scenario, state, there, join_row - from_row):
+    if may_slew_between(scenario, state, there, join_row - from_row):
         return True
     # The durations a slew can take have gaps: an earlier row may be within reach.
     return first_row_in_reach(scenario, way, from_row, state, join_row) is not None
 
 
-def may_be_slewed_between(
+def may_slew_between(
     scenario: Scenario, state: tuple[AxisState, ...], there: tuple[AxisState, ...], rows: int
 ) -> bool:
     """The same from state to state in exactly so many rows."""

@@ -16,8 +16,8 @@ from planner.scenario import Scenario, Session
 from planner.sessions.holding import Rows
 from planner.sessions.joining import Join
 from planner.sessions.other_sessions import Others
-from planner.sessions.sequence import SessionRefused, sequenced
-from planner.sessions.start_trials import Refused, Trials
+from planner.sessions.sequence import SessionRefused, sequence_sessions
+from planner.sessions.start_trials import RefusedSession, Trials
 from planner.targets import BenchMotionTarget
 
 DAY_S = 86400.0
@@ -55,7 +55,7 @@ class _Span:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Searched:
+class _SearchResult:
     """session: as it can be flown, None if not found.
 
     reach_rows: how far from the start asked for all starts were gone through; None: as far as
@@ -66,19 +66,19 @@ class _Searched:
     reach_rows: int | None = None
 
 
-def planned(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
-    """A slew and a track for every session, in order, as `sequenced` has them.
+def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
+    """A slew and a track for every session, in order, as `sequence_sessions` has them.
 
     Raises NotVisible, Unreachable, TrackBreaksLimit and InfeasibleSlew, each with the nearest
     start that can be flown; the last with what each session would have to give up.
     """
     try:
-        return sequenced(scenario, ephemeris)
+        return sequence_sessions(scenario, ephemeris)
     except SessionRefused as failed:
-        raise _advised(scenario, failed) from None
+        raise _advise(scenario, failed) from None
 
 
-def _advised(scenario: Scenario, failed: SessionRefused) -> Refusal:
+def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
     """The same refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short at its start, then moved as a whole, by at most a day.
@@ -87,7 +87,7 @@ def _advised(scenario: Scenario, failed: SessionRefused) -> Refusal:
     """
     refusal, number = failed.refusal, failed.number
     field = refusal.field or f"sessions.{number}.start"
-    refused = Refused(
+    refused = RefusedSession(
         scenario=scenario, number=number, from_row=failed.from_row, state=failed.state
     )
     alike = isinstance(refused.session.target, BenchMotionTarget)
@@ -98,7 +98,7 @@ def _advised(scenario: Scenario, failed: SessionRefused) -> Refusal:
     if isinstance(span, Refusal):
         advice = Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
     else:
-        advice = _sought(refused, span)
+        advice = _seek_start(refused, span)
     advised = type(refusal)(
         f"{refusal.detail}; {advice.words}",
         field=field,
@@ -114,7 +114,7 @@ def _advised(scenario: Scenario, failed: SessionRefused) -> Refusal:
     return advised
 
 
-def _sought(refused: Refused, span: _Span) -> Advice:
+def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
     """The session as it can be flown, and the way out in words."""
     session, epoch_utc, wanted_row = refused.session, refused.epoch_utc, refused.wanted.start
     length_s = elapsed_s(session.stop, session.start)
@@ -161,7 +161,7 @@ def _cost(costs: tuple[int, ...]) -> str:
 
 
 def _not_found(
-    refused: Refused, span: _Span, later_reach_rows: int | None, moved_reach_rows: int | None
+    refused: RefusedSession, span: _Span, later_reach_rows: int | None, moved_reach_rows: int | None
 ) -> str:
     wanted = refused.wanted
     first_row = refused.from_row + 1
@@ -171,7 +171,7 @@ def _not_found(
         ("moving it", max(span.known.start, first_row), last_row, moved_reach_rows),
     )
     said = [
-        f"{_gone_through(refused, low, high, reach_rows)} {how}"
+        f"{_span_searched(refused, low, high, reach_rows)} {how}"
         for how, low, high, reach_rows in ways
         if low <= high
     ]
@@ -180,7 +180,7 @@ def _not_found(
     return f"no start that can be flown was found {' and '.join(said)}"
 
 
-def _gone_through(refused: Refused, low: int, high: int, reach_rows: int | None) -> str:
+def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int | None) -> str:
     """From when to when starts were gone through, of all from row `low` to `high`."""
     wanted_row = refused.wanted.start
     ends = low, high
@@ -193,28 +193,28 @@ def _gone_through(refused: Refused, low: int, high: int, reach_rows: int | None)
     return f"from {texts[0]} to {texts[1]}{farther}"
 
 
-def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _Searched:
+def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _SearchResult:
     """The first row that may succeed, then the nearest to the wanted one that does.
 
     Where that would cost other sessions, the next ones are tried, too.
     """
     reach_rows, refusals = -1, 0
     candidates = list(islice(rows, ATTEMPTS))
-    with at_most(min(SEARCH, SEARCH_SHARE * effort.left())):
+    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
         for row in candidates:
             may = trials.ends_may(row) and trials.may(row)
-            session = _nearest_flown(trials, row, wanted_row) if may else None
+            session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
             if session is not None and trials.accepts(session):
-                return _Searched(session=session, reach_rows=reach_rows)
+                return _SearchResult(session=session, reach_rows=reach_rows)
             refusals += may
             if may and (session is None or refusals == REFUSALS):
-                return _Searched(reach_rows=reach_rows)
-        return _Searched(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
-    return _Searched(reach_rows=reach_rows)
+                return _SearchResult(reach_rows=reach_rows)
+        return _SearchResult(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
+    return _SearchResult(reach_rows=reach_rows)
 
 
-def _nearest_flown(trials: Trials, row: int, wanted_row: int) -> Session | None:
+def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
     """From a row that may succeed back to its failed neighbour; then solved, row by row."""
     away = 1 if row >= wanted_row else -1
 
@@ -229,18 +229,18 @@ def _nearest_flown(trials: Trials, row: int, wanted_row: int) -> Session | None:
         return good
 
     first = nearest(trials.ends_may)
-    found = trials.flown(first)
+    found = trials.feasible_session(first)
     if found is not None:
         return found
     surer = nearest(lambda middle: trials.ends_may(middle) and trials.may(middle))
     for nearby in range(surer, surer + away * ROWS_LATER, away):
-        found = trials.flown(nearby) if nearby != first else None
+        found = trials.feasible_session(nearby) if nearby != first else None
         if found is not None:
             return found
     return None
 
 
-def _rows_before_stop(refused: Refused, span: _Span) -> Iterable[int]:
+def _rows_before_stop(refused: RefusedSession, span: _Span) -> Iterable[int]:
     """Start rows of the session cut short, the nearest to the wanted row first."""
     wanted = refused.wanted
     first = max(wanted.start, refused.from_row + 1)
@@ -249,7 +249,7 @@ def _rows_before_stop(refused: Refused, span: _Span) -> Iterable[int]:
     return (row for row in range(first, wanted.stop, step) if any(run.start <= row for run in runs))
 
 
-def _rows_by_distance(refused: Refused, span: _Span) -> list[int]:
+def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:
     """Start rows of sessions wholly inside a run, the nearest to the wanted row first."""
     wanted = refused.wanted
     length_rows = wanted.stop - wanted.start
@@ -263,7 +263,7 @@ def _rows_by_distance(refused: Refused, span: _Span) -> list[int]:
     return sorted(starts, key=lambda row: abs(row - wanted.start))
 
 
-def _span(refused: Refused) -> _Span | Refusal:
+def _span(refused: RefusedSession) -> _Span | Refusal:
     """The orbit as far around the session as it is known, up to the horizon, or why it is not."""
     scenario, wanted = refused.scenario, refused.wanted
     longest_s = HORIZON_S.get(scenario.orbit.source, DAY_S)
@@ -279,13 +279,15 @@ def _span(refused: Refused) -> _Span | Refusal:
         )
         try:
             ephemeris = scenario.orbit.ephemeris(*ends_utc)
-            return _Span(ephemeris=ephemeris, known=known, seen=_seen(refused, ephemeris, known))
+            return _Span(
+                ephemeris=ephemeris, known=known, seen=_visible_rows(refused, ephemeris, known)
+            )
         except Refusal as unknown:  # too far for the data, or damaged data on the way
             why = unknown
     return why
 
 
-def _seen(refused: Refused, ephemeris: Ephemeris, known: Rows) -> list[Rows]:
+def _visible_rows(refused: RefusedSession, ephemeris: Ephemeris, known: Rows) -> list[Rows]:
     """Runs of rows in which the target can be seen, their ends good to the coarse step."""
     target = refused.session.target
     if isinstance(target, BenchMotionTarget):

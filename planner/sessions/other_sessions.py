@@ -7,10 +7,10 @@ from planner.effort import at_most
 from planner.errors import Refusal
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.scenario import Scenario, Session
-from planner.sessions.assembly import as_flown, assembled
-from planner.sessions.holding import covering, session_rows
-from planner.sessions.sequence import SessionRefused, sequenced
-from planner.sessions.start_trials import Refused
+from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.holding import ephemeris_over, session_rows
+from planner.sessions.sequence import SessionRefused, sequence_sessions
+from planner.sessions.start_trials import RefusedSession
 from planner.slew import BACKENDS
 from planner.verification import verify
 
@@ -25,7 +25,7 @@ class Others:
     start of which it wasn't found out.
     """
 
-    def __init__(self, refused: Refused) -> None:
+    def __init__(self, refused: RefusedSession) -> None:
         self._refused = refused
         self.dearer: tuple[Session, tuple[int, ...]] | None = None
         self.undecided = ""
@@ -33,7 +33,7 @@ class Others:
     def stay_as_asked(self, moved: Session) -> bool:
         """Whether the whole request, with that session moved, was planned and judged good."""
         costs = None
-        with at_most(SHARE * effort.left()) as search:
+        with at_most(SHARE * effort.remaining()) as search:
             costs = self._costs(moved)
         if search.is_spent:
             self.undecided = (
@@ -72,9 +72,9 @@ def _is_planned(scenario: Scenario) -> bool:
     """As the pipeline plans it; raises SessionRefused and refusals of the whole."""
     epoch_utc = scenario.initial_state.epoch
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
-    joins = sequenced(scenario, covering(scenario, rows), prove=False)
+    joins = sequence_sessions(scenario, ephemeris_over(scenario, rows), prove=False)
     if not BACKENDS[scenario.slew.method].keeps_limits:
         return True
     effort.spend(JUDGED_ROW * rows[-1].stop)
-    flown, _ = as_flown(scenario, joins)
-    return verify(assembled(epoch_utc, scenario.platform.axis_names, joins), flown).passed
+    flown, _ = sessions_after_conflicts(scenario, joins)
+    return verify(assemble_table(epoch_utc, scenario.platform.axis_names, joins), flown).passed

@@ -16,10 +16,10 @@ from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session
-from planner.sessions.assembly import as_flown, assembled
-from planner.sessions.holding import covering, sampled_sight, session_rows
+from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.holding import ephemeris_over, sampled_sight, session_rows
 from planner.sessions.joining import Join
-from planner.sessions.nearest_start import planned
+from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import PointingBudget, pointing_budget
 from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
@@ -41,7 +41,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     epoch_utc = scenario.initial_state.epoch
     clock = _StageClock(on_stage)
     with clock.stage("orbit"):
-        ephemeris = covering(
+        ephemeris = ephemeris_over(
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
     with clock.stage("slews and tracks"):
@@ -50,14 +50,14 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
         slews = tuple(
             _slew_run(scenario, number, join, keeps_limits) for number, join in enumerate(joins)
         )
-    flown, losses = as_flown(scenario, joins)
-    table = assembled(epoch_utc, scenario.platform.axis_names, joins)
+    flown, losses = sessions_after_conflicts(scenario, joins)
+    table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with clock.stage("pointing budget"):
         budgets = tuple(_budget(flown, ephemeris, table, session) for session in flown.sessions)
     with clock.stage("verification"):
         report = verify(table, flown)
     if keeps_limits and not report.passed:
-        raise _rejected(report)
+        raise _rejection(report)
     return Plan(
         scenario=flown,
         segments=_segments(epoch_utc, joins),
@@ -81,7 +81,7 @@ def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     """Found by no more work than one request may make, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
     with at_most(effort.PLAN - TABLE_ROW * last_row):
-        return planned(scenario, ephemeris)
+        return plan_sessions(scenario, ephemeris)
     raise SearchEnded(
         f"the {len(scenario.sessions)} sessions take more work than one request may make before "
         "any plan is found; ask for fewer or shorter ones at a time",
@@ -164,7 +164,7 @@ def _earth_warning(instants: Instants) -> tuple[str, ...]:
     return (warning,) if warning else ()
 
 
-def _rejected(report: VerificationReport) -> VerificationFailed:
+def _rejection(report: VerificationReport) -> VerificationFailed:
     worst = next(finding for finding in report.findings if finding.severity == "error")
     return VerificationFailed(
         f"the independent judge rejects the table: {worst.detail}",

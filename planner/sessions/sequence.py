@@ -24,7 +24,7 @@ from planner.scenario import Scenario
 from planner.sessions.chain import CONFLICTS, Chain, Stand, States, Steps, initial_state
 from planner.sessions.earliest_join import track_states
 from planner.sessions.holding import Way, ways_to_hold
-from planner.sessions.joining import Join, joined
+from planner.sessions.joining import Join, slew_onto
 from planner.slew import BACKENDS, require_brakable
 
 # Of the work that is left: for finding a plan; where there is none, for saying why, and of that
@@ -51,14 +51,16 @@ class SessionRefused(Exception):
         """What sessions would lose under each `on_conflict` by which all of them can be flown."""
         found: list[GiveUp] = []
         if self._chain is not None:
-            with at_most(OFFERS_SHARE * effort.left()):
+            with at_most(OFFERS_SHARE * effort.remaining()):
                 for mode in CONFLICTS:
-                    instead = self._chain.flown(mode)
-                    found += _given_up(mode, instead[0]) if instead is not None else []
+                    instead = self._chain.solve(mode)
+                    found += _give_ups(mode, instead[0]) if instead is not None else []
         return tuple(found)
 
 
-def sequenced(scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True) -> list[Join]:
+def sequence_sessions(
+    scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True
+) -> list[Join]:
     """A slew and a track for every session, in order.
 
     Of all choices of branch and whole turns the one with the least time slewing is taken,
@@ -74,16 +76,16 @@ def sequenced(scenario: Scenario, ephemeris: Ephemeris, *, prove: bool = True) -
     _require_start_outside_cones(scenario, ephemeris)
     chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
     found = None
-    with at_most(FIND_SHARE * effort.left()) as search:
-        found = chain.flown(scenario.on_conflict)
+    with at_most(FIND_SHARE * effort.remaining()) as search:
+        found = chain.solve(scenario.on_conflict)
     if search.is_spent and found is None:
         chain.hurry()
-        with at_most(FIND_SHARE * effort.left()) as search:
-            found = chain.flown(scenario.on_conflict)
+        with at_most(FIND_SHARE * effort.remaining()) as search:
+            found = chain.solve(scenario.on_conflict)
     if found is not None:
-        return chain.improved(*found)
+        return chain.improve(*found)
     if not search.is_spent:
-        with at_most(CONFLICT_SHARE * effort.left()):
+        with at_most(CONFLICT_SHARE * effort.remaining()):
             raise _conflict(chain, prove=prove)
     raise SearchEnded(
         f"no plan of these {len(scenario.sessions)} sessions was found, nor shown to be "
@@ -130,7 +132,7 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
     scenario = chain.scenario
     steps: Steps = ()
     for number in range(len(chain.sessions)):
-        longer = chain.flown(scenario.on_conflict, number + 1)
+        longer = chain.solve(scenario.on_conflict, number + 1)
         if longer is None:
             break
         steps = longer[0]
@@ -138,17 +140,17 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
     state = chain.state(stand, stand.last_row)
     refusal = None
     if prove:
-        with at_most(PROOF_SHARE * effort.left()):
-            refusal = _refused(chain, number, stand, prove=True)
-    refusal = refusal or _refused(chain, number, stand, prove=False)
+        with at_most(PROOF_SHARE * effort.remaining()):
+            refusal = _refusal(chain, number, stand, prove=True)
+    refusal = refusal or _refusal(chain, number, stand, prove=False)
     return SessionRefused(number, stand.last_row, state, refusal, chain)
 
 
-def _refused(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
+def _refusal(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
     state = chain.state(stand, stand.last_row)
     for way in chain.sessions[number]:
         try:
-            joined(
+            slew_onto(
                 chain.scenario,
                 way,
                 stand.last_row,
@@ -177,7 +179,7 @@ def _with_mode(refusal: InfeasibleSlew, mode: str) -> InfeasibleSlew:
     )
 
 
-def _given_up(mode: str, steps: Steps) -> list[GiveUp]:
+def _give_ups(mode: str, steps: Steps) -> list[GiveUp]:
     """What each session loses; a session's start is its own step's, its stop the next one's."""
     later_s = [(step.join_row - step.way.rows.start) / ROWS_PER_S for step in steps]
     earlier_s = [

@@ -13,13 +13,13 @@ from planner.orbits import Ephemeris
 from planner.pointing.line_of_sight import STENCIL
 from planner.scenario import Scenario, Session
 from planner.sessions.holding import Rows, Way, session_rows, ways_to_hold
-from planner.sessions.joining import joined, may_be_slewed
+from planner.sessions.joining import may_slew_onto, slew_onto
 from planner.slew import AxisState
 from planner.targets import BenchMotionTarget
 
 
 @dataclass(frozen=True, kw_only=True)
-class Refused:
+class RefusedSession:
     """A session that can't be flown as asked.
 
     number: its index.  state: of the axes at from_row, from which its slew begins.
@@ -52,7 +52,7 @@ class Trials:
     that can be flown by itself.
     """
 
-    refused: Refused
+    refused: RefusedSession
     ephemeris: Ephemeris
     seen: list[Rows]
     stop_utc: Callable[[int], datetime]
@@ -108,7 +108,7 @@ class Trials:
             return False
         return any(self._may_be_slewed(way) for way in self._ways(moved, early=True))
 
-    def flown(self, start_row: int) -> Session | None:
+    def feasible_session(self, start_row: int) -> Session | None:
         """The moved session, if its slew is really found."""
         moved = self.session(start_row)
         if moved is None:
@@ -134,7 +134,7 @@ class Trials:
 
     def _may_be_slewed(self, way: Way) -> bool:
         refused = self.refused
-        return may_be_slewed(refused.scenario, way, refused.from_row, refused.state)
+        return may_slew_onto(refused.scenario, way, refused.from_row, refused.state)
 
     def _is_slewed(self, way: Way) -> bool:
         """A track that can be joined where its session begins needs no search for an earlier row.
@@ -152,10 +152,10 @@ class Trials:
 
     def _is_found(self, way: Way, *, early: bool) -> bool:
         refused = self.refused
-        if not may_be_slewed(refused.scenario, way, refused.from_row, refused.state):
+        if not may_slew_onto(refused.scenario, way, refused.from_row, refused.state):
             return False
         try:
-            joined(
+            slew_onto(
                 refused.scenario,
                 way,
                 refused.from_row,

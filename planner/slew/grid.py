@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits, StructuralMode
-from planner.pointing.hermite import flown_range
+from planner.pointing.hermite import cubic_range
 from planner.slew.backends.ipopt import SPANS, graded_ocp, motion_between
 from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.braking import braked_ends
@@ -91,7 +91,7 @@ def reproduces(profile: AxisProfile, rows: int, limits: AxisLimits) -> bool:
 def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
     """Share by which the flown Hermite passes a limit of angle, rate or acceleration."""
     angle, rate, _, _ = profile.evaluate(np.linspace(0.0, profile.duration_s, rows + 1))
-    ranges = flown_range(profile.duration_s / rows, angle[:, None], rate[:, None])
+    ranges = cubic_range(profile.duration_s / rows, angle[:, None], rate[:, None])
     excess = -np.inf
     for (least, greatest), (low, high) in zip(ranges[:3], bounds(limits)[:3], strict=True):
         span = high - low

@@ -38,7 +38,7 @@ class VisibleTarget(Protocol):
         ...
 
 
-def aberrated(
+def aberrate(
     direction: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Direction in which a moving observer sees light that comes from `direction`.

@@ -21,7 +21,7 @@ _EARTH_SOLAR_MASSES = 1.0 / 332946.050895
 _EARTH_LIMITER = 0.5  # of 1 rad: the limb stands 70 deg from nadir, so nothing visible is touched
 
 
-def deflected(
+def deflect(
     direction: NDArray[np.float64],
     range_m: NDArray[np.float64],
     instants: Instants,

@@ -10,7 +10,7 @@ from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrated
+from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrate
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
 from planner.targets.session_target import SessionTarget
 
@@ -63,7 +63,7 @@ class EarthFixedTarget(SessionTarget, ABC):
         seen_eci_m = los_eci_m + raised_eci_m
         direction_eci = seen_eci_m / np.linalg.norm(seen_eci_m, axis=1, keepdims=True)
         return ApparentDirection(
-            direction_eci=aberrated(direction_eci, states.v_sat_eci_m_s),
+            direction_eci=aberrate(direction_eci, states.v_sat_eci_m_s),
             range_m=range_m,
             clearance_rad=elevation_rad - math.radians(self.min_elevation_deg),
         )

@@ -33,7 +33,7 @@ def limb_clearance_rad(
     return _from_nadir_rad(direction_itrf, r_sat_itrf_m) - _from_nadir_rad(limb_itrf, r_sat_itrf_m)
 
 
-def refracted(
+def refract(
     direction_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Where a source at infinity seems to stand, seen through the limb, unit vectors (n, 3).

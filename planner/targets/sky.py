@@ -10,9 +10,9 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.targets.apparent import ApparentDirection, aberrated
-from planner.targets.deflection import deflected
-from planner.targets.earth_limb import limb_clearance_rad, refracted
+from planner.targets.apparent import ApparentDirection, aberrate
+from planner.targets.deflection import deflect
+from planner.targets.earth_limb import limb_clearance_rad, refract
 from planner.targets.refraction import Refraction
 from planner.targets.session_target import SessionTarget
 
@@ -58,19 +58,19 @@ class SkyTarget(SessionTarget, ABC):
         r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
         r_observer_bary_m = r_earth_bary_m + states.r_sat_eci_m
         direction, range_m = self.seen_from(instants, r_observer_bary_m)
-        direction = deflected(
+        direction = deflect(
             direction, range_m, instants, r_observer_bary_m, states.r_sat_eci_m, self.body_seen()
         )
-        direction_eci = aberrated(direction, v_earth_bary_m_s)
+        direction_eci = aberrate(direction, v_earth_bary_m_s)
 
         c_itrf_from_eci_ = c_itrf_from_eci(instants)
         direction_itrf = np.einsum("nij,nj->ni", c_itrf_from_eci_, direction_eci)
         r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf_from_eci_, states.r_sat_eci_m)
         if self.refraction == "standard":
-            direction_itrf = refracted(direction_itrf, r_sat_itrf_m)
+            direction_itrf = refract(direction_itrf, r_sat_itrf_m)
             direction_eci = np.einsum("nji,nj->ni", c_itrf_from_eci_, direction_itrf)
         return ApparentDirection(
-            direction_eci=aberrated(direction_eci, states.v_sat_eci_m_s),
+            direction_eci=aberrate(direction_eci, states.v_sat_eci_m_s),
             range_m=range_m,
             clearance_rad=limb_clearance_rad(
                 direction_itrf, r_sat_itrf_m, self.grazing_altitude_km * 1e3

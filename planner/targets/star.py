@@ -77,7 +77,7 @@ class StarTarget(SkyTarget):
         TT stands for TDB.  Source: ESA 1997, The Hipparcos and Tycho Catalogues, vol. 1,
         eq. 1.2.16 and 1.5.5.
         """
-        star = self._catalogued()
+        star = self._catalogue_star()
         ra = math.radians(star.ra_deg)
         towards = np.array(erfa.s2c(ra, math.radians(star.dec_deg)))
         east = np.array([-math.sin(ra), math.cos(ra), 0.0])
@@ -95,7 +95,7 @@ class StarTarget(SkyTarget):
         direction = seen / np.linalg.norm(seen, axis=1, keepdims=True)
         return direction, np.full(len(direction), np.inf)
 
-    def _catalogued(self) -> CatalogueStar:
+    def _catalogue_star(self) -> CatalogueStar:
         if self.hip is not None and (star := hipparcos_star(self.hip)) is not None:
             return star
         assert self.ra_deg is not None and self.dec_deg is not None  # noqa: PT018 (checked at birth)

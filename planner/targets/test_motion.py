@@ -98,7 +98,7 @@ class BenchMotionTarget(TimedTarget):
         t_s += elapsed_s(start_utc, zero_utc)
         motion = self.axis_motion(axis_names, t_s)
         for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
-            moved = _Moved(
+            moved = _AxisMotion(
                 axis=name,
                 start_utc=zero_utc,
                 t_s=t_s,
@@ -111,7 +111,7 @@ class BenchMotionTarget(TimedTarget):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Moved:
+class _AxisMotion:
     """One axis's motion at uniformly spaced instants, each array of shape (n,)."""
 
     axis: str

@@ -27,12 +27,12 @@ def boresight_platform(
     Source: Sumarokov 2016, eq. 11, by Rodrigues' formula: the inner axis turns first, carried
     by the outer one.
     """
-    carried = turned(
+    carried = turn(
         np.asarray(platform.zero_direction_platform),
         np.asarray(platform.inner_axis_platform),
         angle_rad[:, 1],
     )
-    boresight = turned(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
+    boresight = turn(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
     return np.asarray(boresight / np.linalg.norm(boresight, axis=1, keepdims=True))
 
 
@@ -64,7 +64,7 @@ def payload_eci(
     return eci_from_platform(boresight, scenario.platform, scenario.attitude, instants, states)
 
 
-def turned(
+def turn(
     vectors: NDArray[np.float64], axis: NDArray[np.float64], angle_rad: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Vectors, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
@@ -106,7 +106,7 @@ def _eci_from_spinning(
     speed_rad_s = float(np.linalg.norm(rate_rad_s))
     if speed_rad_s > 0.0:
         since_s = instants.t_s + elapsed_us(instants.epoch_utc, attitude.epoch) / 1e6
-        vector_body = turned(vector_body, rate_rad_s, speed_rad_s * since_s)
+        vector_body = turn(vector_body, rate_rad_s, speed_rad_s * since_s)
     return np.asarray(vector_body @ _matrix(attitude.q_body_from_eci_xyzw))
 
 

@@ -12,7 +12,7 @@ from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, GroundTarget
 from planner.verification.air import lift_to_ground_rad
 from planner.verification.earth import earth_orientation
-from planner.verification.light import SPEED_OF_LIGHT_M_S, seen_in_motion
+from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate
 
 WGS84 = 1  # ERFA's number for the ellipsoid
 WGS84_A_M = 6378137.0
@@ -66,10 +66,10 @@ def earth_fixed_sight(
     up_eci = earth.eci_from_itrf(up_itrf)
     elevation_rad = np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / range_m)
     if target.refraction == "standard":
-        incoming = _lifted(incoming, up_eci, instants.t_s, elevation_rad, range_m, height_m)
+        incoming = _lift(incoming, up_eci, instants.t_s, elevation_rad, range_m, height_m)
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)
     return EarthFixedSight(
-        apparent_eci=seen_in_motion(incoming, states.v_sat_eci_m_s),
+        apparent_eci=aberrate(incoming, states.v_sat_eci_m_s),
         up_eci=up_eci,
         range_m=range_m,
         elevation_rad=elevation_rad,
@@ -110,7 +110,7 @@ def _vertical(r_itrf_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArr
     return np.asarray(erfa.s2c(longitude_rad, latitude_rad)), np.asarray(height_m)
 
 
-def _lifted(
+def _lift(
     incoming: NDArray[np.float64],
     up_eci: NDArray[np.float64],
     t_s: NDArray[np.float64],

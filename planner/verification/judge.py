@@ -33,7 +33,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     orbit isn't known over the sessions.  What the judge doesn't derive again is named in
     `taken_as_given`.
     """
-    given = _taken_as_given(scenario)
+    given = _assumptions(scenario)
     broken = unflyable(table, scenario)
     if broken is not None:
         return VerificationReport(
@@ -54,7 +54,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     }
     ephemeris = cache(lambda: _ephemeris(table, scenario, covered))  # a propagation is dear
     for number, session in enumerate(scenario.sessions):
-        report, session_findings = _judged(
+        report, session_findings = _judge_session(
             table, scenario, ephemeris, number, session.target, covered.get(number)
         )
         findings.extend(session_findings)
@@ -70,7 +70,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     )
 
 
-def _judged(
+def _judge_session(
     table: CommandTable,
     scenario: Scenario,
     ephemeris: Callable[[], Ephemeris],
@@ -114,7 +114,7 @@ def _unverifiable(number: int) -> Finding:
     )
 
 
-def _taken_as_given(scenario: Scenario) -> tuple[Given, ...]:
+def _assumptions(scenario: Scenario) -> tuple[Given, ...]:
     targets = [session.target for session in scenario.sessions]
     moved = [isinstance(target, BenchMotionTarget) for target in targets]
     found = [isinstance(target, (*DERIVED_TARGETS, BenchMotionTarget)) for target in targets]

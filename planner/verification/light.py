@@ -9,7 +9,7 @@ _SUN_SCHWARZSCHILD_M = 2953.25  # 2 GM/c^2 with GM = 1.32712440041e20 m3/s2, DE4
 _BEHIND_THE_SUN = 6e-6  # 1 + cos of the angle at the Sun; SOFA's value for it, 0.2 deg off centre
 
 
-def seen_in_motion(
+def aberrate(
     towards_source: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Direction to the source in the rest frame of a moving observer, unit vectors (n, 3).
@@ -26,7 +26,7 @@ def seen_in_motion(
     return np.asarray(-boosted / np.sqrt(np.sum(boosted * boosted, axis=1, keepdims=True)))
 
 
-def bent_by_sun(
+def bend_by_sun(
     towards_source: NDArray[np.float64],
     range_m: NDArray[np.float64],
     r_observer_sun_m: NDArray[np.float64],

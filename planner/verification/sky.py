@@ -11,7 +11,7 @@ from planner.targets import BodyTarget, SkyTarget, StarTarget
 from planner.verification.air import TOP_M, limb_bending_rad
 from planner.verification.clock import tt_s
 from planner.verification.earth import earth_orientation
-from planner.verification.light import SPEED_OF_LIGHT_M_S, bent_by_sun, seen_in_motion
+from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate, bend_by_sun
 from planner.verification.limb import limb_clearance_rad, lowest_point
 from planner.verification.solar_system import (
     EARTH,
@@ -60,8 +60,8 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
     r_observer_m = r_body_bary_m(EARTH, at_s) + states.r_sat_eci_m
     towards, range_m = _astrometric(target, instants, at_s, r_observer_m)
     if target.body_seen() != "sun":
-        towards = bent_by_sun(towards, range_m, r_observer_m - r_body_bary_m(SUN, at_s))
-    geocentric = seen_in_motion(towards, v_earth_bary_m_s(at_s))
+        towards = bend_by_sun(towards, range_m, r_observer_m - r_body_bary_m(SUN, at_s))
+    geocentric = aberrate(towards, v_earth_bary_m_s(at_s))
 
     earth = earth_orientation(instants.epoch_utc, instants.t_s)
     sight_itrf = earth.itrf_from_eci(geocentric)
@@ -71,7 +71,7 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
         sight_itrf, bending_rad = _through_air(sight_itrf, r_sat_itrf_m)
         geocentric = earth.eci_from_itrf(sight_itrf)
     return SkyDirection(
-        apparent_eci=seen_in_motion(geocentric, states.v_sat_eci_m_s),
+        apparent_eci=aberrate(geocentric, states.v_sat_eci_m_s),
         range_m=range_m,
         clearance_rad=limb_clearance_rad(
             sight_itrf, r_sat_itrf_m, target.grazing_altitude_km * 1e3

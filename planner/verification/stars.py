@@ -40,7 +40,7 @@ def towards_star(
     Neglects that its light reaches the observer up to 500 s earlier or later than the Sun:
     0.2 mas at 10 arcsec a year.  Source: ESA SP-1200 (1997), vol. 1, 1.5.5, rewritten.
     """
-    star = _hipparcos(target.hip) if target.hip is not None else _given(target)
+    star = _hipparcos(target.hip) if target.hip is not None else _from_coordinates(target)
     towards = erfa.s2c(star.ra_rad, star.dec_rad)
     east = np.array([-np.sin(star.ra_rad), np.cos(star.ra_rad), 0.0])
     motion_yr = star.pm_east_rad_yr * east + star.pm_north_rad_yr * np.cross(towards, east)
@@ -57,7 +57,7 @@ def towards_star(
     return np.asarray(seen / np.sqrt(np.sum(seen * seen, axis=1, keepdims=True)))
 
 
-def _given(target: StarTarget) -> _Star:
+def _from_coordinates(target: StarTarget) -> _Star:
     if target.ra_deg is None or target.dec_deg is None:
         raise TypeError("a star without a catalogue number has coordinates")
     return _Star(

@@ -14,12 +14,12 @@ from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, JobKind
 from app.store.ids import new_id
 from app.store.jobs import Job, NewJob
-from app.store.planned import Planned
+from app.store.planned import NewPlan
 from app.store.states import JobState
 
 
-def made() -> Planned:
-    return Planned(
+def made() -> NewPlan:
+    return NewPlan(
         name="",
         state="done",
         input_sha256="",
@@ -41,51 +41,51 @@ class BoundsWithABug:
         raise RuntimeError(self.told)
 
 
-def note(request: bytes) -> Planned:
+def note(request: bytes) -> NewPlan:
     """Adds its process to a file."""
     with Path(os.fsdecode(request)).open("a") as file:
         file.write(f"{os.getpid()}\n")
     return made()
 
 
-def spin(_: bytes) -> Planned:
+def spin(_: bytes) -> NewPlan:
     while True:
         pass
 
 
-def hang(request: bytes) -> Planned:
+def hang(request: bytes) -> NewPlan:
     """Never ends, and uses a whole processor for it."""
     note(request)
     spin(request)
     return made()
 
 
-def die(request: bytes) -> Planned:
+def die(request: bytes) -> NewPlan:
     note(request)
     os.kill(os.getpid(), signal.SIGKILL)
     return made()
 
 
-def die_once(request: bytes) -> Planned:
+def die_once(request: bytes) -> NewPlan:
     return note(request) if Path(os.fsdecode(request)).exists() else die(request)
 
 
-def hang_once(request: bytes) -> Planned:
+def hang_once(request: bytes) -> NewPlan:
     return note(request) if Path(os.fsdecode(request)).exists() else hang(request)
 
 
-def linger(request: bytes) -> Planned:
+def linger(request: bytes) -> NewPlan:
     """Until let go."""
     while not _gate(Path(os.fsdecode(request))).exists():
         time.sleep(0.02)
     return note(request)
 
 
-def fail(_: bytes) -> Planned:
+def fail(_: bytes) -> NewPlan:
     raise RuntimeError("secret /etc/passwd")
 
 
-def _store_twice(connection: Connection, job: Job, result: Planned) -> JobState:
+def _store_twice(connection: Connection, job: Job, result: NewPlan) -> JobState:
     """What no database takes."""
     PLAN.store(connection, job, result)
     return PLAN.store(connection, job, result)

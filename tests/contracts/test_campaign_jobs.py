@@ -17,7 +17,7 @@ from app.store import campaigns, events, jobs
 from app.store.ids import new_id
 from app.store.jobs import NewJob
 from app.work.campaign import choose, without_refused
-from app.work.plan import planned
+from app.work.plan import plan_and_pack
 from planner.errors import Unreachable
 
 BODY = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
@@ -57,7 +57,7 @@ def ended_with(database, kind, token, result):
     done = Future()
     done.set_exception(result) if isinstance(result, Exception) else done.set_result(result)
     with database.writing() as connection:
-        return settle(connection, jobs.owned(connection, token), kind, done, 3)
+        return settle(connection, jobs.job_of_lease(connection, token), kind, done, 3)
 
 
 def claimed(database):
@@ -74,7 +74,7 @@ def told(database, campaign_id):
 
 def test_passes_that_were_chosen_can_be_flown_as_they_are(chosen):
     for part in chosen.parts:
-        plan = planned(part.request)
+        plan = plan_and_pack(part.request)
         assert plan.state == "done"
         answer = json.loads(zlib.decompress(plan.document))
         assert not [told for told in answer["warnings"] if "than asked" in told]  # none cut short
@@ -144,12 +144,12 @@ def test_cancelled_campaign_takes_its_passes_along(database, campaign_id):
     running = claimed(database)
     with database.writing() as connection:
         jobs.cancel(connection, campaign_id)
-        assert jobs.unwanted(connection, [running.token]) == {running.token}
+        assert jobs.leases_to_end(connection, [running.token]) == {running.token}
     ended_with(database, PLAN, running.token, made())  # it was done before it could be stopped
     while (part := claimed(database)) is not None:
         assert part.job.cancel_requested
         with database.writing() as connection:
-            jobs.finish(connection, jobs.owned(connection, part.token), "cancelled")
+            jobs.finish(connection, jobs.job_of_lease(connection, part.token), "cancelled")
     answer = told(database, campaign_id)
     assert answer["state"] == "cancelled"
     assert answer["planned"]["done"] == 1

@@ -33,7 +33,7 @@ from app.jobs.disposable import (
     spare_children,
 )
 from app.requests.examples.plan import PLAN_EXAMPLES
-from app.work.plan import planned
+from app.work.plan import plan_and_pack
 from planner.errors import InvalidInput
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
@@ -291,8 +291,10 @@ def test_a_child_that_is_stopped_ends(tmp_path):
 def test_a_plan_does_not_depend_on_what_its_child_planned_before():
     requests = [json.dumps(PLAN_EXAMPLES[name][1]).encode() for name in ("tle", "sequence")]
     bounds = Bounds(deadline_s=120.0, memory_mib=1000)
-    fresh = [run_disposable(bounds, planned, request).table_columns for request in requests]
+    fresh = [run_disposable(bounds, plan_and_pack, request).table_columns for request in requests]
     with one_child() as same:
-        again = [run_disposable(bounds, planned, request) for request in (*requests, *requests)]
+        again = [
+            run_disposable(bounds, plan_and_pack, request) for request in (*requests, *requests)
+        ]
         assert run_disposable(bounds, os.getpid) == same
     assert [made.table_columns for made in again] == [*fresh, *fresh]

@@ -27,7 +27,7 @@ SHORT = request(
 # What a route hands to its child, its bounds, and a request that gets so far.
 ROUTES = {
     "/v1/opportunities": (
-        (opportunities, "opportunities_found", "SEARCH_BOUNDS"),
+        (opportunities, "answer_opportunities", "SEARCH_BOUNDS"),
         {"json": CITIES},
     ),
     "/v1/horizon/estimates": (
@@ -119,7 +119,7 @@ def test_a_picture_whose_child_dies_is_not_put_down_to_the_request(client, monke
 def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):
     """Over a real connection: that it has gone is told through all layers of the service."""
     hanging = partial(hang, os.fsencode(notes.file))
-    monkeypatch.setattr(opportunities, "opportunities_found", hanging)
+    monkeypatch.setattr(opportunities, "answer_opportunities", hanging)
     service = server("127.0.0.1", 0, own_settings(tmp_path))
     children = service.config.app.state.children
     listening = socket.create_server(("127.0.0.1", 0))

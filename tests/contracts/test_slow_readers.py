@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from waiting import eventually
 
 from app.cli import main
-from app.http.door.connections import to_cut, to_give_way
+from app.http.door.connections import connections_to_cut, to_give_way
 
 CONNECTIONS = 40
 PIPELINE = 20 * head("GET /openapi.json HTTP/1.1")
@@ -153,4 +153,4 @@ def test_the_slowest_without_a_key_are_cut_first(most, left):
         Place(has_key=True, unsent_bytes=0),
     ]
     order = [places[3], places[2], places[1]]
-    assert to_cut(places, most) == order[: 4 - left]
+    assert connections_to_cut(places, most) == order[: 4 - left]

@@ -23,7 +23,7 @@ from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.store.models import JobRow, PlanRow
-from app.store.packed import Packed, pack, unpack
+from app.store.packed import PackedColumns, pack, unpack
 from planner.errors import InvalidInput
 
 KINDS = ("note",)
@@ -85,7 +85,7 @@ ANY_DOUBLE = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True
 @given(hnp.arrays(np.float64, SHAPES, elements=ANY_DOUBLE))
 def test_tables_come_back_to_the_bit(values):
     facts = {"epoch": "2015-02-27T17:34:00Z"}
-    back = unpack(pack(Packed(columns={"a": values, "b": values[:, 0]}, facts=facts)))
+    back = unpack(pack(PackedColumns(columns={"a": values, "b": values[:, 0]}, facts=facts)))
     assert back.facts == facts
     for name, given_values in (("a", values), ("b", values[:, 0])):
         assert back.columns[name].shape == given_values.shape
@@ -97,7 +97,7 @@ def test_a_smooth_table_takes_less_than_half_of_npz():
     columns = {"angle_rad": np.sin(t_s[:, None] / [40.0, 55.0]), "rate_rad_s": np.zeros((1151, 2))}
     npz = io.BytesIO()
     np.savez_compressed(npz, **columns)
-    assert len(pack(Packed(columns=columns, facts={}))) < len(npz.getvalue()) / 2
+    assert len(pack(PackedColumns(columns=columns, facts={}))) < len(npz.getvalue()) / 2
 
 
 def test_the_database_refuses_to_change_a_plan(database, tmp_path):
@@ -149,8 +149,8 @@ def test_a_lease_that_ran_out_is_lost(database, tmp_path):
     assert (claimed.job.id, claimed.job.attempts) == (job_id, 1)
     assert claimed.request.decode() == str(tmp_path / "notes")
     with database.writing() as connection:
-        assert jobs.owned(connection, token) is None
-        assert jobs.owned(connection, claimed.token).attempts == 2
+        assert jobs.job_of_lease(connection, token) is None
+        assert jobs.job_of_lease(connection, claimed.token).attempts == 2
         assert jobs.extend(connection, (token, claimed.token), 60.0) == {token}
         assert jobs.claim(connection, KINDS, 60.0) is None
 
@@ -158,9 +158,9 @@ def test_a_lease_that_ran_out_is_lost(database, tmp_path):
 def test_a_cancelled_lease_is_unwanted(database, tmp_path):
     job_id, token = accepted(database, tmp_path, lease_s=60.0)
     with database.writing() as connection:
-        assert jobs.unwanted(connection, (token,)) == frozenset()
+        assert jobs.leases_to_end(connection, (token,)) == frozenset()
         assert jobs.cancel(connection, job_id).state == "running"
-        assert jobs.unwanted(connection, (token,)) == {token}
+        assert jobs.leases_to_end(connection, (token,)) == {token}
 
 
 def test_revisions_count_up_however_many_come_at_once(database, tmp_path):

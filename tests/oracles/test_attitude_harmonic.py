@@ -41,7 +41,9 @@ def foretold_from(name, cut, **options):
 
 def error_deg(law, lead_s, truth):
     """Error against LVLH: the law's own clock is the message's."""
-    foretold = law.chosen.extrapolation.at(law.chosen.extrapolation.end_s + lead_s)
+    foretold = law.chosen_extrapolation.extrapolation.at(
+        law.chosen_extrapolation.extrapolation.end_s + lead_s
+    )
     return np.rad2deg((foretold * truth.inv()).magnitude())
 
 
@@ -62,7 +64,7 @@ def test_a_manoeuvre_is_carried_on_by_its_rate_and_said_to_be_uncertain():
     near = (lead_s > 0.0) & (lead_s <= 120.0)
     assert error_deg(law, lead_s, truth)[near].max() < 1.0  # of 8 deg turned meanwhile
     start_utc = shifted_utc(law.message.segments[0].epoch_utc, 0.0)
-    end_s = law.chosen.extrapolation.end_s
+    end_s = law.chosen_extrapolation.extrapolation.end_s
     sigma_deg = np.rad2deg(law.sigma_rad(Instants(start_utc, end_s + np.array([300.0, 900.0]))))
     assert sigma_deg[1] > sigma_deg[0] > 0.1
 
@@ -73,7 +75,7 @@ def test_the_stated_sigma_covers_what_happened():
     for cut in range(640, 900, 20):
         law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
         asked = lead_s <= 900.0
-        end_s = law.chosen.extrapolation.end_s
+        end_s = law.chosen_extrapolation.extrapolation.end_s
         instants = Instants(law.message.segments[0].epoch_utc, end_s + lead_s[asked])
         stated = np.sqrt(3.0) * np.rad2deg(law.sigma_rad(instants))
         ratio.append(error_deg(law, lead_s[asked], truth[: asked.sum()]) / stated)

@@ -11,7 +11,7 @@ from datetime import timedelta
 import pytest
 from opportunity_requests import ISS, START
 
-from planner.campaigns import CampaignRequest, CampaignTarget, chosen_campaign
+from planner.campaigns import CampaignRequest, CampaignTarget, choose_campaign
 from planner.campaigns import campaign as campaigns
 from planner.opportunities import OpportunityConditions
 from planner.platforms import PLATFORMS
@@ -61,7 +61,7 @@ def test_choice_is_the_best_of_all(places, days, monkeypatch):
 
     monkeypatch.setattr(campaigns, "ways_to_follow", keeping)
     request = request_for(places, days)
-    campaign = chosen_campaign(request)
+    campaign = choose_campaign(request)
     best = best_of_all(request, kept["ways"])
     # The estimate of slews is at most 0.2 s above Ruckig's, a fortieth of the step: no slew of
     # these cases falls in between.
@@ -128,4 +128,4 @@ def axes(state):
 def test_more_looks_are_worth_no_less():
     once = request_for(EUROPE, 0.5)
     twice = replace(once, targets=tuple(replace(one, looks=2) for one in once.targets))
-    assert chosen_campaign(twice).value >= chosen_campaign(once).value
+    assert choose_campaign(twice).value >= choose_campaign(once).value

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 
 from planner.platforms import ISS_HRC
-from planner.pointing.hermite import flown_range, quintic_motion
+from planner.pointing.hermite import cubic_range, quintic_motion
 from planner.scenario import SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.slew.compare import compare_with_spline
@@ -47,10 +47,10 @@ def test_values_and_extremes_agree_with_scipy(seed):
 
 
 @given(seed=SEEDS)
-def test_flown_range_agrees_with_scipy_hermite(seed):
+def test_cubic_range_agrees_with_scipy_hermite(seed):
     rng = np.random.default_rng(seed)
     angle, rate = rng.normal(size=(9, 2)), rng.normal(scale=5.0, size=(9, 2))
-    ranges = flown_range(0.2, angle, rate)
+    ranges = cubic_range(0.2, angle, rate)
     peer = CubicHermiteSpline(np.arange(9) / 5.0, angle, rate)
     s = np.linspace(0.0, 0.2, 401)
     for cell in range(8):

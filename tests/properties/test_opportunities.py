@@ -261,7 +261,7 @@ def test_closest_approach_of_a_straight_course():
     )
     windows = find_opportunities(request((ground(0, 40.0, 10.0),))).windows
     which = np.zeros(len(windows), int)
-    after_s, _ = sight.passing(which, windows.closest.t_s)
+    after_s, _ = sight.nearest_passage(which, windows.closest.t_s)
     np.testing.assert_allclose(after_s, 0.0, atol=2e-3)  # the range is stationary to 1 ms there
 
 

@@ -7,7 +7,7 @@ import pytest
 from slew_cases import LIMITS, draw_cases, sampled
 
 from planner.errors import InfeasibleSlew
-from planner.pointing.hermite import flown_range
+from planner.pointing.hermite import cubic_range
 from planner.scenario import SlewOptions
 from planner.slew.backends import BACKENDS
 from planner.slew.feasibility import next_duration_s
@@ -101,7 +101,7 @@ def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
         angle, rate, _, _ = solution.motion(t_s)
         repaired += sum("rows" in status for status in solution.status)
         for (least, greatest), (low, high) in zip(
-            flown_range(0.2, angle, rate), bounds(LIMITS), strict=True
+            cubic_range(0.2, angle, rate), bounds(LIMITS), strict=True
         ):
             slack_value = ROUNDING * (high - low)
             assert least.min() >= low - slack_value

@@ -13,7 +13,7 @@ from planner.frames.geodesy import geodetic_from_itrf, itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.orbits.ephemeris import OrbitStates
 from planner.targets import GroundPathTarget, GroundTarget, MovingGroundTarget
-from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrated
+from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrate
 from planner.targets.ground_path import PathPoint
 
 EPOCH = datetime(2015, 2, 27, 17, 36, 20, tzinfo=UTC)
@@ -100,7 +100,7 @@ def test_light_leaves_a_moving_target_where_it_was(speed_m_s):
         late = np.linalg.norm(r_m - states.r_sat_eci_m, axis=1) < SPEED_OF_LIGHT_M_S * tau
         before_s, after_s = np.where(late, tau, before_s), np.where(late, after_s, tau)
     los = r_m - states.r_sat_eci_m
-    expected = aberrated(los / np.linalg.norm(los, axis=1, keepdims=True), states.v_sat_eci_m_s)
+    expected = aberrate(los / np.linalg.norm(los, axis=1, keepdims=True), states.v_sat_eci_m_s)
     # 2e-9 rad = 0.0004 arcsec = 1 mm: two passes leave v^2/c^2 of the range.
     np.testing.assert_allclose(seen.direction_eci, expected, rtol=0, atol=2e-9)
 

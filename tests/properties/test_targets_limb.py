@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from planner.frames.geodesy import WGS84_A_M, WGS84_F, itrf_from_geodetic
-from planner.targets.earth_limb import limb_clearance_rad, line_height_m, refracted
+from planner.targets.earth_limb import limb_clearance_rad, line_height_m, refract
 from planner.targets.refraction import bending_rad
 from planner.targets.standard_atmosphere import refractivity
 
@@ -85,7 +85,7 @@ def test_light_through_the_limb_is_lifted_by_the_bending_of_the_line_seen(
     true_rad = limb_rad + np.radians(np.linspace(-0.9, 3.0, 40))
     many_r_sat = np.broadcast_to(r_sat, (40, 3))
     true = directions(down, aside, true_rad)
-    seen = refracted(true, many_r_sat)
+    seen = refract(true, many_r_sat)
     height_m = line_height_m(seen, many_r_sat)
     lifted_rad = np.arctan2(
         np.linalg.norm(np.cross(true, seen), axis=1), np.sum(true * seen, axis=1)

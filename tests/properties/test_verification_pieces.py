@@ -19,7 +19,7 @@ from planner.verification.clock import elapsed_us, tai_us
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import hidden_by_earth
 from planner.verification.hermite import AxisHermite
-from planner.verification.light import seen_in_motion
+from planner.verification.light import aberrate
 from planner.verification.limits import ACCELERATION_JUMP, slow_stretches
 
 STEP_S = 0.2
@@ -135,7 +135,7 @@ directions = st.tuples(st.floats(0, 2 * np.pi), st.floats(-np.pi / 2, np.pi / 2)
 def test_aberration_is_erfas(source, motion, speed_m_s):
     towards, beta = erfa.s2c(*source), erfa.s2c(*motion) * speed_m_s / 299792458.0
     expected = erfa.ab(towards, beta, 1e12, np.sqrt(1.0 - beta @ beta))  # far from the Sun
-    seen = seen_in_motion(towards[None], (beta * 299792458.0)[None])[0]
+    seen = aberrate(towards[None], (beta * 299792458.0)[None])[0]
     np.testing.assert_allclose(seen, expected, rtol=0, atol=1e-14)
 
 

@@ -13,7 +13,7 @@ from planner.orbits import OrbitStates
 from planner.targets import BodyTarget, GroundTarget, StarTarget
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import earth_fixed_sight
-from planner.verification.light import bent_by_sun
+from planner.verification.light import bend_by_sun
 from planner.verification.limb import limb_clearance_rad, lowest_point
 from planner.verification.sky import LIMB_MODEL_SHARE, sky_sight
 from planner.verification.solar_system import NUMBERS, tdb_s
@@ -45,7 +45,7 @@ def circle(t_s, over, beside, height_m):
 @given(source=directions, sun=directions, distance_au=st.floats(0.9, 1.1))
 def test_a_star_is_bent_as_erfa_bends_it(source, sun, distance_au):
     expected = erfa.ld(1.0, source, source, -sun, distance_au, 6e-6)
-    bent = bent_by_sun(source[None], np.array([np.inf]), (-sun * distance_au * AU_M)[None])[0]
+    bent = bend_by_sun(source[None], np.array([np.inf]), (-sun * distance_au * AU_M)[None])[0]
     # the Schwarzschild radii differ by 1e-5 of 1.75 arcsec; ERFA's result isn't normalised
     expected /= np.linalg.norm(expected)
     np.testing.assert_allclose(bent, expected, rtol=0, atol=1e-10)

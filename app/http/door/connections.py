@@ -47,7 +47,7 @@ def to_give_way(held: Iterable[Connection]) -> Connection | None:
     return min(candidates, key=lambda one: (-held_by[one.network], one.since_s), default=None)
 
 
-def to_cut(held: Iterable[Connection], unsent_max_bytes: int) -> list[Connection]:
+def connections_to_cut(held: Iterable[Connection], unsent_max_bytes: int) -> list[Connection]:
     """Those whose answers take up more memory than all together may; one at least may stay."""
     stuck = sorted(
         (one for one in held if one.unsent_bytes), key=lambda one: (one.has_key, one.stuck_since_s)

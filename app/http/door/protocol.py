@@ -18,7 +18,7 @@ from starlette.datastructures import MutableHeaders
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from app.http.door import request_id
-from app.http.door.connections import state_of, to_cut, to_give_way
+from app.http.door.connections import connections_to_cut, state_of, to_give_way
 from app.http.door.headers import harden
 from app.http.door.limits import network_of
 from app.http.door.request_form import HEAD_BYTES_MAX
@@ -93,7 +93,7 @@ class GuardedProtocol(H11Protocol):
 
     def _cut_slowest(self) -> None:
         type(self).will_look_at_unsent = False
-        for slow in to_cut(self._held(), self.unsent_max_bytes):
+        for slow in connections_to_cut(self._held(), self.unsent_max_bytes):
             slow.transport.abort()
 
     def resume_writing(self) -> None:
@@ -128,20 +128,20 @@ class GuardedProtocol(H11Protocol):
         if not self._waits_for_client():
             self._stop_clock()
         elif self._deadline is None:
-            limit_s = _LINGER_S if self._answered() else self.head_timeout_s
+            limit_s = _LINGER_S if self._is_answered() else self.head_timeout_s
             self._deadline = self.loop.call_later(limit_s, self._too_late)
 
     def _waits_for_client(self) -> bool:
         if self.transport.is_closing():
             return False
-        if self._answered():
+        if self._is_answered():
             return True
         if self.conn.their_state is not h11.IDLE:
             return False
         # Between two requests uvicorn's keep-alive limit holds, until the first byte comes.
         return self.cycle is None or bool(self.conn.trailing_data[0])
 
-    def _answered(self) -> bool:
+    def _is_answered(self) -> bool:
         """The answer is out and the request still isn't whole."""
         done = self.cycle is not None and self.cycle.response_complete
         return done and self.conn.their_state is h11.SEND_BODY
@@ -153,7 +153,7 @@ class GuardedProtocol(H11Protocol):
 
     def _too_late(self) -> None:
         self._deadline = None
-        if self._answered():
+        if self._is_answered():
             self.transport.close()
         else:
             self._refuse(

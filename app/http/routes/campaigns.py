@@ -22,7 +22,15 @@ from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
 from app.http.query import Parameters
 from app.http.reading import read
-from app.http.routes.jobs import PREFER, accepted, add_delete, add_events, job_of, listed, no_such
+from app.http.routes.jobs import (
+    PREFER,
+    accept_job,
+    add_delete,
+    add_events,
+    job_of,
+    list_jobs,
+    no_such,
+)
 from app.http.routes.plan_queries import ListQuery, PathId, idempotency_key
 from app.http.waiting import patience, wait_for_end
 from app.jobs.kinds import CAMPAIGN, JobKind
@@ -82,10 +90,10 @@ async def post_campaign(
     if query.dry_run:
         sound = CampaignDryRun(valid=True, name=asked.name, targets=len(asked.targets))
         return Response(DRY_RUN.dump_json(sound), media_type=JSON)
-    job = await anyio.to_thread.run_sync(accepted, request, CAMPAIGN, asked.name, body, key, {})
+    job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, asked.name, body, key, {})
     waits = patience(prefer, 0)
     await wait_for_end(request, job.id, waits.wait_s)
-    job, told = await _found(request, job.id)
+    job, told = await _find_campaign(request, job.id)
     headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer"}
     if waits.applied is not None:
         headers["Preference-Applied"] = waits.applied
@@ -105,7 +113,7 @@ async def post_campaign(
 )
 async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
     """The latest first."""
-    return Response(campaign_list_json(await listed(request, RESOURCE, query)), media_type=JSON)
+    return Response(campaign_list_json(await list_jobs(request, RESOURCE, query)), media_type=JSON)
 
 
 @router.get(
@@ -117,7 +125,7 @@ async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) 
 )
 async def get_campaign(request: Request, campaign_id: PathId) -> Response:
     """What was chosen and how far from the best that can be; each pass with its plan's state."""
-    _, told = await _found(request, campaign_id)
+    _, told = await _find_campaign(request, campaign_id)
     return Response(told, media_type=JSON, headers={"Cache-Control": "no-cache"})
 
 
@@ -125,7 +133,7 @@ add_delete(router, RESOURCE)
 add_events(router, RESOURCE)
 
 
-async def _found(request: Request, job_id: str) -> tuple[Job, bytes]:
+async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:
     """The job, and the answer that tells of it; raises 404."""
 
     def reading(connection: Connection) -> tuple[Job, bytes]:

@@ -13,7 +13,7 @@ from app.answers.horizon import EstimateResponse, PredictionResponse
 from app.answers.provenance import provenance
 from app.http.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
 from app.http.in_child import in_child
-from app.http.negotiation import JSON, accepts_json, json_body, preferred
+from app.http.negotiation import JSON, accepts_json, json_body, preferred_type
 from app.http.openapi.schema import REF, request_body
 from app.jobs.child import Bounds
 from app.jobs.disposable import ChildDied
@@ -121,7 +121,7 @@ async def post_picture(request: Request, body: Annotated[bytes, Depends(json_bod
 
     Send `Accept: application/json` for the truth beside the picture.
     """
-    kind = preferred(request, (PNG, JSON))
+    kind = preferred_type(request, (PNG, JSON))
     asked = await anyio.to_thread.run_sync(read_picture_request, body)
     if kind == PNG:
         return Response(await in_child(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)

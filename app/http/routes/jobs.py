@@ -11,8 +11,8 @@ from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, ListedJobs, job_json, listed_jobs
-from app.http.event_stream import EVENT_STREAM, last_seq, told
-from app.http.negotiation import JSON, accepts_json, preferred
+from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
+from app.http.negotiation import JSON, accepts_json, preferred_type
 from app.http.reading import read
 from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
 from app.http.waiting import wait_for_end
@@ -47,7 +47,7 @@ def no_such(resource: JobResource) -> dict[str, Any]:
     return {"description": f"There is no such {resource.singular}"}
 
 
-def accepted(
+def accept_job(
     request: Request,
     kind: JobKind,
     name: str,
@@ -93,18 +93,18 @@ def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     """The job that makes one of them; raises 404."""
     job = jobs.get(connection, job_id)
     if job is None or job.kind != resource.kind.name:
-        raise _nothing(resource)
+        raise _not_found(resource)
     return job
 
 
-def _nothing(resource: JobResource) -> HTTPException:
+def _not_found(resource: JobResource) -> HTTPException:
     return HTTPException(
         HTTPStatus.NOT_FOUND,
         f"there is no {resource.singular} with this id; GET {resource.path} lists them",
     )
 
 
-async def listed(
+async def list_jobs(
     request: Request, resource: JobResource, query: ListQuery, campaign_id: str | None = None
 ) -> ListedJobs:
     """Those the query asks for, the latest first; a campaign's passes only under its id."""
@@ -132,7 +132,7 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
         key_id = getattr(request.state, "key_id", None)
         if not job.is_open:
             if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
-                raise _nothing(resource)  # another removed it just now
+                raise _not_found(resource)  # another removed it just now
             return Response(status_code=HTTPStatus.NO_CONTENT)
         dispatcher: Dispatcher = request.app.state.dispatcher
         await anyio.to_thread.run_sync(dispatcher.cancel, job_id, key_id)
@@ -185,12 +185,12 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
         request: Request, job_id: PathId, seq: Annotated[int, Depends(last_event_id)]
     ) -> Response:
         """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done` and `of`."""
-        preferred(request, (EVENT_STREAM,))
+        preferred_type(request, (EVENT_STREAM,))
         job = await find_job(request, resource, job_id)
         if not job.is_open and seq >= await last_seq(request, job_id):
             return Response(status_code=HTTPStatus.NO_CONTENT)
         return StreamingResponse(
-            told(request, job_id, seq),
+            stream_events(request, job_id, seq),
             media_type=EVENT_STREAM,
             headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
         )

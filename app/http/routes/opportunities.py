@@ -15,7 +15,7 @@ from app.http.openapi.schema import request_body
 from app.jobs.child import Bounds
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
-from app.work.opportunities import opportunities_found
+from app.work.opportunities import answer_opportunities
 
 SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 
@@ -35,5 +35,5 @@ async def post_opportunities(
     now_utc = datetime.now(UTC)
     asked = await anyio.to_thread.run_sync(read_opportunity_request, body)
     made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
-    answer = await in_child(request, SEARCH_BOUNDS, opportunities_found, asked, made)
+    answer = await in_child(request, SEARCH_BOUNDS, answer_opportunities, asked, made)
     return Response(answer, media_type=JSON)

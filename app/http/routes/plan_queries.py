@@ -64,7 +64,7 @@ def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQ
     """The same parameters, `format` one of the resource's."""
     names = list(resource.exporters)
 
-    def registered(name: str) -> str:
+    def require_registered(name: str) -> str:
         if name not in names:
             raise ValueError(f"must be one of {', '.join(names)}")
         return name
@@ -77,7 +77,7 @@ def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQ
         query.__name__,
         __base__=query,
         __doc__=query.__doc__,
-        format=(Annotated[str, AfterValidator(registered)] | None, described),
+        format=(Annotated[str, AfterValidator(require_registered)] | None, described),
     )
 
 

@@ -14,10 +14,10 @@ from pydantic import BaseModel, TypeAdapter
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
 from app.answers.provenance import provenance
-from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred
+from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
-from app.http.routes.jobs import PREFER, accepted, add_delete, add_events, listed, no_such
+from app.http.routes.jobs import PREFER, accept_job, add_delete, add_events, list_jobs, no_such
 from app.http.routes.plan_queries import (
     ListQuery,
     PathId,
@@ -28,7 +28,7 @@ from app.http.routes.plan_queries import (
     with_formats,
 )
 from app.http.routes.plan_resource import PlanResource
-from app.http.routes.stored_plans import Found, find, immutable_tag, table_answer, whole_json
+from app.http.routes.stored_plans import JobWithPlan, find, immutable_tag, table_answer, whole_json
 from app.http.waiting import WAIT_S, Patience, patience, wait_for_end
 from app.jobs.refusals import Conflict
 from app.store import jobs
@@ -67,12 +67,12 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         if query.dry_run:
             return Response(_dry_run(resource, asked, body), media_type=JSON)
         job = await anyio.to_thread.run_sync(
-            _accepted, request, resource, asked.name, body, query, key
+            _accept_plan, request, resource, asked.name, body, query, key
         )
         waits = patience(prefer, WAIT_S)
         await wait_for_end(request, job.id, waits.wait_s)
         found = await find(request, resource, job.id)
-        return await _posted(request, resource, found, form, waits)
+        return await _answer_post(request, resource, found, form, waits)
 
     post.__doc__ = resource.about
     post.__annotations__["query"] = Annotated[query_model, Query()]
@@ -121,7 +121,7 @@ def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
 def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | None:
     """The format asked for, None for JSON; raises 406."""
     by_media_type = resource.format_by_media_type
-    return query.format or by_media_type.get(preferred(request, (JSON, *by_media_type)))
+    return query.format or by_media_type.get(preferred_type(request, (JSON, *by_media_type)))
 
 
 def _dry_run(resource: PlanResource, asked: Any, body: bytes) -> bytes:  # noqa: ANN401 (resource's)
@@ -130,7 +130,7 @@ def _dry_run(resource: PlanResource, asked: Any, body: bytes) -> bytes:  # noqa:
     return TypeAdapter[object](resource.dry_run_response).dump_json(answer)
 
 
-def _accepted(
+def _accept_plan(
     request: Request,
     resource: PlanResource,
     name: str,
@@ -142,7 +142,7 @@ def _accepted(
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
     options = {} if query.revises is None else {"revises": query.revises}
-    return accepted(request, resource.kind, name, body, key, options)
+    return accept_job(request, resource.kind, name, body, key, options)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
@@ -158,8 +158,8 @@ def _require_made(database: Database, resource: PlanResource, plan_id: str) -> N
         )
 
 
-async def _posted(
-    request: Request, resource: PlanResource, found: Found, form: str | None, waits: Patience
+async def _answer_post(
+    request: Request, resource: PlanResource, found: JobWithPlan, form: str | None, waits: Patience
 ) -> Response:
     job = found.job
     headers = _VARY | {"Location": f"{resource.path}/{job.id}"}
@@ -181,7 +181,7 @@ def _add_list(router: APIRouter, resource: PlanResource) -> None:
     async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
         """The latest first, those that wait, run, were refused or cancelled included."""
         campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
-        found = await listed(request, resource, query, campaign_id)
+        found = await list_jobs(request, resource, query, campaign_id)
         return Response(list_json(found), media_type=JSON)
 
     query_model = PlanListQuery if resource.in_campaigns else ListQuery
@@ -208,20 +208,20 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         if found.plan is not None:
             tag = immutable_tag(found.plan)
             if is_known_already(request, tag):
-                return _unchanged(tag)
+                return _not_modified(tag)
             answer = await whole_json(request, resource, found.plan)
         else:
             answer = job_json(found.job)
             tag = f'"{hashlib.sha256(answer).hexdigest()[:32]}"'
             if is_known_already(request, tag):
-                return _unchanged(tag)
+                return _not_modified(tag)
         return Response(answer, HTTPStatus.OK, _REVALIDATE | {"ETag": tag}, JSON)
 
 
 _UNCHANGED = {"description": "If-None-Match names what the plan still is"}
 
 
-def _unchanged(tag: str) -> Response:
+def _not_modified(tag: str) -> Response:
     return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=_REVALIDATE | {"ETag": tag})
 
 
@@ -238,7 +238,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
         if found.plan is not None:
             headers["ETag"] = immutable_tag(found.plan, form or "table")
             if is_known_already(request, headers["ETag"]):
-                return _unchanged(headers["ETag"])
+                return _not_modified(headers["ETag"])
         return await table_answer(request, resource, found, form, HTTPStatus.OK, headers)
 
     get_table.__annotations__["query"] = Annotated[query_model, Query()]

@@ -28,20 +28,20 @@ _PACKED_MAX_BYTES = 200_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class JobWithPlan:
     """A job of a resource, with its plan where there is one."""
 
     job: Job
     plan: StoredPlan | None
 
 
-async def find(request: Request, resource: PlanResource, plan_id: str) -> Found:
+async def find(request: Request, resource: PlanResource, plan_id: str) -> JobWithPlan:
     """Raises 404."""
 
-    def reading(connection: Connection) -> Found:
+    def reading(connection: Connection) -> JobWithPlan:
         job = job_of(connection, resource, plan_id)
         made = job.state in ("done", "failed")
-        return Found(job=job, plan=plans.get(connection, plan_id) if made else None)
+        return JobWithPlan(job=job, plan=plans.get(connection, plan_id) if made else None)
 
     return await read(request, reading)
 
@@ -64,7 +64,7 @@ async def whole_json(request: Request, resource: PlanResource, plan: StoredPlan)
 async def table_answer(
     request: Request,
     resource: PlanResource,
-    found: Found,
+    found: JobWithPlan,
     format_name: str | None,
     status: HTTPStatus,
     headers: dict[str, str],

@@ -8,7 +8,7 @@ from anyio import to_thread
 from fastapi import APIRouter, Depends, HTTPException, Request, Response
 
 from app.http.metrics import CONTENT_TYPE
-from app.http.negotiation import accepts_json, preferred
+from app.http.negotiation import accepts_json, preferred_type
 from app.http.readiness import ReadinessCheckOut
 from app.versions import VERSION
 
@@ -75,6 +75,6 @@ async def get_readiness(request: Request) -> ReadinessResponse:
 )
 async def get_metrics(request: Request) -> Response:
     """Requests by route, refusals by type, solve times, iterations, jobs by state."""
-    preferred(request, (_TEXT,))
+    preferred_type(request, (_TEXT,))
     text = await to_thread.run_sync(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})

@@ -36,7 +36,7 @@ LAS_VEGAS: dict[str, Any] = {
 }
 
 
-def _aimed(name: str, target: dict[str, Any]) -> dict[str, Any]:
+def _request_at(name: str, target: dict[str, Any]) -> dict[str, Any]:
     return {**LAS_VEGAS, "name": name, "sessions": [{**_SESSION, "target": target}]}
 
 
@@ -142,13 +142,13 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "refraction": (
         "Aimed where the standard atmosphere makes the target appear",
-        _aimed(
+        _request_at(
             "refraction", {**_LAS_VEGAS_TARGET, "min_elevation_deg": 10.0, "refraction": "standard"}
         ),
     ),
     "ground_moving": (
         "A ship off San Diego under way",
-        _aimed(
+        _request_at(
             "ship",
             {
                 "mode": "ground_moving",
@@ -162,7 +162,7 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "ground_path": (
         "A strip with a bend, scanned at 200 m/s over the ground",
-        _aimed(
+        _request_at(
             "strip",
             {
                 "mode": "ground_path",
@@ -177,11 +177,11 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "star": (
         "Vega by its Hipparcos number",
-        _aimed("Vega", {"mode": "star", "hip": 91262}),
+        _request_at("Vega", {"mode": "star", "hip": 91262}),
     ),
     "star_coordinates": (
         "Barnard's star by Gaia's coordinates, proper motion and parallax",
-        _aimed(
+        _request_at(
             "Barnard's star",
             {
                 "mode": "star",
@@ -197,11 +197,11 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "body": (
         "Saturn, from JPL's ephemeris",
-        _aimed("Saturn", {"mode": "body", "name": "saturn"}),
+        _request_at("Saturn", {"mode": "body", "name": "saturn"}),
     ),
     "test_motion": (
         "Signals to identify the platform on the bench: a chirp and a multisine",
-        _aimed(
+        _request_at(
             "identification",
             {
                 "mode": "test_motion",

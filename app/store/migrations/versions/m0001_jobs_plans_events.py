@@ -26,7 +26,7 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], "fk_events_job_id", ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("job_id", "seq", name="pk_events"),
     )
-    _never_updated("plans")
+    _forbid_updates("plans")
 
 
 def _jobs() -> None:
@@ -93,7 +93,7 @@ def _plans() -> None:
     )
 
 
-def _never_updated(table: str) -> None:
+def _forbid_updates(table: str) -> None:
     if op.get_bind().dialect.name == "sqlite":
         op.execute(
             f"CREATE TRIGGER {table}_are_immutable BEFORE UPDATE ON {table} "

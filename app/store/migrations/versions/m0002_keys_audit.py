@@ -36,10 +36,10 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("id", name="pk_audit"),
     )
     op.create_index("ix_audit_subject", "audit", ["subject"])
-    _only_added_to()
+    _forbid_changes()
 
 
-def _only_added_to() -> None:
+def _forbid_changes() -> None:
     if op.get_bind().dialect.name == "sqlite":
         for deed in ("UPDATE", "DELETE"):
             op.execute(
