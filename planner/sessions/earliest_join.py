@@ -22,7 +22,8 @@ from planner.slew.grid import flown
 from planner.slew.problem import AxisState, SlewProblem, within
 from planner.slew.solution import SlewSolution
 
-LOOK, GLANCE = 8, 0.1  # of `planner.effort`: a row by itself, and among all
+# Of `planner.effort`: a row by itself, a look at many, and each of them.
+LOOK, GLANCE, GLANCE_ROW = 12, 40, 0.1
 NEAR_S = 4.0  # closer than this to feasibility every row is tried
 ROWS_IN_TURN = 4  # failures after which rows are left out: rows carry a slew a row or two late
 FAILURES_MOST = 8  # then the track is not joined early; each may take half a second
@@ -126,7 +127,7 @@ def rows_within_reach(
     all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
     if not all_rows.size:
         return
-    effort.spend(GLANCE * all_rows.size)
+    effort.spend(GLANCE + GLANCE_ROW * all_rows.size)
     for row in all_rows[_certify(track, limits, start, start_s, all_rows)].tolist():
         if row < next_row:
             continue

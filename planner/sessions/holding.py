@@ -19,7 +19,8 @@ from planner.pointing.track import AxisTrack
 from planner.scenario import Scenario, Session
 from planner.targets import BenchMotionTarget, VisibleTarget
 
-HOLD, CONE_SHARE = 500, 0.5  # of `planner.effort`: any stretch of a target, more for each cone
+# Of `planner.effort`: any stretch of a target, a row of it, and as much more for each cone.
+HOLD, HOLD_ROW, CONE_SHARE = 1000, 2, 0.5
 GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
 
@@ -79,7 +80,8 @@ def ways_to_hold(
     """
     rows = session_rows(session, scenario.initial_state.epoch)
     looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
-    effort.spend((HOLD + looked_at) * (1.0 + CONE_SHARE * len(scenario.slew.keep_out)))
+    cones = len(scenario.slew.keep_out)
+    effort.spend((HOLD + HOLD_ROW * looked_at) * (1.0 + CONE_SHARE * cones))
     if isinstance(session.target, BenchMotionTarget):
         track = _prescribed_track(scenario, session.target, number, rows)
         seen_from_s = _out_of_cones_from_s(scenario, ephemeris, number, track, rows)

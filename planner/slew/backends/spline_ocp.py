@@ -149,7 +149,7 @@ class SplineOcp:
         }
         weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", len(self.jacobian))
         # Told, as CasADi would take seconds to find a full one by differentiation.
-        lagrangian_hessian = casadi.Function(
+        told = casadi.Function(
             "nlp_hess_l",
             [y, parameters, weight, row_weights],
             [casadi.triu(weight * hessian)],
