@@ -19,9 +19,11 @@ PIXELS_ARCSEC = (1e-4, 36e3)
 SAMPLES = (2, 1000)  # a window's edges at least
 TARGETS_MAX = 5000
 DAYS_MAX = 31.0
-# 1,000 places for 10 days with 5 samples: some 3 s, 40,000 windows, 50 MB.
-TARGET_DAYS_SAMPLES_MAX = 50_000
-MOVING_COUNTS = 300  # what is not fixed to the Earth is looked at one by one
+# Targets times days times samples and what a window costs without any: 1,000 places for 7 days
+# with 5 samples, which take about 10 s where every pass is a window and all conditions are asked.
+WORK_MAX = 140_000
+WINDOW_COUNTS = 15  # as samples
+MOVING_COUNTS = 150  # as places: what is not fixed to the Earth is looked at one by one
 
 
 @spec
@@ -117,10 +119,10 @@ class OpportunityRequest:
         counted = sum(
             1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
         )
-        if counted * days * self.samples > TARGET_DAYS_SAMPLES_MAX:
+        if counted * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
             raise ValueError(
-                f"targets times days times samples must not exceed {TARGET_DAYS_SAMPLES_MAX} (a "
-                f"target that is no point of the ground counts {MOVING_COUNTS} times), which these "
-                f"{len(self.targets)} over {days:.1f} days with {self.samples} samples do; ask for "
-                "fewer at a time"
+                f"targets times days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX} "
+                f"(a target that is no point of the ground counts {MOVING_COUNTS} times), which "
+                f"these {len(self.targets)} over {days:.1f} days with {self.samples} samples do; "
+                "ask for fewer at a time"
             )

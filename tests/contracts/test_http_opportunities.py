@@ -3,6 +3,7 @@
 import copy
 import hashlib
 import json
+from contextlib import nullcontext
 from datetime import datetime
 
 import pytest
@@ -12,8 +13,11 @@ from skyfield.api import EarthSatellite, load, wgs84
 from app.http.app import create_app
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
+from app.requests.json_reader import InvalidRequest
+from app.requests.opportunities import read_opportunity_request
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1]
+CITY = CITIES["targets"][0]["target"]
 STAR = {"id": "Vega", "target": {"mode": "star", "hip": 91262}}
 
 
@@ -102,7 +106,7 @@ def test_targets_that_are_never_seen_are_listed(client):
         ({"targets": [CITIES["targets"][0]] * 2}, "targets.1.id", "taken already"),
         ({"targets": []}, "targets", "at least one"),
         ({"targets": [{**STAR, "id": str(n)} for n in range(5001)]}, "targets", "5000"),
-        ({"targets": [{**STAR, "id": str(n)} for n in range(50)]}, "targets", "50000"),
+        ({"targets": [{**STAR, "id": str(n)} for n in range(50)]}, "targets", "140000"),
         ({"stop": "2015-03-31T12:00:00Z"}, "stop", "31 days"),
         ({"stop": "2015-02-27T12:00:00"}, "stop", "append Z"),
         ({"stop": "2015-02-27T11:00:00Z"}, "stop", "after start"),
@@ -126,6 +130,25 @@ def test_refusals_name_the_field(client, members, field, says):
     problem = answer.json()
     assert problem["field"] == field, problem
     assert says in problem["detail"], problem
+
+
+@pytest.mark.parametrize(
+    ("target", "count", "days", "samples", "may"),
+    [
+        (CITY, 1000, 7, 5, True),
+        (CITY, 1001, 7, 5, False),
+        (CITY, 862, 29, 2, False),  # 50 s of work, and 172 MB
+        (CITY, 25, 2, 1000, True),
+        (STAR["target"], 54, 1, 2, True),
+        (STAR["target"], 83, 1, 2, False),  # 20 s
+    ],
+)
+def test_how_much_may_be_asked_at_once(target, count, days, samples, may):
+    targets = [{"id": str(number), "target": target} for number in range(count)]
+    stop = f"2015-03-{days - 1:02d}T12:00:00Z" if days > 1 else "2015-02-28T12:00:00Z"
+    asked = changed(targets=targets, stop=stop, samples=samples)
+    with nullcontext() if may else pytest.raises(InvalidRequest, match="ask for fewer"):
+        read_opportunity_request(json.dumps(asked).encode())
 
 
 def test_old_elements_are_refused_at_the_field(client):
