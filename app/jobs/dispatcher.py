@@ -186,7 +186,6 @@ class Dispatcher:
 
     def _tell_watchers(self, job_id: str, is_end: bool) -> None:
         with self._lock:
-            self._running.pop(job_id, None)
             watchers = self._watchers.pop(job_id, [])
         for ended in watchers:
             ended.set_result(is_end)
@@ -223,7 +222,10 @@ class Dispatcher:
 
     def _follow(self, running: _Running, work: Future[Any]) -> None:
         with self._lock:
+            before = self._running.get(running.job_id)
             self._running[running.job_id] = running
+        if before is not None:  # its lease ran out, and nobody would end it any more
+            before.stop.request()
         if self._closing.is_set():  # which may not have seen it
             running.stop.request()
         work.add_done_callback(lambda done: self._end(running, done))
@@ -254,6 +256,9 @@ class Dispatcher:
             log.error("the end couldn't be stored", job=running.job_id, exc_info=error)
         finally:
             self._leave_place()
+            with self._lock:
+                if self._running.get(running.job_id) is running:
+                    del self._running[running.job_id]
             is_end = state is not None and state not in OPEN_STATES
             self._tell_watchers(running.job_id, is_end)
             # A look that finds nothing would only keep the answer waiting for the interpreter.

@@ -204,6 +204,22 @@ def test_a_service_that_lost_its_lease_stores_nothing(database, tmp_path):
         assert plans.get(connection, job.id) is None
 
 
+def test_a_service_that_takes_up_its_own_job_again_ends_what_it_did_at_it(database, tmp_path):
+    """As when the machine stood still: else nobody could end the first any more."""
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database, workers=2) as one:
+        job = one.submit(new_job("hang", notes.file))
+        [first] = eventually(notes.pids)
+        with database.writing() as connection:
+            connection.execute(update(JobRow).where(JobRow.id == job.id).values(lease_until_s=0.0))
+        _, second = eventually(lambda: len(notes.pids()) == 2 and notes.pids())
+        eventually(lambda: not alive(first))
+        assert alive(second)
+        one.cancel(job.id, "key")
+        eventually(lambda: not alive(second))
+        assert ended(database, job.id).state == "cancelled"
+
+
 def lease_until_s(database, job_id):
     with database.reading() as connection:
         return connection.scalar(select(JobRow.lease_until_s).where(JobRow.id == job_id))
