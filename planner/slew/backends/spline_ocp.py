@@ -148,8 +148,8 @@ class SplineOcp:
             "g": casadi.mtimes(casadi.sparsify(casadi.DM(self.jacobian)), y),
         }
         weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", len(self.jacobian))
-        # Told, as CasADi would take seconds to find a full one by differentiation.
-        told = casadi.Function(
+        # Given, as CasADi would take seconds to find a full one by differentiation.
+        lagrangian_hessian = casadi.Function(
             "nlp_hess_l",
             [y, parameters, weight, row_weights],
             [casadi.triu(weight * hessian)],
