@@ -1,24 +1,19 @@
 """Do the examples of requests for opportunities say what they mean?"""
 
-import dataclasses
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pydantic import TypeAdapter
 
+from app.requests.opportunities import read_opportunity_request
 from planner.frames.time_scales import Instants
-from planner.opportunities import OpportunityRequest, find_opportunities
-from planner.platforms import PLATFORMS
+from planner.opportunities import find_opportunities
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("opportunities_*.json"))
 
 
 def read(path):
-    body = json.loads(path.read_text())
-    body["platform"] = dataclasses.asdict(PLATFORMS[body["platform"]])
-    return TypeAdapter(OpportunityRequest).validate_json(json.dumps(body))
+    return read_opportunity_request(path.read_bytes())
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
