@@ -165,7 +165,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     )
 
 
-def fits_within_uncertainty(result: Fit, limb: Limb) -> list[Fit]:
+def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
     """A fit cut into slices of its own uncertainty about nadir, so that each may be judged.
 
     Every slice has its share of that uncertainty left; its cost holds how far out it lies.

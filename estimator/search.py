@@ -25,14 +25,7 @@ from estimator.gates import (
 from estimator.heading import Sunlight, limb_brightness, limb_colour
 from estimator.images import Frame
 from estimator.limb import LimbPoints, find_limb
-from estimator.nadir import (
-    Fit,
-    Prior,
-    attitude_facing,
-    attitude_with_nadir,
-    fit,
-    fits_within_uncertainty,
-)
+from estimator.nadir import Fit, Prior, attitude_facing, attitude_with_nadir, fit, possible_fits
 from estimator.prior import air_scale_m
 from estimator.request import Surroundings
 from estimator.tone import fade_ratio, linear
@@ -269,7 +262,7 @@ def _all_headings(
     costs = np.array([clues.cost(c, prior.height_m) for c in facing])
     facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
     fits = [
-        one for c in facing for one in fits_within_uncertainty(fit(points, limb, c, prior), limb)
+        one for c in facing for one in possible_fits(fit(points, limb, c, prior), limb)
     ]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     cost = cost + [clues.cost(f.c_body_from_itrf, f.height_m) for f in fits]

@@ -19,7 +19,7 @@ from planner.spacecraft.flight.stabilisation import (
     flown_windows,
     stabilisation,
 )
-from planner.spacecraft.imaging.candidates import Candidate, Session, candidates
+from planner.spacecraft.imaging.candidates import Candidate, ImagingSession, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.ground_arc import fitted_profile
 from planner.spacecraft.imaging.timeline import (
@@ -137,10 +137,10 @@ def _refuse_momentum(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -
         )
 
 
-def make_session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> Session:
+def make_session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> ImagingSession:
     """The orbit and the spacecraft of a request, made ready."""
     margin = timedelta(seconds=200)
-    return Session(
+    return ImagingSession(
         ephemeris=request.orbit.ephemeris(request.start - margin, request.stop + margin),
         epoch_utc=request.start,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
@@ -150,7 +150,7 @@ def make_session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> Se
 
 
 def _options(
-    request: ImagingPlanRequest, session: Session
+    request: ImagingPlanRequest, session: ImagingSession
 ) -> tuple[list[Candidate], tuple[LeftOut, ...]]:
     """Candidates that can be turned to from the session's start and back before its end."""
     found: list[Candidate] = []
@@ -167,7 +167,9 @@ def _options(
     return found, tuple(left_out)
 
 
-def _within_session(options: list[Candidate], number: int, session: Session) -> list[Candidate]:
+def _within_session(
+    options: list[Candidate], number: int, session: ImagingSession
+) -> list[Candidate]:
     profile = fitted_profile(
         None, session.ephemeris, session.epoch_utc, (-1.0, session.duration_s + 1.0)
     )
@@ -193,7 +195,7 @@ def _within_session(options: list[Candidate], number: int, session: Session) -> 
 
 
 def _chosen(
-    request: ImagingPlanRequest, session: Session, options: list[Candidate]
+    request: ImagingPlanRequest, session: ImagingSession, options: list[Candidate]
 ) -> tuple[Choice, Timeline]:
     """Choose and fly.  Where all that can be seen fits, the turns share the time left over:
     a slower turn shakes the structure less."""
@@ -211,7 +213,7 @@ def _chosen(
 
 
 def _flown_eased(
-    request: ImagingPlanRequest, eased: Session, first: Choice
+    request: ImagingPlanRequest, eased: ImagingSession, first: Choice
 ) -> tuple[Choice, Timeline] | None:
     """Everything imaged with the longer turns, or None.  What the choice is measured by stays."""
     try:
@@ -229,7 +231,7 @@ def _flown_eased(
 
 def _flown(
     request: ImagingPlanRequest,
-    session: Session,
+    session: ImagingSession,
     options: list[Candidate],
     choice: Choice,
     rounds: int,
@@ -268,7 +270,7 @@ def _flown(
 
 def _choice(
     request: ImagingPlanRequest,
-    session: Session,
+    session: ImagingSession,
     options: list[Candidate],
     extra: dict[tuple[int, int], int],
     barred: set[int],
@@ -313,7 +315,9 @@ def _initial(request: ImagingPlanRequest) -> InertialHold | None:
     return InertialHold(Rotation.from_quat(request.initial_q_body_from_eci_xyzw).inv())
 
 
-def make_table(request: ImagingPlanRequest, session: Session, timeline: Timeline) -> AttitudeTable:
+def make_table(
+    request: ImagingPlanRequest, session: ImagingSession, timeline: Timeline
+) -> AttitudeTable:
     """Rows of a timeline with the gimbal angles and rates that fly it."""
     spacecraft = session.spacecraft
     rows = len(timeline.motion.omega_body_rad_s)

@@ -62,7 +62,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Session:
+class ImagingSession:
     """What all requests share: orbit, epoch, length and spacecraft of a session."""
 
     ephemeris: Ephemeris
@@ -75,7 +75,7 @@ class Session:
         return Instants(self.epoch_utc, t_s)
 
 
-def candidates(request: Request, number: int, session: Session) -> list[Candidate]:
+def candidates(request: Request, number: int, session: ImagingSession) -> list[Candidate]:
     """Every candidate of a request.  Raises Unreachable when there is none."""
     if isinstance(request, StereoRequest):
         return _stereo(request, number, session)
@@ -89,7 +89,7 @@ def candidates(request: Request, number: int, session: Session) -> list[Candidat
     return found
 
 
-def _start_times(request: ImagingRequest, session: Session) -> Array:
+def _start_times(request: ImagingRequest, session: ImagingSession) -> Array:
     if request.start is not None:
         asked = elapsed_s(request.start, session.epoch_utc)
         return np.array([round(asked / TICK_S) * TICK_S])
@@ -101,7 +101,7 @@ def _start_times(request: ImagingRequest, session: Session) -> Array:
     return np.union1d(grid, [opening_s])  # a window as short as the scan is met too
 
 
-def _chains(request: Request, session: Session) -> list[list[GroundArc]]:
+def _chains(request: Request, session: ImagingSession) -> list[list[GroundArc]]:
     """Arcs in the order they may be scanned, times yet open (start_s = 0)."""
     if isinstance(request, AreaRequest):
         arcs = _strips(request, session)
@@ -136,7 +136,7 @@ def _legs(request: StripRequest | CorridorRequest | StereoRequest) -> list[Groun
     return [_arc(a, b, request) for a, b in pairwise(points)]
 
 
-def _strips(request: AreaRequest, session: Session) -> list[GroundArc]:
+def _strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
     """Parallel strips over the polygon's bounding box in scan direction."""
     ring = np.deg2rad([p[:2] for p in request.geometry.coordinates[0][:-1]])
     corners = itrf_from_geodetic(ring[:, 1], ring[:, 0], request.height_m)
@@ -177,7 +177,7 @@ def _side_azimuth(local: Array, track_rad: float) -> float:
     return track_rad + (nearest if abs(nearest) < math.radians(10.0) else 0.0)
 
 
-def _track_azimuth(r_itrf_m: Array, enu: Array, session: Session) -> float:
+def _track_azimuth(r_itrf_m: Array, enu: Array, session: ImagingSession) -> float:
     """Azimuth of the satellite's motion over ground where it passes closest, rad."""
     instants = session.instants(np.arange(0.0, session.duration_s + 1.0, 5.0))
     states = session.ephemeris.states(instants)
@@ -187,7 +187,7 @@ def _track_azimuth(r_itrf_m: Array, enu: Array, session: Session) -> float:
     return math.atan2(east, north)
 
 
-def _along_flight(arc: GroundArc, session: Session) -> GroundArc:
+def _along_flight(arc: GroundArc, session: ImagingSession) -> GroundArc:
     """The arc in the sense of the flight."""
     ends, _ = arc.point_itrf(np.array([0.0, 1.0]))
     instants = session.instants(np.arange(0.0, session.duration_s + 1.0, 20.0))
@@ -218,7 +218,7 @@ def _timed(
     starts_s: Array,
     number: int,
     request: ImagingRequest,
-    session: Session,
+    session: ImagingSession,
 ) -> list[Candidate]:
     """The chain at every start time where all its arcs are within the camera's angles."""
     times = starts_s.copy()
@@ -261,7 +261,7 @@ def _timed(
     ]
 
 
-def _bounds(request: ImagingRequest, session: Session) -> tuple[float, float]:
+def _bounds(request: ImagingRequest, session: ImagingSession) -> tuple[float, float]:
     first, last = 0.0, session.duration_s
     if request.window_start is not None:
         first = elapsed_s(request.window_start, session.epoch_utc)
@@ -270,7 +270,7 @@ def _bounds(request: ImagingRequest, session: Session) -> tuple[float, float]:
     return first, last
 
 
-def _after_turn(exits: MovingEnds, times: Array, arc: GroundArc, session: Session) -> Array:
+def _after_turn(exits: MovingEnds, times: Array, arc: GroundArc, session: ImagingSession) -> Array:
     """Start of the next arc: the turn's time depends on it, so three rounds."""
     starts = times + 10.0
     for _ in range(3):
@@ -280,7 +280,7 @@ def _after_turn(exits: MovingEnds, times: Array, arc: GroundArc, session: Sessio
     return np.asarray(starts)
 
 
-def _scan(arc: GroundArc, share: float, times: Array, session: Session) -> MovingEnds:
+def _scan(arc: GroundArc, share: float, times: Array, session: ImagingSession) -> MovingEnds:
     """The arc's point at `share` under the slit at each time, and the scan's rate there (by
     differences over a tick: 1e-6 rad/s)."""
     later = session.instants(times + TICK_S)
@@ -291,7 +291,7 @@ def _scan(arc: GroundArc, share: float, times: Array, session: Session) -> Movin
 
 
 def _in_reach(
-    arc: GroundArc, times: Array, span_s: float, session: Session
+    arc: GroundArc, times: Array, span_s: float, session: ImagingSession
 ) -> tuple[NDArray[np.bool_], Array]:
     """Whether the camera can look at all of the arc, and the largest angle along the track."""
     camera = session.spacecraft.camera
@@ -304,13 +304,15 @@ def _in_reach(
     return ok, tilt
 
 
-def _angles(arc: GroundArc, share: float, times: Array, session: Session) -> tuple[Array, Array]:
+def _angles(
+    arc: GroundArc, share: float, times: Array, session: ImagingSession
+) -> tuple[Array, Array]:
     """Along and across angle of one point of the arc; behind the horizon: pi."""
     point, _ = arc.point_itrf(np.array([share]))
     return angles_to(point[0], times, session)
 
 
-def angles_to(point: Array, times: Array, session: Session) -> tuple[Array, Array]:
+def angles_to(point: Array, times: Array, session: ImagingSession) -> tuple[Array, Array]:
     """Along and across angle of an ITRF point (3,); behind the horizon: pi."""
     instants = session.instants(times)
     along, across = look_angles(
@@ -322,7 +324,7 @@ def angles_to(point: Array, times: Array, session: Session) -> tuple[Array, Arra
     return np.where(hidden, np.pi, along), np.where(hidden, np.pi, across)
 
 
-def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candidate]:
+def _stereo(request: StereoRequest, number: int, session: ImagingSession) -> list[Candidate]:
     """Two looks: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
     behind."""
     arc = _along_flight(_legs(request)[0], session)
@@ -342,7 +344,7 @@ def _stereo(request: StereoRequest, number: int, session: Session) -> list[Candi
     return found
 
 
-def middle_of(request: Request, session: Session) -> tuple[Array, float]:
+def middle_of(request: Request, session: ImagingSession) -> tuple[Array, float]:
     """A point in the middle of a request, ITRF, and the time its scans take."""
     arcs = _legs(request) if isinstance(request, StereoRequest) else _chains(request, session)[0]
     ends = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
@@ -350,7 +352,7 @@ def middle_of(request: Request, session: Session) -> tuple[Array, float]:
     return middle, sum(arc.duration_s for arc in arcs)
 
 
-def _unreachable(request: Request, number: int, session: Session) -> Unreachable:
+def _unreachable(request: Request, number: int, session: ImagingSession) -> Unreachable:
     """Say when it would come closest, and at what angles."""
     camera = session.spacecraft.camera
     middle, scan_s = middle_of(request, session)

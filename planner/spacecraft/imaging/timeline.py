@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.commands import ROWS_PER_S
 from planner.frames.time_scales import shifted_utc
-from planner.spacecraft.imaging.candidates import Candidate, Session, on_ticks
+from planner.spacecraft.imaging.candidates import Candidate, ImagingSession, on_ticks
 from planner.spacecraft.imaging.ground_arc import GroundArc, fitted_profile
 from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.table import TICK_S, ImagingWindow
@@ -36,7 +36,7 @@ class Attitudes(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Look:
+class ScanLook:
     """One stretch of imaging: rows first_row .. last_row scan the arc."""
 
     candidate: int
@@ -64,7 +64,7 @@ class Timeline:
 
     attitude: Rotation
     motion: BodyMotion
-    looks: tuple[Look, ...]
+    looks: tuple[ScanLook, ...]
     turns: tuple[PlannedTurn, ...]
     windows: tuple[ImagingWindow, ...]
 
@@ -91,10 +91,10 @@ class TurnsDoNotFit(Exception):
 Outcome = Turn | TurnNeedsTime
 
 
-def looks_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[Look, ...]:
+def looks_of(candidates: Sequence[Candidate], chosen: Sequence[int]) -> tuple[ScanLook, ...]:
     """The arcs of the chosen candidates in order of time."""
     looks = [
-        Look(
+        ScanLook(
             candidate=k,
             request=candidates[k].request,
             arc=arc,
@@ -112,7 +112,7 @@ class _Builder:
 
     def __init__(
         self,
-        session: Session,
+        session: ImagingSession,
         momentum_eci_n_m_s: Array,
         objective: TurnObjective,
         known: dict[Hashable, Outcome],
@@ -156,7 +156,7 @@ class _Builder:
         goal: Attitudes,
         latest_row: int,
         look: int | None,
-        between: tuple[Look | None, Look | None],
+        between: tuple[ScanLook | None, ScanLook | None],
         *,
         late: bool,
     ) -> None:
@@ -197,7 +197,9 @@ class _Builder:
         self.now += rows
         self.profile = goal
 
-    def misfit(self, between: tuple[Look | None, Look | None], why: TurnNeedsTime) -> Misfit:
+    def misfit(
+        self, between: tuple[ScanLook | None, ScanLook | None], why: TurnNeedsTime
+    ) -> Misfit:
         before, after = between
         start_row = 0 if before is None else before.last_row
         stop_row = self.last_row if after is None else after.first_row
@@ -261,8 +263,8 @@ def _state(profile: Attitudes, row: int) -> EndState:
 
 
 def build_timeline(
-    session: Session,
-    looks: tuple[Look, ...],
+    session: ImagingSession,
+    looks: tuple[ScanLook, ...],
     names: Sequence[str],
     gyro_momentum_n_m_s: Array,
     objective: TurnObjective,
@@ -285,7 +287,7 @@ def build_timeline(
         until = looks[0].first_row // 2 if looks else builder.last_row
         between = (None, looks[0] if looks else None)
         builder.turn(orbital, until, None, between, late=False)
-    before: Look | None = None
+    before: ScanLook | None = None
     for number, look in enumerate(looks):
         _onto(builder, before, look, number)
         builder.hold(look.last_row + 1)
@@ -299,7 +301,7 @@ def build_timeline(
     return _assembled(builder, looks, names)
 
 
-def _onto(builder: _Builder, before: Look | None, look: Look, number: int) -> None:
+def _onto(builder: _Builder, before: ScanLook | None, look: ScanLook, number: int) -> None:
     """Turn onto a look, by way of orbital orientation after a long pause."""
     settle_rows = math.ceil(builder.session.spacecraft.slew.settle_s / TICK_S - 1e-6)
     arrive_row = look.first_row - settle_rows
@@ -315,7 +317,7 @@ def _onto(builder: _Builder, before: Look | None, look: Look, number: int) -> No
     builder.turn(goal, arrive_row, number, (before, look), late=resting)
 
 
-def _assembled(builder: _Builder, looks: tuple[Look, ...], names: Sequence[str]) -> Timeline:
+def _assembled(builder: _Builder, looks: tuple[ScanLook, ...], names: Sequence[str]) -> Timeline:
     attitudes, motions, row = [], [], 0
     for until, stretch in builder.stretches:
         rows = np.arange(row, until + (until == builder.last_row))

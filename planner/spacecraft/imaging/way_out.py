@@ -18,7 +18,7 @@ from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.spacecraft.imaging.candidates import (
     PASSING_RAD,
     Candidate,
-    Session,
+    ImagingSession,
     angles_to,
     candidates,
     middle_of,
@@ -40,7 +40,7 @@ MUCH = 0.6  # of the sphere: then it is the momentum that makes turns slow
 MOMENTUM_SHARES = (0.9, 0.75, 0.5, 0.25, 0.0)
 MOVED_MORE_KM = (5.0, 25.0, 75.0)  # the line's ends stand further out than its middle
 
-MakeSession = Callable[[ImagingPlanRequest], Session]
+MakeSession = Callable[[ImagingPlanRequest], ImagingSession]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -244,7 +244,7 @@ def _shifted(free: Request, towards: tuple[float, float], shift_km: float) -> Re
 
 
 def _closest_approach(
-    request: Request, session: Session
+    request: Request, session: ImagingSession
 ) -> tuple[float, tuple[float, float]] | None:
     """How far over the ground the request's middle lies outside the camera's reach when the
     track passes it, m, and the way to the track there (east, north); None when it doesn't pass.
