@@ -261,9 +261,7 @@ def _all_headings(
     clues = _sunlight(views, points, search, nadir_body)
     costs = np.array([clues.cost(c, prior.height_m) for c in facing])
     facing = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < dull]
-    fits = [
-        one for c in facing for one in possible_fits(fit(points, limb, c, prior), limb)
-    ]
+    fits = [one for c in facing for one in possible_fits(fit(points, limb, c, prior), limb)]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     cost = cost + [clues.cost(f.c_body_from_itrf, f.height_m) for f in fits]
     weight = np.exp(-0.5 * (cost - cost.min()))
