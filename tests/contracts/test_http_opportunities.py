@@ -106,7 +106,7 @@ def test_targets_that_are_never_seen_are_listed(client):
         ({"targets": [CITIES["targets"][0]] * 2}, "targets.1.id", "taken already"),
         ({"targets": []}, "targets", "at least one"),
         ({"targets": [{**STAR, "id": str(n)} for n in range(5001)]}, "targets", "5000"),
-        ({"targets": [{**STAR, "id": str(n)} for n in range(50)]}, "targets", "140000"),
+        ({"targets": [{**STAR, "id": str(n)} for n in range(50)]}, "targets", "200000"),
         ({"stop": "2015-03-31T12:00:00Z"}, "stop", "31 days"),
         ({"stop": "2015-02-27T12:00:00"}, "stop", "append Z"),
         ({"stop": "2015-02-27T11:00:00Z"}, "stop", "after start"),
@@ -135,8 +135,8 @@ def test_refusals_name_the_field(client, members, field, says):
 @pytest.mark.parametrize(
     ("target", "count", "days", "samples", "may"),
     [
-        (CITY, 1000, 7, 5, True),
-        (CITY, 1001, 7, 5, False),
+        (CITY, 1000, 10, 5, True),
+        (CITY, 1001, 10, 5, False),
         (CITY, 862, 29, 2, False),  # 50 s of work, and 172 MB
         (CITY, 25, 2, 1000, True),
         (STAR["target"], 54, 1, 2, True),
