@@ -134,9 +134,9 @@ class Scenario:
     """
 
     name: str = ""
+    platform: Platform
     orbit: Orbit
     attitude: Attitude
-    platform: Platform
     initial_state: InitialState
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()

@@ -75,9 +75,9 @@ class CampaignRequest:
     """
 
     name: str = ""
+    platform: Platform
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    platform: Platform
     rest_angles_deg: Mapping[str, AngleDeg] | None = None
     targets: Annotated[tuple[CampaignTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
     start: datetime

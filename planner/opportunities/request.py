@@ -82,9 +82,9 @@ class OpportunityRequest:
     pixel_arcsec: angle a pixel sees, for the ground sample distance.
     """
 
+    platform: Platform
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()
-    platform: Platform
     targets: Annotated[tuple[OpportunityTarget, ...], Field(max_length=TARGETS_MAX), FailFast()]
     start: datetime
     stop: datetime

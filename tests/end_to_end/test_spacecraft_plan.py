@@ -21,7 +21,7 @@ from planner.spacecraft.requests import (
     SpacecraftSettings,
     StripRequest,
 )
-from planner.spacecraft.vehicle.definition import SPACECRAFT
+from planner.spacecraft.vehicle.definition import OFF_NADIR_DEG
 from planner.spacecraft.verification import verify_table
 
 
@@ -106,6 +106,18 @@ def every(verification, words):
     assert all(words in finding for finding in verification.findings), verification.findings
 
 
+def fly_with(monkeypatch, part, **changes):
+    """A spacecraft of which one part is another, whatever is asked for."""
+    asked_for = SpacecraftSettings.applied_to
+
+    def other(settings, spacecraft):
+        found = asked_for(settings, spacecraft)
+        changed = dataclasses.replace(getattr(found, part), **changes)
+        return dataclasses.replace(found, **{part: changed})
+
+    monkeypatch.setattr(SpacecraftSettings, "applied_to", other)
+
+
 @pytest.mark.parametrize(
     ("part", "limits", "words"),
     [
@@ -116,21 +128,13 @@ def every(verification, words):
     ],
 )
 def test_a_limit_lower_than_what_is_flown_is_found(plan, monkeypatch, part, limits, words):
-    spacecraft = SPACECRAFT[plan.request.spacecraft]
-    weaker = dataclasses.replace(getattr(spacecraft, part), **limits)
-    monkeypatch.setitem(
-        SPACECRAFT, plan.request.spacecraft, dataclasses.replace(spacecraft, **{part: weaker})
-    )
+    fly_with(monkeypatch, part, **limits)
     only(verify_table(plan.table, plan.request), words)
 
 
 @pytest.mark.parametrize("way", ["across", "along"])
 def test_looking_farther_aside_than_the_camera_may_is_found(plan, monkeypatch, way):
-    spacecraft = SPACECRAFT[plan.request.spacecraft]
-    narrow = dataclasses.replace(spacecraft.camera, **{f"{way}_max_deg": 0.0})
-    monkeypatch.setattr(
-        SpacecraftSettings, "applied_to", lambda _, found: dataclasses.replace(found, camera=narrow)
-    )
+    fly_with(monkeypatch, "camera", **{f"{way}_max_deg": OFF_NADIR_DEG[0]})
     every(verify_table(plan.table, plan.request), f"deg {way} the track")
 
 

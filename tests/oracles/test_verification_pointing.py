@@ -29,7 +29,7 @@ from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
 from planner.platforms import ISS_HRC
-from planner.targets import EarthFixedTarget
+from planner.targets import EarthFixedTarget, SessionTarget
 from planner.verification import verify
 
 TILTED_MOUNT = dataclasses.replace(
@@ -230,7 +230,7 @@ def test_a_new_earth_fixed_mode_needs_no_change_of_the_judge(table):
 
 
 def test_a_target_the_judge_cannot_derive_never_passes(table):
-    elsewhere = scenario_of(target=object())
+    elsewhere = scenario_of(target=SessionTarget())
     report = verify(table, elsewhere)
     assert "can't derive" in only(report, "pointing").detail
     assert report.sessions == ()
