@@ -257,7 +257,9 @@ def test_closest_approach_of_a_straight_course():
         ISS.ephemeris(START, stop), request((ground(0, 0.0, 0.0),)).attitude, HRC, START, stop
     )
     sight = EarthSight(
-        carrier, FixedPlaces([GroundTarget(latitude_deg=40.0, longitude_deg=10.0)]), np.zeros(1)
+        carrier,
+        FixedPlaces(carrier, [GroundTarget(latitude_deg=40.0, longitude_deg=10.0)]),
+        np.zeros(1),
     )
     windows = find_opportunities(request((ground(0, 40.0, 10.0),))).windows
     which = np.zeros(len(windows), int)
