@@ -1,5 +1,6 @@
 """A request for a plan: a scenario within the service's bounds, and horizon cameras."""
 
+from dataclasses import fields
 from typing import Annotated
 
 from pydantic import FailFast, Field
@@ -44,6 +45,11 @@ class PlanRequest(Scenario):
                     f"horizon_cameras times sessions must not exceed {HORIZON_CHECKS_MAX}, which "
                     f"{len(self.horizon_cameras)} x {len(self.sessions)} do; name fewer cameras"
                 )
+
+    @property
+    def scenario(self) -> Scenario:
+        """The same free of the bounds of a request, which a start that is tried may pass."""
+        return Scenario(**{field.name: getattr(self, field.name) for field in fields(Scenario)})
 
 
 _READER = JsonReader(PlanRequest)

@@ -53,6 +53,15 @@ def test_what_can_not_be_read_names_the_field():
     assert refused.value.field == "platform"
 
 
+def test_a_refusal_near_the_longest_span_a_request_may_have_is_a_refusal():
+    """Starts that are tried end later than any request may."""
+    asked = document("las_vegas_2015.json")
+    asked["initial_state"]["epoch"] = "2015-02-26T17:26:30Z"
+    asked["sessions"][0] |= {"start": "2015-02-27T17:25:20Z", "stop": "2015-02-27T17:26:20Z"}
+    with pytest.raises(Refusal):
+        slewtrack.plan(asked)
+
+
 def test_importing_it_loads_neither_solvers_nor_compilers():
     heavy = "{'casadi', 'numba', 'cv2', 'scipy', 'fastapi'}"
     check = f"import sys, slewtrack; assert not {heavy} & set(sys.modules), sys.modules"
