@@ -20,7 +20,12 @@ from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from app.log.logs import log
-from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
+from app.store.failures import (
+    StoreUnavailable,
+    is_of_the_store,
+    keeps_all_waiting,
+    may_leave_stale_pages,
+)
 from app.store.turns import PATIENCE_S, Outage, Turns
 from planner.errors import InvalidInput
 
@@ -51,7 +56,7 @@ class Database:
     def reading(self) -> Iterator[Connection]:
         """A transaction that sees one state of the data."""
         with (
-            _raise_outages(self._readers),
+            self._raise_outages(self._readers),
             self._engine.connect() as connection,
             connection.begin(),
         ):
@@ -72,7 +77,7 @@ class Database:
     @contextmanager
     def _writer(self) -> Iterator[Connection]:
         with (
-            _raise_outages(self._writers),
+            self._raise_outages(self._writers),
             self._turn(),
             self._engine.connect().execution_options(**{_WRITES: True}) as connection,
         ):
@@ -88,26 +93,27 @@ class Database:
         """Before a connection is taken, so that writers who wait leave some to readers."""
         return nullcontext() if self._turns is None else self._turns.turn()
 
+    @contextmanager
+    def _raise_outages(self, outage: Outage) -> Iterator[None]:
+        """Failures of the database from bugs in what it was asked."""
+        outage.require_over()
+        try:
+            yield
+        except (SQLAlchemyError, sqlite3.Error) as error:
+            if not is_of_the_store(error):
+                raise
+            if keeps_all_waiting(error):
+                outage.begin()
+            if may_leave_stale_pages(error):
+                self._engine.dispose()
+            log.warning("the database can't be used", error=error)
+            raise StoreUnavailable(
+                "the database can't be read or written now; ask again later"
+            ) from error
+
     def close(self) -> None:
         """Give all connections back."""
         self._engine.dispose()
-
-
-@contextmanager
-def _raise_outages(outage: Outage) -> Iterator[None]:
-    """Failures of the database from bugs in what it was asked."""
-    outage.require_over()
-    try:
-        yield
-    except (SQLAlchemyError, sqlite3.Error) as error:
-        if not is_of_the_store(error):
-            raise
-        if keeps_all_waiting(error):
-            outage.begin()
-        log.warning("the database can't be used", error=error)
-        raise StoreUnavailable(
-            "the database can't be read or written now; ask again later"
-        ) from error
 
 
 def open_database(database_url: str, data_dir: Path) -> Database:

@@ -66,3 +66,10 @@ def keeps_all_waiting(error: Exception) -> bool:
     if isinstance(cause, sqlite3.Error):
         return getattr(cause, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
     return isinstance(error, SQLAlchemyError) and getattr(cause, "sqlstate", None) is None
+
+
+def may_leave_stale_pages(error: Exception) -> bool:
+    """Whether a connection may go on seeing what the file held when it was damaged."""
+    cause = error.orig if isinstance(error, DBAPIError) else error
+    code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
+    return code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_IOERR)

@@ -27,8 +27,10 @@ from waiting import eventually
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.store import jobs
+from app.store.database import FILE, open_database
 from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
 from app.store.keys import KeyStore
+from app.store.migrate import upgrade
 from app.store.postgresql import SilentServer, bound_silence
 
 PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
@@ -310,3 +312,23 @@ def test_a_server_that_is_silent_while_a_connection_is_made_is_not_waited_for_as
         assert keeps_all_waiting(failed.value)
         with pytest.raises(StoreUnavailable):
             engine.connect()  # nobody else waits for it just after
+
+
+@pytest.mark.skipif(bool(SERVER), reason="of SQLite")
+def test_a_restored_sqlite_file_is_read_anew(tmp_path):
+    """A connection that saw the damage would keep its pages, as nothing was written since."""
+    database = open_database("", tmp_path)
+    upgrade(database)
+    assert count_jobs(database) == 0
+    other = sqlite3.connect(tmp_path / FILE)
+    other.execute("PRAGMA user_version = 1")  # else what was read before is still known
+    with away(database, None, None), pytest.raises(StoreUnavailable):
+        count_jobs(database)
+    assert count_jobs(database) == 0
+    other.close()
+    database.close()
+
+
+def count_jobs(database):
+    with database.reading() as reader:
+        return reader.execute(text("SELECT count(*) FROM jobs")).scalar()
