@@ -9,11 +9,14 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import ExitStack
 from typing import Any
 
+from anyio.from_thread import start_blocking_portal
 from distributed import Client
 from distributed import Future as DaskFuture
 from distributed.comm.core import CommClosedError
+from tornado.ioloop import IOLoop
 
 from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
 from app.jobs.disposable import Stop, Stopped
@@ -38,6 +41,9 @@ class DaskExecutor:
         self._threads = ThreadPoolExecutor(workers, thread_name_prefix="cluster")
         self._lock = threading.Lock()
         self._client: Client | None = None
+        # A client that finds no scheduler would leave the event loop it began.
+        self._loop_kept = ExitStack()
+        self._loop = self._loop_kept.enter_context(start_blocking_portal()).call(IOLoop.current)
         self._listeners: dict[str, OnProgress] = {}
 
     def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
@@ -47,8 +53,8 @@ class DaskExecutor:
     def close(self) -> None:
         """As a SolveExecutor does."""
         self._threads.shutdown()
-        if self._client is not None:
-            self._client.close()
+        self._disconnect()
+        self._loop_kept.close()
 
     def _run(self, task: Task, stop: Stop, on_progress: OnProgress) -> Any:  # noqa: ANN401 (the work's)
         key = f"slewtrack-{task.job_id}-{secrets.token_hex(4)}"
@@ -96,12 +102,22 @@ class DaskExecutor:
         """A client of the scheduler, a new one where the last has lost it; raises TimeoutError."""
         with self._lock:
             if self._client is None or self._client.status != "running":
+                self._disconnect()
                 self._client = Client(
-                    self._scheduler, timeout=_CONNECT_S, set_as_default=False, name="slewtrack"
+                    self._scheduler,
+                    timeout=_CONNECT_S,
+                    set_as_default=False,
+                    name="slewtrack",
+                    loop=self._loop,
                 )
                 self._client.subscribe_topic(PROGRESS_TOPIC, self._tell)
                 self._warn_without_workers(self._client)
             return self._client
+
+    def _disconnect(self) -> None:
+        if self._client is not None:
+            self._client.close()
+            self._client = None
 
     def _warn_without_workers(self, client: Client) -> None:
         workers = client.scheduler_info(n_workers=-1)["workers"].values()

@@ -14,6 +14,7 @@ from distributed import Client
 from job_cases import KINDS, BoundsWithABug
 from waiting import alive, eventually
 
+from app.jobs import dask_executor
 from app.jobs.child import Bounds, TooDemanding
 from app.jobs.dask_address import check_scheduler
 from app.jobs.dask_executor import DaskExecutor
@@ -141,6 +142,25 @@ def test_what_a_lost_worker_was_at_is_done_by_another(executor, scheduler, a_wor
         assert future.result(WITHIN_S).state == "done"
     assert not alive(pid)
     assert len(pids(tmp_path / "notes")) == 2
+
+
+def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_path):
+    monkeypatch.setattr(dask_executor, "_CONNECT_S", 0.1)
+    monkeypatch.setattr(dask_executor, "_PAUSE_S", 0.0)
+    tries = []
+    monkeypatch.setattr(dask_executor.log, "warning", lambda *_, **__: tries.append(descriptors()))
+    executor, stop = DaskExecutor("tcp://127.0.0.1:1", 1), Stop()
+    future = submitted(executor, "note", tmp_path / "notes", stop)
+    eventually(lambda: len(tries) > 5)
+    stop.request()
+    with pytest.raises(Stopped):
+        future.result(WITHIN_S)
+    executor.close()
+    assert tries[5] == tries[0]
+
+
+def descriptors():
+    return len(os.listdir("/proc/self/fd"))
 
 
 def test_worker_that_waits_for_its_scheduler_ends_when_told():
