@@ -1,16 +1,23 @@
-"""How is an imaging session planned?  Candidates, choice, timeline, gimbals, judges."""
+"""Plans an imaging session: candidates, choice and turns, gimbals, judges."""
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import timedelta
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
+from planner import effort
 from planner.commands import ROWS_PER_S
-from planner.errors import InfeasibleSlew, InvalidInput, Refusal, Unreachable, VerificationFailed
+from planner.effort import at_most
+from planner.errors import (
+    InfeasibleSlew,
+    InvalidInput,
+    Refusal,
+    SearchEnded,
+    Unreachable,
+    VerificationFailed,
+)
 from planner.frames.time_scales import elapsed_s
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
@@ -19,40 +26,23 @@ from planner.spacecraft.flight.stabilisation import (
     flown_windows,
     stabilisation,
 )
-from planner.spacecraft.imaging.candidates import Candidate, ImagingSession, candidates
-from planner.spacecraft.imaging.choose import Choice, choose
-from planner.spacecraft.imaging.ground_arc import fitted_profile
-from planner.spacecraft.imaging.timeline import (
-    InertialHold,
-    Misfit,
-    Outcome,
-    PlannedTurn,
-    Timeline,
-    TurnsDoNotFit,
-    build_timeline,
-    looks_of,
-)
+from planner.spacecraft.imaging.candidates import ImagingSession
+from planner.spacecraft.imaging.choice_with_turns import LeftOut, choose_and_turn, options_of
+from planner.spacecraft.imaging.choose import Choice
+from planner.spacecraft.imaging.timeline import PlannedTurn, Timeline
 from planner.spacecraft.imaging.way_out import refusal_with_way_out
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.turns.turn_time import MovingEnds, turn_time
+from planner.spacecraft.turns.turn_time import turn_time
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
 Array = NDArray[np.float64]
-EASES_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
-EASED_ROUNDS = 2
-HOPELESS_S = 10.0  # missing: no other moment to image the same will do
-ROUNDS = 12  # choices revised when a turn needs more time than estimated
-
-
-@dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """A request that isn't imaged, and why."""
-
-    name: str
-    reason: str
+# Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
+REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
+FLOWN_ROW = 4.5
+OTHER_SHARE = 0.9  # of what work is left, for something else that can be imaged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,15 +70,28 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     """Plan, verify and simulate an imaging session.
 
     Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
-    InvalidInput for momentum beyond the sphere, VerificationFailed when the judge objects.
+    InvalidInput for momentum beyond the sphere, VerificationFailed when the judge objects,
+    SearchEnded when it takes more work than such a request may make.
     """
+    more = REQUEST_MORE * (len(request.requests) - 1)
+    with at_most(min(effort.PLAN + more, SESSION_MOST)):
+        return _planned_or_refused(request)
+    raise SearchEnded(
+        "what is asked of this session takes more work than may be done for it before any plan "
+        "is found; ask for fewer or smaller requests at a time",
+        field="requests",
+    )
+
+
+def _planned_or_refused(request: ImagingPlanRequest) -> ImagingPlan:
     try:
         return _planned(request)
     except (Unreachable, InfeasibleSlew, InvalidInput) as why:
-        refusal = refusal_with_way_out(
-            request, why, lambda other: make_session(other, other.definition()), _works
-        )
-        raise refusal from why
+        with at_most(OTHER_SHARE * effort.remaining()):
+            raise refusal_with_way_out(
+                request, why, lambda other: make_session(other, other.definition()), _works
+            ) from why
+        raise
 
 
 def _works(request: ImagingPlanRequest) -> bool:
@@ -102,14 +105,20 @@ def _planned(request: ImagingPlanRequest) -> ImagingPlan:
     spacecraft = request.definition()
     _refuse_momentum(request, spacecraft)
     session = make_session(request, spacecraft)
-    options, left_out = _options(request, session)
-    choice, timeline = _chosen(request, session, options)
+    options, left_out = options_of(request, session)
+    choice, timeline, warnings = choose_and_turn(request, session, options)
     table = make_table(request, session, timeline)
     verification = verify_table(table, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
     states = session.ephemeris.states(session.instants(table.t_s))
-    seeds = range(request.seed, request.seed + request.simulation_runs)
+    runs = _affordable_runs(request, len(table.t_s))
+    seeds = range(request.seed, request.seed + runs)
+    if runs < request.simulation_runs:
+        warnings += (
+            f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
+            "more work than may be made for one session",
+        )
     keep = partial(flown_windows, spacecraft, table, verification)
     return ImagingPlan(
         request=request,
@@ -121,8 +130,16 @@ def _planned(request: ImagingPlanRequest) -> ImagingPlan:
         verification=verification,
         stabilisation=stabilisation(fly_many(spacecraft, table, states, seeds, keep)),
         assumptions=ASSUMPTIONS,
-        warnings=session.ephemeris.warnings,
+        warnings=(*session.ephemeris.warnings, *warnings),
     )
+
+
+def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
+    """As many of the dispersed runs as may still be flown, one at least where any is asked for."""
+    run = FLOWN_ROW * rows
+    runs = min(request.simulation_runs, max(int(effort.remaining() / run), 1))
+    effort.count(runs * run)
+    return runs
 
 
 def _refuse_momentum(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> None:
@@ -147,172 +164,6 @@ def make_session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> Im
         spacecraft=spacecraft,
         turn_time=turn_time(spacecraft),
     )
-
-
-def _options(
-    request: ImagingPlanRequest, session: ImagingSession
-) -> tuple[list[Candidate], tuple[LeftOut, ...]]:
-    """Candidates that can be turned to from the session's start and back before its end."""
-    found: list[Candidate] = []
-    left_out: list[LeftOut] = []
-    refusal: Refusal | None = None
-    for number, one in enumerate(request.requests):
-        try:
-            found += _within_session(candidates(one, number, session), number, session)
-        except (Unreachable, InfeasibleSlew) as why:
-            refusal = refusal or why
-            left_out.append(LeftOut(name=one.name, reason=why.detail))
-    if not found and refusal is not None:
-        raise refusal
-    return found, tuple(left_out)
-
-
-def _within_session(
-    options: list[Candidate], number: int, session: ImagingSession
-) -> list[Candidate]:
-    profile = fitted_profile(
-        None, session.ephemeris, session.epoch_utc, (-1.0, session.duration_s + 1.0)
-    )
-    kept = []
-    for option in options:
-        attitude, motion = profile.at(np.array([max(option.start_s - 20.0, 0.0), option.stop_s]))
-        rest = MovingEnds(attitude.as_quat(), attitude.apply(motion.omega_body_rad_s))
-        there_s = float(session.turn_time.ticks(rest[:1], option.entry)[0]) * TICK_S
-        back_s = float(session.turn_time.ticks(option.exit, rest[1:])[0]) * TICK_S
-        if there_s <= option.start_s and option.stop_s + back_s <= session.duration_s:
-            kept.append(option)
-    if not kept:
-        first = options[0]
-        raise InfeasibleSlew(
-            f"the turn onto requests.{number} and back to orbital orientation needs about "
-            f"{there_s:.1f} s before its start and {back_s:.1f} s after its end, more than the "
-            f"session leaves (it could be imaged {first.start_s:.1f} to {first.stop_s:.1f} s "
-            "after the start); start earlier or stop later by as much",
-            field=f"requests.{number}",
-            limit="time",
-        )
-    return kept
-
-
-def _chosen(
-    request: ImagingPlanRequest, session: ImagingSession, options: list[Candidate]
-) -> tuple[Choice, Timeline]:
-    """Choose and fly.  Where all that can be seen fits, the turns share the time left over:
-    a slower turn shakes the structure less."""
-    first = _choice(request, session, options, {}, set())
-    if set(first.requests) == {option.request for option in options}:
-        for ease_s in EASES_S:
-            eased = replace(session, turn_time=session.turn_time.eased(ease_s))
-            try:
-                found = _flown_eased(request, eased, first)
-            except InfeasibleSlew:  # the turns are as short as they can be already
-                break
-            if found is not None:
-                return found
-    return _flown(request, session, options, first, ROUNDS)
-
-
-def _flown_eased(
-    request: ImagingPlanRequest, eased: ImagingSession, first: Choice
-) -> tuple[Choice, Timeline] | None:
-    """Everything imaged with the longer turns, or None.  What the choice is measured by stays."""
-    try:
-        options, _ = _options(request, eased)
-    except (Unreachable, InfeasibleSlew):
-        return None
-    choice = _choice(request, eased, options, {}, set())
-    if choice.value < first.value:
-        return None
-    choice, timeline = _flown(request, eased, options, choice, EASED_ROUNDS)
-    if choice.value < first.value:
-        return None
-    return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
-
-
-def _flown(
-    request: ImagingPlanRequest,
-    session: ImagingSession,
-    options: list[Candidate],
-    choice: Choice,
-    rounds: int,
-) -> tuple[Choice, Timeline]:
-    """Fly the choice; a pair whose turn doesn't fit gets the time it needs, and another is made."""
-    extra: dict[tuple[int, int], int] = {}
-    barred: set[int] = set()
-    momentum = np.array(request.settings.momentum_n_m_s)
-    names = [one.name for one in request.requests]
-    known: dict[Hashable, Outcome] = {}
-    misfits: tuple[Misfit, ...] = ()
-    for revised in range(rounds):
-        if len(barred) == len(options):
-            break
-        if revised:
-            choice = _choice(request, session, options, extra, barred)
-        try:
-            timeline = build_timeline(
-                session,
-                looks_of(options, choice.chosen),
-                names,
-                momentum,
-                request.objective,
-                _initial(request),
-                known,
-            )
-        except TurnsDoNotFit as why:
-            misfits = why.misfits
-            _learn(misfits, options, extra, barred)
-            continue
-        return choice, timeline
-    refusal = misfits[0].why
-    refusal.field = "requests"
-    raise refusal
-
-
-def _choice(
-    request: ImagingPlanRequest,
-    session: ImagingSession,
-    options: list[Candidate],
-    extra: dict[tuple[int, int], int],
-    barred: set[int],
-) -> Choice:
-    """The best choice among those not barred; `chosen` counts all options."""
-    open_ones = [k for k in range(len(options)) if k not in barred]
-    place = {k: position for position, k in enumerate(open_ones)}
-    choice = choose(
-        [options[k] for k in open_ones],
-        [one.priority for one in request.requests],
-        session.turn_time,
-        {
-            (place[a], place[b]): ticks
-            for (a, b), ticks in extra.items()
-            if a in place and b in place
-        },
-    )
-    return replace(choice, chosen=tuple(open_ones[k] for k in choice.chosen))
-
-
-def _learn(
-    misfits: Sequence[Misfit],
-    options: Sequence[Candidate],
-    extra: dict[tuple[int, int], int],
-    barred: set[int],
-) -> None:
-    """Keep pairs further apart, and bar candidates that don't fit with themselves or the ends."""
-    for one in misfits:
-        if one.before is None or one.after is None or one.before == one.after:
-            culprit = next(k for k in (one.after, one.before) if k is not None)
-            barred.add(culprit)
-            if one.why.missing_s > HOPELESS_S:
-                request = options[culprit].request
-                barred.update(k for k, other in enumerate(options) if other.request == request)
-        else:
-            extra[one.before, one.after] = max(one.ticks, extra.get((one.before, one.after), 0))
-
-
-def _initial(request: ImagingPlanRequest) -> InertialHold | None:
-    if request.initial_q_body_from_eci_xyzw is None:
-        return None
-    return InertialHold(Rotation.from_quat(request.initial_q_body_from_eci_xyzw).inv())
 
 
 def make_table(

@@ -13,10 +13,14 @@ from scipy.spatial.transform import Rotation
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
 from spacecraft_cases import EPOCH, ORBIT, area, four_modes, line, session
 
-from planner.errors import InfeasibleSlew, InvalidInput, Unreachable
+from planner import effort
+from planner.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
+    AreaRequest,
+    CorridorRequest,
     GeoLineString,
+    GeoPolygon,
     ImagingPlanRequest,
     SpacecraftSettings,
     StripRequest,
@@ -47,6 +51,36 @@ def test_rates_hold_a_thousandth_of_a_degree_a_second_in_every_run(plan):
         assert flown.smear_px < 0.1
         assert 0.0 < flown.momentum_margin_n_m_s < 60.0
         assert flown.gimbal_margin > 0.5
+
+
+def test_a_session_flies_as_many_runs_as_it_may_and_says_so(monkeypatch):
+    strip = session(four_modes()[:1], 300.0, simulation_runs=100)
+    monkeypatch.setattr(effort, "PLAN", 100_000)
+    plan = plan_imaging(strip)
+    assert 1 <= plan.stabilisation.runs < 20
+    assert f"{plan.stabilisation.runs} of the 100 dispersed runs were flown" in plan.warnings[-1]
+
+
+@pytest.mark.parametrize("bound", [100, 3_000, 6_000])
+def test_a_session_whose_work_ends_before_a_plan_is_refused(monkeypatch, bound):
+    monkeypatch.setattr(effort, "PLAN", bound)
+    with pytest.raises(SearchEnded, match="asked of this session takes more work"):
+        plan_imaging(session(four_modes()[:1], 300.0, simulation_runs=0))
+
+
+def test_what_no_pass_can_scan_is_refused_at_once():
+    """180 strips, and 63 legs to and fro; once minutes of work."""
+    (east, north), *_ = line(300.0).coordinates
+    corners = ((-10, -10), (10, -10), (10, 10), (-10, 10), (-10, -10))
+    ring = tuple((east + x, north + y) for x, y in corners)
+    zigzag = tuple((east + 0.3 * (k % 2), north + 0.05 * k) for k in range(64))
+    for hopeless in (
+        AreaRequest(name="area", geometry=GeoPolygon(coordinates=(ring,))),
+        CorridorRequest(name="zigzag", geometry=GeoLineString(coordinates=zigzag)),
+    ):
+        with effort.at_most(effort.PLAN) as work, pytest.raises(Unreachable):
+            plan_imaging(session((hopeless,), 640.0))
+        assert work.done_rows < 0.1 * effort.PLAN
 
 
 def test_limits_hold_between_rows(plan):

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.errors import Unreachable
 from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
 from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
@@ -34,6 +35,7 @@ from planner.spacecraft.vehicle.definition import AgileSpacecraft
 Array = NDArray[np.float64]
 GRID_S = 2.0
 PASSING_RAD = math.radians(3.0)  # along the track: abeam
+ARC_AT_START = 5.0  # of `planner.effort`: to look at an arc scanned from one start
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,53 +223,50 @@ def _timed(
     session: ImagingSession,
 ) -> list[Candidate]:
     """The chain at every start time where all its arcs are within the camera's angles."""
-    times = starts_s.copy()
-    begins: list[Array] = []
+    first_s, last_s = _bounds(request, session)
+    times, tilt = starts_s, np.zeros(len(starts_s))
+    begins = np.empty((0, len(starts_s)))
     exits: MovingEnds | None = None
-    ok = np.ones(len(times), dtype=bool)
-    tilt = np.zeros(len(times))
     for arc in chain:
+        effort.spend(ARC_AT_START * len(times))
         if exits is not None:
             times = _after_turn(exits, times, arc, session)
-        begins.append(times)
         span_s = on_ticks(arc) * TICK_S
-        inside = (times >= 0.0) & (times + span_s <= session.duration_s)
-        times = np.where(inside, times, 0.0)
-        in_reach, along = _in_reach(arc, times, span_s, session)
-        ok &= inside & in_reach
-        tilt = np.maximum(tilt, along)
-        times = times + span_s
+        kept = np.flatnonzero((times >= first_s) & (times + span_s <= last_s))
+        in_reach, along = _in_reach(arc, times[kept], span_s, session)
+        kept = kept[in_reach]
+        if not kept.size:
+            return []
+        begins = np.vstack([begins[:, kept], times[kept]])
+        tilt = np.maximum(tilt[kept], along[in_reach])
+        times = times[kept] + span_s
         exits = _scan(arc, span_s / arc.duration_s, times, session)
-    first_s, last_s = _bounds(request, session)
-    ok &= (begins[0] >= first_s - 1e-6) & (times <= last_s + 1e-6)
-    kept = np.flatnonzero(ok)
-    entries = _scan(chain[0], 0.0, begins[0][kept], session)
-    leaves = _scan(
-        chain[-1], on_ticks(chain[-1]) * TICK_S / chain[-1].duration_s, times[kept], session
-    )
+    assert exits is not None
+    entries = _scan(chain[0], 0.0, begins[0], session)
     return [
         Candidate(
             request=number,
             part=0,
             arcs=tuple(
-                replace(arc, start_s=float(begin[i]))
-                for arc, begin in zip(chain, begins, strict=True)
+                replace(arc, start_s=float(begin_s))
+                for arc, begin_s in zip(chain, begins[:, k], strict=True)
             ),
-            entry=entries[place : place + 1],
-            exit=leaves[place : place + 1],
-            tilt_rad=float(tilt[i]),
+            entry=entries[k : k + 1],
+            exit=exits[k : k + 1],
+            tilt_rad=float(tilt[k]),
         )
-        for place, i in enumerate(kept)
+        for k in range(len(times))
     ]
 
 
 def _bounds(request: ImagingRequest, session: ImagingSession) -> tuple[float, float]:
-    first, last = 0.0, session.duration_s
+    """Of its window within the session; a window may be told to the microsecond."""
+    first_s, last_s = 0.0, session.duration_s
     if request.window_start is not None:
-        first = elapsed_s(request.window_start, session.epoch_utc)
+        first_s = max(first_s, elapsed_s(request.window_start, session.epoch_utc) - 1e-6)
     if request.window_stop is not None:
-        last = elapsed_s(request.window_stop, session.epoch_utc)
-    return first, last
+        last_s = min(last_s, elapsed_s(request.window_stop, session.epoch_utc) + 1e-6)
+    return first_s, last_s
 
 
 def _after_turn(exits: MovingEnds, times: Array, arc: GroundArc, session: ImagingSession) -> Array:

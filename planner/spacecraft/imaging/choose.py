@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
@@ -25,7 +26,8 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 LABELS_MAX = 4_000_000
 BITS = 62
-SECONDS_MAX = 8.0  # then the best choice so far and its bound are returned
+SEARCHED_MAX = 8_000_000  # labels of all rounds; then the best choice and its bound are returned
+LABEL, PAIR = 0.1, 0.06  # of `planner.effort`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,19 +82,19 @@ def choose(
     stereo = sorted({int(r) for r, p in zip(nodes.request, nodes.part, strict=True) if p})
     hop_ticks = int(np.max(nodes.stop - nodes.start) + np.max(pairs.reach)) + 2 * WAIT_TICKS
     memory = _Memory(nodes, len(priorities), stereo, hop_ticks)
-    bound, rounds = np.inf, 0
+    bound, rounds, searched = np.inf, 0, 0
     best: tuple[float, list[int]] = (-1.0, [])
-    searching = time.perf_counter()
     while True:
         rounds += 1
-        value, path, complete = _relaxed(nodes, earn, pairs, memory)
-        if rounds == 1:  # compiling isn't searching
-            searching = time.perf_counter()
+        value, path, labels = _relaxed(nodes, earn, pairs, memory)
+        effort.count(LABEL * labels)
+        searched += labels
+        complete = labels < LABELS_MAX
         if complete:
             bound = min(bound, value)
         best = max(best, _without_repeats(nodes, path, earn), key=lambda item: item[0])
-        late = time.perf_counter() - searching > SECONDS_MAX
-        if not complete or late or not _remember_repeats(nodes, path, memory):
+        ended = not complete or searched > SEARCHED_MAX
+        if ended or not _remember_repeats(nodes, path, memory):
             break
     greedy = _greedy(nodes, priorities, turn_time, extra_ticks)
     best = max(best, greedy, key=lambda item: item[0])
@@ -149,6 +151,7 @@ def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int]
     for j in range(n):
         gap = nodes.start[j] - nodes.stop
         i = np.flatnonzero((gap > 0) & (gap <= widest))
+        effort.spend(PAIR * len(i))
         needed = turn_time.ticks(nodes.exit[i], nodes.entry[j : j + 1])
         if extra:
             needed = np.array([max(t, extra.get((int(a), j), 0)) for a, t in zip(i, needed,
@@ -214,8 +217,8 @@ def _remember_repeats(nodes: _Nodes, path: list[int], memory: _Memory) -> bool:
 
 def _relaxed(
     nodes: _Nodes, earn: Array, pairs: _Pairs, memory: _Memory
-) -> tuple[float, list[int], bool]:
-    """Best path as far as repeats are remembered; (value, node indices, search completed)."""
+) -> tuple[float, list[int], int]:
+    """Best path as far as repeats are remembered; (value, node indices, labels made)."""
     n = len(nodes.start)
     bit = np.full(len(memory.kept), -1, dtype=np.int64)
     for request, place in memory.bit.items():
@@ -241,7 +244,7 @@ def _relaxed(
         if 0 <= node[k] < n:
             path.append(int(node[k]))
         k = int(parent[k])
-    return float(value[best]) if best >= 0 else 0.0, path[::-1], count < LABELS_MAX
+    return float(value[best]) if best >= 0 else 0.0, path[::-1], count
 
 
 def _without_repeats(nodes: _Nodes, path: list[int], earn: Array) -> tuple[float, list[int]]:

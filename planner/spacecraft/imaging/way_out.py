@@ -110,6 +110,9 @@ def _alternatives(
 ) -> Iterator[Alternative]:
     one = request.requests[number]
     free = replace(one, start=None, window_start=None, window_stop=None)
+    _, scan_s = middle_of(free, make_session(request))
+    if scan_s > SESSION_MAX_S:
+        return
     for margin_s in (0.0, 600.0, ORBIT_S):
         times = _other_times(request, one, free, margin_s, make_session)
         if times:

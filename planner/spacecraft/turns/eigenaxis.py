@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from ruckig import InputParameter, Ruckig, Trajectory
 
+from planner import effort
 from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 
 Array = NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array, Array, Array]]
+STRETCH = 150.0  # of `planner.effort`: to look at a turn so much longer
 
 
 def eigenaxis_turn(
@@ -35,6 +37,7 @@ def eigenaxis_turn(
         curve, span_s = _curve(problem, stretch, jerk)
     else:
         for _ in range(80):
+            effort.spend(STRETCH)
             over = _overload(problem, curve, span_s, jerk)
             if over <= 1.0 + LIMIT_TOLERANCE:
                 break

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
+from planner import effort
 from planner.spacecraft.turns.turn_problem import (
     LIMIT_TOLERANCE,
     Turn,
@@ -44,6 +45,7 @@ SHAPES: dict[TurnObjective, Shape] = {
 PASSES = 3
 HOPELESS = 1.05  # no pass mends a failure that far out
 OVERCORRECTED = 1.5  # tightened by just the bulge, the next pass bulges again
+SOLVE, ITERATION = 500.0, 350.0  # of `planner.effort`
 END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
 TIGHTENED = 0.997  # limits at the collocation points; between them the loads bulge by up to 0.3 %
 
@@ -212,6 +214,7 @@ def _solve(
     ]
     points = len(kept.rows[0])
     lower = np.tile([-np.inf, -1.0, -1.0, -1.0, -np.inf, -np.inf, -np.inf], points)
+    effort.spend(SOLVE)
     free = np.full(len(x0) - 1, 2.0)  # |sigma| < 1 up to half a turn to each side
     found = kept.solver(
         x0=x0,
@@ -228,6 +231,7 @@ def _solve(
         lbg=np.concatenate([lower, np.zeros(18)]),
         ubg=np.concatenate([np.ones(PER_POINT * points), np.zeros(18)]),
     )
+    effort.count(ITERATION * kept.solver.stats()["iter_count"])
     return np.array(found["x"]).ravel()
 
 
