@@ -23,7 +23,7 @@ from planner.campaigns.slew_time import limit_table
 from planner.campaigns.ways import Ways, ways_to_follow
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.frames.time_scales import shifted_utc
-from planner.opportunities import Windows, find_opportunities
+from planner.opportunities import Windows, opportunities_however_many
 from planner.opportunities.carrier import carrier_over
 from planner.platforms import AxisLimits
 from planner.scenario import Scenario, Session
@@ -88,7 +88,7 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     tell("opportunities", 0, 1)
     limits = request.slew.axis_limits(request.platform)
     grid_s = _first_row_s(request)
-    found = find_opportunities(request.opportunities())
+    found = opportunities_however_many(request.opportunities())
     rest_s = _rest_s(request, limits)
     looks = _looks(request, found.windows, rest_s)
     tell("ways", 0, 1)

@@ -5,7 +5,7 @@ from planner.opportunities.request import (
     OpportunityRequest,
     OpportunityTarget,
 )
-from planner.opportunities.search import find_opportunities
+from planner.opportunities.search import find_opportunities, opportunities_however_many
 from planner.opportunities.windows import Opportunities, Sightings, Windows
 
 __all__ = [
@@ -16,4 +16,5 @@ __all__ = [
     "Sightings",
     "Windows",
     "find_opportunities",
+    "opportunities_however_many",
 ]

@@ -19,8 +19,8 @@ PIXELS_ARCSEC = (1e-4, 36e3)
 SAMPLES = (2, 1000)  # a window's edges at least
 TARGETS_MAX = 5000
 DAYS_MAX = 31.0
-# Targets times days times samples and what a window costs without any: 1,000 places for 10 days
-# with 5 samples: 2 s as a rule, an estimated 15 s where every pass is a window.
+# Targets times days times samples and what a window costs without any: the memory they take.
+# 1,000 places for 10 days with 5 samples: 2 s as a rule; the work itself is counted.
 WORK_MAX = 200_000
 WINDOW_COUNTS = 15  # as samples
 MOVING_COUNTS = 150  # as places: what is not fixed to the Earth is looked at one by one

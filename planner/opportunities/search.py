@@ -2,9 +2,13 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from planner import effort
+from planner.effort import at_most
+from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants
 from planner.opportunities.candidates import candidate_nodes
@@ -27,24 +31,51 @@ BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in 
 SHORTEST_S = 1e-3  # the resolution promised of an edge
 
 
+@dataclass(frozen=True)
+class Work:
+    """What is spent, in rows of `planner.effort`, to look once whether a target can be seen, and
+    to find a window's extremes."""
+
+    look_rows: float
+    window_rows: float
+
+
+RESTING = Work(look_rows=0.13, window_rows=1.2)  # many places together
+ALONE = Work(look_rows=3.3, window_rows=440.0)  # frames and ephemerides at every look
+SAMPLE_ROWS = 0.45
+
+
 def find_opportunities(request: OpportunityRequest) -> Opportunities:
-    """All windows of all targets.
+    """All windows of all targets, by no more work than one request may make.
 
     The orbit is evaluated once, on rows 0.066 rad of its motion apart (60 s for the ISS);
     fixed ground targets are compared with the rows all together.  Edges and extremes are then
     found for many at once, on polynomials through the rows.  Edges are those of the exact
     orbit and frames to 0.1 ms, where the margin changes by its ordinary rate; windows or gaps
     shorter than a millisecond may be missed.
-    Raises OutsideCoverage where orbit, attitude or Earth orientation are not known.
+    Raises OutsideCoverage where orbit, attitude or Earth orientation are not known, SearchEnded.
     """
+    with at_most(effort.PLAN):
+        return opportunities_however_many(request)
+    raise SearchEnded(
+        f"the windows of these {len(request.targets)} targets take more work than one request may "
+        "make; ask for fewer targets, days, samples or conditions at a time",
+        field="targets",
+    )
+
+
+def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
+    """The same with whatever work that takes."""
     ephemeris = request.orbit.ephemeris(request.start, request.stop)
     carrier = carrier_over(
         ephemeris, request.attitude, request.platform, request.start, request.stop
     )
-    found = [
-        describe_windows(request, carrier, sight, numbers, _windows(request, carrier, sight, nodes))
-        for numbers, sight, nodes in _batches(request, carrier)
-    ]
+    found = []
+    for numbers, sight, nodes, work in _batches(request, carrier):
+        spans = _windows(request, carrier, sight, nodes, work)
+        told_rows = work.window_rows + SAMPLE_ROWS * request.samples
+        effort.spend(told_rows * len(spans.target))
+        found.append(describe_windows(request, carrier, sight, numbers, spans))
     orientation = earth_orientation_warning(Instants(request.start, np.array([carrier.span_s])))
     return Opportunities(
         start_utc=request.start,
@@ -63,7 +94,7 @@ def find_opportunities(request: OpportunityRequest) -> Opportunities:
 
 def _batches(
     request: OpportunityRequest, carrier: Carrier
-) -> Iterator[tuple[Indices, Sight, Nodes]]:
+) -> Iterator[tuple[Indices, Sight, Nodes, Work]]:
     """Rows of the request's targets that are treated alike, and where to look for them."""
     asked_rad = math.radians(request.conditions.min_elevation_deg)
     targets = [wanted.target for wanted in request.targets]
@@ -74,12 +105,12 @@ def _batches(
         places = FixedPlaces(carrier, [resting[number] for number in numbers])
         least_rad = np.array([_least_rad(resting[number], asked_rad) for number in numbers])
         nodes = candidate_nodes(carrier, places.r_itrf_m, least_rad)
-        yield np.array(numbers), EarthSight(carrier, places, least_rad), nodes
+        yield np.array(numbers), EarthSight(carrier, places, least_rad), nodes, RESTING
     everywhere = Nodes(np.zeros(1, int), np.zeros(len(carrier.node_s), int), carrier.node_s)
     for number, target in enumerate(targets):
         if number not in resting:
             sight = sight_of(carrier, target, _least_rad(target, asked_rad))
-            yield np.array([number]), sight, everywhere
+            yield np.array([number]), sight, everywhere, ALONE
 
 
 def _least_rad(target: object, asked_rad: float) -> float:
@@ -88,8 +119,11 @@ def _least_rad(target: object, asked_rad: float) -> float:
     return max(math.radians(own_deg), asked_rad)
 
 
-def _windows(request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes: Nodes) -> Spans:
+def _windows(
+    request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes: Nodes, work: Work
+) -> Spans:
     """When all conditions hold, condition after condition."""
+    effort.spend(work.look_rows * len(nodes.t_s))
     inside = stretches(sight.clearance_rad, nodes)
     spans = Spans(
         target=nodes.target[inside.group],
@@ -99,13 +133,14 @@ def _windows(request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes:
         closed_by=np.where(inside.to_last, "interval", "elevation"),
     )
     for condition in conditions_of(request.conditions, request.platform, carrier, sight):
-        spans = _narrow(spans, sight, condition)
+        spans = _narrow(spans, sight, condition, work)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)
     return spans.select(spans.stop_s - spans.start_s >= least_s)
 
 
-def _narrow(spans: Spans, sight: Sight, condition: Condition) -> Spans:
+def _narrow(spans: Spans, sight: Sight, condition: Condition, work: Work) -> Spans:
     nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+    effort.spend(work.look_rows * len(nodes.t_s))
     inside = stretches(condition.margin, nodes)
     before = spans.select(inside.group)
     return Spans(

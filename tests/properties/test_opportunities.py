@@ -8,8 +8,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from planner import effort
 from planner.attitude.inertial import InertialAttitude
-from planner.errors import OutsideCoverage
+from planner.errors import OutsideCoverage, SearchEnded
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.opportunities import (
@@ -17,6 +18,7 @@ from planner.opportunities import (
     OpportunityRequest,
     OpportunityTarget,
     find_opportunities,
+    opportunities_however_many,
 )
 from planner.opportunities.carrier import carrier_over
 from planner.opportunities.interpolation import UniformTable
@@ -304,3 +306,12 @@ def test_a_path_is_refused():
     )
     with pytest.raises(ValueError, match="ground_path"):
         OpportunityTarget(id="path", target=GroundPathTarget(points=points, speed_m_s=100.0))
+
+
+def test_more_work_than_a_request_may_make_is_refused(monkeypatch):
+    places = tuple(ground(k, 40.0, 3.0 * k) for k in range(20))
+    monkeypatch.setattr(effort, "PLAN", 100)
+    with pytest.raises(SearchEnded) as refused:
+        find_opportunities(request(places))
+    assert refused.value.field == "targets"
+    assert opportunities_however_many(request(places)).windows.rise_s.size  # as campaigns do
