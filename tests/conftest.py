@@ -4,6 +4,7 @@ import atexit
 import os
 import tempfile
 
+import pytest
 from databases import own_postgresql
 from hypothesis import settings
 
@@ -19,3 +20,10 @@ os.environ["SLEWTRACK_ALLOWED_HOSTS"] = "localhost,127.0.0.1,[::1],testserver"
 # A loaded machine is slow; slowness is measured in bench/, not asserted here.
 settings.register_profile("slewtrack", deadline=None)
 settings.load_profile("slewtrack")
+
+
+@pytest.fixture
+def patient_store(monkeypatch):
+    """On a loaded machine others write for longer than a service waits; to be asked for first."""
+    for module in ("turns", "database"):
+        monkeypatch.setattr(f"app.store.{module}.PATIENCE_S", 60.0)

@@ -97,6 +97,7 @@ def test_campaign_ends_with_its_last_pass(database, campaign_id, chosen):
     assert [state["state"] for state in states] == ["queued", "running", "running", "done"]
 
 
+@pytest.mark.usefixtures("patient_store")
 def test_passes_that_end_together_end_the_campaign_once(database, campaign_id, chosen):
     parts = [claimed(database) for _ in chosen.parts]
     with ThreadPoolExecutor(len(parts)) as threads:

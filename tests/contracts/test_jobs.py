@@ -163,6 +163,7 @@ def test_a_result_no_database_takes_ends_its_job(database, tmp_path, caplog):
     assert any("can't be stored" in str(record.__dict__) for record in caplog.records)
 
 
+@pytest.mark.usefixtures("patient_store")
 def test_two_services_do_each_job_once(database, tmp_path):
     files = [tmp_path / f"notes{number}" for number in range(12)]
     with ExitStack() as services:
@@ -250,6 +251,7 @@ def test_the_queue_is_bounded(database, tmp_path):
         dispatcher.cancel(running.id, None)
 
 
+@pytest.mark.usefixtures("patient_store")
 def test_the_same_key_at_the_same_time_is_one_job(database, tmp_path):
     notes = Notes(tmp_path / "notes")
     with dispatching(database, workers=2) as one, dispatching(database, workers=2) as other:
@@ -284,9 +286,8 @@ def test_the_audit_trail_says_who_did_what(database, tmp_path):
     assert told == [("bob", "hang.cancel", job.id), ("alice", "hang.accept", job.id)]
 
 
-def test_work_accepted_while_the_service_stops_is_given_back(database, tmp_path, monkeypatch):
-    for module in ("turns", "database"):
-        monkeypatch.setattr(f"app.store.{module}.PATIENCE_S", 60.0)
+@pytest.mark.usefixtures("patient_store")
+def test_work_accepted_while_the_service_stops_is_given_back(database, tmp_path):
     notes = Notes(tmp_path / "notes")
     with dispatching(database) as dispatcher, ThreadPoolExecutor() as threads:
         with database.writing():  # SQLite lets nobody else write

@@ -50,6 +50,7 @@ def test_migrations_lead_to_the_models(tmp_path):
             assert compare_metadata(context, models_security.Base.metadata) == []
 
 
+@pytest.mark.usefixtures("patient_store")
 def test_services_that_start_together_migrate_once(tmp_path):
     with empty_database(tmp_path) as database:
         with ThreadPoolExecutor(4) as threads:
@@ -108,6 +109,7 @@ def test_the_database_refuses_to_change_a_plan(database, tmp_path):
         connection.execute(update(PlanRow).values(name="other"))
 
 
+@pytest.mark.usefixtures("patient_store")
 def test_each_job_is_claimed_once(database, tmp_path):
     ids = {accepted(database, tmp_path)[0] for _ in range(30)}
 
@@ -163,6 +165,7 @@ def test_a_cancelled_lease_is_unwanted(database, tmp_path):
         assert jobs.leases_to_end(connection, (token,)) == {token}
 
 
+@pytest.mark.usefixtures("patient_store")
 def test_revisions_count_up_however_many_come_at_once(database, tmp_path):
     first, _ = accepted(database, tmp_path, lease_s=60.0)
     with database.writing() as connection:
