@@ -12,7 +12,7 @@ from planner.attitude.lvlh import LvlhAttitude
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import DAY_S, elapsed_s, require_offset
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
-from planner.opportunities.request import DAYS_MAX, TARGETS_MAX
+from planner.opportunities.request import TARGETS_MAX
 from planner.orbits import Orbit
 from planner.platforms import AngleDeg, Platform
 from planner.scenario import InitialState, SlewOptions
@@ -124,8 +124,6 @@ class CampaignRequest:
 
     def _require_bounds(self) -> None:
         days = self.span_s / DAY_S
-        if days > DAYS_MAX:
-            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
         counted = sum(
             1 if wanted.target.rests_on_earth else MOVING_COUNTS for wanted in self.targets
         )
