@@ -135,7 +135,7 @@ class Siege:
 
     def leaks(self) -> list[str]:
         """Lines of the log with a secret, a body or a query in them."""
-        canaries = (self.secret.rsplit("_", 1)[1][:12], PASSWORD, BODY, QUERY)
+        canaries = (self.secret.split("_", 2)[2][:12], PASSWORD, BODY, QUERY)
         lines = self.log.read_text(errors="replace").splitlines()
         return [line for line in lines if any(canary in line for canary in canaries)]
 
