@@ -212,6 +212,11 @@ def test_who_does_not_want_to_wait_is_told_where(client, prefer, applied):
     assert located(client.post(PLANS, **asked)) == located(answer)  # made or not
 
 
+def test_nobody_waits_longer_than_a_minute(client):
+    answer = client.post(PLANS, json=SHORT, headers={"Prefer": "wait=600"})
+    assert answer.headers["preference-applied"] == "wait=60"
+
+
 @pytest.mark.parametrize("prefer", ["wait=soon", "wait=-1", "return=minimal", ""])
 def test_wishes_that_are_not_understood_are_ignored(client, prefer):
     answer = client.post(PLANS, json=SHORT, headers={"Prefer": prefer})

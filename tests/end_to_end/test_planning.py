@@ -13,8 +13,11 @@ from scenarios import (
     session,
 )
 
+from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew, NotVisible, Refusal
 from planner.scenario import SlewOptions
+from planner.sessions import chain
+from planner.sessions.joining import slew_onto
 from planner.sessions.pipeline import make_plan
 from planner.targets import GroundTarget
 
@@ -127,6 +130,25 @@ def test_a_tight_sequence_is_shortened_as_asked():
         losses_s[mode] = lost_s(asked, plan)
         assert len(plan.warnings) == 2
     assert 0.0 < losses_s["least_loss"] <= min(losses_s.values())
+
+
+@pytest.mark.parametrize("vain", [1, 3, 5])
+def test_a_slew_that_is_not_found_is_sought_a_row_later(monkeypatch, vain):
+    """Closed forms may leave a row open that the solver then finds no slew to."""
+    asked = scenario(*TIGHT[:2], on_conflict="shorten_later")
+    at_once_s = lost_s(asked, make_plan(asked))
+    tried = []
+
+    def found_at_last(scenario, way, from_row, state, **how):
+        if from_row > 0 and len(tried) < vain:
+            tried.append(way.rows.start)
+            raise InfeasibleSlew("none was found", limit="duration")
+        return slew_onto(scenario, way, from_row, state, **how)
+
+    monkeypatch.setattr(chain, "slew_onto", found_at_last)
+    later_s = lost_s(asked, make_plan(asked))
+    assert tried == list(range(tried[0], tried[0] + vain))
+    assert later_s == pytest.approx(at_once_s + vain * COMMAND_STEP_S, abs=1e-6)
 
 
 @pytest.mark.parametrize(
