@@ -164,10 +164,10 @@ class InfeasibleSlew(Refusal):
 
 
 class SearchEnded(Refusal):
-    """Neither a plan nor a proof that there is none, by the work that one request may make."""
+    """Neither what was asked for nor a proof that there is none, by the work that may be done."""
 
     slug = "search-ended"
-    title = "No plan was found before the search ended"
+    title = "The search ended before anything was found"
 
 
 class SolverFailed(Refusal):

@@ -15,6 +15,7 @@ from typing import Any
 from anyio.from_thread import start_blocking_portal
 from distributed import Client
 from distributed import Future as DaskFuture
+from distributed.client import ClosedClientError
 from distributed.comm.core import CommClosedError
 from tornado.ioloop import IOLoop
 
@@ -27,7 +28,7 @@ from app.work.progress import Progress
 _CONNECT_S = 5.0
 _PAUSE_S = 1.0
 _STOP_TRIES = 3
-_LOST = (CancelledError, CommClosedError, TimeoutError, OSError)
+_LOST = (CancelledError, ClosedClientError, CommClosedError, TimeoutError, OSError)
 
 OnProgress = Callable[[Progress], None]
 
@@ -53,8 +54,8 @@ class DaskExecutor:
     def close(self) -> None:
         """As a SolveExecutor does."""
         self._threads.shutdown()
-        self._disconnect()
-        self._loop_kept.close()
+        with self._loop_kept:
+            self._disconnect()
 
     def _run(self, task: Task, stop: Stop, on_progress: OnProgress) -> Any:  # noqa: ANN401 (the work's)
         key = f"slewtrack-{task.job_id}-{secrets.token_hex(4)}"
@@ -92,7 +93,9 @@ class DaskExecutor:
         try:
             future.cancel()
             for _ in range(_STOP_TRIES):  # it may just be beginning
-                if any(client.run(stop_here, key, on_error="ignore").values()):
+                if client.status != "running" or any(
+                    client.run(stop_here, key, on_error="ignore").values()
+                ):
                     return
                 time.sleep(0.1)
         except _LOST as error:

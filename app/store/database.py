@@ -51,6 +51,9 @@ class Database:
         self._engine = _engine(url)
         self._readers, self._writers = Outage(), Outage()
         self._turns = Turns(self._writers) if url.drivername == "sqlite" else None
+        self._damages = 0
+        if url.drivername == "sqlite":
+            event.listen(self._engine, "checkout", self._read_anew_after_damage)
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
@@ -104,12 +107,22 @@ class Database:
                 raise
             if keeps_all_waiting(error):
                 outage.begin()
-            if may_leave_stale_pages(error):
-                self._engine.dispose()
+            self._damages += may_leave_stale_pages(error)
             log.warning("the database can't be used", error=error)
             raise StoreUnavailable(
                 "the database can't be read or written now; ask again later"
             ) from error
+
+    def _read_anew_after_damage(
+        self, connection: DBAPIConnection, record: ConnectionPoolEntry, _: object
+    ) -> None:
+        """A connection keeps pages of a damaged file until somebody writes.
+
+        To close it instead would copy its log of changes into that file, and delete the log.
+        """
+        if record.info.get("damages", 0) != self._damages:
+            connection.cursor().execute("PRAGMA shrink_memory")
+            record.info["damages"] = self._damages
 
     def close(self) -> None:
         """Give all connections back."""

@@ -1,5 +1,6 @@
 """Plans an imaging session: candidates, choice and turns, gimbals, judges."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import timedelta
 from functools import partial
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.commands import ROWS_PER_S
-from planner.effort import at_most
+from planner.effort import EffortSpent, at_most
 from planner.errors import (
     InfeasibleSlew,
     InvalidInput,
@@ -42,7 +43,6 @@ Array = NDArray[np.float64]
 # Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
 REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
 FLOWN_ROW = 4.5
-OTHER_SHARE = 0.9  # of what work is left, for something else that can be imaged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ def _planned_or_refused(request: ImagingPlanRequest) -> ImagingPlan:
     try:
         return _planned(request)
     except (Unreachable, InfeasibleSlew, InvalidInput) as why:
-        with at_most(OTHER_SHARE * effort.remaining()):
+        with suppress(EffortSpent):
             raise refusal_with_way_out(
                 request, why, lambda other: make_session(other, other.definition()), _works
             ) from why

@@ -156,7 +156,7 @@ def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_
     with pytest.raises(Stopped):
         future.result(WITHIN_S)
     executor.close()
-    assert tries[5] == tries[0]
+    assert tries[5] <= tries[0]
 
 
 def descriptors():

@@ -329,6 +329,28 @@ def test_a_restored_sqlite_file_is_read_anew(tmp_path):
     database.close()
 
 
+@pytest.mark.skipif(bool(SERVER), reason="of SQLite")
+def test_what_was_stored_before_a_damage_outlives_it(tmp_path):
+    """It is in the log beside the file, which is deleted with the last connection."""
+    database = open_database("", tmp_path)
+    upgrade(database)
+    file = tmp_path / FILE
+    with sqlite3.connect(file) as other:
+        other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    other.close()
+    KeyStore(database).create("k", ["read"])
+    kept = file.read_bytes()
+    with file.open("r+b") as opened:
+        opened.write(b"\xa5" * len(kept))
+    with pytest.raises(StoreUnavailable):
+        count_jobs(database)
+    with file.open("r+b") as opened:
+        opened.write(kept)
+    assert count_jobs(database) == 0
+    assert [key.name for key in KeyStore(database).all()] == ["k"]
+    database.close()
+
+
 def count_jobs(database):
     with database.reading() as reader:
         return reader.execute(text("SELECT count(*) FROM jobs")).scalar()

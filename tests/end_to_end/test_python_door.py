@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import slewtrack
-from planner.errors import InvalidRequest, Refusal
+from planner.errors import InvalidRequest, NotVisible, Refusal
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -58,8 +58,9 @@ def test_a_refusal_near_the_longest_span_a_request_may_have_is_a_refusal():
     asked = document("las_vegas_2015.json")
     asked["initial_state"]["epoch"] = "2015-02-26T17:26:30Z"
     asked["sessions"][0] |= {"start": "2015-02-27T17:25:20Z", "stop": "2015-02-27T17:26:20Z"}
-    with pytest.raises(Refusal):
+    with pytest.raises(NotVisible) as refused:
         slewtrack.plan(asked)
+    assert refused.value.earliest_feasible_start_utc is not None
 
 
 def test_importing_it_loads_neither_solvers_nor_compilers():

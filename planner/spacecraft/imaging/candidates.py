@@ -35,7 +35,8 @@ from planner.spacecraft.vehicle.definition import AgileSpacecraft
 Array = NDArray[np.float64]
 GRID_S = 2.0
 PASSING_RAD = math.radians(3.0)  # along the track: abeam
-ARC_AT_START = 5.0  # of `planner.effort`: to look at an arc scanned from one start
+# Of `planner.effort`: to look at an arc scanned from one start, and at one point of it.
+ARC_AT_START, POINT_AT_TICK = 5.0, 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -328,6 +329,7 @@ def _stereo(request: StereoRequest, number: int, session: ImagingSession) -> lis
     behind."""
     arc = _along_flight(_legs(request)[0], session)
     grid = np.arange(0.0, session.duration_s, TICK_S)
+    effort.spend(POINT_AT_TICK * len(grid))
     along, _ = _angles(arc, 0.5, grid, session)
     found: list[Candidate] = []
     for part, angle in ((1, request.look_angle_deg), (2, -request.look_angle_deg)):
