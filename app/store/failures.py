@@ -46,7 +46,7 @@ def is_of_the_store(error: Exception) -> bool:
     """Whether the database, not what was asked of it, is at fault."""
     if isinstance(error, NoConnectionFree):
         return True
-    cause = error.orig if isinstance(error, DBAPIError) else error
+    cause = _cause(error)
     if isinstance(cause, sqlite3.Error):
         # Python's own complaints, of a connection that was closed, say, have no code.
         code = getattr(cause, "sqlite_errorcode", None)
@@ -62,7 +62,7 @@ def is_of_the_store(error: Exception) -> bool:
 
 def keeps_all_waiting(error: Exception) -> bool:
     """Whether others who try now would wait in vain, too."""
-    cause = error.orig if isinstance(error, DBAPIError) else error
+    cause = _cause(error)
     if isinstance(cause, sqlite3.Error):
         return getattr(cause, "sqlite_errorcode", 0) & 0xFF == sqlite3.SQLITE_BUSY
     return isinstance(error, SQLAlchemyError) and getattr(cause, "sqlstate", None) is None
@@ -70,6 +70,11 @@ def keeps_all_waiting(error: Exception) -> bool:
 
 def may_leave_stale_pages(error: Exception) -> bool:
     """Whether a connection may go on seeing what the file held when it was damaged."""
-    cause = error.orig if isinstance(error, DBAPIError) else error
+    cause = _cause(error)
     code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
     return code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_IOERR)
+
+
+def _cause(error: Exception) -> BaseException | None:
+    """The driver's own error."""
+    return error.orig if isinstance(error, DBAPIError) else error
