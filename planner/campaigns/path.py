@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.campaigns.network import NEVER, Network
 from planner.compiled import compiled
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 NONE = -1
 NOTHING = -np.inf

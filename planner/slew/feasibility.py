@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits
@@ -14,8 +15,6 @@ from planner.slew.problem import AxisState, SlewProblem, broken_limit
 from planner.slew.quickest import DURATION_TOLERANCE, profile_lasting, quickest_profile
 from planner.slew.solution import AxisProfile, obeys
 from planner.slew.stops import margins_on_rows, rate_margin_rad_s, stop_margin_rad
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

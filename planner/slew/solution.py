@@ -9,10 +9,10 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.platforms import AxisLimits
 from planner.slew.problem import LIMIT_TOLERANCE, AxisState, SlewProblem
 
-Array = NDArray[np.float64]
 ORDERS = ("angle", "rate", "acceleration", "jerk")
 SAMPLES = 9
 NEGLIGIBLE = 1e-13  # of a polynomial's largest coefficient: rounding, not a leading term

@@ -11,9 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.platforms import StructuralMode
 
-Array = NDArray[np.float64]
 DETUNED = (0.96, 1.0, 1.04)  # each mode is weighted at its frequency and 4 % beside it
 # The squared jerk of a move is 1/2; of the cubic's vibration these shares would cost as much.
 WEIGHTS = (1e4, 1e5, 1e4)

@@ -6,10 +6,10 @@ from datetime import datetime
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import netcdf_file
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.export.exporter import Exporter
@@ -20,7 +20,6 @@ from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
-Array = NDArray[np.float64]
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
 

@@ -8,10 +8,9 @@ Source: Schaub, Junkins, Analytical Mechanics of Space Systems, 3.6 (eq. 3.157-3
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from planner.arrays import Array
 
 
 class BodyMotion(NamedTuple):

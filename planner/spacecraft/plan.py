@@ -6,7 +6,6 @@ from datetime import timedelta
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
 from planner.commands import ROWS_PER_S
@@ -39,7 +38,6 @@ from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
-Array = NDArray[np.float64]
 # Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
 REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
 FLOWN_ROW = 4.5

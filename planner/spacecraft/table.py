@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.spacecraft.mrp import BodyMotion, body_motion, mrp_rates, quintic, relative_mrp
 
-Array = NDArray[np.float64]
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 
 

@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
@@ -22,7 +22,6 @@ from planner.spacecraft.requests import AreaRequest, ImagingPlanRequest, Request
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
-Array = NDArray[np.float64]
 StatesAt = Callable[[Instants], OrbitStates]
 GROUND_TOLERANCE_M = 1.0
 SPEED_TOLERANCE = 1e-3

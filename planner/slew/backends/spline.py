@@ -4,15 +4,14 @@ import math
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.platforms import AxisLimits
 from planner.scenario import SlewOptions
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.solution import AxisProfile, SlewSolution, violations
 
-Array = NDArray[np.float64]
 RATE_SHARE = 2.0 / 3.0  # effective 2 of 3 deg/s, Sumarokov 2016, p. 91
 ACCELERATION_SHARE = 0.8  # effective 0.8 of 1 deg/s2, ibid.
 KNOTS_PER_LAG = 8  # quintic pieces follow the filter's exponential to 1e-9 of its size

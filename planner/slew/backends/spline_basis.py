@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from planner.arrays import Array
+
 ENDS = 3  # angle, rate and acceleration at an end fix so many coefficients there
 GAUSS_POINTS = 3  # exact to degree 5; squared third derivatives of a quintic have degree 4
 

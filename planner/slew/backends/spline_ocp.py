@@ -12,9 +12,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.platforms import AxisLimits, StructuralMode
 from planner.slew.backends.spline_basis import derivative_matrices, jerk_cost, spline_basis
 from planner.slew.problem import AxisState
@@ -24,7 +24,6 @@ from planner.slew.vibration import modal_cost, modal_rows, wanted_residuals
 if TYPE_CHECKING:
     import casadi
 
-Array = NDArray[np.float64]
 JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
 ROUNDING = 1e-9  # of the limits' ranges
 INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them

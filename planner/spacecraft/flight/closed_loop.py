@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.compiled import compiled
 from planner.spacecraft.vehicle.dynamics import (
     Plant,
@@ -31,7 +32,6 @@ from planner.spacecraft.vehicle.onboard import (
     update_total_momentum,
 )
 
-Array = NDArray[np.float64]
 MOMENTUM_GAIN = 0.02  # per tick; 10 s, long against the modes, short against an orbit
 TRACKER_GAIN = 0.1  # per fix
 

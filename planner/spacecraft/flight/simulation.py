@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import butter
 
+from planner.arrays import Array
 from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.orbits.ephemeris import OrbitStates
 from planner.spacecraft.flight.closed_loop import Log, Noise, Reference, fly
@@ -23,7 +23,6 @@ from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.vehicle.dynamics import Plant, servo_transition
 from planner.spacecraft.vehicle.onboard import TABLE, Computer
 
-Array = NDArray[np.float64]
 STEP_S = 0.005
 Kept = TypeVar("Kept")
 

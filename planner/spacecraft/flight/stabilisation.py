@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification
 
-Array = NDArray[np.float64]
 RATE_ERROR_MAX_RAD_S = math.radians(0.001)  # Platonov, Sumarokov 2019
 ASSUMPTIONS = (
     "gimbal servo 50 rad/s, damping 0.7 (the paper gives the form, no numbers)",

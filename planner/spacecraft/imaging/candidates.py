@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.errors import Unreachable
 from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
 from planner.frames.geodesy import c_enu_from_itrf, geodetic_from_itrf, itrf_from_geodetic
@@ -32,7 +33,6 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
-Array = NDArray[np.float64]
 GRID_S = 2.0
 PASSING_RAD = math.radians(3.0)  # along the track: abeam
 # Of `planner.effort`: to look at an arc scanned from one start, and at one point of it.

@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime, joined
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 LABELS_MAX = 4_000_000
 BITS = 62

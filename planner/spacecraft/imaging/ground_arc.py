@@ -11,9 +11,9 @@ from datetime import datetime
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
 from planner.frames.local_orbital import q_lvlh_from_eci
@@ -21,7 +21,6 @@ from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
 from planner.spacecraft.mrp import BodyMotion, body_motion
 
-Array = NDArray[np.float64]
 DEGREE = 28  # of the Chebyshev fit: attitudes of a 200 s span to 1e-12 rad
 # X along flight, Y up, Z = X x Y, in LVLH axes (X forward, Y against the orbit normal, Z nadir).
 _ORBITAL_FROM_LVLH = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.compiled import compiled
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 WAIT_TICKS = 10  # of the chain of idle instants: 2 s, the grid of the candidates
 

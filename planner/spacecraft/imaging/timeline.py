@@ -11,9 +11,9 @@ from datetime import datetime
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.frames.time_scales import shifted_utc
 from planner.spacecraft.imaging.candidates import Candidate, ImagingSession, on_ticks
@@ -24,7 +24,6 @@ from planner.spacecraft.turns.turn_choice import TurnComparison, TurnNeedsTime, 
 from planner.spacecraft.turns.turn_problem import EndState, Turn, TurnProblem
 from planner.spacecraft.vehicle.definition import TurnObjective
 
-Array = NDArray[np.float64]
 LEAST_MORE_TICKS = 3
 REST_AFTER_S = 150.0  # longer pauses are spent in orbital orientation
 

@@ -10,13 +10,12 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from ruckig import InputParameter, Ruckig, Trajectory
 
 from planner import effort
+from planner.arrays import Array
 from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 
-Array = NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array, Array, Array]]
 STRETCH = 150.0  # of `planner.effort`: to look at a turn so much longer
 

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 import casadi
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from planner import effort
+from planner.arrays import Array
 from planner.spacecraft.turns.turn_problem import (
     LIMIT_TOLERANCE,
     Turn,
@@ -26,7 +26,6 @@ from planner.spacecraft.turns.turn_problem import (
 )
 from planner.spacecraft.vehicle.definition import TurnObjective
 
-Array = NDArray[np.float64]
 PER_POINT = 7  # |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2
 
 

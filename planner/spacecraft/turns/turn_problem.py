@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.spacecraft.mrp import BodyMotion, body_motion, mrp_rates, relative_mrp
 from planner.spacecraft.vehicle.definition import SlewLimits
 
-Array = NDArray[np.float64]
 Method = Literal["ocp", "eigenaxis"]
 LIMIT_TOLERANCE = 1e-3  # relative: how far a limit may be exceeded between collocation points
 

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
-Array = NDArray[np.float64]
 SMOOTH = 1.03  # what a spline without corners in its torque rate takes
 ALLOWANCE_S = 0.8  # for rates of 0.4 deg/s aside at 1 deg/s^2, both ends
 ANGLES_DEG = np.array(

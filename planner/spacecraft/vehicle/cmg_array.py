@@ -11,10 +11,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.compiled import compiled
 from planner.spec import spec
 
-Array = NDArray[np.float64]
 SINGULARITY_GUARD = 1e-3  # of D D^T's scale: below it the inverse is damped
 
 

@@ -14,12 +14,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from planner.arrays import Array
 from planner.compiled import compiled
-
-Array = NDArray[np.float64]
 
 
 class Plant(NamedTuple):

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.compiled import compiled
 from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.vehicle.cmg_array import CmgArray, rotor_momentum, steer
-
-Array = NDArray[np.float64]
 
 
 def total_momentum_eci(

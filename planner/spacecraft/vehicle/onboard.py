@@ -9,13 +9,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.compiled import compiled
 from planner.spacecraft.vehicle.cmg_array import rotor_momentum, steer
 from planner.spacecraft.vehicle.dynamics import rotate, unrotate
 
-Array = NDArray[np.float64]
 TABLE = 0
 PAPER = 1
 LEARNING_RATE_RAD_S = math.radians(0.5)
