@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.attitude.odd_rows import odd_by_rad
 from planner.attitude.reference_frames import q_frame_from_eci
 from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
@@ -41,8 +41,8 @@ class AttitudeArc:
     start_utc: datetime
     stop_utc: datetime
     curve: RotationCurve
-    row_s: NDArray[np.float64]
-    odd_rad: NDArray[np.float64]
+    row_s: Array
+    odd_rad: Array
 
     def oddest_near(self, instants: Instants) -> tuple[datetime, float]:
         """When the row is that fits its neighbours worst of those the curve there rests on, and

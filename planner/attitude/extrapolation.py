@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from planner.arrays import Array
 
 TAIL_S = 60.0  # the present rate is fitted to this much of the history
 OFFSET_TAIL_S = 120.0
@@ -59,9 +60,9 @@ class Extrapolation:
     period_s: float
     end_s: float
     q_reference: Rotation
-    coefficients_rad: NDArray[np.float64]
+    coefficients_rad: Array
 
-    def at(self, t_s: NDArray[np.float64]) -> Rotation:
+    def at(self, t_s: Array) -> Rotation:
         """Body from LVLH at n instants."""
         basis = _basis(self.description, self.period_s, t_s - self.end_s)
         return Rotation.from_rotvec(basis @ self.coefficients_rad) * self.q_reference
@@ -76,13 +77,13 @@ class ChosenExtrapolation:
     """
 
     extrapolation: Extrapolation
-    lead_s: NDArray[np.float64]
-    error_rms_rad: NDArray[np.float64]
+    lead_s: Array
+    error_rms_rad: Array
     tried: tuple[tuple[Description, float], ...]
 
 
 def choose(
-    t_s: NDArray[np.float64], q_body_from_lvlh: Rotation, period_s: float, lead_s: float
+    t_s: Array, q_body_from_lvlh: Rotation, period_s: float, lead_s: float
 ) -> ChosenExtrapolation:
     """Fit what foretells best over `lead_s` (less when the history is short).
 
@@ -120,12 +121,12 @@ def choose(
 
 def _held_out_errors(
     description: Description,
-    t_s: NDArray[np.float64],
+    t_s: Array,
     q_body_from_lvlh: Rotation,
     period_s: float,
     cuts_s: Sequence[float],
     lead_s: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+) -> tuple[Array, Array] | None:
     """Leads (s) and errors (rad) after each cut; None if too few leave enough history before."""
     leads, errors = [], []
     for cut_s in cuts_s:
@@ -145,10 +146,7 @@ def _held_out_errors(
 
 
 def fit_extrapolation(
-    description: Description,
-    t_s: NDArray[np.float64],
-    q_body_from_lvlh: Rotation,
-    period_s: float,
+    description: Description, t_s: Array, q_body_from_lvlh: Rotation, period_s: float
 ) -> Extrapolation | None:
     """The description fitted to a history, or None where that is too short for it."""
     window_s = description.orbits * period_s if description.terms else TAIL_S
@@ -160,7 +158,7 @@ def fit_extrapolation(
     q_reference = q_body_from_lvlh[-1]
     turned_rad = (q_body_from_lvlh[used] * q_reference.inv()).as_rotvec()
     basis = _basis(description, period_s, since_end_s[used])
-    coefficients_rad: NDArray[np.float64] = np.asarray(
+    coefficients_rad: Array = np.asarray(
         np.linalg.lstsq(basis, turned_rad, rcond=None)[0], dtype=np.float64
     )
     if description.terms:
@@ -170,9 +168,7 @@ def fit_extrapolation(
     return Extrapolation(description, period_s, float(t_s[-1]), q_reference, coefficients_rad)
 
 
-def _basis(
-    description: Description, period_s: float, since_end_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _basis(description: Description, period_s: float, since_end_s: Array) -> Array:
     """Columns of the linear model, shape (n, columns); the first is constant."""
     columns = [np.ones_like(since_end_s)]
     if description.has_rate:

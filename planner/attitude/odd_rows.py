@@ -1,7 +1,8 @@
 """Rows of an attitude message that can't be right, seeing their neighbours."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 # Offsets, in rows, of the four rows that foretell a row: from both sides, from before, from
 # after.  A manoeuvre that begins or ends leaves one side right; a damaged row fits none.
@@ -9,7 +10,7 @@ _STENCILS = ((-2, -1, 1, 2), (-4, -3, -2, -1), (1, 2, 3, 4))
 REACH = 2  # rows at either end whose place between neighbours can't be judged
 
 
-def odd_by_rad(t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64]) -> NDArray[np.float64]:
+def odd_by_rad(t_s: Array, q_xyzw: Array) -> Array:
     """How far each row is, at least, from where a cubic through four others leads, shape (n,).
 
     t_s: shape (n,), increasing.  q_xyzw: shape (n, 4), unit, neighbours of like sign.
@@ -29,7 +30,7 @@ def odd_by_rad(t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64]) -> NDArray
     return np.where(np.isfinite(odd_rad), odd_rad, 0.0)
 
 
-def _lagrange(at: NDArray[np.float64]) -> NDArray[np.float64]:
+def _lagrange(at: Array) -> Array:
     """Weights at zero of four nodes each, both of shape (n, 4)."""
     weights = np.ones_like(at)
     for node in range(4):

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from planner.arrays import Array
 from planner.frames.iers import RAD_PER_ARCSEC
 
 if TYPE_CHECKING:
@@ -42,16 +42,12 @@ class RotationCurve:
     residual_max_rad: float
     knot_spacing_s: float
 
-    def at(self, t_s: NDArray[np.float64]) -> Rotation:
+    def at(self, t_s: Array) -> Rotation:
         """Rotations at n instants within the rows'."""
         return Rotation.from_quat(self.quaternion(t_s))
 
 
-def rotation_curve(
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64] | None = None,
-) -> RotationCurve:
+def rotation_curve(t_s: Array, q_xyzw: Array, q_dot_s: Array | None = None) -> RotationCurve:
     """Fit the curve; ValueError when the rows are too far apart to say how it turns.
 
     t_s: shape (n,), increasing, n >= 2.  q_xyzw: shape (n, 4), unit, neighbours of like sign;
@@ -76,9 +72,7 @@ def rotation_curve(
     )
 
 
-def _knot_spacing_s(
-    t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64], q_dot_s: NDArray[np.float64] | None
-) -> float:
+def _knot_spacing_s(t_s: Array, q_xyzw: Array, q_dot_s: Array | None) -> float:
     """The widest knot spacing that foretells unseen rows about as well as any; 0 interpolates."""
     starts = np.unique(np.linspace(0, max(0, len(t_s) - _SAMPLE_ROWS), _SAMPLES).astype(int))
     samples = [slice(start, start + _SAMPLE_ROWS) for start in starts]
@@ -102,12 +96,7 @@ def _knot_spacing_s(
     return next(s for s, e in zip(possible, errors_rad, strict=True) if e <= good_rad)
 
 
-def _held_out_rad(
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64] | None,
-    spacing_s: float,
-) -> NDArray[np.float64]:
+def _held_out_rad(t_s: Array, q_xyzw: Array, q_dot_s: Array | None, spacing_s: float) -> Array:
     """Errors at every fifth row, the curve having been fitted to the others."""
     held_out = np.zeros(len(t_s), dtype=bool)
     held_out[_HELD_OUT_EVERY // 2 : -1 : _HELD_OUT_EVERY] = True
@@ -118,12 +107,7 @@ def _held_out_rad(
     return _distance_rad(curve(t_s[held_out]), q_xyzw[held_out])
 
 
-def _fit(
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64] | None,
-    spacing_s: float,
-) -> Curve:
+def _fit(t_s: Array, q_xyzw: Array, q_dot_s: Array | None, spacing_s: float) -> Curve:
     # SciPy's interpolators take 0.2 s to import, which only a message should pay.
     from scipy.interpolate import make_interp_spline, make_lsq_spline
 
@@ -140,7 +124,7 @@ def _fit(
     return make_interp_spline(t_s, q_xyzw, k=degree)
 
 
-def _knots(t_s: NDArray[np.float64], spacing_s: float) -> NDArray[np.float64]:
+def _knots(t_s: Array, spacing_s: float) -> Array:
     """Knots on rows about spacing_s apart, none in a gap: at least two rows between any two."""
     _, first = np.unique((t_s - t_s[0]) // spacing_s, return_index=True)
     inner: list[int] = [0]
@@ -151,9 +135,7 @@ def _knots(t_s: NDArray[np.float64], spacing_s: float) -> NDArray[np.float64]:
     return np.concatenate([ends[: _DEGREE + 1], t_s[inner[1:]], ends[_DEGREE + 1 :]])
 
 
-def _through_rates(
-    t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64], q_dot_s: NDArray[np.float64]
-) -> "PPoly":
+def _through_rates(t_s: Array, q_xyzw: Array, q_dot_s: Array) -> "PPoly":
     """Quintic Hermite through values and rates, second derivatives from a spline of the rates."""
     from scipy.interpolate import PPoly, make_interp_spline
 
@@ -174,7 +156,7 @@ def _through_rates(
     return PPoly(np.stack(coefficients), t_s)
 
 
-def _distance_rad(q_xyzw: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+def _distance_rad(q_xyzw: Array, other: Array) -> Array:
     """Angles between attitudes that are nearly the same, shape (n,)."""
     unit = q_xyzw / np.linalg.norm(q_xyzw, axis=1, keepdims=True)
     return np.asarray(2.0 * np.linalg.norm(unit - other, axis=1))

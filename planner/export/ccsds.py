@@ -4,8 +4,8 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.export.description import DECIMALS, TEXT_MAX, carrier
 from planner.export.table_states import axes_turn
 from planner.frames.time_scales import Instants, utc_text
@@ -41,9 +41,7 @@ def object_lines(orbit: Orbit) -> list[str]:
     ]
 
 
-def data_lines(
-    moments: Sequence[str], blocks: Sequence[tuple[NDArray[np.float64], int]]
-) -> list[str]:
+def data_lines(moments: Sequence[str], blocks: Sequence[tuple[Array, int]]) -> list[str]:
     """Epoch and numbers; blocks: arrays of shape (n, k) with their decimals."""
     formats = [f"%.{decimals}f" for values, decimals in blocks for _ in range(values.shape[1])]
     layout = " ".join(formats)
@@ -58,8 +56,8 @@ def attitude_message(
     orbit: Orbit,
     frame_b: str,
     instants: Instants,
-    q_b_from_eci_xyzw: NDArray[np.float64],
-    omega_b_rad_s: NDArray[np.float64],
+    q_b_from_eci_xyzw: Array,
+    omega_b_rad_s: Array,
     *,
     about: Iterable[str] = (),
 ) -> bytes:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.export.flight_plan import FlightPlan
 from planner.frames.time_scales import utc_text
@@ -35,7 +35,7 @@ class Column:
     name: str
     unit: str
     axis: str
-    values: NDArray[np.float64]
+    values: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,9 +117,9 @@ def one_line(text: str) -> str:
     return " ".join(printable.split())[:TEXT_MAX]
 
 
-def _degrees(values_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+def _degrees(values_rad: Array) -> Array:
     return np.asarray(np.round(np.degrees(values_rad), DECIMALS) + 0.0, dtype=np.float64)  # no -0.0
 
 
-def _vector(values: tuple[float, ...] | NDArray[np.float64]) -> str:
+def _vector(values: tuple[float, ...] | Array) -> str:
     return "[" + ", ".join(f"{value + 0.0:.12g}" for value in values) + "]"

@@ -4,9 +4,9 @@ import io
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import netcdf_file, netcdf_variable
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.export.description import (
     INTERPOLATION,
@@ -166,12 +166,7 @@ def _identifier(column: Column, plan: FlightPlan) -> str:
 
 
 def _write(
-    file: netcdf_file,
-    name: str,
-    values: NDArray[np.float64],
-    unit: str,
-    said: str,
-    first_row: int = 0,
+    file: netcdf_file, name: str, values: Array, unit: str, said: str, first_row: int = 0
 ) -> netcdf_variable:
     """values: one line per row from first_row on; rows before are filled."""
     sides = {1: (), 3: ("xyz",), 4: ("xyzw",)}[values[0].size]

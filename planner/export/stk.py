@@ -8,9 +8,7 @@ Pointing File Format (*.sp)", whose example AttitudeFile4 turns by +6 deg/s abou
 from collections.abc import Sequence
 from datetime import datetime
 
-import numpy as np
-from numpy.typing import NDArray
-
+from planner.arrays import Array
 from planner.export.ccsds import data_lines, epochs
 from planner.export.description import notes
 from planner.export.flight_plan import FlightPlan
@@ -50,7 +48,7 @@ def write_stk_sensor(plan: FlightPlan, created_utc: datetime) -> bytes:
 def _file(
     remarks: Sequence[str],
     rows: TableStates,
-    q_described_from_reference_xyzw: NDArray[np.float64],
+    q_described_from_reference_xyzw: Array,
     title: str,
     axes: Sequence[str],
 ) -> bytes:

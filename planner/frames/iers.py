@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 from astropy_iers_data import IERS_A_FILE, IERS_LEAP_SECOND_FILE
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 RAD_PER_ARCSEC = math.pi / 648000.0
 
@@ -47,10 +48,10 @@ class EarthOrientationTable:
     Source: finals2000A.all (Bulletin A columns) of the IERS Rapid Service.
     """
 
-    mjd_utc: NDArray[np.float64]
-    values: NDArray[np.float64]
+    mjd_utc: Array
+    values: Array
 
-    def at(self, mjd_utc: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(self, mjd_utc: Array) -> Array:
         """Values, shape (m, 5), at mjd_utc, shape (m,), by four-point Lagrange interpolation.
 
         Past either end the value at that end is held.  Leaves out the diurnal and
@@ -61,7 +62,7 @@ class EarthOrientationTable:
         first = np.clip(np.floor(x).astype(np.intp) - 1, 0, len(self.mjd_utc) - 4)
         u = (x - first)[:, None]
         a, b, c, d = (self.values[first + k] for k in range(4))
-        interpolated: NDArray[np.float64] = (
+        interpolated: Array = (
             -a * ((u - 1.0) * (u - 2.0) * (u - 3.0) / 6.0)
             + b * (u * (u - 2.0) * (u - 3.0) / 2.0)
             - c * (u * (u - 1.0) * (u - 3.0) / 2.0)
@@ -76,7 +77,7 @@ def earth_orientation_table() -> EarthOrientationTable:
     text = Path(IERS_A_FILE).read_bytes()
     rows = np.frombuffer(text, dtype="S1").reshape(-1, text.index(b"\n") + 1)
 
-    def column(start: int, stop: int) -> NDArray[np.float64]:
+    def column(start: int, stop: int) -> Array:
         """The fixed-width field in bytes start..stop, counted from one; blanks are NaN."""
         field = np.ascontiguousarray(rows[:, start - 1 : stop]).view(f"S{stop - start + 1}")[:, 0]
         blank = np.char.str_len(np.char.strip(field)) == 0
@@ -99,7 +100,7 @@ def earth_orientation_table() -> EarthOrientationTable:
     )
 
 
-def _fill_blanks(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _fill_blanks(values: Array) -> Array:
     """Blanks replaced by the last value before them."""
     last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
     return values[last]

@@ -11,9 +11,9 @@ from datetime import datetime
 
 import numpy as np
 from lxml import etree
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.messages.kvn import Grammar, raw_kvn
 from planner.messages.oem import standard_frame
@@ -79,10 +79,10 @@ class AemSegment:
     object_name: str
     frame: str
     epoch_utc: datetime
-    t_s: NDArray[np.float64]
+    t_s: Array
     useable_s: tuple[float, float]
-    q_body_from_frame_xyzw: NDArray[np.float64]
-    q_dot_s: NDArray[np.float64] | None
+    q_body_from_frame_xyzw: Array
+    q_dot_s: Array | None
     linear: bool
 
 
@@ -174,8 +174,8 @@ def _type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
 
 
 def _quaternions(
-    raw: RawSegment, columns: tuple[str, ...], rows: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    raw: RawSegment, columns: tuple[str, ...], rows: Array
+) -> tuple[Array, Array | None]:
     """The message's own quaternions and derivatives, scalar last, each (n, 4)."""
     if columns == _ANGLES:
         return Rotation.from_euler(_sequence(raw), rows, degrees=True).as_quat(), None
@@ -221,9 +221,7 @@ def _angvel_in_b(raw: RawSegment) -> bool:
     return in_b
 
 
-def _derivative(
-    q_xyzw: NDArray[np.float64], omega_rad_s: NDArray[np.float64], in_b: bool
-) -> NDArray[np.float64]:
+def _derivative(q_xyzw: Array, omega_rad_s: Array, in_b: bool) -> Array:
     """q' = q o omega_b / 2 = omega_a o q / 2 for the quaternion that turns A's axes into B's."""
     vector, scalar = q_xyzw[:, :3], q_xyzw[:, 3:]
     cross = np.cross(vector, omega_rad_s) if in_b else np.cross(omega_rad_s, vector)
@@ -231,12 +229,7 @@ def _derivative(
     return 0.5 * np.hstack([scalar * omega_rad_s + cross, -dot])
 
 
-def _check_rates(
-    raw: RawSegment,
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64],
-) -> None:
+def _check_rates(raw: RawSegment, t_s: Array, q_xyzw: Array, q_dot_s: Array) -> None:
     """Rates must lead from one row to the next, or their frame or sign is not what we think."""
     step_s = np.diff(t_s)[:, None]
     turned = np.diff(q_xyzw, axis=0)
@@ -251,7 +244,7 @@ def _check_rates(
         )
 
 
-def _conjugate(q_xyzw: NDArray[np.float64]) -> NDArray[np.float64]:
+def _conjugate(q_xyzw: Array) -> Array:
     return np.asarray(q_xyzw * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 

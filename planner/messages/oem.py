@@ -11,8 +11,8 @@ from datetime import datetime
 
 import numpy as np
 from lxml import etree
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.messages.kvn import Grammar, raw_kvn
@@ -67,9 +67,9 @@ class OemSegment:
     object_name: str
     frame: str
     epoch_utc: datetime
-    t_s: NDArray[np.float64]
-    r_m: NDArray[np.float64]
-    v_m_s: NDArray[np.float64]
+    t_s: Array
+    r_m: Array
+    v_m_s: Array
     useable_s: tuple[float, float]
 
 

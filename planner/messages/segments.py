@@ -5,8 +5,8 @@ from datetime import datetime
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.frames.time_scales import utc_from_tai_us
 from planner.messages.epochs import TIME_SYSTEMS, EpochReader
@@ -49,7 +49,7 @@ class TimeAxis:
     """
 
     epoch_utc: datetime
-    t_s: NDArray[np.float64]
+    t_s: Array
     useable_s: tuple[float, float]
 
 
@@ -129,7 +129,7 @@ def _tai_ns(raw: RawSegment, reader: EpochReader, line: int, text: str) -> int:
         raw.refuse(str(error), line)
 
 
-def numbers(raw: RawSegment, columns: int) -> NDArray[np.float64]:
+def numbers(raw: RawSegment, columns: int) -> Array:
     """The first `columns` numbers of every row, shape (n, columns), all finite."""
     table = np.array([_floats(row[:columns]) for row in raw.rows])
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import DAY_S, Instants
 from planner.orbits.ephemeris import Ephemeris
 from planner.orbits.paper_model import PaperEphemeris
@@ -28,9 +28,9 @@ class OrbitSigma:
     """1-sigma errors along radial, along-track and cross-track, each shape (n,), and on what
     evidence."""
 
-    radial_m: NDArray[np.float64]
-    along_m: NDArray[np.float64]
-    cross_m: NDArray[np.float64]
+    radial_m: Array
+    along_m: Array
+    cross_m: Array
     basis: str
 
 

@@ -6,8 +6,8 @@ What is left shows engines that burn, and nodes that were damaged on their way t
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits.forces import Drag, forces_at
 
@@ -29,26 +29,24 @@ class CellDefects:
     (0.06 m for nodes 240 s apart in low orbit, 43 m for 720 s).
     """
 
-    step_s: NDArray[np.float64]
-    velocity_m_s: NDArray[np.float64]
-    position_m: NDArray[np.float64]
-    remainder_m: NDArray[np.float64]
+    step_s: Array
+    velocity_m_s: Array
+    position_m: Array
+    remainder_m: Array
 
     @property
-    def thrust_m_s2(self) -> NDArray[np.float64]:
+    def thrust_m_s2(self) -> Array:
         """Mean acceleration of each cell less the modelled one, magnitude, shape (n - 1,)."""
         return np.asarray(np.linalg.norm(self.velocity_m_s, axis=1) / self.step_s)
 
     @property
-    def beyond_thrust_m(self) -> NDArray[np.float64]:
+    def beyond_thrust_m(self) -> Array:
         """What no thrust of that gain explains of the position, shape (n - 1,)."""
         position_m = np.linalg.norm(self.position_m, axis=1)
         return np.asarray(position_m - 0.5 * self.thrust_m_s2 * self.step_s**2)
 
 
-def cell_defects(
-    nodes: Instants, r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64]
-) -> CellDefects:
+def cell_defects(nodes: Instants, r_eci_m: Array, v_eci_m_s: Array) -> CellDefects:
     """r_eci_m, v_eci_m_s: shape (n, 3), n >= 2.
 
     The path within a cell is the quintic through position, velocity and modelled

@@ -11,11 +11,11 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.orbits.gravity import GM_M3_S2, RADIUS_M
 
-Vectors = NDArray[np.float64]
+Vectors = Array
 
 SEGMENT_S = 900.0
 NODES = 49  # a wave of degree 36 takes 150 s: eight nodes each
@@ -38,7 +38,7 @@ class CollocationSegment:
     position: Vectors
     velocity: Vectors
 
-    def at(self, t_s: NDArray[np.float64]) -> tuple[Vectors, Vectors]:
+    def at(self, t_s: Array) -> tuple[Vectors, Vectors]:
         """Position and velocity, shape (n, 3), at t_s, shape (n,)."""
         tau = 2.0 * (t_s - self.start_s) / (self.stop_s - self.start_s) - 1.0
         basis = chebyshev.chebvander(tau, len(self.position) - 1)
@@ -53,11 +53,11 @@ class _Scheme:
     once_at, twice_at: to those integrals at the nodes.
     """
 
-    nodes: NDArray[np.float64]
-    once: NDArray[np.float64]
-    twice: NDArray[np.float64]
-    once_at: NDArray[np.float64]
-    twice_at: NDArray[np.float64]
+    nodes: Array
+    once: Array
+    twice: Array
+    once_at: Array
+    twice_at: Array
 
 
 @cache
@@ -76,14 +76,14 @@ def _scheme() -> _Scheme:
     )
 
 
-def node_times_s(start_s: float, stop_s: float) -> NDArray[np.float64]:
+def node_times_s(start_s: float, stop_s: float) -> Array:
     """Where `propagate_segment` asks for accelerations."""
     return start_s + 0.5 * (stop_s - start_s) * (_scheme().nodes + 1.0)
 
 
 def propagate_segment(
-    r_m: NDArray[np.float64],
-    v_m_s: NDArray[np.float64],
+    r_m: Array,
+    v_m_s: Array,
     start_s: float,
     stop_s: float,
     acceleration: Callable[[Vectors, Vectors], Vectors],
@@ -121,11 +121,7 @@ def propagate_segment(
 
 
 def _segment(
-    r_m: NDArray[np.float64],
-    v_m_s: NDArray[np.float64],
-    start_s: float,
-    stop_s: float,
-    acceleration_m_s2: Vectors,
+    r_m: Array, v_m_s: Array, start_s: float, stop_s: float, acceleration_m_s2: Vectors
 ) -> CollocationSegment:
     scheme = _scheme()
     half_s = 0.5 * (stop_s - start_s)

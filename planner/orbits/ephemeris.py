@@ -5,8 +5,8 @@ from datetime import datetime
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 
@@ -18,8 +18,8 @@ _EDGE_S = 1e-6  # the resolution of a datetime
 class OrbitStates:
     """r_sat_eci_m, v_sat_eci_m_s: shape (n, 3), geocentric, GCRF axes."""
 
-    r_sat_eci_m: NDArray[np.float64]
-    v_sat_eci_m_s: NDArray[np.float64]
+    r_sat_eci_m: Array
+    v_sat_eci_m_s: Array
 
 
 class Ephemeris(Protocol):
@@ -38,7 +38,7 @@ class Ephemeris(Protocol):
         """Raises OutsideCoverage for instants outside the span it was made for."""
         ...
 
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+    def age_s(self, instants: Instants) -> Array:
         """Time since (or until) the data the orbit rests on, shape (n,), never negative."""
         ...
 

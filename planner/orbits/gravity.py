@@ -8,6 +8,8 @@ from math import factorial, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
+
 DEGREE = 36
 GM_M3_S2 = 3.986004415e14  # EIGEN-6S (planner/orbits/data/eigen6s_n36.csv)
 RADIUS_M = 6378136.46  # EIGEN-6S, the radius its coefficients are scaled with
@@ -26,10 +28,10 @@ class GravityField:
     lower_xy: NDArray[np.complex128]
     upper_xy: NDArray[np.complex128]
     z: NDArray[np.complex128]
-    up: NDArray[np.float64]
-    back: NDArray[np.float64]
+    up: Array
+    back: Array
 
-    def acceleration_itrf_m_s2(self, r_itrf_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    def acceleration_itrf_m_s2(self, r_itrf_m: Array) -> Array:
         """Attraction (no centrifugal part) in ITRF axes, shape (n, 3), outside the Earth.
 
         Leaves out tides and the terms above degree 36: about 1e-5 m/s^2 at 400 km, but with

@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage, OutsideCoverage
 from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
@@ -94,9 +94,9 @@ class Arc:
 
     epoch_utc: datetime
     stop_utc: datetime
-    node_s: NDArray[np.float64]
-    r_eci_m: NDArray[np.float64]
-    v_eci_m_s: NDArray[np.float64]
+    node_s: Array
+    r_eci_m: Array
+    v_eci_m_s: Array
     nodes: int
     warnings: tuple[str, ...]
 
@@ -127,7 +127,7 @@ class OemEphemeris:
                 todo &= ~here
         return OrbitStates(r_m, v_m_s)
 
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+    def age_s(self, instants: Instants) -> Array:
         """Time since the message was made, shape (n,); zero before."""
         return np.maximum(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s, 0.0)
 
@@ -169,16 +169,14 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
     return arcs
 
 
-def _middles(node_s: NDArray[np.float64], start_s: float, stop_s: float) -> NDArray[np.float64]:
+def _middles(node_s: Array, start_s: float, stop_s: float) -> Array:
     """Middles of the cells between start and stop, at least one."""
     first = min(int(np.searchsorted(node_s, start_s, side="right")) - 1, len(node_s) - 2)
     last = max(int(np.searchsorted(node_s, stop_s)), first + 1)
     return 0.5 * (node_s[first:last] + node_s[first + 1 : last + 1])
 
 
-def _odd_warning(
-    segment: OemSegment, node_s: NDArray[np.float64], defects: CellDefects
-) -> tuple[str, ...]:
+def _odd_warning(segment: OemSegment, node_s: Array, defects: CellDefects) -> tuple[str, ...]:
     """What to say of nodes that contradict each other; InvalidMessage where it is too much."""
 
     def at(node: int) -> datetime:
@@ -211,11 +209,7 @@ def _odd_warning(
 
 
 def _warnings(
-    segment: OemSegment,
-    middle_s: NDArray[np.float64],
-    error_m: NDArray[np.float64],
-    gap_s: float,
-    thrust_m_s2: float,
+    segment: OemSegment, middle_s: Array, error_m: Array, gap_s: float, thrust_m_s2: float
 ) -> tuple[str, ...]:
     """What to say of the room between nodes; OutsideCoverage where they are too far apart."""
     worst = int(np.argmax(error_m))
@@ -234,7 +228,7 @@ def _warnings(
     return (said,) if error_m[worst] > WARN_ERROR_M else ()
 
 
-def _eci(segment: OemSegment, near: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _eci(segment: OemSegment, near: slice) -> tuple[Array, Array]:
     """Some nodes' positions and velocities in ECI, shape (n, 3)."""
     r_m, v_m_s = segment.r_m[near], segment.v_m_s[near]
     at_nodes = Instants(segment.epoch_utc, segment.t_s[near])

@@ -6,8 +6,8 @@ from datetime import datetime
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import (
     OMEGA_EARTH_RAD_S,
     eci_from_itrf_state,
@@ -37,9 +37,9 @@ class PaperEphemeris:
     start_utc: datetime
     stop_utc: datetime
     warnings: tuple[str, ...]
-    t_s: NDArray[np.float64]
-    r_eci_m: NDArray[np.float64]
-    v_eci_m_s: NDArray[np.float64]
+    t_s: Array
+    r_eci_m: Array
+    v_eci_m_s: Array
     kind: Kind = "state"
 
     def states(self, instants: Instants) -> OrbitStates:
@@ -48,15 +48,15 @@ class PaperEphemeris:
         t_s = elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
         return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
 
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+    def age_s(self, instants: Instants) -> Array:
         """Time from the state's epoch, either way, shape (n,)."""
         return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
 
 def paper_ephemeris(
     epoch_utc: datetime,
-    r_eci_m: NDArray[np.float64],
-    v_eci_m_s: NDArray[np.float64],
+    r_eci_m: Array,
+    v_eci_m_s: Array,
     start_utc: datetime,
     stop_utc: datetime,
     warnings: tuple[str, ...],
@@ -96,7 +96,7 @@ def paper_ephemeris(
     )
 
 
-def predict(start: State, span_s: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def predict(start: State, span_s: float) -> tuple[Array, Array]:
     """Times (k,) from 0 to span_s (either sign) and states (k, 6) in m and m/s at them.
 
     start: in axes that don't rotate and whose z is the Earth's axis.  The last step is the
@@ -104,7 +104,7 @@ def predict(start: State, span_s: float) -> tuple[NDArray[np.float64], NDArray[n
     harmonics are left out.  Source: Sumarokov 2016, eq. 3-7 (5 as meant, with its X_n +).
     """
     whole = math.floor(abs(span_s) / STEP_S)
-    t_s: NDArray[np.float64] = np.arange(whole + 1, dtype=np.float64) * STEP_S
+    t_s: Array = np.arange(whole + 1, dtype=np.float64) * STEP_S
     if abs(span_s) > t_s[-1]:
         t_s = np.append(t_s, abs(span_s))
     t_s *= math.copysign(1.0, span_s)
@@ -119,12 +119,12 @@ def predict(start: State, span_s: float) -> tuple[NDArray[np.float64], NDArray[n
 
 
 @lru_cache(maxsize=KEPT)
-def _cached_steps(start: State, step_s: float) -> NDArray[np.float64]:
+def _cached_steps(start: State, step_s: float) -> Array:
     """Kept, since one plan asks for several spans: three days of steps take seconds."""
     return _steps(start, [step_s] * KEPT_STEPS)
 
 
-def _steps(start: State, steps_s: list[float]) -> NDArray[np.float64]:
+def _steps(start: State, steps_s: list[float]) -> Array:
     """The states after each of the steps, shape (k, 6)."""
     states = [start]
     for step_s in steps_s:
@@ -170,9 +170,7 @@ def _derivative(s: State) -> State:
     return s[3], s[4], s[5], across * x, across * y, along * z
 
 
-def _turn_about_z(
-    vectors: NDArray[np.float64], c: NDArray[np.float64], s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _turn_about_z(vectors: Array, c: Array, s: Array) -> Array:
     """Components in axes turned about z by the angles of cosine c and sine s."""
     x, y, z = vectors.T
     return np.stack([c * x + s * y, c * y - s * x, z], axis=1)

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
@@ -161,7 +161,7 @@ class PropagatedEphemeris:
             r_m[here], v_m_s[here] = self.segments[k].at(t_s[here])
         return OrbitStates(r_m, v_m_s)
 
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+    def age_s(self, instants: Instants) -> Array:
         """Time from the state's epoch, either way, shape (n,)."""
         return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
@@ -203,7 +203,7 @@ def _error_m(orbit: StateVectorOrbit, age_s: float) -> float:
     return float(1.5 * 3e-7 * age_s**2)
 
 
-def _state_eci(orbit: StateVectorOrbit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _state_eci(orbit: StateVectorOrbit) -> tuple[Array, Array]:
     """Position and velocity at the epoch, shape (3,), ECI."""
     r_m = np.array(orbit.position_km) * 1e3
     v_m_s = np.array(orbit.velocity_km_s) * 1e3

@@ -7,9 +7,9 @@ from datetime import UTC, datetime, timedelta
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
 from planner.frames.time_scales import (
@@ -122,7 +122,7 @@ class TleEphemeris:
             np.einsum("nij,nj->ni", c_eci_from_teme, v_teme_km_s) * 1e3,
         )
 
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+    def age_s(self, instants: Instants) -> Array:
         """Time from the elements' epoch, either way, shape (n,)."""
         return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 

@@ -4,9 +4,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.spec import UnitPart, spec
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
@@ -103,7 +103,7 @@ class TwoAxisPlatform:
         return (self.outer_limits, self.inner_limits)
 
     @property
-    def axes_platform(self) -> NDArray[np.float64]:
+    def axes_platform(self) -> Array:
         """Unit vectors of the axes, shape (2, 3), in the order of `axis_names`."""
         axes = np.array([self.outer_axis_platform, self.inner_axis_platform])
         return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))

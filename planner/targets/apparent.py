@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 
@@ -21,9 +21,9 @@ class ApparentDirection:
     seen; negative where it can't.
     """
 
-    direction_eci: NDArray[np.float64]
-    range_m: NDArray[np.float64]
-    clearance_rad: NDArray[np.float64]
+    direction_eci: Array
+    range_m: Array
+    clearance_rad: Array
 
 
 class VisibleTarget(Protocol):
@@ -38,9 +38,7 @@ class VisibleTarget(Protocol):
         ...
 
 
-def aberrate(
-    direction: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def aberrate(direction: Array, v_observer_m_s: Array) -> Array:
     """Direction in which a moving observer sees light that comes from `direction`.
 
     Both (n, 3) in the same inertial axes; unit vectors in and out.

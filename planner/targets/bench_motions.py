@@ -9,8 +9,8 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.spec import Within, spec
 from planner.targets.smooth_step import ramp, step
 
@@ -32,7 +32,7 @@ class ConstantRate:
     def shortest_period_s(self) -> float:
         return math.inf
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         rate = np.full_like(t_s, self.rate_deg_s)
         return np.stack([self.angle_deg + rate * t_s, rate, np.zeros_like(t_s)])
 
@@ -50,7 +50,7 @@ class Sine:
     def shortest_period_s(self) -> float:
         return 1.0 / self.frequency_hz
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         omega = 2.0 * math.pi * self.frequency_hz
         phase = omega * t_s + math.radians(self.phase_deg)
         motion = self.amplitude_deg * _sine(phase, omega, np.zeros_like(t_s))
@@ -80,7 +80,7 @@ class Chirp:
     def shortest_period_s(self) -> float:
         return 1.0 / max(self.start_frequency_hz, self.stop_frequency_hz)
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         """Before t = 0 at the start frequency; the acceleration steps where the sweep ends."""
         turns, frequency, sweeping = self._swept(np.clip(t_s, 0.0, self.sweep_s))
         still = t_s - np.clip(t_s, 0.0, self.sweep_s)
@@ -92,9 +92,7 @@ class Chirp:
         motion[0] += self.angle_deg
         return motion
 
-    def _swept(
-        self, t_s: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def _swept(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Turns since t = 0, frequency (Hz) and its rate (Hz/s) within the sweep."""
         if self.sweep == "linear":
             slope = (self.stop_frequency_hz - self.start_frequency_hz) / self.sweep_s
@@ -124,7 +122,7 @@ class Step:
     def shortest_period_s(self) -> float:
         return self.rise_s
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         risen = step((t_s - self.at_s) / self.rise_s)
         motion = self.step_deg * risen / np.array([[1.0], [self.rise_s], [self.rise_s**2]])
         motion[0] += self.angle_deg
@@ -156,7 +154,7 @@ class Triangle:
     def shortest_period_s(self) -> float:
         return self.turn_s
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         rate = 4.0 * self.amplitude_deg / self.period_s
         half_s = self.period_s / 2.0
         tip = np.round((t_s - half_s / 2.0) / half_s)
@@ -164,7 +162,7 @@ class Triangle:
         since_tip_s = t_s - half_s / 2.0 - tip * half_s
         turned, slope, _ = step(since_tip_s / self.turn_s + 0.5)
         falling = since_tip_s - 2.0 * ramp(since_tip_s, self.turn_s)
-        moved: NDArray[np.float64] = np.stack(
+        moved: Array = np.stack(
             [
                 self.angle_deg + side * (self.amplitude_deg + rate * falling),
                 side * rate * (1.0 - 2.0 * turned),
@@ -202,7 +200,7 @@ class Multisine:
     def shortest_period_s(self) -> float:
         return 1.0 / max(self.frequencies_hz)
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         motion = np.zeros((3, len(t_s)))
         motion[0] = self.angle_deg
         count = len(self.frequencies_hz)
@@ -219,11 +217,7 @@ class Multisine:
         return motion
 
 
-def _sine(
-    phase: NDArray[np.float64],
-    phase_rate_s: NDArray[np.float64] | float,
-    phase_acceleration_s2: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _sine(phase: Array, phase_rate_s: Array | float, phase_acceleration_s2: Array) -> Array:
     """A sine and its first two derivatives by time, shape (3, n)."""
     sin, cos = np.sin(phase), np.cos(phase)
     return np.stack([sin, phase_rate_s * cos, phase_acceleration_s2 * cos - phase_rate_s**2 * sin])

@@ -2,8 +2,8 @@
 
 import erfa
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.solar_system import r_body_bary_m
 from planner.frames.time_scales import Instants
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S
@@ -22,13 +22,13 @@ _EARTH_LIMITER = 0.5  # of 1 rad: the limb stands 70 deg from nadir, so nothing 
 
 
 def deflect(
-    direction: NDArray[np.float64],
-    range_m: NDArray[np.float64],
+    direction: Array,
+    range_m: Array,
     instants: Instants,
-    r_observer_bary_m: NDArray[np.float64],
-    r_sat_eci_m: NDArray[np.float64],
+    r_observer_bary_m: Array,
+    r_sat_eci_m: Array,
     source: str | None,
-) -> NDArray[np.float64]:
+) -> Array:
     """Directions in which the light arrives, unit vectors (n, 3) in and out, GCRF axes.
 
     range_m: infinite for a star.  source: the body looked at, which doesn't bend its own
@@ -48,12 +48,8 @@ def deflect(
 
 
 def _bent(
-    direction: NDArray[np.float64],
-    range_m: NDArray[np.float64],
-    r_from_body_m: NDArray[np.float64],
-    solar_masses: float,
-    limiter: float,
-) -> NDArray[np.float64]:
+    direction: Array, range_m: Array, r_from_body_m: Array, solar_masses: float, limiter: float
+) -> Array:
     distance_m = np.linalg.norm(r_from_body_m, axis=1)
     source_from_body = direction + r_from_body_m / range_m[:, None]
     source_from_body /= np.linalg.norm(source_from_body, axis=1, keepdims=True)

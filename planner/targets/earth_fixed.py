@@ -4,8 +4,8 @@ import math
 from abc import ABC, abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
@@ -29,7 +29,7 @@ class EarthFixedTarget(SessionTarget, ABC):
     refraction: Refraction
 
     @abstractmethod
-    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+    def r_target_itrf_m(self, instants: Instants) -> Array:
         """Position at the n instants, shape (n, 3)."""
 
     def apparent(self, instants: Instants, states: OrbitStates) -> ApparentDirection:
@@ -86,7 +86,5 @@ def require_ground_ranges(target: EarthFixedTarget) -> None:
         )
 
 
-def _eci(
-    c_itrf_from_eci_: NDArray[np.float64], vector_itrf: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _eci(c_itrf_from_eci_: Array, vector_itrf: Array) -> Array:
     return np.asarray(np.einsum("nji,nj->ni", c_itrf_from_eci_, vector_itrf))

@@ -4,8 +4,8 @@ import math
 from abc import ABC, abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants
@@ -34,9 +34,7 @@ class SkyTarget(SessionTarget, ABC):
     refraction: Refraction
 
     @abstractmethod
-    def seen_from(
-        self, instants: Instants, r_observer_bary_m: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Astrometric directions, unit vectors (n, 3), and range, (n,), infinite for a star.
 
         r_observer_bary_m: the observer from the solar system's barycentre, (n, 3), GCRF axes.

@@ -7,9 +7,9 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit, figures
 from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
@@ -33,9 +33,9 @@ _UNITS = {"angle": "deg", "rate": "deg/s", "acceleration": "deg/s2", "jerk": "de
 class AxisMotion:
     """Angle, rate and acceleration of m axes at n instants, each of shape (n, m)."""
 
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
-    acceleration_rad_s2: NDArray[np.float64]
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
 
 
 @spec
@@ -56,7 +56,7 @@ class BenchMotionTarget(TimedTarget):
         if not self.axes:
             raise ValueError("axes must name a motion for each axis of the platform")
 
-    def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
+    def axis_motion(self, axis_names: tuple[str, ...], t_s: Array) -> AxisMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
         if set(self.axes) != set(axis_names):
             raise InvalidInput(
@@ -116,10 +116,10 @@ class _AxisMotion:
 
     axis: str
     start_utc: datetime
-    t_s: NDArray[np.float64]
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
-    acceleration_rad_s2: NDArray[np.float64]
+    t_s: Array
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
 
     def require_within(self, limits: AxisLimits) -> None:
         jerk_rad_s3 = np.diff(self.acceleration_rad_s2) / (self.t_s[1] - self.t_s[0])

@@ -5,8 +5,8 @@ vectors and matrices.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
@@ -19,9 +19,7 @@ from planner.verification.clock import elapsed_us
 DERIVED_LAWS = (LvlhAttitude, InertialAttitude)  # any other law's rotations are taken as given
 
 
-def boresight_platform(
-    platform: TwoAxisPlatform, angle_rad: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     """Unit vectors, shape (n, 3), for angles of shape (n, 2), outer axis first.
 
     Source: Sumarokov 2016, eq. 11, by Rodrigues' formula: the inner axis turns first, carried
@@ -37,12 +35,12 @@ def boresight_platform(
 
 
 def eci_from_platform(
-    vector_platform: NDArray[np.float64],
+    vector_platform: Array,
     platform: TwoAxisPlatform,
     attitude: AttitudeLaw,
     instants: Instants,
     states: OrbitStates,
-) -> NDArray[np.float64]:
+) -> Array:
     """Vectors fixed to the platform, shape (n, 3), in ECI at the n instants."""
     c_platform_from_body = _matrix(platform.q_platform_from_body_xyzw)
     vector_body = vector_platform @ c_platform_from_body  # rows times C: C transposed, applied
@@ -54,19 +52,14 @@ def eci_from_platform(
 
 
 def payload_eci(
-    scenario: Scenario,
-    angle_rad: NDArray[np.float64],
-    instants: Instants,
-    states: OrbitStates,
-) -> NDArray[np.float64]:
+    scenario: Scenario, angle_rad: Array, instants: Instants, states: OrbitStates
+) -> Array:
     """Where the payload points, unit vectors, shape (n, 3), for angles of shape (n, 2)."""
     boresight = boresight_platform(scenario.platform, angle_rad)
     return eci_from_platform(boresight, scenario.platform, scenario.attitude, instants, states)
 
 
-def turn(
-    vectors: NDArray[np.float64], axis: NDArray[np.float64], angle_rad: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def turn(vectors: Array, axis: Array, angle_rad: Array) -> Array:
     """Vectors, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
     unit = axis / np.linalg.norm(axis)
     cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
@@ -74,7 +67,7 @@ def turn(
     return np.asarray(along + cos * (vectors - along) + sin * np.cross(unit, vectors))
 
 
-def _eci_from_lvlh(vector_lvlh: NDArray[np.float64], states: OrbitStates) -> NDArray[np.float64]:
+def _eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
     """+Z to the Earth's centre, +Y against the orbit normal, +X completing (near the velocity)."""
     r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
     down = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
@@ -85,7 +78,7 @@ def _eci_from_lvlh(vector_lvlh: NDArray[np.float64], states: OrbitStates) -> NDA
     return np.asarray(x * forward + y * right + z * down)
 
 
-def _c_body_from_lvlh(attitude: LvlhAttitude) -> NDArray[np.float64]:
+def _c_body_from_lvlh(attitude: LvlhAttitude) -> Array:
     """Yaw, pitch, roll in that order (3-2-1).  Source: Wertz 1978, table E-1."""
     yaw, pitch, roll = np.deg2rad([attitude.yaw_deg, attitude.pitch_deg, attitude.roll_deg])
     cy, sy, cp, sp, cr, sr = (f(a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
@@ -98,9 +91,7 @@ def _c_body_from_lvlh(attitude: LvlhAttitude) -> NDArray[np.float64]:
     )
 
 
-def _eci_from_spinning(
-    vector_body: NDArray[np.float64], attitude: InertialAttitude, instants: Instants
-) -> NDArray[np.float64]:
+def _eci_from_spinning(vector_body: Array, attitude: InertialAttitude, instants: Instants) -> Array:
     """The body turns about an axis fixed both in itself and in inertial space."""
     rate_rad_s = np.deg2rad(attitude.omega_body_deg_s)
     speed_rad_s = float(np.linalg.norm(rate_rad_s))
@@ -110,7 +101,7 @@ def _eci_from_spinning(
     return np.asarray(vector_body @ _matrix(attitude.q_body_from_eci_xyzw))
 
 
-def _matrix(q_xyzw: tuple[float, float, float, float]) -> NDArray[np.float64]:
+def _matrix(q_xyzw: tuple[float, float, float, float]) -> Array:
     """The rotation v -> q v q* as a matrix; q needs no unit length."""
     x, y, z, w = np.asarray(q_xyzw) / np.linalg.norm(q_xyzw)
     return np.array(

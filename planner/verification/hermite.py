@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 
 
@@ -25,11 +26,11 @@ class AxisHermite:
     is angle + rate u + half_acceleration u^2 + sixth_jerk u^3.
     """
 
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
+    angle_rad: Array
+    rate_rad_s: Array
 
     @cached_property
-    def half_acceleration(self) -> NDArray[np.float64]:
+    def half_acceleration(self) -> Array:
         """Shape (n - 1,), rad/s2."""
         step = np.diff(self.angle_rad) / COMMAND_STEP_S
         return np.asarray(
@@ -37,7 +38,7 @@ class AxisHermite:
         )
 
     @cached_property
-    def sixth_jerk(self) -> NDArray[np.float64]:
+    def sixth_jerk(self) -> Array:
         """Shape (n - 1,), rad/s3."""
         step = np.diff(self.angle_rad) / COMMAND_STEP_S
         return np.asarray(
@@ -45,31 +46,27 @@ class AxisHermite:
         )
 
     @property
-    def acceleration_after_row(self) -> NDArray[np.float64]:
+    def acceleration_after_row(self) -> Array:
         """Shape (n - 1,): where each cell begins."""
         return 2.0 * self.half_acceleration
 
     @property
-    def acceleration_before_row(self) -> NDArray[np.float64]:
+    def acceleration_before_row(self) -> Array:
         """Shape (n - 1,): where each cell ends."""
         return 2.0 * self.half_acceleration + 6.0 * self.sixth_jerk * COMMAND_STEP_S
 
-    def angle_at(
-        self, cell: NDArray[np.intp] | slice, u_s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def angle_at(self, cell: NDArray[np.intp] | slice, u_s: Array) -> Array:
         """Angle u_s after the row the cell begins with; shapes broadcast."""
         a, r = self.angle_rad[:-1][cell], self.rate_rad_s[:-1][cell]
         h, j = self.half_acceleration[cell], self.sixth_jerk[cell]
         return np.asarray(a + u_s * (r + u_s * (h + u_s * j)))
 
-    def rate_at(
-        self, cell: NDArray[np.intp] | slice, u_s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def rate_at(self, cell: NDArray[np.intp] | slice, u_s: Array) -> Array:
         """As `angle_at`, rad/s."""
         h, j = self.half_acceleration[cell], self.sixth_jerk[cell]
         return np.asarray(self.rate_rad_s[:-1][cell] + u_s * (2.0 * h + u_s * 3.0 * j))
 
-    def crossings_s(self, rate_rad_s: float) -> NDArray[np.float64]:
+    def crossings_s(self, rate_rad_s: float) -> Array:
         """When in its cell the rate passes a value, shape (2, n - 1); NaN where it doesn't."""
         return _quadratic_roots(
             3.0 * self.sixth_jerk, 2.0 * self.half_acceleration, self.rate_rad_s[:-1] - rate_rad_s
@@ -115,7 +112,7 @@ class AxisHermite:
         return _greatest_magnitude(self._extremes([jumps], [np.zeros_like(jumps)]))
 
     def _extremes(
-        self, values: list[NDArray[np.float64]], u_s: list[NDArray[np.float64]]
+        self, values: list[Array], u_s: list[Array]
     ) -> tuple[HermiteExtreme, HermiteExtreme]:
         stacked, into_cell_s = np.stack(values), np.stack(u_s)
         found = []
@@ -130,14 +127,12 @@ def _greatest_magnitude(extremes: tuple[HermiteExtreme, HermiteExtreme]) -> Herm
     return max(extremes, key=lambda extreme: abs(extreme.value))
 
 
-def _inside(u_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inside(u_s: Array) -> Array:
     """Clipped into the cell, so that whatever comes of rounding lies on the curve; NaN to 0."""
     return np.clip(np.nan_to_num(u_s, nan=0.0), 0.0, COMMAND_STEP_S)
 
 
-def _quadratic_roots(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _quadratic_roots(a: Array, b: Array, c: Array) -> Array:
     """Real roots of a u^2 + b u + c, shape (2, n), NaN or infinite where there is none.
 
     Source: Press 2007, Numerical Recipes, eq. 5.6.4 (no cancellation between b and the root).

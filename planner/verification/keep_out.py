@@ -7,6 +7,7 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import Ephemeris, OrbitStates
@@ -90,8 +91,8 @@ def _away_rad(
     ephemeris: Ephemeris,
     cone: KeepOut,
     cell: NDArray[np.intp],
-    u_s: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    u_s: Array,
+) -> Array:
     """From boresight to the cone's axis, u_s after the rows; infinite where it doesn't count."""
     parts = [
         _part_rad(
@@ -113,8 +114,8 @@ def _part_rad(
     ephemeris: Ephemeris,
     cone: KeepOut,
     cell: NDArray[np.intp],
-    u_s: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    u_s: Array,
+) -> Array:
     at_last = cell == len(table.angle_rad) - 1
     begun = np.where(at_last, cell - 1, cell)
     into_s = np.where(at_last, COMMAND_STEP_S, u_s)
@@ -137,7 +138,7 @@ def _part_rad(
 
 def _axis_eci(
     cone: KeepOut, instants: Instants, states: OrbitStates
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+) -> tuple[Array, NDArray[np.bool_]]:
     """Of a cone not fixed to the platform: vectors (n, 3), and whether it counts (n,)."""
     always = np.ones(len(instants.t_s), dtype=bool)
     if cone.body is not None:

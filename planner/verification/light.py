@@ -1,7 +1,8 @@
 """Light on its way to a moving observer: bending at the Sun, aberration."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
 
@@ -9,9 +10,7 @@ _SUN_SCHWARZSCHILD_M = 2953.25  # 2 GM/c^2 with GM = 1.32712440041e20 m3/s2, DE4
 _BEHIND_THE_SUN = 6e-6  # 1 + cos of the angle at the Sun; SOFA's value for it, 0.2 deg off centre
 
 
-def aberrate(
-    towards_source: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def aberrate(towards_source: Array, v_observer_m_s: Array) -> Array:
     """Direction to the source in the rest frame of a moving observer, unit vectors (n, 3).
 
     The photon's four-momentum is boosted: its energy and momentum along and across the motion.
@@ -26,11 +25,7 @@ def aberrate(
     return np.asarray(-boosted / np.sqrt(np.sum(boosted * boosted, axis=1, keepdims=True)))
 
 
-def bend_by_sun(
-    towards_source: NDArray[np.float64],
-    range_m: NDArray[np.float64],
-    r_observer_sun_m: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def bend_by_sun(towards_source: Array, range_m: Array, r_observer_sun_m: Array) -> Array:
     """Direction in which light from a source beside the Sun arrives, unit vectors (n, 3).
 
     range_m: (n,), infinite for a star.  r_observer_sun_m: the observer from the Sun's centre.

@@ -2,14 +2,12 @@
 
 import erfa
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.verification.earth_fixed import WGS84, WGS84_A_M, WGS84_A_OVER_B
 
 
-def limb_clearance_rad(
-    sight_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64], raised_m: float
-) -> NDArray[np.float64]:
+def limb_clearance_rad(sight_itrf: Array, r_sat_itrf_m: Array, raised_m: float) -> Array:
     """From the raised ellipsoid's limb to the line of sight, away from nadir, shape (n,).
 
     sight_itrf: unit vectors (n, 3).  The ellipsoid has both semi-axes longer by raised_m;
@@ -35,9 +33,7 @@ def limb_clearance_rad(
     return np.asarray(from_nadir_rad - limb_rad)
 
 
-def lowest_point(
-    sight_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def lowest_point(sight_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array, Array]:
     """Of straight lines: height above the ellipsoid, way to it (n,), and the vertical there (n, 3).
 
     The way is negative where the line only climbs.  Within 1 m below 200 km.
@@ -50,14 +46,12 @@ def lowest_point(
     return height_m, way_m, up_itrf
 
 
-def _geodetic(r_itrf_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _geodetic(r_itrf_m: Array) -> tuple[Array, Array]:
     longitude_rad, latitude_rad, height_m = erfa.gc2gd(WGS84, r_itrf_m)
     return np.asarray(erfa.s2c(longitude_rad, latitude_rad)), np.asarray(height_m)
 
 
-def _nadir_angle(
-    sight: NDArray[np.float64], down: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _nadir_angle(sight: Array, down: Array) -> tuple[Array, Array]:
     """Angle from nadir (n,) and the unit vector (n, 3) across nadir on the sight's side."""
     along = np.sum(sight * down, axis=1)
     aside = sight - along[:, None] * down
@@ -68,5 +62,5 @@ def _nadir_angle(
     return np.arctan2(size[:, 0], along), across
 
 
-def _length(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+def _length(vector: Array) -> Array:
     return np.asarray(np.sqrt(np.sum(vector * vector, axis=1, keepdims=True)))

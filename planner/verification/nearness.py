@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import utc_text
 from planner.scenario import Scenario
 from planner.verification.report import Finding, OffTarget, SessionReport
@@ -22,9 +22,7 @@ def allowed_rad(scenario: Scenario, number: int) -> float:
     return EXACT_RAD
 
 
-def off_target(
-    flown: TableSession, error_rad: NDArray[np.float64], exact_rad: NDArray[np.float64]
-) -> tuple[OffTarget, ...]:
+def off_target(flown: TableSession, error_rad: Array, exact_rad: Array) -> tuple[OffTarget, ...]:
     """Where the error (n,) is larger than an exact track's (n,), good to the judged instants."""
     beyond = np.concatenate([[False], error_rad > exact_rad, [False]])
     edges = np.flatnonzero(np.diff(beyond)).reshape(-1, 2)

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import CommandTable
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
@@ -32,8 +32,8 @@ ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
 class _Held:
     """boresight_eci: unit vectors, shape (n, 3).  error_rad: off the apparent target, (n,)."""
 
-    boresight_eci: NDArray[np.float64]
-    error_rad: NDArray[np.float64]
+    boresight_eci: Array
+    error_rad: Array
 
 
 def ground_session(
@@ -111,9 +111,7 @@ def sky_session(
     )
 
 
-def _apart_rad(
-    apparent_eci: NDArray[np.float64], boresight_eci: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _apart_rad(apparent_eci: Array, boresight_eci: Array) -> Array:
     across = np.linalg.norm(np.cross(apparent_eci, boresight_eci), axis=1)
     return np.asarray(np.arctan2(across, np.sum(apparent_eci * boresight_eci, axis=1)))
 
@@ -177,8 +175,8 @@ def _ground_findings(
 def _sky_findings(
     flown: TableSession,
     sight: SkyDirection,
-    error_rad: NDArray[np.float64],
-    allowed_rad: NDArray[np.float64],
+    error_rad: Array,
+    allowed_rad: Array,
     target: SkyTarget,
 ) -> Iterator[Finding]:
     worst = int(np.argmax(error_rad - allowed_rad))

@@ -6,6 +6,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.scenario import Scenario
@@ -31,8 +32,8 @@ class TableSession:
     number: int
     epoch_utc: datetime
     rows: range
-    t_s: NDArray[np.float64]
-    angle_rad: NDArray[np.float64]
+    t_s: Array
+    angle_rad: Array
 
     @property
     def is_row(self) -> NDArray[np.bool_]:
@@ -68,7 +69,7 @@ def session_report(
     table: CommandTable,
     scenario: Scenario,
     flown: TableSession,
-    error_rad: NDArray[np.float64],
+    error_rad: Array,
     view: EarthFixedView | SkyView | None,
     *,
     allowed_rad: float,
@@ -98,9 +99,7 @@ def session_report(
     )
 
 
-def _error_over(
-    flown: TableSession, error_rad: NDArray[np.float64], chosen: NDArray[np.bool_]
-) -> PointingError:
+def _error_over(flown: TableSession, error_rad: Array, chosen: NDArray[np.bool_]) -> PointingError:
     indices = np.flatnonzero(chosen)
     worst = int(indices[np.argmax(error_rad[indices])])
     return PointingError(

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.targets import BodyTarget, SkyTarget, StarTarget
@@ -44,10 +44,10 @@ class SkyDirection:
     bending_rad: (n,), how far the air lifts the target; 0 when refraction isn't asked for.
     """
 
-    apparent_eci: NDArray[np.float64]
-    range_m: NDArray[np.float64]
-    clearance_rad: NDArray[np.float64]
-    bending_rad: NDArray[np.float64]
+    apparent_eci: Array
+    range_m: Array
+    clearance_rad: Array
+    bending_rad: Array
 
 
 def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> SkyDirection:
@@ -81,11 +81,8 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
 
 
 def _astrometric(
-    target: SkyTarget,
-    instants: Instants,
-    at_s: NDArray[np.float64],
-    r_observer_m: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    target: SkyTarget, instants: Instants, at_s: Array, r_observer_m: Array
+) -> tuple[Array, Array]:
     """Unit vectors (n, 3) towards where the light came from, and how far it came, (n,)."""
     if isinstance(target, StarTarget):
         return towards_star(target, at_s, r_observer_m), np.full(len(at_s), np.inf)
@@ -100,9 +97,7 @@ def _astrometric(
     return to_body_m / range_m[:, None], range_m
 
 
-def _through_air(
-    sight_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _through_air(sight_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array]:
     """The direction (n, 3) in which the bent ray arrives, and its bending (n,).
 
     The air lifts the source along the vertical of the point where the line is lowest, as it
