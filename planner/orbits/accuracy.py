@@ -59,10 +59,10 @@ def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
     paper = isinstance(ephemeris, PaperEphemeris)
     model_m = 56.0 * (age_s / 900.0) ** 1.3 if paper else 0.2 * (age_s / 900.0) ** 2
     # A radial or forward velocity error drifts three times as far along the track.
-    drifted_m = 0.01 * age_s
+    drift_m = 0.01 * age_s
     return OrbitSigma(
         radial_m=np.hypot(10.0, 0.3 * model_m),
-        along_m=np.sqrt(10.0**2 + (3.0 * drifted_m) ** 2 + model_m**2),
+        along_m=np.sqrt(10.0**2 + (3.0 * drift_m) ** 2 + model_m**2),
         cross_m=np.hypot(10.0, 0.3 * model_m),
         basis=ASSUMED_STATE,
     )

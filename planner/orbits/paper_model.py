@@ -14,43 +14,34 @@ from planner.frames.earth_orientation import (
     itrf_from_eci_state,
 )
 from planner.frames.time_scales import Instants, elapsed_s
-from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.ephemeris import Ephemeris, OrbitStates
 from planner.orbits.hermite import hermite
 
 State = tuple[float, float, float, float, float, float]
 
 STEP_S = 1.0
-KEPT_STEPS, KEPT = 900, 600  # three days either way, 26 MB
+CACHE_STEPS, CACHE_SIZE = 900, 600  # three days either way, 26 MB
 _MU = 398600.4418e9  # m^3/s^2: Sumarokov 2016, eq. 6
 _P1 = -66063.46e6  # m^2, -1.5 J2 Re^2: Sumarokov 2016, eq. 6
 _P2 = 1.6752e21  # m^4, -(5/8) J4 Re^4; the paper prints 2.5023e9 km^4, 49 % too large
 
 
-@dataclass(frozen=True, eq=False)
-class PaperEphemeris:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PaperEphemeris(Ephemeris):
     """The paper's prediction, a state a second.
 
     t_s: shape (k,), increasing, from epoch_utc.  r_eci_m, v_eci_m_s: shape (k, 3).
     """
 
-    epoch_utc: datetime
-    start_utc: datetime
-    stop_utc: datetime
-    warnings: tuple[str, ...]
+    kind = "state"
     t_s: Array
     r_eci_m: Array
     v_eci_m_s: Array
-    kind: Kind = "state"
 
-    def states(self, instants: Instants) -> OrbitStates:
-        """Velocity is the exact derivative of position; raises OutsideCoverage."""
-        refuse_outside(instants, self.start_utc, self.stop_utc)
-        t_s = elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
+    def interpolate(self, instants: Instants) -> OrbitStates:
+        """Velocity is the exact derivative of position."""
+        t_s = self.since_epoch_s(instants)
         return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
-
-    def age_s(self, instants: Instants) -> Array:
-        """Time from the state's epoch, either way, shape (n,)."""
-        return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
 
 def paper_ephemeris(
@@ -110,18 +101,18 @@ def predict(start: State, span_s: float) -> tuple[Array, Array]:
     t_s *= math.copysign(1.0, span_s)
     parts = [np.array([start])]
     step_s = np.diff(t_s)
-    for first in range(0, len(step_s), KEPT_STEPS):
+    for first in range(0, len(step_s), CACHE_STEPS):
         before: State = tuple(parts[-1][-1].tolist())
-        steps = step_s[first : first + KEPT_STEPS].tolist()
-        whole_steps = all(abs(step) == STEP_S for step in steps) and len(steps) == KEPT_STEPS
+        steps = step_s[first : first + CACHE_STEPS].tolist()
+        whole_steps = all(abs(step) == STEP_S for step in steps) and len(steps) == CACHE_STEPS
         parts.append(_cached_steps(before, steps[0]) if whole_steps else _steps(before, steps))
     return t_s, np.concatenate(parts)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHE_SIZE)
 def _cached_steps(start: State, step_s: float) -> Array:
     """Kept, since one plan asks for several spans: three days of steps take seconds."""
-    return _steps(start, [step_s] * KEPT_STEPS)
+    return _steps(start, [step_s] * CACHE_STEPS)
 
 
 def _steps(start: State, steps_s: list[float]) -> Array:
@@ -170,7 +161,7 @@ def _derivative(s: State) -> State:
     return s[3], s[4], s[5], across * x, across * y, along * z
 
 
-def _turn_about_z(vectors: Array, c: Array, s: Array) -> Array:
-    """Components in axes turned about z by the angles of cosine c and sine s."""
-    x, y, z = vectors.T
+def _turn_about_z(v: Array, c: Array, s: Array) -> Array:
+    """Components of v, (n, 3), in axes turned about z by the angles of cosine c and sine s."""
+    x, y, z = v.T
     return np.stack([c * x + s * y, c * y - s * x, z], axis=1)
