@@ -25,12 +25,12 @@ def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     Source: Sumarokov 2016, eq. 11, by Rodrigues' formula: the inner axis turns first, carried
     by the outer one.
     """
-    carried = turn(
+    carried = _turn(
         np.asarray(platform.zero_direction_platform),
         np.asarray(platform.inner_axis_platform),
         angle_rad[:, 1],
     )
-    boresight = turn(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
+    boresight = _turn(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
     return np.asarray(boresight / np.linalg.norm(boresight, axis=1, keepdims=True))
 
 
@@ -59,12 +59,18 @@ def payload_eci(
     return eci_from_platform(boresight, scenario.platform, scenario.attitude, instants, states)
 
 
-def turn(vectors: Array, axis: Array, angle_rad: Array) -> Array:
-    """Vectors, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
+def apart_rad(a_eci: Array, b_eci: Array) -> Array:
+    """Angles between vectors of shape (n, 3), accurate at 0 and pi too, shape (n,)."""
+    across = np.linalg.norm(np.cross(a_eci, b_eci), axis=1)
+    return np.asarray(np.arctan2(across, np.sum(a_eci * b_eci, axis=1)))
+
+
+def _turn(v: Array, axis: Array, angle_rad: Array) -> Array:
+    """Vectors v, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
     unit = axis / np.linalg.norm(axis)
     cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
-    along = (vectors @ unit)[..., None] * unit
-    return np.asarray(along + cos * (vectors - along) + sin * np.cross(unit, vectors))
+    along = (v @ unit)[..., None] * unit
+    return np.asarray(along + cos * (v - along) + sin * np.cross(unit, v))
 
 
 def _eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
@@ -97,13 +103,13 @@ def _eci_from_spinning(vector_body: Array, attitude: InertialAttitude, instants:
     speed_rad_s = float(np.linalg.norm(rate_rad_s))
     if speed_rad_s > 0.0:
         since_s = instants.t_s + elapsed_us(instants.epoch_utc, attitude.epoch) / 1e6
-        vector_body = turn(vector_body, rate_rad_s, speed_rad_s * since_s)
+        vector_body = _turn(vector_body, rate_rad_s, speed_rad_s * since_s)
     return np.asarray(vector_body @ _matrix(attitude.q_body_from_eci_xyzw))
 
 
-def _matrix(q_xyzw: tuple[float, float, float, float]) -> Array:
-    """The rotation v -> q v q* as a matrix; q needs no unit length."""
-    x, y, z, w = np.asarray(q_xyzw) / np.linalg.norm(q_xyzw)
+def _matrix(q: tuple[float, float, float, float]) -> Array:
+    """The rotation v -> q v q* as a matrix; q is scalar last and needs no unit length."""
+    x, y, z, w = np.asarray(q) / np.linalg.norm(q)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

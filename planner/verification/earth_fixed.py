@@ -61,16 +61,16 @@ def earth_fixed_sight(
     emitted = Instants(instants.epoch_utc, instants.t_s - light_s)
     r_then_eci_m = earth.eci_from_itrf(_r_target_itrf_m(target, emitted), before_s=light_s)
     to_target_m = r_then_eci_m - states.r_sat_eci_m
-    incoming = to_target_m / np.sqrt(np.sum(to_target_m * to_target_m, axis=1, keepdims=True))
+    incoming_eci = to_target_m / np.sqrt(np.sum(to_target_m * to_target_m, axis=1, keepdims=True))
 
-    up_itrf, height_m = _vertical(r_now_itrf_m)
+    up_itrf, height_m = vertical(r_now_itrf_m)
     up_eci = earth.eci_from_itrf(up_itrf)
     elevation_rad = np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / range_m)
     if target.refraction == "standard":
-        incoming = _lift(incoming, up_eci, instants.t_s, elevation_rad, range_m, height_m)
+        incoming_eci = _lift(incoming_eci, up_eci, instants.t_s, elevation_rad, range_m, height_m)
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)
     return EarthFixedSight(
-        apparent_eci=aberrate(incoming, states.v_sat_eci_m_s),
+        apparent_eci=aberrate(incoming_eci, states.v_sat_eci_m_s),
         up_eci=up_eci,
         range_m=range_m,
         elevation_rad=elevation_rad,
@@ -103,14 +103,14 @@ def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> Array:
     return target.r_target_itrf_m(instants)
 
 
-def _vertical(r_itrf_m: Array) -> tuple[Array, Array]:
+def vertical(r_itrf_m: Array) -> tuple[Array, Array]:
     """Unit vectors up (n, 3) and heights (n,) above the ellipsoid."""
     longitude_rad, latitude_rad, height_m = erfa.gc2gd(WGS84, r_itrf_m)
     return np.asarray(erfa.s2c(longitude_rad, latitude_rad)), np.asarray(height_m)
 
 
 def _lift(
-    incoming: Array,
+    incoming_eci: Array,
     up_eci: Array,
     t_s: Array,
     elevation_rad: Array,
@@ -130,6 +130,6 @@ def _lift(
     from scipy.interpolate import CubicSpline
 
     per_sine = CubicSpline(t_s[node], lift_rad / np.sin(zenith_rad))(t_s)
-    across = up_eci - np.sum(up_eci * incoming, axis=1, keepdims=True) * incoming
-    turned = incoming + per_sine[:, None] * across
+    across = up_eci - np.sum(up_eci * incoming_eci, axis=1, keepdims=True) * incoming_eci
+    turned = incoming_eci + per_sine[:, None] * across
     return np.asarray(turned / np.sqrt(np.sum(turned * turned, axis=1, keepdims=True)))

@@ -58,20 +58,20 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
     """
     at_s = tdb_s(tt_s(instants.epoch_utc, instants.t_s))
     r_observer_m = r_body_bary_m(EARTH, at_s) + states.r_sat_eci_m
-    towards, range_m = _astrometric(target, instants, at_s, r_observer_m)
+    towards_eci, range_m = _astrometric(target, instants, at_s, r_observer_m)
     if target.body_seen() != "sun":
-        towards = bend_by_sun(towards, range_m, r_observer_m - r_body_bary_m(SUN, at_s))
-    geocentric = aberrate(towards, v_earth_bary_m_s(at_s))
+        towards_eci = bend_by_sun(towards_eci, range_m, r_observer_m - r_body_bary_m(SUN, at_s))
+    geocentric_eci = aberrate(towards_eci, v_earth_bary_m_s(at_s))
 
     earth = earth_orientation(instants.epoch_utc, instants.t_s)
-    sight_itrf = earth.itrf_from_eci(geocentric)
+    sight_itrf = earth.itrf_from_eci(geocentric_eci)
     r_sat_itrf_m = earth.itrf_from_eci(states.r_sat_eci_m)
     bending_rad = np.zeros(len(at_s))
     if target.refraction == "standard":
         sight_itrf, bending_rad = _through_air(sight_itrf, r_sat_itrf_m)
-        geocentric = earth.eci_from_itrf(sight_itrf)
+        geocentric_eci = earth.eci_from_itrf(sight_itrf)
     return SkyDirection(
-        apparent_eci=aberrate(geocentric, states.v_sat_eci_m_s),
+        apparent_eci=aberrate(geocentric_eci, states.v_sat_eci_m_s),
         range_m=range_m,
         clearance_rad=limb_clearance_rad(
             sight_itrf, r_sat_itrf_m, target.grazing_altitude_km * 1e3
@@ -103,22 +103,22 @@ def _through_air(sight_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array]:
     The air lifts the source along the vertical of the point where the line is lowest, as it
     does a source at infinity; the Moon by 0.6 % less.
     """
-    seen_itrf, bending_rad = sight_itrf.copy(), np.zeros(len(sight_itrf))
+    apparent_itrf, bending_rad = sight_itrf.copy(), np.zeros(len(sight_itrf))
     height_m, way_m, _ = lowest_point(sight_itrf, r_sat_itrf_m)
     low = np.flatnonzero((way_m > 0.0) & (height_m > _DEEPEST_M) & (height_m < TOP_M))
     if not len(low):
-        return seen_itrf, bending_rad
-    true, r_sat_m, lifted_rad = sight_itrf[low], r_sat_itrf_m[low], np.zeros(len(low))
-    seen = true
+        return apparent_itrf, bending_rad
+    true, r_sat_m, lift_rad = sight_itrf[low], r_sat_itrf_m[low], np.zeros(len(low))
+    apparent = true
     for _ in range(_BENDING_PASSES):
-        height_m, way_m, up = lowest_point(seen, r_sat_m)
+        height_m, way_m, up = lowest_point(apparent, r_sat_m)
         bending, slope = limb_bending_rad(height_m)
-        step_rad = (bending - lifted_rad) / (1.0 - slope * way_m)
-        lifted_rad = lifted_rad + step_rad
+        step_rad = (bending - lift_rad) / (1.0 - slope * way_m)
+        lift_rad = lift_rad + step_rad
         across = up - np.sum(up * true, axis=1, keepdims=True) * true
         across /= np.sqrt(np.sum(across * across, axis=1, keepdims=True))
-        seen = np.cos(lifted_rad)[:, None] * true + np.sin(lifted_rad)[:, None] * across
+        apparent = np.cos(lift_rad)[:, None] * true + np.sin(lift_rad)[:, None] * across
         if np.max(np.abs(step_rad)) < _BENT_RAD:
             break
-    seen_itrf[low], bending_rad[low] = seen, lifted_rad
-    return seen_itrf, bending_rad
+    apparent_itrf[low], bending_rad[low] = apparent, lift_rad
+    return apparent_itrf, bending_rad

@@ -47,11 +47,11 @@ class _Segment:
     center: int
     first_s: float
     record_s: float
-    records: Array  # (k, 2 + 3 coefficients)
+    coefficients: Array  # (k, 2 + 3 times as many as there are, km)
 
     def position_m(self, tdb_s: Array) -> Array:
         number = np.floor((tdb_s - self.first_s) / self.record_s).astype(np.intp)
-        if number.min() < 0 or number.max() >= len(self.records):
+        if number.min() < 0 or number.max() >= len(self.coefficients):
             raise OutsideCoverage(
                 "Sun, Moon and planets are known from 1899-07-29 to 2053-10-09 (DE421); "
                 "use times in between"
@@ -59,9 +59,9 @@ class _Segment:
         position_m = np.empty((len(tdb_s), 3))
         for one in np.unique(number):
             here = number == one
-            middle_s, half_s = self.records[one, :2]
-            coefficients = self.records[one, 2:].reshape(3, -1).T
-            position_m[here] = 1e3 * chebval((tdb_s[here] - middle_s) / half_s, coefficients).T
+            middle_s, half_s = self.coefficients[one, :2]
+            of_xyz = self.coefficients[one, 2:].reshape(3, -1).T
+            position_m[here] = 1e3 * chebval((tdb_s[here] - middle_s) / half_s, of_xyz).T
         return position_m
 
 
@@ -115,12 +115,9 @@ def _segments() -> dict[int, _Segment]:
             summary = page[3 + k * _SUMMARY_WORDS :][:_SUMMARY_WORDS]
             body, center, _, kind, first, last = summary[2:].view("<i4").tolist()
             if kind == 2:
-                segments[body] = _segment(center, words[first - 1 : last])
+                segment = words[first - 1 : last]
+                first_s, record_s, size, count = segment[-4:].tolist()
+                records = segment[: int(size) * int(count)].reshape(int(count), int(size))
+                segments[body] = _Segment(center, first_s, record_s, records)
         record = int(page[0])
     return segments
-
-
-def _segment(center: int, words: Array) -> _Segment:
-    first_s, record_s, size, count = words[-4:].tolist()
-    records = words[: int(size) * int(count)].reshape(int(count), int(size))
-    return _Segment(center=center, first_s=first_s, record_s=record_s, records=records)
