@@ -46,7 +46,6 @@ STILL_TO_BE_NAMED = (
     "planner/detour/",
     "planner/export/",
     "planner/frames/",
-    "planner/messages/",
     "planner/opportunities/",
     "planner/pointing/",
     "planner/slew/",
