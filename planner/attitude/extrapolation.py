@@ -73,13 +73,14 @@ class ChosenExtrapolation:
     """The extrapolation chosen, and how all did on the held-out tail.
 
     lead_s: (k,) edges of the leads tried.  error_rms_rad: rms of the chosen one's error
-    (rotation angle) up to each.  tried: every description with its rms over all leads (rad).
+    (rotation angle) up to each.  rms_by_description_rad: every description tried with its rms
+    over all leads.
     """
 
     extrapolation: Extrapolation
     lead_s: Array
     error_rms_rad: Array
-    tried: tuple[tuple[Description, float], ...]
+    rms_by_description_rad: tuple[tuple[Description, float], ...]
 
 
 def choose(
@@ -96,26 +97,26 @@ def choose(
             "needed to try an extrapolation on its tail"
         )
     cuts_s = [t_s[-1] - lead_s * (1.0 + k / (CUTS - 1)) for k in range(CUTS)]
-    tried = []
+    trials = []
     for description in DESCRIPTIONS:
         errors = _held_out_errors(description, t_s, q_body_from_lvlh, period_s, cuts_s, lead_s)
         if errors is not None:
-            tried.append((description, errors))
-    if not tried:
+            trials.append((description, errors))
+    if not trials:
         raise ValueError("the history has too few rows in its tail; send it without gaps")
-    rms_rad = [float(np.sqrt(np.mean(error_rad**2))) for _, (_, error_rad) in tried]
-    description, (leads_s, error_rad) = tried[int(np.argmin(rms_rad))]
+    rms_rad = [float(np.sqrt(np.mean(error_rad**2))) for _, (_, error_rad) in trials]
+    description, (leads_s, error_rad) = trials[int(np.argmin(rms_rad))]
     edges_s = lead_s * np.array([0.25, 0.5, 0.75, 1.0])
     bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
-    chosen = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
-    assert chosen is not None, "fitted on less history already"
+    extrapolation = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
+    assert extrapolation is not None, "fitted on less history already"
     return ChosenExtrapolation(
-        extrapolation=chosen,
+        extrapolation=extrapolation,
         lead_s=edges_s,
         error_rms_rad=np.array(
             [np.sqrt(np.mean(error_rad[b] ** 2)) if b.any() else min(rms_rad) for b in bins]
         ),
-        tried=tuple((d, rms) for (d, _), rms in zip(tried, rms_rad, strict=True)),
+        rms_by_description_rad=tuple((d, rms) for (d, _), rms in zip(trials, rms_rad, strict=True)),
     )
 
 
@@ -130,15 +131,15 @@ def _held_out_errors(
     """Leads (s) and errors (rad) after each cut; None if too few leave enough history before."""
     leads, errors = [], []
     for cut_s in cuts_s:
-        known = t_s <= cut_s
-        asked = ~known & (t_s <= cut_s + lead_s)
+        is_known = t_s <= cut_s
+        is_ahead = ~is_known & (t_s <= cut_s + lead_s)
         extrapolation = fit_extrapolation(
-            description, t_s[known], q_body_from_lvlh[known], period_s
+            description, t_s[is_known], q_body_from_lvlh[is_known], period_s
         )
         if extrapolation is None:
             break
-        miss = extrapolation.at(t_s[asked]) * q_body_from_lvlh[asked].inv()
-        leads.append(t_s[asked] - cut_s)
+        miss = extrapolation.at(t_s[is_ahead]) * q_body_from_lvlh[is_ahead].inv()
+        leads.append(t_s[is_ahead] - cut_s)
         errors.append(miss.magnitude())
     if len(errors) < LEAST_CUTS:
         return None
@@ -156,13 +157,13 @@ def fit_extrapolation(
     used = since_end_s >= -window_s
     used[-_LEAST_ROWS:] = True
     q_reference = q_body_from_lvlh[-1]
-    turned_rad = (q_body_from_lvlh[used] * q_reference.inv()).as_rotvec()
+    turn_rad = (q_body_from_lvlh[used] * q_reference.inv()).as_rotvec()
     basis = _basis(description, period_s, since_end_s[used])
     coefficients_rad: Array = np.asarray(
-        np.linalg.lstsq(basis, turned_rad, rcond=None)[0], dtype=np.float64
+        np.linalg.lstsq(basis, turn_rad, rcond=None)[0], dtype=np.float64
     )
     if description.terms:
-        left_rad = turned_rad - basis @ coefficients_rad
+        left_rad = turn_rad - basis @ coefficients_rad
         recent = since_end_s[used] >= -OFFSET_TAIL_S
         coefficients_rad[0] += np.median(left_rad[recent], axis=0)
     return Extrapolation(description, period_s, float(t_s[-1]), q_reference, coefficients_rad)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, choose
-from planner.attitude.reference_frames import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
@@ -68,15 +68,15 @@ class HarmonicAttitude:
     @cached_property
     def choice(self) -> str:
         """Which description was chosen, and on what evidence."""
-        tried = sorted(self.chosen_extrapolation.tried, key=lambda pair: pair[1])
-        (best, best_rms), others = tried[0], tried[1:]
+        trials = sorted(self.chosen_extrapolation.rms_by_description_rad, key=lambda pair: pair[1])
+        (best, best_rms), others = trials[0], trials[1:]
         against = "; ".join(f"{d}: {np.rad2deg(rms):.3f}" for d, rms in others)
-        said = (
+        sentence = (
             f"the attitude is carried on from {utc_text(self._end_utc)} by {best}: "
             f"{np.rad2deg(best_rms):.3f} deg rms over "
             f"{self.chosen_extrapolation.lead_s[-1]:.0f} s of its own history it had not seen"
         )
-        return f"{said} ({against})" if against else said
+        return f"{sentence} ({against})" if against else sentence
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """The choice: it may be a poor one, and its rms says so."""
@@ -88,8 +88,8 @@ class HarmonicAttitude:
         Beyond the lead that was tried the error grows in proportion to the time.
         """
         lead_s = np.maximum(self._since_end_s(instants), 0.0)
-        tried_s, rms_rad = self.chosen_extrapolation.lead_s, self.chosen_extrapolation.error_rms_rad
-        total_rad = np.interp(lead_s, tried_s, rms_rad) * np.maximum(1.0, lead_s / tried_s[-1])
+        edge_s, rms_rad = self.chosen_extrapolation.lead_s, self.chosen_extrapolation.error_rms_rad
+        total_rad = np.interp(lead_s, edge_s, rms_rad) * np.maximum(1.0, lead_s / edge_s[-1])
         return np.asarray(total_rad / np.sqrt(3.0))
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:

@@ -58,8 +58,8 @@ class InertialAttitude:
                 "rate says nothing; give attitude and rate nearer to the sessions, or another law",
                 field="attitude.epoch",
             )
-        turned_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
-        return Rotation.from_rotvec(-turned_rad) * Rotation.from_quat(self.q_body_from_eci_xyzw)
+        turn_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
+        return Rotation.from_rotvec(-turn_rad) * Rotation.from_quat(self.q_body_from_eci_xyzw)
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """That the epoch is far from the instants."""

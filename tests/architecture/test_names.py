@@ -41,11 +41,9 @@ ARRAY = re.compile(
 STILL_TO_BE_NAMED = (
     "app/",
     "estimator/",
-    "planner/attitude/",
     "planner/campaigns/",
     "planner/detour/",
     "planner/export/",
-    "planner/frames/",
     "planner/opportunities/",
     "planner/pointing/",
     "planner/slew/",
