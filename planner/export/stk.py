@@ -11,7 +11,7 @@ from datetime import datetime
 from planner.arrays import Array
 from planner.export.ccsds import data_lines, epochs
 from planner.export.description import notes
-from planner.export.flight_plan import FlightPlan
+from planner.export.exporter import FlightPlan
 from planner.export.table_states import TableStates, axes_turn, table_states
 
 _ORDER = 5  # of the polynomial STK lays through the rows; its default bends 18 arcsec off
@@ -63,7 +63,7 @@ def _file(
         *axes,
         "TimeFormat ISO-YMD",
         "AttitudeTimeQuaternions",
-        *data_lines(epochs(rows.instants), [(axes_turn(q_described_from_reference_xyzw), 13)]),
+        *data_lines(epochs(rows.instants), (axes_turn(q_described_from_reference_xyzw), 13)),
         "END Attitude",
     ]
     return ("\n".join(lines) + "\n").encode("ascii")

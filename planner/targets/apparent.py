@@ -1,13 +1,14 @@
 """The apparent direction of a target, seen from the moving carrier."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.targets.session_target import SessionTarget
 
 SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
 
@@ -26,16 +27,16 @@ class ApparentDirection:
     clearance_rad: Array
 
 
-class VisibleTarget(Protocol):
+class VisibleTarget(SessionTarget, ABC):
     """A target that is pointed at by looking along its apparent direction."""
 
+    @abstractmethod
     def apparent(self, instants: Instants, states: OrbitStates) -> ApparentDirection:
         """The target seen from the orbit's `states` at the same n instants."""
-        ...
 
+    @abstractmethod
     def hidden_because(self, clearance_rad: float) -> str:
         """Why a negative clearance means it can't be seen, for a refusal."""
-        ...
 
 
 def aberrate(direction: Array, v_observer_m_s: Array) -> Array:

@@ -43,22 +43,23 @@ def deflect(
         earlier_s = np.linalg.norm(now_m, axis=1) / SPEED_OF_LIGHT_M_S
         passed = Instants(instants.epoch_utc, instants.t_s - earlier_s)
         r_from_body_m = r_observer_bary_m - r_body_bary_m(body, passed)
-        direction = _bent(direction, range_m, r_from_body_m, mass, limiter)
-    return _bent(direction, range_m, r_sat_eci_m, _EARTH_SOLAR_MASSES, _EARTH_LIMITER)
+        direction = _bend(direction, range_m, r_from_body_m, mass, limiter)
+    return _bend(direction, range_m, r_sat_eci_m, _EARTH_SOLAR_MASSES, _EARTH_LIMITER)
 
 
-def _bent(
-    direction: Array, range_m: Array, r_from_body_m: Array, solar_masses: float, limiter: float
+def _bend(
+    direction: Array, range_m: Array, r_from_body_m: Array, mass_ratio: float, limiter_rad2: float
 ) -> Array:
+    """mass_ratio: of the body to the Sun.  limiter_rad2: ERFA's."""
     distance_m = np.linalg.norm(r_from_body_m, axis=1)
     source_from_body = direction + r_from_body_m / range_m[:, None]
     source_from_body /= np.linalg.norm(source_from_body, axis=1, keepdims=True)
-    bent = erfa.ld(
-        solar_masses,
+    arriving = erfa.ld(
+        mass_ratio,
         direction,
         source_from_body,
         r_from_body_m / distance_m[:, None],
         distance_m / AU_M,
-        limiter,
+        limiter_rad2,
     )
-    return np.asarray(bent / np.linalg.norm(bent, axis=1, keepdims=True))
+    return np.asarray(arriving / np.linalg.norm(arriving, axis=1, keepdims=True))

@@ -68,13 +68,13 @@ def line_height_m(direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
     return np.where(lowest_m > 0.0, height, np.inf)
 
 
-def _unit_across(vector: Array, axis: Array) -> Array:
-    """Direction of the part of `vector` across the unit vector `axis`; any where it has none."""
-    across = vector - np.sum(vector * axis, axis=1, keepdims=True) * axis
+def _unit_across(v: Array, axis: Array) -> Array:
+    """Direction of the part of `v` across the unit v `axis`; any where it has none."""
+    across = v - np.sum(v * axis, axis=1, keepdims=True) * axis
     size = np.linalg.norm(across, axis=1, keepdims=True)
     spare = np.cross(axis, np.roll(axis, 1, axis=1) + np.array([0.0, 0.0, 1.0]))
     spare /= np.linalg.norm(spare, axis=1, keepdims=True)
-    scale = np.linalg.norm(vector, axis=1, keepdims=True)
+    scale = np.linalg.norm(v, axis=1, keepdims=True)
     none = size < 1e-12 * scale
     return np.where(none, spare, across / np.where(none, 1.0, size))
 

@@ -23,12 +23,12 @@ def _base_states() -> tuple[Array, Array]:
 
 
 def _within_layer(
-    base_k: Array, base_pa: Array, lapse: Array, above_m: Array
+    base_k: Array, base_pa: Array, lapse_k_m: Array, above_m: Array
 ) -> tuple[Array, Array]:
     """Temperature and pressure some geopotential metres above a layer's base, eq. 33a and 33b."""
-    temperature = base_k + lapse * above_m
-    isothermal = lapse == 0.0
-    exponent = -_G0 / _GAS_CONSTANT / np.where(isothermal, 1.0, lapse)
+    temperature = base_k + lapse_k_m * above_m
+    isothermal = lapse_k_m == 0.0
+    exponent = -_G0 / _GAS_CONSTANT / np.where(isothermal, 1.0, lapse_k_m)
     pressure = np.where(
         isothermal,
         base_pa * np.exp(-_G0 * above_m / (_GAS_CONSTANT * base_k)),

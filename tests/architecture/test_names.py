@@ -43,13 +43,10 @@ STILL_TO_BE_NAMED = (
     "estimator/",
     "planner/campaigns/",
     "planner/detour/",
-    "planner/export/",
     "planner/opportunities/",
     "planner/pointing/",
     "planner/slew/",
     "planner/spacecraft/",
-    "planner/spec.py",
-    "planner/targets/",
 )
 # A textbook's letter inside a cited formula.
 SYMBOL = re.compile(r"[a-zA-Z]\d?")

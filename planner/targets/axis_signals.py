@@ -53,7 +53,7 @@ class Sine:
     def motion_deg(self, t_s: Array) -> Array:
         omega = 2.0 * math.pi * self.frequency_hz
         phase = omega * t_s + math.radians(self.phase_deg)
-        motion = self.amplitude_deg * _sine(phase, omega, np.zeros_like(t_s))
+        motion = self.amplitude_deg * _sine(phase, omega)
         motion[0] += self.angle_deg
         return motion
 
@@ -82,7 +82,7 @@ class Chirp:
 
     def motion_deg(self, t_s: Array) -> Array:
         """Before t = 0 at the start frequency; the acceleration steps where the sweep ends."""
-        turns, frequency, sweeping = self._swept(np.clip(t_s, 0.0, self.sweep_s))
+        turns, frequency, sweeping = self._sweep(np.clip(t_s, 0.0, self.sweep_s))
         still = t_s - np.clip(t_s, 0.0, self.sweep_s)
         phase = 2.0 * math.pi * (turns + frequency * still)
         moving = np.where(still == 0.0, sweeping, 0.0)
@@ -92,7 +92,7 @@ class Chirp:
         motion[0] += self.angle_deg
         return motion
 
-    def _swept(self, t_s: Array) -> tuple[Array, Array, Array]:
+    def _sweep(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Turns since t = 0, frequency (Hz) and its rate (Hz/s) within the sweep."""
         if self.sweep == "linear":
             slope = (self.stop_frequency_hz - self.start_frequency_hz) / self.sweep_s
@@ -123,8 +123,8 @@ class Step:
         return self.rise_s
 
     def motion_deg(self, t_s: Array) -> Array:
-        risen = step((t_s - self.at_s) / self.rise_s)
-        motion = self.step_deg * risen / np.array([[1.0], [self.rise_s], [self.rise_s**2]])
+        rise = step((t_s - self.at_s) / self.rise_s)
+        motion = self.step_deg * rise / np.array([[1.0], [self.rise_s], [self.rise_s**2]])
         motion[0] += self.angle_deg
         return np.asarray(motion)
 
@@ -160,16 +160,16 @@ class Triangle:
         tip = np.round((t_s - half_s / 2.0) / half_s)
         side = np.where(tip % 2.0 == 0.0, 1.0, -1.0)  # +1 at the upper tips
         since_tip_s = t_s - half_s / 2.0 - tip * half_s
-        turned, slope, _ = step(since_tip_s / self.turn_s + 0.5)
+        turn, slope, _ = step(since_tip_s / self.turn_s + 0.5)
         falling = since_tip_s - 2.0 * ramp(since_tip_s, self.turn_s)
-        moved: Array = np.stack(
+        motion: Array = np.stack(
             [
                 self.angle_deg + side * (self.amplitude_deg + rate * falling),
-                side * rate * (1.0 - 2.0 * turned),
+                side * rate * (1.0 - 2.0 * turn),
                 side * rate * -2.0 * slope / self.turn_s,
             ]
         )
-        return moved
+        return motion
 
 
 @spec
@@ -213,11 +213,16 @@ class Multisine:
                 if self.phases_deg is not None
                 else -math.pi * (k + 1) * k / count
             )
-            motion += amplitude_deg * _sine(omega * t_s + phase, omega, np.zeros_like(t_s))
+            motion += amplitude_deg * _sine(omega * t_s + phase, omega)
         return motion
 
 
-def _sine(phase: Array, phase_rate_s: Array | float, phase_acceleration_s2: Array) -> Array:
+def _sine(
+    phase_rad: Array,
+    phase_rate_rad_s: Array | float,
+    phase_acceleration_rad_s2: Array | float = 0.0,
+) -> Array:
     """A sine and its first two derivatives by time, shape (3, n)."""
-    sin, cos = np.sin(phase), np.cos(phase)
-    return np.stack([sin, phase_rate_s * cos, phase_acceleration_s2 * cos - phase_rate_s**2 * sin])
+    sin, cos = np.sin(phase_rad), np.cos(phase_rad)
+    curvature = phase_acceleration_rad_s2 * cos - phase_rate_rad_s**2 * sin
+    return np.stack([sin, phase_rate_rad_s * cos, curvature])

@@ -15,7 +15,7 @@ from planner.errors import InvalidInput, TrackBreaksLimit, figures
 from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
-from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
 from planner.targets.session_target import TimedTarget
 
 Motion = Annotated[
@@ -64,8 +64,8 @@ class BenchMotionTarget(TimedTarget):
                 f"{', '.join(self.axes)}; constant_rate with rate_deg_s 0 keeps an axis still",
                 field="axes",
             )
-        moved_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
-        angle_rad, rate_rad_s, acceleration_rad_s2 = moved_rad.transpose(1, 2, 0)
+        motion_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
+        angle_rad, rate_rad_s, acceleration_rad_s2 = motion_rad.transpose(1, 2, 0)
         return AxisMotion(
             angle_rad=angle_rad, rate_rad_s=rate_rad_s, acceleration_rad_s2=acceleration_rad_s2
         )
@@ -98,7 +98,7 @@ class BenchMotionTarget(TimedTarget):
         t_s += elapsed_s(start_utc, zero_utc)
         motion = self.axis_motion(axis_names, t_s)
         for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
-            moved = _AxisMotion(
+            samples = _AxisSamples(
                 axis=name,
                 start_utc=zero_utc,
                 t_s=t_s,
@@ -106,12 +106,12 @@ class BenchMotionTarget(TimedTarget):
                 rate_rad_s=motion.rate_rad_s[:, axis],
                 acceleration_rad_s2=motion.acceleration_rad_s2[:, axis],
             )
-            moved.require_within(limits)
-            moved.require_on_grid(row)
+            samples.require_within(limits)
+            samples.require_on_grid(row)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _AxisMotion:
+class _AxisSamples:
     """One axis's motion at uniformly spaced instants, each array of shape (n,)."""
 
     axis: str
