@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 ROWS_PER_S = 5  # Sumarokov 2016: the platform is fed every 0.2 s
 COMMAND_STEP_S = 1.0 / ROWS_PER_S
@@ -21,10 +22,10 @@ class CommandTable:
 
     epoch_utc: datetime
     axis_names: tuple[str, ...]
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
+    angle_rad: Array
+    rate_rad_s: Array
 
     @property
-    def t_s(self) -> NDArray[np.float64]:
+    def t_s(self) -> Array:
         """Seconds since the epoch of each row; k/5 is the closest double to 0.2 k, 0.2*k is not."""
         return np.arange(len(self.angle_rad)) / ROWS_PER_S

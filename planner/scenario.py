@@ -7,8 +7,8 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.attitude import Attitude
 from planner.commands import COMMAND_STEP_S
 from planner.errors import figures
@@ -186,7 +186,7 @@ class Scenario:
         """The platform's limits with the jerk limit asked for, in the order of its axes."""
         return self.slew.axis_limits(self.platform)
 
-    def initial_motion(self, axis: str) -> NDArray[np.float64]:
+    def initial_motion(self, axis: str) -> Array:
         """Angle, rate and acceleration of one axis at the epoch, rad, rad/s, rad/s2."""
         state = self.initial_state
         return np.deg2rad(

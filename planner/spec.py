@@ -96,6 +96,6 @@ def _require(name: str, value: object, within: Within) -> None:
         raise ValueError(f"{name} must lie in {within}, not {value}")
 
 
-def _exact(number: float) -> str:
-    """As short as tells it exactly."""
-    return short if float(short := f"{number:g}") == number else repr(number)
+def _exact(value: float) -> str:
+    """The shortest text that tells it exactly."""
+    return short if float(short := f"{value:g}") == value else repr(value)

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.attitude.aem import AemAttitude
 from planner.attitude.harmonic import HarmonicAttitude
 from planner.attitude.inertial import InertialAttitude
@@ -20,7 +20,7 @@ SWING_RAD = np.deg2rad(0.237) / np.sqrt(3.0)
 class AttitudeSigma:
     """per_axis_rad: 1-sigma about each body axis, shape (n,).  basis: on what evidence."""
 
-    per_axis_rad: NDArray[np.float64]
+    per_axis_rad: Array
     basis: str
 
 

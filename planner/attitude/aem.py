@@ -1,4 +1,4 @@
-"""An attitude from a message (CCSDS AEM)."""
+"""An attitude from a message (CCSDS AEM), against any of its frames."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -6,14 +6,15 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.attitude.odd_rows import odd_by_rad
-from planner.attitude.reference_frames import q_frame_from_eci
 from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
 from planner.errors import InvalidMessage, OutsideCoverage
+from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
 from planner.frames.iers import RAD_PER_ARCSEC
+from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import Aem, AemSegment, read_aem
 from planner.orbits import OrbitStates
@@ -26,6 +27,10 @@ ODD_REFUSED_RAD = 180.0 * RAD_PER_ARCSEC  # 350 m on the ground from 400 km
 ODD_OF_USUAL = 20.0  # times what is usual of the message's rows: noise alone stays below 10
 CURVE_ROWS = 4  # farther rows hardly bend the curve
 _EDGE_S = 1e-6  # the resolution of a datetime
+LOCAL_ORBITAL = ("LVLH", "RTN")
+
+# Radial is -Z of LVLH, along-track +X, and the orbit's normal -Y.
+_Q_RTN_FROM_LVLH = Rotation.from_matrix([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +46,8 @@ class AttitudeArc:
     start_utc: datetime
     stop_utc: datetime
     curve: RotationCurve
-    row_s: NDArray[np.float64]
-    odd_rad: NDArray[np.float64]
+    row_s: Array
+    odd_rad: Array
 
     def oddest_near(self, instants: Instants) -> tuple[datetime, float]:
         """When the row is that fits its neighbours worst of those the curve there rests on, and
@@ -91,12 +96,12 @@ class AemAttitude:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What the user should know about the message's quality."""
-        told = (
+        warnings = (
             warning
             for segment, arc in zip(self.message.segments, self.arcs, strict=True)
             for warning in (_noise(arc), _gap(segment), _not_linear(segment, arc))
         )
-        return tuple(dict.fromkeys(filter(None, told)))
+        return tuple(dict.fromkeys(filter(None, warnings)))
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """Those of the whole message, and the row there that fits its neighbours worst."""
@@ -145,6 +150,25 @@ class AemAttitude:
             field="attitude.content",
             at_utc=first_utc,
         )
+
+
+def q_frame_from_eci(frame: str, instants: Instants, states: OrbitStates) -> Rotation:
+    """n rotations to the axes of one of `planner.messages.aem.FRAMES`.
+
+    `states` is the orbit at the same n instants; only the local orbital frames need it.
+    """
+    if frame == "ITRF":
+        return Rotation.from_matrix(c_itrf_from_eci(instants))
+    if frame in LOCAL_ORBITAL:
+        q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
+        return q_frame_from_lvlh(frame) * q_lvlh
+    c_frame_from_eci = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
+    return Rotation.from_matrix(np.broadcast_to(c_frame_from_eci, (len(instants), 3, 3)))
+
+
+def q_frame_from_lvlh(frame: str) -> Rotation:
+    """The constant rotation from LVLH to one of LOCAL_ORBITAL."""
+    return _Q_RTN_FROM_LVLH if frame == "RTN" else Rotation.identity()
 
 
 def _reaches(later_utc: datetime, earlier_utc: datetime) -> bool:

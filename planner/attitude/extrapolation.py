@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from planner.arrays import Array
 
 TAIL_S = 60.0  # the present rate is fitted to this much of the history
 OFFSET_TAIL_S = 120.0
@@ -59,9 +60,9 @@ class Extrapolation:
     period_s: float
     end_s: float
     q_reference: Rotation
-    coefficients_rad: NDArray[np.float64]
+    coefficients_rad: Array
 
-    def at(self, t_s: NDArray[np.float64]) -> Rotation:
+    def at(self, t_s: Array) -> Rotation:
         """Body from LVLH at n instants."""
         basis = _basis(self.description, self.period_s, t_s - self.end_s)
         return Rotation.from_rotvec(basis @ self.coefficients_rad) * self.q_reference
@@ -72,17 +73,18 @@ class ChosenExtrapolation:
     """The extrapolation chosen, and how all did on the held-out tail.
 
     lead_s: (k,) edges of the leads tried.  error_rms_rad: rms of the chosen one's error
-    (rotation angle) up to each.  tried: every description with its rms over all leads (rad).
+    (rotation angle) up to each.  rms_by_description_rad: every description tried with its rms
+    over all leads.
     """
 
     extrapolation: Extrapolation
-    lead_s: NDArray[np.float64]
-    error_rms_rad: NDArray[np.float64]
-    tried: tuple[tuple[Description, float], ...]
+    lead_s: Array
+    error_rms_rad: Array
+    rms_by_description_rad: tuple[tuple[Description, float], ...]
 
 
 def choose(
-    t_s: NDArray[np.float64], q_body_from_lvlh: Rotation, period_s: float, lead_s: float
+    t_s: Array, q_body_from_lvlh: Rotation, period_s: float, lead_s: float
 ) -> ChosenExtrapolation:
     """Fit what foretells best over `lead_s` (less when the history is short).
 
@@ -95,49 +97,49 @@ def choose(
             "needed to try an extrapolation on its tail"
         )
     cuts_s = [t_s[-1] - lead_s * (1.0 + k / (CUTS - 1)) for k in range(CUTS)]
-    tried = []
+    trials = []
     for description in DESCRIPTIONS:
         errors = _held_out_errors(description, t_s, q_body_from_lvlh, period_s, cuts_s, lead_s)
         if errors is not None:
-            tried.append((description, errors))
-    if not tried:
+            trials.append((description, errors))
+    if not trials:
         raise ValueError("the history has too few rows in its tail; send it without gaps")
-    rms_rad = [float(np.sqrt(np.mean(error_rad**2))) for _, (_, error_rad) in tried]
-    description, (leads_s, error_rad) = tried[int(np.argmin(rms_rad))]
+    rms_rad = [float(np.sqrt(np.mean(error_rad**2))) for _, (_, error_rad) in trials]
+    description, (leads_s, error_rad) = trials[int(np.argmin(rms_rad))]
     edges_s = lead_s * np.array([0.25, 0.5, 0.75, 1.0])
     bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
-    chosen = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
-    assert chosen is not None, "fitted on less history already"
+    extrapolation = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
+    assert extrapolation is not None, "fitted on less history already"
     return ChosenExtrapolation(
-        extrapolation=chosen,
+        extrapolation=extrapolation,
         lead_s=edges_s,
         error_rms_rad=np.array(
             [np.sqrt(np.mean(error_rad[b] ** 2)) if b.any() else min(rms_rad) for b in bins]
         ),
-        tried=tuple((d, rms) for (d, _), rms in zip(tried, rms_rad, strict=True)),
+        rms_by_description_rad=tuple((d, rms) for (d, _), rms in zip(trials, rms_rad, strict=True)),
     )
 
 
 def _held_out_errors(
     description: Description,
-    t_s: NDArray[np.float64],
+    t_s: Array,
     q_body_from_lvlh: Rotation,
     period_s: float,
     cuts_s: Sequence[float],
     lead_s: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+) -> tuple[Array, Array] | None:
     """Leads (s) and errors (rad) after each cut; None if too few leave enough history before."""
     leads, errors = [], []
     for cut_s in cuts_s:
-        known = t_s <= cut_s
-        asked = ~known & (t_s <= cut_s + lead_s)
+        is_known = t_s <= cut_s
+        is_ahead = ~is_known & (t_s <= cut_s + lead_s)
         extrapolation = fit_extrapolation(
-            description, t_s[known], q_body_from_lvlh[known], period_s
+            description, t_s[is_known], q_body_from_lvlh[is_known], period_s
         )
         if extrapolation is None:
             break
-        miss = extrapolation.at(t_s[asked]) * q_body_from_lvlh[asked].inv()
-        leads.append(t_s[asked] - cut_s)
+        miss = extrapolation.at(t_s[is_ahead]) * q_body_from_lvlh[is_ahead].inv()
+        leads.append(t_s[is_ahead] - cut_s)
         errors.append(miss.magnitude())
     if len(errors) < LEAST_CUTS:
         return None
@@ -145,10 +147,7 @@ def _held_out_errors(
 
 
 def fit_extrapolation(
-    description: Description,
-    t_s: NDArray[np.float64],
-    q_body_from_lvlh: Rotation,
-    period_s: float,
+    description: Description, t_s: Array, q_body_from_lvlh: Rotation, period_s: float
 ) -> Extrapolation | None:
     """The description fitted to a history, or None where that is too short for it."""
     window_s = description.orbits * period_s if description.terms else TAIL_S
@@ -158,21 +157,19 @@ def fit_extrapolation(
     used = since_end_s >= -window_s
     used[-_LEAST_ROWS:] = True
     q_reference = q_body_from_lvlh[-1]
-    turned_rad = (q_body_from_lvlh[used] * q_reference.inv()).as_rotvec()
+    turn_rad = (q_body_from_lvlh[used] * q_reference.inv()).as_rotvec()
     basis = _basis(description, period_s, since_end_s[used])
-    coefficients_rad: NDArray[np.float64] = np.asarray(
-        np.linalg.lstsq(basis, turned_rad, rcond=None)[0], dtype=np.float64
+    coefficients_rad: Array = np.asarray(
+        np.linalg.lstsq(basis, turn_rad, rcond=None)[0], dtype=np.float64
     )
     if description.terms:
-        left_rad = turned_rad - basis @ coefficients_rad
+        left_rad = turn_rad - basis @ coefficients_rad
         recent = since_end_s[used] >= -OFFSET_TAIL_S
         coefficients_rad[0] += np.median(left_rad[recent], axis=0)
     return Extrapolation(description, period_s, float(t_s[-1]), q_reference, coefficients_rad)
 
 
-def _basis(
-    description: Description, period_s: float, since_end_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _basis(description: Description, period_s: float, since_end_s: Array) -> Array:
     """Columns of the linear model, shape (n, columns); the first is constant."""
     columns = [np.ones_like(since_end_s)]
     if description.has_rate:

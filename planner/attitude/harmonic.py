@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
+from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, choose
-from planner.attitude.reference_frames import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
@@ -67,28 +68,28 @@ class HarmonicAttitude:
     @cached_property
     def choice(self) -> str:
         """Which description was chosen, and on what evidence."""
-        tried = sorted(self.chosen_extrapolation.tried, key=lambda pair: pair[1])
-        (best, best_rms), others = tried[0], tried[1:]
+        trials = sorted(self.chosen_extrapolation.rms_by_description_rad, key=lambda pair: pair[1])
+        (best, best_rms), others = trials[0], trials[1:]
         against = "; ".join(f"{d}: {np.rad2deg(rms):.3f}" for d, rms in others)
-        said = (
+        sentence = (
             f"the attitude is carried on from {utc_text(self._end_utc)} by {best}: "
             f"{np.rad2deg(best_rms):.3f} deg rms over "
             f"{self.chosen_extrapolation.lead_s[-1]:.0f} s of its own history it had not seen"
         )
-        return f"{said} ({against})" if against else said
+        return f"{sentence} ({against})" if against else sentence
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """The choice: it may be a poor one, and its rms says so."""
         return (self.choice,)
 
-    def sigma_rad(self, instants: Instants) -> NDArray[np.float64]:
+    def sigma_rad(self, instants: Instants) -> Array:
         """1-sigma error about each axis at the n instants, from the held-out tail.
 
         Beyond the lead that was tried the error grows in proportion to the time.
         """
         lead_s = np.maximum(self._since_end_s(instants), 0.0)
-        tried_s, rms_rad = self.chosen_extrapolation.lead_s, self.chosen_extrapolation.error_rms_rad
-        total_rad = np.interp(lead_s, tried_s, rms_rad) * np.maximum(1.0, lead_s / tried_s[-1])
+        edge_s, rms_rad = self.chosen_extrapolation.lead_s, self.chosen_extrapolation.error_rms_rad
+        total_rad = np.interp(lead_s, edge_s, rms_rad) * np.maximum(1.0, lead_s / edge_s[-1])
         return np.asarray(total_rad / np.sqrt(3.0))
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
@@ -116,16 +117,16 @@ class HarmonicAttitude:
         last = self.message.segments[-1]
         return shifted_utc(last.epoch_utc, float(last.t_s[-1]))
 
-    def _since_end_s(self, instants: Instants) -> NDArray[np.float64]:
+    def _since_end_s(self, instants: Instants) -> Array:
         return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self._end_utc))
 
-    def _history(self) -> tuple[NDArray[np.float64], Rotation]:
+    def _history(self) -> tuple[Array, Rotation]:
         """Rows of the last orbits, thinned: seconds since the last segment's epoch, attitudes."""
         segments = self.message.segments
         epoch_utc = segments[-1].epoch_utc
         oldest_s = float(segments[-1].t_s[-1]) - HISTORY_ORBITS * self.orbital_period_s
         oldest_s -= 2.0 * self.lead_s
-        times: list[NDArray[np.float64]] = []
+        times: list[Array] = []
         attitudes: list[Rotation] = []
         for segment in segments:
             t_s = segment.t_s + elapsed_s(segment.epoch_utc, epoch_utc)
@@ -153,7 +154,7 @@ class HarmonicAttitude:
         return q_body_from_frame * q_frame_from_eci(segment.frame, instants, states) * q_lvlh.inv()
 
 
-def _thin(t_s: NDArray[np.float64], oldest_s: float) -> NDArray[np.intp]:
+def _thin(t_s: Array, oldest_s: float) -> NDArray[np.intp]:
     """The last row of every stretch of ROW_STEP_S counted back from the end."""
     rows = np.flatnonzero(t_s >= oldest_s)[::-1]
     _, first = np.unique((t_s[-1] - t_s[rows]) // ROW_STEP_S, return_index=True)

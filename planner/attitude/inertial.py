@@ -5,9 +5,9 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, elapsed_s, require_offset, utc_text
 from planner.orbits import OrbitStates
@@ -58,19 +58,19 @@ class InertialAttitude:
                 "rate says nothing; give attitude and rate nearer to the sessions, or another law",
                 field="attitude.epoch",
             )
-        turned_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
-        return Rotation.from_rotvec(-turned_rad) * Rotation.from_quat(self.q_body_from_eci_xyzw)
+        turn_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
+        return Rotation.from_rotvec(-turn_rad) * Rotation.from_quat(self.q_body_from_eci_xyzw)
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """That the epoch is far from the instants."""
         age_s = float(np.max(np.abs(self._since_epoch_s(instants))))
         return (self._age_warning(age_s),) if age_s > WARN_AGE_S else ()
 
-    def error_rms_rad(self, instants: Instants) -> NDArray[np.float64]:
+    def error_rms_rad(self, instants: Instants) -> Array:
         """Of the rotation, shape (n,): measured up to 1800 s, beyond that growing as time^2."""
         return _error_rms_rad(np.abs(self._since_epoch_s(instants)))
 
-    def _since_epoch_s(self, instants: Instants) -> NDArray[np.float64]:
+    def _since_epoch_s(self, instants: Instants) -> Array:
         return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self.epoch))
 
     def _age_warning(self, age_s: float) -> str:
@@ -82,7 +82,7 @@ class InertialAttitude:
         )
 
 
-def _error_rms_rad(age_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def _error_rms_rad(age_s: Array) -> Array:
     rms_deg = np.interp(age_s, CONSTANT_RATE_LEADS_S, CONSTANT_RATE_RMS_DEG)
     beyond = np.maximum(1.0, age_s / CONSTANT_RATE_LEADS_S[-1])
     return np.asarray(np.deg2rad(rms_deg * beyond**2))

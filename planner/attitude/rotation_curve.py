@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from planner.arrays import Array
 from planner.frames.iers import RAD_PER_ARCSEC
 
 if TYPE_CHECKING:
@@ -42,32 +42,31 @@ class RotationCurve:
     residual_max_rad: float
     knot_spacing_s: float
 
-    def at(self, t_s: NDArray[np.float64]) -> Rotation:
+    def at(self, t_s: Array) -> Rotation:
         """Rotations at n instants within the rows'."""
         return Rotation.from_quat(self.quaternion(t_s))
 
 
 def rotation_curve(
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64] | None = None,
+    t_s: Array, q_body_from_frame_xyzw: Array, q_dot_s: Array | None = None
 ) -> RotationCurve:
     """Fit the curve; ValueError when the rows are too far apart to say how it turns.
 
-    t_s: shape (n,), increasing, n >= 2.  q_xyzw: shape (n, 4), unit, neighbours of like sign;
-    q_dot_s: its derivative.  Splines are fitted to the four components and normalised, which
-    changes the attitude by less than their own error.
+    t_s: shape (n,), increasing, n >= 2.  q_body_from_frame_xyzw: shape (n, 4), unit, neighbours of
+    like sign; q_dot_s: its derivative.  Splines are fitted to the four components and normalised,
+    which changes the attitude by less than their own error.
     """
-    turn_rad = 4.0 * np.arcsin(0.5 * np.linalg.norm(np.diff(q_xyzw, axis=0), axis=1))
+    step = np.diff(q_body_from_frame_xyzw, axis=0)
+    turn_rad = 4.0 * np.arcsin(0.5 * np.linalg.norm(step, axis=1))
     widest = int(np.argmax(turn_rad))
     if turn_rad[widest] > STEP_TURN_MAX_RAD:
         raise ValueError(
             f"rows {widest + 1} and {widest + 2} are {np.rad2deg(turn_rad[widest]):.0f} deg "
             "apart: too far to say how it turned between; send rows closer in time"
         )
-    spacing_s = _knot_spacing_s(t_s, q_xyzw, q_dot_s)
-    curve = _fit(t_s, q_xyzw, q_dot_s, spacing_s)
-    miss_rad = _distance_rad(curve(t_s), q_xyzw) if spacing_s else np.zeros(1)
+    spacing_s = _knot_spacing_s(t_s, q_body_from_frame_xyzw, q_dot_s)
+    curve = _fit(t_s, q_body_from_frame_xyzw, q_dot_s, spacing_s)
+    miss_rad = _distance_rad(curve(t_s), q_body_from_frame_xyzw) if spacing_s else np.zeros(1)
     return RotationCurve(
         quaternion=curve,
         residual_rms_rad=float(np.sqrt(np.mean(miss_rad**2))),
@@ -76,16 +75,14 @@ def rotation_curve(
     )
 
 
-def _knot_spacing_s(
-    t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64], q_dot_s: NDArray[np.float64] | None
-) -> float:
+def _knot_spacing_s(t_s: Array, q: Array, q_dot_s: Array | None) -> float:
     """The widest knot spacing that foretells unseen rows about as well as any; 0 interpolates."""
     starts = np.unique(np.linspace(0, max(0, len(t_s) - _SAMPLE_ROWS), _SAMPLES).astype(int))
     samples = [slice(start, start + _SAMPLE_ROWS) for start in starts]
 
     def held_out_rms_rad(spacing_s: float) -> float:
         squares = [
-            _held_out_rad(t_s[s], q_xyzw[s], None if q_dot_s is None else q_dot_s[s], spacing_s)
+            _held_out_rad(t_s[s], q[s], None if q_dot_s is None else q_dot_s[s], spacing_s)
             for s in samples
         ]
         return float(np.sqrt(np.mean(np.concatenate(squares) ** 2)))
@@ -102,45 +99,35 @@ def _knot_spacing_s(
     return next(s for s, e in zip(possible, errors_rad, strict=True) if e <= good_rad)
 
 
-def _held_out_rad(
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64] | None,
-    spacing_s: float,
-) -> NDArray[np.float64]:
+def _held_out_rad(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Array:
     """Errors at every fifth row, the curve having been fitted to the others."""
     held_out = np.zeros(len(t_s), dtype=bool)
     held_out[_HELD_OUT_EVERY // 2 : -1 : _HELD_OUT_EVERY] = True
     if not held_out.any():
         return np.zeros(1)
     rates = None if q_dot_s is None else q_dot_s[~held_out]
-    curve = _fit(t_s[~held_out], q_xyzw[~held_out], rates, spacing_s)
-    return _distance_rad(curve(t_s[held_out]), q_xyzw[held_out])
+    curve = _fit(t_s[~held_out], q[~held_out], rates, spacing_s)
+    return _distance_rad(curve(t_s[held_out]), q[held_out])
 
 
-def _fit(
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64] | None,
-    spacing_s: float,
-) -> Curve:
+def _fit(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Curve:
     # SciPy's interpolators take 0.2 s to import, which only a message should pay.
     from scipy.interpolate import make_interp_spline, make_lsq_spline
 
     if spacing_s:
-        return make_lsq_spline(t_s, q_xyzw, _knots(t_s, spacing_s), k=_DEGREE, method="norm-eq")
+        return make_lsq_spline(t_s, q, _knots(t_s, spacing_s), k=_DEGREE, method="norm-eq")
     if q_dot_s is not None and len(t_s) >= 4:
-        return _through_rates(t_s, q_xyzw, q_dot_s)
+        return _through_rates(t_s, q, q_dot_s)
     if len(t_s) == 2:
-        turn = Slerp(t_s, Rotation.from_quat(q_xyzw))
+        turn = Slerp(t_s, Rotation.from_quat(q))
         t_s = np.linspace(t_s[0], t_s[1], 2 * _DEGREE)
-        q_xyzw = turn(t_s).as_quat()
-        q_xyzw = q_xyzw * np.sign(q_xyzw @ q_xyzw[0])[:, None]
+        q = turn(t_s).as_quat()
+        q = q * np.sign(q @ q[0])[:, None]
     degree = _DEGREE if len(t_s) > _DEGREE else min(3, len(t_s) - 1)
-    return make_interp_spline(t_s, q_xyzw, k=degree)
+    return make_interp_spline(t_s, q, k=degree)
 
 
-def _knots(t_s: NDArray[np.float64], spacing_s: float) -> NDArray[np.float64]:
+def _knots(t_s: Array, spacing_s: float) -> Array:
     """Knots on rows about spacing_s apart, none in a gap: at least two rows between any two."""
     _, first = np.unique((t_s - t_s[0]) // spacing_s, return_index=True)
     inner: list[int] = [0]
@@ -151,9 +138,7 @@ def _knots(t_s: NDArray[np.float64], spacing_s: float) -> NDArray[np.float64]:
     return np.concatenate([ends[: _DEGREE + 1], t_s[inner[1:]], ends[_DEGREE + 1 :]])
 
 
-def _through_rates(
-    t_s: NDArray[np.float64], q_xyzw: NDArray[np.float64], q_dot_s: NDArray[np.float64]
-) -> "PPoly":
+def _through_rates(t_s: Array, q: Array, q_dot_s: Array) -> "PPoly":
     """Quintic Hermite through values and rates, second derivatives from a spline of the rates."""
     from scipy.interpolate import PPoly, make_interp_spline
 
@@ -162,19 +147,19 @@ def _through_rates(
     h = np.diff(t_s)[:, None]
     v0, v1 = q_dot_s[:-1] * h, q_dot_s[1:] * h
     a0, a1 = second[:-1] * h**2, second[1:] * h**2
-    turn = np.diff(q_xyzw, axis=0)
+    turn = np.diff(q, axis=0)
     coefficients = (
         (6.0 * turn - 3.0 * (v0 + v1) + 0.5 * (a1 - a0)) / h**5,
         (-15.0 * turn + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1) / h**4,
         (10.0 * turn - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1) / h**3,
         0.5 * a0 / h**2,
         v0 / h,
-        q_xyzw[:-1],
+        q[:-1],
     )
     return PPoly(np.stack(coefficients), t_s)
 
 
-def _distance_rad(q_xyzw: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles between attitudes that are nearly the same, shape (n,)."""
-    unit = q_xyzw / np.linalg.norm(q_xyzw, axis=1, keepdims=True)
-    return np.asarray(2.0 * np.linalg.norm(unit - other, axis=1))
+def _distance_rad(p: Array, q: Array) -> Array:
+    """Angles between attitudes that are nearly the same, p of any length, q unit, shape (n,)."""
+    unit = p / np.linalg.norm(p, axis=1, keepdims=True)
+    return np.asarray(2.0 * np.linalg.norm(unit - q, axis=1))

@@ -28,7 +28,7 @@ from planner.opportunities.carrier import carrier_over
 from planner.platforms import AxisLimits
 from planner.scenario import Scenario, Session
 from planner.targets import BenchMotionTarget
-from planner.targets.bench_motions import ConstantRate
+from planner.targets.axis_signals import ConstantRate
 
 REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a pass
 

@@ -1,13 +1,11 @@
 """The formats a plan can be exported in."""
 
-from planner.export.aem import write_aem
+from planner.export.ccsds import write_aem, write_oem
 from planner.export.csv import write_csv
 from planner.export.czml import write_czml
-from planner.export.exporter import Exporter
-from planner.export.flight_plan import FlightPlan, Segment, SegmentKind
+from planner.export.exporter import Exporter, FlightPlan, Segment, SegmentKind
 from planner.export.json import write_json
 from planner.export.netcdf import write_netcdf
-from planner.export.oem import write_oem
 from planner.export.stk import write_stk_attitude, write_stk_sensor
 
 EXPORTERS: dict[str, Exporter[FlightPlan]] = {

@@ -1,19 +1,70 @@
-"""The parts of a CCSDS message in KVN."""
+"""CCSDS messages in KVN: the payload's attitude (AEM), the carrier's orbit (OEM)."""
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.export.description import DECIMALS, TEXT_MAX, carrier
-from planner.export.table_states import axes_turn
+from planner.arrays import Array
+from planner.commands import ROWS_PER_S
+from planner.export.description import DECIMALS, TEXT_MAX, carrier_name, notes
+from planner.export.exporter import FlightPlan
+from planner.export.table_states import axes_turn, table_states
 from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import Orbit
 
 ORIGINATOR = "SLEWTRACK"
 ATTITUDE_FRAME_A = "GCRF"
 QUATERNION_DECIMALS = 13
+_FRAME_B = "INSTRUMENT_1"
+_DEGREE = 3  # h^4/384 of the fourth derivative, 1e-5 m/s4, is 3e-8 m
+
+
+def write_aem(plan: FlightPlan, created_utc: datetime) -> bytes:
+    """Version 2, KVN: the quaternion from GCRF to the payload and its angular velocity."""
+    rows = table_states(plan)
+    return attitude_message(
+        created_utc,
+        notes(plan, created_utc),
+        plan.scenario.orbit,
+        _FRAME_B,
+        rows.instants,
+        rows.q_payload_from_eci_xyzw,
+        rows.omega_payload_rad_s,
+        about=[f"attitude of the payload ({_FRAME_B}: +Z boresight) against {ATTITUDE_FRAME_A}"],
+    )
+
+
+def write_oem(plan: FlightPlan, created_utc: datetime) -> bytes:
+    """Version 2, KVN: GCRF position and velocity every second and on the last row.
+
+    The degree asked for is low because SGP4's velocity is not quite the derivative of its
+    position (16 mm/s on the ISS): a polynomial of degree 15 through the rows makes 0.1 m of
+    it near the ends, a cubic 1.5 mm.  Source: CCSDS 502.0-B-2, section 5.
+    """
+    rows = table_states(plan)
+    count = len(rows.instants)
+    seconds = np.unique([*range(0, count, ROWS_PER_S), count - 1])
+    moments = epochs(Instants(rows.instants.epoch_utc, rows.instants.t_s[seconds]))
+    lines = [
+        *header("OEM", "2.0", created_utc, notes(plan, created_utc)),
+        "META_START",
+        *object_lines(plan.scenario.orbit),
+        "REF_FRAME = GCRF",
+        "TIME_SYSTEM = UTC",
+        f"START_TIME = {moments[0]}",
+        f"STOP_TIME = {moments[-1]}",
+        "INTERPOLATION = HERMITE",
+        f"INTERPOLATION_DEGREE = {_DEGREE}",
+        "META_STOP",
+        "COMMENT data: X Y Z in km, X_DOT Y_DOT Z_DOT in km/s",
+        *data_lines(
+            moments,
+            (rows.states.r_sat_eci_m[seconds] / 1e3, 9),
+            (rows.states.v_sat_eci_m_s[seconds] / 1e3, 12),
+        ),
+    ]
+    return ("\n".join(lines) + "\n").encode("ascii")
 
 
 def epochs(instants: Instants) -> list[str]:
@@ -21,11 +72,11 @@ def epochs(instants: Instants) -> list[str]:
     return [text.removesuffix("Z") for text in instants.utc_text(3)]
 
 
-def header(kind: str, version: str, created_utc: datetime, notes: Iterable[str]) -> list[str]:
+def header(kind: str, version: str, created_utc: datetime, remarks: Iterable[str]) -> list[str]:
     """Lines from the version to the originator; long notes are broken at spaces."""
     return [
         f"CCSDS_{kind}_VERS = {version}",
-        *(f"COMMENT {line}" for note in notes for line in _wrap(note)),
+        *(f"COMMENT {line}" for remark in remarks for line in _wrap(remark)),
         f"CREATION_DATE = {utc_text(created_utc).removesuffix('Z')}",
         f"ORIGINATOR = {ORIGINATOR}",
     ]
@@ -33,17 +84,15 @@ def header(kind: str, version: str, created_utc: datetime, notes: Iterable[str])
 
 def object_lines(orbit: Orbit) -> list[str]:
     """Which spacecraft, and about which body."""
-    named = carrier(orbit)
+    spacecraft = carrier_name(orbit)
     return [
-        f"OBJECT_NAME = {named.name}",
-        f"OBJECT_ID = {named.designator}",
+        f"OBJECT_NAME = {spacecraft.name}",
+        f"OBJECT_ID = {spacecraft.designator}",
         "CENTER_NAME = EARTH",
     ]
 
 
-def data_lines(
-    moments: Sequence[str], blocks: Sequence[tuple[NDArray[np.float64], int]]
-) -> list[str]:
+def data_lines(moments: Sequence[str], *blocks: tuple[Array, int]) -> list[str]:
     """Epoch and numbers; blocks: arrays of shape (n, k) with their decimals."""
     formats = [f"%.{decimals}f" for values, decimals in blocks for _ in range(values.shape[1])]
     layout = " ".join(formats)
@@ -54,12 +103,12 @@ def data_lines(
 
 def attitude_message(
     created_utc: datetime,
-    notes: Iterable[str],
+    remarks: Iterable[str],
     orbit: Orbit,
     frame_b: str,
     instants: Instants,
-    q_b_from_eci_xyzw: NDArray[np.float64],
-    omega_b_rad_s: NDArray[np.float64],
+    q_b_from_eci_xyzw: Array,
+    omega_b_rad_s: Array,
     *,
     about: Iterable[str] = (),
 ) -> bytes:
@@ -72,7 +121,7 @@ def attitude_message(
     """
     moments = epochs(instants)
     lines = [
-        *header("AEM", "2.0", created_utc, notes),
+        *header("AEM", "2.0", created_utc, remarks),
         "META_START",
         *(f"COMMENT {line}" for line in about),
         "COMMENT data: Q1 Q2 Q3 QC, scalar last, then ANGVEL_X ANGVEL_Y ANGVEL_Z in deg/s",
@@ -90,19 +139,17 @@ def attitude_message(
         "DATA_START",
         *data_lines(
             moments,
-            [
-                (axes_turn(q_b_from_eci_xyzw), QUATERNION_DECIMALS),
-                (np.degrees(omega_b_rad_s), DECIMALS),
-            ],
+            (axes_turn(q_b_from_eci_xyzw), QUATERNION_DECIMALS),
+            (np.degrees(omega_b_rad_s), DECIMALS),
         ),
         "DATA_STOP",
     ]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _wrap(note: str) -> list[str]:
+def _wrap(remark: str) -> list[str]:
     lines = [""]
-    for word in note.split(" "):
+    for word in remark.split(" "):
         if lines[-1] and len(lines[-1]) + len(word) >= TEXT_MAX:
             lines.append("")
         lines[-1] = f"{lines[-1]} {word}".strip()

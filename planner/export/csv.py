@@ -6,7 +6,7 @@ import numpy as np
 
 from planner.commands import CommandTable
 from planner.export.description import DECIMALS, columns, notes, one_line
-from planner.export.flight_plan import FlightPlan
+from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants
 
 
@@ -21,11 +21,11 @@ def table_csv(table: CommandTable) -> str:
 
     Degrees to 1e-9 (4 microarcsec), as in the JSON answer.
     """
-    written = columns(table)
+    table_columns = columns(table)
     utc = Instants(table.epoch_utc, table.t_s).utc_text(1)
     t_s = table.t_s.tolist()
-    rows = np.column_stack([column.values for column in written]).tolist()
-    lines = [",".join(["utc", "t_s", *(_quote(column.name) for column in written)])]
+    rows = np.column_stack([column.value_by_row for column in table_columns]).tolist()
+    lines = [",".join(["utc", "t_s", *(_quote(column.name) for column in table_columns)])]
     for moment, t, row in zip(utc, t_s, rows, strict=True):
         lines.append(f"{moment},{t:.1f}," + ",".join(f"{value:.{DECIMALS}f}" for value in row))
     return "\n".join(lines) + "\n"

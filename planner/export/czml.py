@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
-from planner.export.description import carrier, notes
-from planner.export.flight_plan import FlightPlan
+from planner.export.description import carrier_name, notes
+from planner.export.exporter import FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, FRAME_CORNERS, frame_corner_rays, sights
 from planner.export.table_states import TableStates, continuous, table_states
 from planner.frames.earth_orientation import c_itrf_from_eci
@@ -83,13 +83,13 @@ def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Jso
 
 def _spacecraft(plan: FlightPlan, rows: TableStates, c_itrf: Array) -> list[Json]:
     r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, rows.states.r_sat_eci_m)
-    named = carrier(plan.scenario.orbit)
+    spacecraft = carrier_name(plan.scenario.orbit)
     availability = _span(rows, 0, -1)
     duration_s = float(rows.instants.t_s[-1] - rows.instants.t_s[0])
     return [
         {
             "id": "carrier",
-            "name": f"{named.name} ({named.designator})",
+            "name": f"{spacecraft.name} ({spacecraft.designator})",
             "availability": availability,
             "position": _sample("cartesian", rows, r_sat_itrf_m, 3, degree=5),
             "orientation": _orientation(rows, rows.q_body_from_eci_xyzw, c_itrf),
@@ -151,13 +151,15 @@ def _footprint(rows: TableStates, platform: TwoAxisPlatform) -> list[Json]:
         return []
     spans = [_span(rows, first, last) for first, last in runs]
     names = [f"footprint-{number}" for number in range(len(FRAME_CORNERS))]
-    seen = np.concatenate([np.arange(first, last + 1) for first, last in runs])
+    on_ground = np.concatenate([np.arange(first, last + 1) for first, last in runs])
     return [
         *(
             {
                 "id": name,
                 "availability": spans,
-                "position": _sample("cartesian", rows, corners.end_itrf_m[:, number], 2, kept=seen),
+                "position": _sample(
+                    "cartesian", rows, corners.end_itrf_m[:, number], 2, which=on_ground
+                ),
             }
             for number, name in enumerate(names)
         ),
@@ -179,16 +181,16 @@ def _target(number: int, session: Session, rows: TableStates, c_itrf: Array) -> 
     target = session.target
     first = _row_at(rows, session.start)
     last = _row_at(rows, session.stop)
-    kept = np.arange(max(first - 1, 0), min(last + 2, len(rows.instants)))
-    instants = Instants(rows.instants.epoch_utc, rows.instants.t_s[kept])
+    which = np.arange(max(first - 1, 0), min(last + 2, len(rows.instants)))
+    instants = Instants(rows.instants.epoch_utc, rows.instants.t_s[which])
     if isinstance(target, EarthFixedTarget):
         place_itrf_m = target.r_target_itrf_m(instants)
         where = "on the Earth"
     elif isinstance(target, SkyTarget):
-        states = OrbitStates(rows.states.r_sat_eci_m[kept], rows.states.v_sat_eci_m_s[kept])
+        states = OrbitStates(rows.states.r_sat_eci_m[which], rows.states.v_sat_eci_m_s[which])
         direction_eci = target.apparent(instants, states).direction_eci
         end_eci_m = states.r_sat_eci_m + SKY_DISTANCE_M * direction_eci
-        place_itrf_m = np.einsum("nij,nj->ni", c_itrf[kept], end_eci_m)
+        place_itrf_m = np.einsum("nij,nj->ni", c_itrf[which], end_eci_m)
         where = "the direction counts, not the distance"
     else:
         return
@@ -197,18 +199,18 @@ def _target(number: int, session: Session, rows: TableStates, c_itrf: Array) -> 
         "name": f"target of session {number} ({target.mode})",
         "description": _html([where]),
         "availability": _interval(session.start, session.stop),
-        "position": _place(rows, place_itrf_m, kept),
+        "position": _place(rows, place_itrf_m, which),
         "point": {"pixelSize": 9, "color": {"rgba": _TARGET_RGBA}},
         "label": {"text": f"session {number}", "font": "12pt sans-serif", "showBackground": True},
     }
 
 
-def _place(rows: TableStates, place_itrf_m: Array, kept: NDArray[np.int_]) -> Json:
+def _place(rows: TableStates, place_itrf_m: Array, which: NDArray[np.int_]) -> Json:
     if np.ptp(place_itrf_m, axis=0).max() == 0.0:
         return {"cartesian": np.round(place_itrf_m[0], 3).tolist()}
     positions = np.zeros((len(rows.instants), 3))
-    positions[kept] = place_itrf_m
-    return _sample("cartesian", rows, positions, 3, degree=5, kept=kept)
+    positions[which] = place_itrf_m
+    return _sample("cartesian", rows, positions, 3, degree=5, which=which)
 
 
 def _orientation(rows: TableStates, q_from_eci_xyzw: Array, c_itrf: Array) -> Json:
@@ -219,21 +221,21 @@ def _orientation(rows: TableStates, q_from_eci_xyzw: Array, c_itrf: Array) -> Js
 def _sample(
     key: str,
     rows: TableStates,
-    values: Array,
+    value_by_row: Array,
     decimals: int,
     *,
     degree: int = 1,
-    kept: NDArray[np.int_] | None = None,
+    which: NDArray[np.int_] | None = None,
 ) -> Json:
-    """Time-tagged samples, seconds from the first row; values has a line for every row."""
+    """Time-tagged samples, seconds from the first row; value_by_row has a line for every row."""
     t_s = rows.instants.t_s - rows.instants.t_s[0]
-    tagged = np.column_stack([np.round(t_s, 1), np.round(values, decimals) + 0.0])
-    tagged = tagged if kept is None else tagged[kept]
+    samples = np.column_stack([np.round(t_s, 1), np.round(value_by_row, decimals) + 0.0])
+    samples = samples if which is None else samples[which]
     return {
         "epoch": utc_text(rows.at_utc(0), 1),
         "interpolationAlgorithm": "LINEAR" if degree == 1 else "LAGRANGE",
         "interpolationDegree": degree,
-        key: tagged.ravel().tolist(),
+        key: samples.ravel().tolist(),
     }
 
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, CommandTable
-from planner.export.flight_plan import FlightPlan
+from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import utc_text
 from planner.orbits import OemOrbit, OmmOrbit, OpmOrbit, Orbit, TleOrbit
 from planner.platforms import TwoAxisPlatform
@@ -35,7 +35,7 @@ class Column:
     name: str
     unit: str
     axis: str
-    values: NDArray[np.float64]
+    value_by_row: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ def columns(table: CommandTable) -> tuple[Column, ...]:
             name=axis + suffix,
             unit=unit,
             axis=axis,
-            values=_degrees(radians[:, index]),
+            value_by_row=_degrees(radians[:, index]),
         )
         for suffix, unit, radians in kinds
         for index, axis in enumerate(table.axis_names)
@@ -92,7 +92,7 @@ def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
     )
 
 
-def carrier(orbit: Orbit) -> CarrierName:
+def carrier_name(orbit: Orbit) -> CarrierName:
     """As its orbit message names it."""
     if isinstance(orbit, TleOrbit):
         launch = orbit.line1[9:17].strip()
@@ -117,9 +117,9 @@ def one_line(text: str) -> str:
     return " ".join(printable.split())[:TEXT_MAX]
 
 
-def _degrees(values_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+def _degrees(values_rad: Array) -> Array:
     return np.asarray(np.round(np.degrees(values_rad), DECIMALS) + 0.0, dtype=np.float64)  # no -0.0
 
 
-def _vector(values: tuple[float, ...] | NDArray[np.float64]) -> str:
-    return "[" + ", ".join(f"{value + 0.0:.12g}" for value in values) + "]"
+def _vector(unit: tuple[float, ...] | Array) -> str:
+    return "[" + ", ".join(f"{value + 0.0:.12g}" for value in unit) + "]"

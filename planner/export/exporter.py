@@ -1,11 +1,16 @@
-"""An export format: its title, media type, suffix and writer."""
+"""An export format, and the plan that every format is written from."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Generic, TypeVar
+from typing import Generic, Literal, TypeVar, get_args
+
+from planner.commands import CommandTable
+from planner.scenario import Scenario
 
 P = TypeVar("P")
+SegmentKind = Literal["wait", "slew", "track"]
+KINDS: tuple[SegmentKind, ...] = get_args(SegmentKind)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,3 +26,25 @@ class Exporter(Generic[P]):
     media_type: str
     suffix: str
     write: Callable[[P, datetime], bytes]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Segment:
+    """A stretch of the table, on its grid: at rest, on the way to the target, or holding it.
+
+    session: index into the scenario's sessions.
+    """
+
+    kind: SegmentKind
+    session: int
+    start_utc: datetime
+    stop_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlightPlan:
+    """scenario: with its sessions shortened where a conflict asked for it."""
+
+    scenario: Scenario
+    segments: tuple[Segment, ...]
+    table: CommandTable

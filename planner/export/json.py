@@ -13,26 +13,26 @@ from planner.export.description import (
     one_line,
     rotation_order,
 )
-from planner.export.flight_plan import FlightPlan
+from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import utc_text
 
 
 def write_json(plan: FlightPlan, created_utc: datetime) -> bytes:
     """The answer's `table` with a `description` of frames, units, time scale and rotation."""
     table, platform = plan.table, plan.scenario.platform
-    written = columns(table)
+    table_columns = columns(table)
     document = {
         "name": plan.scenario.name,
         "epoch": utc_text(table.epoch_utc, 1),
         "step_s": COMMAND_STEP_S,
         "t_s": table.t_s.tolist(),
-        **{column.name: column.values.tolist() for column in written},
+        **{column.name: column.value_by_row.tolist() for column in table_columns},
         "description": {
             "created": utc_text(created_utc),
             "platform": one_line(platform.name),
             "axes": list(table.axis_names),
             "time_scale": TIME_SCALE,
-            "units": {"t_s": "s", **{column.name: column.unit for column in written}},
+            "units": {"t_s": "s", **{column.name: column.unit for column in table_columns}},
             "rotation_order": rotation_order(platform),
             "frames": f"{PAYLOAD_AXES}; {mount(platform)}",
             "interpolation": INTERPOLATION,

@@ -4,9 +4,9 @@ import io
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import netcdf_file, netcdf_variable
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.export.description import (
     INTERPOLATION,
@@ -14,13 +14,13 @@ from planner.export.description import (
     QUATERNION,
     TIME_SCALE,
     Column,
-    carrier,
+    carrier_name,
     columns,
     mount,
     one_line,
     rotation_order,
 )
-from planner.export.flight_plan import KINDS, FlightPlan
+from planner.export.exporter import KINDS, FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, sights
 from planner.export.table_states import TableStates, table_states
 from planner.frames.geodesy import geodetic_from_itrf
@@ -49,8 +49,8 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
         _times(file, plan)
         for column in columns(plan.table):
             motion = "rate" if "s-1" in column.unit else "angle"
-            said = f"{motion} of axis {one_line(column.axis)}"
-            _write(file, _identifier(column, plan), column.values, column.unit, said)
+            meaning = f"{motion} of axis {one_line(column.axis)}"
+            _write(file, _identifier(column, plan), column.value_by_row, column.unit, meaning)
         _segments(file, plan)
         _attitude(file, rows)
         _ground(file, rows)
@@ -60,14 +60,14 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
 
 def _global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetime) -> None:
     scenario = plan.scenario
-    named = carrier(scenario.orbit)
+    spacecraft = carrier_name(scenario.orbit)
     describe(
         file,
         Conventions="CF-1.12",
         title=one_line(scenario.name) or "slewtrack plan",
         history=f"{utc_text(created_utc)} written by slewtrack",
         platform=one_line(scenario.platform.name),
-        carrier=f"{named.name} ({named.designator})",
+        carrier=f"{spacecraft.name} ({spacecraft.designator})",
         rotation_order=rotation_order(scenario.platform),
         mount=mount(scenario.platform),
         time_scale=TIME_SCALE,
@@ -128,7 +128,7 @@ def _segments(file: netcdf_file, plan: FlightPlan) -> None:
 
 
 def _attitude(file: netcdf_file, rows: TableStates) -> None:
-    for name, values, unit, said in (
+    for name, values, unit, meaning in (
         ("q_payload_from_gcrf_xyzw", rows.q_payload_from_eci_xyzw, "1", "attitude of the payload"),
         ("q_body_from_gcrf_xyzw", rows.q_body_from_eci_xyzw, "1", "attitude of the carrier"),
         (
@@ -140,7 +140,7 @@ def _attitude(file: netcdf_file, rows: TableStates) -> None:
         ("r_sat_gcrf_m", rows.states.r_sat_eci_m, "m", "position of the carrier, gcrf axes"),
         ("v_sat_gcrf_m_s", rows.states.v_sat_eci_m_s, "m s-1", "velocity of the carrier"),
     ):
-        _write(file, name, values, unit, said, rows.first_row)
+        _write(file, name, values, unit, meaning, rows.first_row)
 
 
 def _ground(file: netcdf_file, rows: TableStates) -> None:
@@ -152,8 +152,8 @@ def _ground(file: netcdf_file, rows: TableStates) -> None:
         ("longitude", longitude_rad, "degrees_east"),
     ):
         degrees = np.where(boresight.on_ground[:, 0], np.degrees(values), FILL)
-        said = f"geodetic {name} where the boresight meets the WGS84 ellipsoid"
-        variable = _write(file, f"boresight_{name}_deg", degrees, unit, said, rows.first_row)
+        meaning = f"geodetic {name} where the boresight meets the WGS84 ellipsoid"
+        variable = _write(file, f"boresight_{name}_deg", degrees, unit, meaning, rows.first_row)
         describe(variable, standard_name=name)
 
 
@@ -166,19 +166,14 @@ def _identifier(column: Column, plan: FlightPlan) -> str:
 
 
 def _write(
-    file: netcdf_file,
-    name: str,
-    values: NDArray[np.float64],
-    unit: str,
-    said: str,
-    first_row: int = 0,
+    file: netcdf_file, name: str, value_by_row: Array, unit: str, meaning: str, first_row: int = 0
 ) -> netcdf_variable:
-    """values: one line per row from first_row on; rows before are filled."""
-    sides = {1: (), 3: ("xyz",), 4: ("xyzw",)}[values[0].size]
+    """value_by_row: one line per row from first_row on; rows before are filled."""
+    sides = {1: (), 3: ("xyz",), 4: ("xyzw",)}[value_by_row[0].size]
     variable = file.createVariable(name, "d", ("time", *sides))
     variable[:first_row] = FILL
-    variable[first_row:] = values
-    describe(variable, _FillValue=FILL, units=unit, long_name=said)
+    variable[first_row:] = value_by_row
+    describe(variable, _FillValue=FILL, units=unit, long_name=meaning)
     return variable
 
 

@@ -8,12 +8,10 @@ Pointing File Format (*.sp)", whose example AttitudeFile4 turns by +6 deg/s abou
 from collections.abc import Sequence
 from datetime import datetime
 
-import numpy as np
-from numpy.typing import NDArray
-
+from planner.arrays import Array
 from planner.export.ccsds import data_lines, epochs
 from planner.export.description import notes
-from planner.export.flight_plan import FlightPlan
+from planner.export.exporter import FlightPlan
 from planner.export.table_states import TableStates, axes_turn, table_states
 
 _ORDER = 5  # of the polynomial STK lays through the rows; its default bends 18 arcsec off
@@ -50,7 +48,7 @@ def write_stk_sensor(plan: FlightPlan, created_utc: datetime) -> bytes:
 def _file(
     remarks: Sequence[str],
     rows: TableStates,
-    q_described_from_reference_xyzw: NDArray[np.float64],
+    q_described_from_reference_xyzw: Array,
     title: str,
     axes: Sequence[str],
 ) -> bytes:
@@ -65,7 +63,7 @@ def _file(
         *axes,
         "TimeFormat ISO-YMD",
         "AttitudeTimeQuaternions",
-        *data_lines(epochs(rows.instants), [(axes_turn(q_described_from_reference_xyzw), 13)]),
+        *data_lines(epochs(rows.instants), (axes_turn(q_described_from_reference_xyzw), 13)),
         "END Attitude",
     ]
     return ("\n".join(lines) + "\n").encode("ascii")

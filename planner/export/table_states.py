@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.errors import OutsideCoverage
-from planner.export.flight_plan import FlightPlan
-from planner.export.payload import omega_payload_rad_s, q_payload_from_platform
+from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import OrbitStates
+from planner.platforms import TwoAxisPlatform
 
 _DEGREE = 5
 
@@ -65,7 +65,7 @@ def _states_from(plan: FlightPlan, first_row: int) -> TableStates:
         q_payload_from_platform(platform, angle_rad) * platform.q_platform_from_body
     )
     q_body_from_eci_xyzw = continuous(q_body_from_eci)
-    carried_rad_s = q_payload_from_body.apply(_omega_body_rad_s(t_s, q_body_from_eci_xyzw))
+    omega_base_rad_s = q_payload_from_body.apply(_omega_body_rad_s(t_s, q_body_from_eci_xyzw))
     return TableStates(
         first_row=first_row,
         instants=instants,
@@ -73,7 +73,34 @@ def _states_from(plan: FlightPlan, first_row: int) -> TableStates:
         q_body_from_eci_xyzw=q_body_from_eci_xyzw,
         q_payload_from_body_xyzw=continuous(q_payload_from_body),
         q_payload_from_eci_xyzw=continuous(q_payload_from_body * q_body_from_eci),
-        omega_payload_rad_s=carried_rad_s + omega_payload_rad_s(platform, angle_rad, rate_rad_s),
+        omega_payload_rad_s=omega_base_rad_s + omega_payload_rad_s(platform, angle_rad, rate_rad_s),
+    )
+
+
+def q_payload_from_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Rotation:
+    """n rotations to the payload's axes: +Z the boresight, +X and +Y carried by both axes.
+
+    angle_rad: shape (n, 2), in the order of `platform.axis_names`.  At zero angles +X is the
+    inner axis, or its part across the zero direction; so on the HRC the payload's axes then
+    are the platform's.  +Y completes.
+    """
+    outer, inner = platform.axes_platform
+    turn = Rotation.from_rotvec(angle_rad[:, :1] * outer) * Rotation.from_rotvec(
+        angle_rad[:, 1:] * inner
+    )
+    return (turn * Rotation.from_matrix(_c_platform_from_payload_at_zero(platform))).inv()
+
+
+def omega_payload_rad_s(platform: TwoAxisPlatform, angle_rad: Array, rate_rad_s: Array) -> Array:
+    """Angular velocity of the payload against the platform's base, payload axes, shape (n, 3).
+
+    angle_rad, rate_rad_s: shape (n, 2).
+    """
+    outer, inner = platform.axes_platform
+    inner_platform = Rotation.from_rotvec(angle_rad[:, :1] * outer).apply(inner)
+    omega_platform_rad_s = rate_rad_s[:, :1] * outer + rate_rad_s[:, 1:] * inner_platform
+    return np.asarray(
+        q_payload_from_platform(platform, angle_rad).apply(omega_platform_rad_s), dtype=np.float64
     )
 
 
@@ -113,3 +140,13 @@ def _first_tracking_row(plan: FlightPlan) -> int:
         if segment.kind == "track"
     )
     return round(start_s * ROWS_PER_S)
+
+
+def _c_platform_from_payload_at_zero(platform: TwoAxisPlatform) -> Array:
+    """Columns: the payload's axes in the platform frame when both angles are zero."""
+    z = np.array(platform.zero_direction_platform)
+    z = z / np.linalg.norm(z)
+    _, inner = platform.axes_platform
+    across = inner - (inner @ z) * z
+    x = across / np.linalg.norm(across)
+    return np.stack([x, np.cross(z, x), z], axis=1)

@@ -11,8 +11,8 @@ from functools import lru_cache
 
 import erfa
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.frames.iers import earth_orientation_table
 from planner.frames.time_scales import DAY_S, MJD_JD, TT_MINUS_TAI_S, Instants
@@ -25,11 +25,11 @@ BLOCKS_KEPT = 1024  # 45 days, 2 MB
 _MJD_EPOCH = datetime(1858, 11, 17, tzinfo=UTC)
 
 # Mean equator and equinox of J2000.0 to GCRF: IERS Conventions 2010, 5.5.4 (frame bias, 23 mas)
-C_GCRF_FROM_EME2000: NDArray[np.float64] = erfa.bp00(2451545.0, 0.0)[0].T.copy()
+C_GCRF_FROM_EME2000: Array = erfa.bp00(2451545.0, 0.0)[0].T.copy()
 C_GCRF_FROM_EME2000.setflags(write=False)
 
 
-def c_itrf_from_eci(instants: Instants) -> NDArray[np.float64]:
+def c_itrf_from_eci(instants: Instants) -> Array:
     """Rotation matrices from GCRF to ITRF axes, shape (n, 3, 3).
 
     Leaves out diurnal and semi-diurnal tides in pole and UT1 (3 cm on the ground at most).
@@ -39,7 +39,7 @@ def c_itrf_from_eci(instants: Instants) -> NDArray[np.float64]:
     return _celestial_to_terrestrial(instants)[0]
 
 
-def c_itrf_from_teme(instants: Instants) -> NDArray[np.float64]:
+def c_itrf_from_teme(instants: Instants) -> Array:
     """Rotation matrices from SGP4's TEME to ITRF axes, shape (n, 3, 3).
 
     Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
@@ -47,12 +47,12 @@ def c_itrf_from_teme(instants: Instants) -> NDArray[np.float64]:
     at = _interpolate(instants)
     jd1, jd2 = instants.tai_jd()
     theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
-    return np.asarray(_polar_motion(at) @ _rotation_z(theta))
+    return np.asarray(_polar_motion(at[:, 4:7]) @ _rotation_z(theta))
 
 
 def itrf_from_eci_state(
-    r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64], instants: Instants
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    r_eci_m: Array, v_eci_m_s: Array, instants: Instants
+) -> tuple[Array, Array]:
     """Position and velocity relative to the rotating Earth, each (n, 3), in ITRF axes.
 
     Leaves out the motion of the Earth's axis itself (2e-5 m/s in low orbit).
@@ -64,8 +64,8 @@ def itrf_from_eci_state(
 
 
 def eci_from_itrf_state(
-    r_itrf_m: NDArray[np.float64], v_itrf_m_s: NDArray[np.float64], instants: Instants
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    r_itrf_m: Array, v_itrf_m_s: Array, instants: Instants
+) -> tuple[Array, Array]:
     """Inverse of `itrf_from_eci_state`."""
     c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
     v_inertial_itrf_m_s = v_itrf_m_s + np.cross(omega_itrf_rad_s, r_itrf_m)
@@ -74,13 +74,13 @@ def eci_from_itrf_state(
 
 def iers_data_end_utc() -> datetime:
     """Last day with UT1 and pole, the IERS's predictions included."""
-    return _MJD_EPOCH + timedelta(days=float(earth_orientation_table().mjd_utc[-1]))
+    return _MJD_EPOCH + timedelta(days=float(earth_orientation_table().utc_mjd[-1]))
 
 
 def earth_orientation_warning(instants: Instants) -> str | None:
     """What to tell the user when instants lie past the end of the IERS data, else None."""
     past_days = float(
-        np.max(instants.utc_mjd(), initial=0.0) - earth_orientation_table().mjd_utc[-1]
+        np.max(instants.utc_mjd(), initial=0.0) - earth_orientation_table().utc_mjd[-1]
     )
     if past_days <= 0.0:
         return None
@@ -91,27 +91,25 @@ def earth_orientation_warning(instants: Instants) -> str | None:
     )
 
 
-def _celestial_to_terrestrial(
-    instants: Instants,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _celestial_to_terrestrial(instants: Instants) -> tuple[Array, Array]:
     """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s."""
     at = _interpolate(instants)
     jd1, jd2 = instants.tai_jd()
     era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
     c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
-    w = _polar_motion(at)
+    w = _polar_motion(at[:, 4:7])
     ut1_rate = 1.0 + at[:, 7]
     return w @ _rotation_z(era) @ c_cirs_from_eci, w[:, :, 2] * (OMEGA_EARTH_RAD_S * ut1_rate)[
         :, None
     ]
 
 
-def _polar_motion(at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Matrices from the intermediate (CIP, TIO) to ITRF axes, shape (n, 3, 3)."""
-    return np.asarray(erfa.pom00(at[:, 4], at[:, 5], at[:, 6]))
+def _polar_motion(pole_rad: Array) -> Array:
+    """Matrices from the intermediate (CIP, TIO) to ITRF axes, (n, 3, 3); xp, yp, s' in columns."""
+    return np.asarray(erfa.pom00(*pole_rad.T))
 
 
-def _rotation_z(angle_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rotation_z(angle_rad: Array) -> Array:
     """Frame rotations about z, shape (n, 3, 3)."""
     c = np.zeros((len(angle_rad), 3, 3))
     c[:, 0, 0] = c[:, 1, 1] = np.cos(angle_rad)
@@ -121,43 +119,43 @@ def _rotation_z(angle_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     return c
 
 
-def _interpolate(instants: Instants) -> NDArray[np.float64]:
+def _interpolate(instants: Instants) -> Array:
     """Columns X, Y, s (rad), UT1 - TAI (s), xp, yp, s' (rad), d(UT1 - TAI)/dt, shape (n, 8)."""
     jd1, jd2 = instants.tai_jd()
     position = ((jd1 - MJD_JD) + jd2) * (DAY_S / NODE_STEP_S)
     cell = np.floor(position)
     cells, which = np.unique(cell, return_inverse=True)
-    nodes = np.union1d(cells, cells + 1.0)
-    first = np.searchsorted(nodes, cells)
-    values = _at_nodes(nodes)
+    node_ticks = np.union1d(cells, cells + 1.0)
+    first = np.searchsorted(node_ticks, cells)
+    values = _at_nodes(node_ticks)
     slope = values[first + 1] - values[first]
     u = (position - cell)[:, None]
     at = np.asarray(values[first][which] + u * slope[which])
     return np.concatenate([at, slope[which, 3:4] / NODE_STEP_S], axis=1)
 
 
-def _at_nodes(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Columns X, Y, s, UT1 - TAI, xp, yp, s' at multiples of 120 s of TAI, shape (m, 7)."""
-    block, within = np.divmod(nodes.astype(np.int64), BLOCK_NODES)
+def _at_nodes(node_ticks: Array) -> Array:
+    """Columns X, Y, s, UT1 - TAI, xp, yp, s' at ticks of 120 s of TAI, shape (m, 7)."""
+    block, within = np.divmod(node_ticks.astype(np.int64), BLOCK_NODES)
     blocks, which = np.unique(block, return_inverse=True)
     kept = np.array([_block(int(number)) for number in blocks]).reshape(-1, BLOCK_NODES, 7)
     return np.asarray(kept[which, within])
 
 
 @lru_cache(maxsize=BLOCKS_KEPT)
-def _block(number: int) -> NDArray[np.float64]:
+def _block(number: int) -> Array:
     """BLOCK_NODES neighbouring nodes; kept, since one plan asks for the same ones many times."""
-    nodes = (number * BLOCK_NODES + np.arange(BLOCK_NODES)).astype(np.float64)
+    node_ticks = (number * BLOCK_NODES + np.arange(BLOCK_NODES)).astype(np.float64)
     epoch_utc = datetime(2000, 1, 1, tzinfo=UTC)
-    tai_offset_s = nodes * NODE_STEP_S - (51544.0 * DAY_S + 32.0)  # TAI - UTC of that epoch
+    tai_offset_s = node_ticks * NODE_STEP_S - (51544.0 * DAY_S + 32.0)  # TAI - UTC of that epoch
     utc_mjd = Instants(epoch_utc, tai_offset_s).utc_mjd()
     table = earth_orientation_table()
-    if len(utc_mjd) and utc_mjd.min() < table.mjd_utc[0]:
+    if len(utc_mjd) and utc_mjd.min() < table.utc_mjd[0]:
         raise OutsideCoverage(
             "Earth orientation is not known before 1973-01-02 (finals2000A); use later times"
         )
     eop = table.at(utc_mjd)
-    whole, rest = np.divmod(nodes * NODE_STEP_S, DAY_S)
+    whole, rest = np.divmod(node_ticks * NODE_STEP_S, DAY_S)
     tt = (MJD_JD + whole, (rest + TT_MINUS_TAI_S) / DAY_S)
     x, y, s = erfa.xys06a(*tt)
     return np.stack(

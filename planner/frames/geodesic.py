@@ -7,8 +7,9 @@ Source: Vincenty 1975, Survey Review 23 (176), the direct and inverse formulae.
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from planner.arrays import Array
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 
 LONGEST_M = 10e6  # the inverse formula converges for every pair of points this near
@@ -20,7 +21,7 @@ _CONVERGED_RAD = 1e-14
 
 def geodesic_end(
     latitude_rad: float, longitude_rad: float, azimuth_rad: ArrayLike, distance_m: ArrayLike
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Latitude and longitude (rad) where courses from one point end, shape (n,).
 
     azimuth_rad: at the point, clockwise from north; at a pole north is that of the
@@ -89,7 +90,7 @@ def _reduced_latitude(latitude_rad: float) -> tuple[float, float]:
     return sin / norm, cos / norm
 
 
-def _series(cos2_a: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _series(cos2_a: ArrayLike) -> tuple[Array, Array]:
     """A and B, eq. 3 and 4."""
     u2 = np.asarray(cos2_a) * (WGS84_A_M**2 - _B_M**2) / _B_M**2
     big_a = 1.0 + u2 / 16384.0 * (4096.0 + u2 * (-768.0 + u2 * (320.0 - 175.0 * u2)))
@@ -97,7 +98,7 @@ def _series(cos2_a: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]
     return big_a, big_b
 
 
-def _delta_sigma(big_b: ArrayLike, sigma: ArrayLike, cos_2m: ArrayLike) -> NDArray[np.float64]:
+def _delta_sigma(big_b: ArrayLike, sigma: ArrayLike, cos_2m: ArrayLike) -> Array:
     """Eq. 6."""
     b, c2 = np.asarray(big_b), np.asarray(cos_2m)
     sin_s, cos_s = np.sin(sigma), np.cos(sigma)
@@ -107,7 +108,7 @@ def _delta_sigma(big_b: ArrayLike, sigma: ArrayLike, cos_2m: ArrayLike) -> NDArr
 
 def _longitude_excess(
     sin_a: ArrayLike, cos2_a: ArrayLike, sigma: ArrayLike, cos_2m: ArrayLike
-) -> NDArray[np.float64]:
+) -> Array:
     """Longitude on the auxiliary sphere less that on the ellipsoid, eq. 10 and 11."""
     s, c2a, c2 = np.asarray(sin_a), np.asarray(cos2_a), np.asarray(cos_2m)
     c = WGS84_F / 16.0 * c2a * (4.0 + WGS84_F * (4.0 - 3.0 * c2a))

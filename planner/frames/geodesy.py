@@ -5,7 +5,9 @@ WGS84 is taken identical to ITRF (they agree to centimetres).
 
 import erfa
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from planner.arrays import Array
 
 WGS84_A_M = 6378137.0  # NGA.STND.0036, table 3.1
 WGS84_F = 1.0 / 298.257223563  # NGA.STND.0036, table 3.1
@@ -14,7 +16,7 @@ MU_EARTH_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 
 def itrf_from_geodetic(
     latitude_rad: ArrayLike, longitude_rad: ArrayLike, height_m: ArrayLike
-) -> NDArray[np.float64]:
+) -> Array:
     """ITRF position, shape (..., 3) of the inputs' common shape; height above the ellipsoid."""
     latitude, longitude, height = np.broadcast_arrays(latitude_rad, longitude_rad, height_m)
     sin_latitude = np.sin(latitude)
@@ -31,9 +33,7 @@ def itrf_from_geodetic(
     )
 
 
-def geodetic_from_itrf(
-    r_itrf_m: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def geodetic_from_itrf(r_itrf_m: Array) -> tuple[Array, Array, Array]:
     """Geodetic latitude, longitude in (-pi, pi] (rad) and height (m), each of shape (...).
 
     Good to 3e-7 m at 400 km, 2e-5 m at 2000 km and 1 mm farther out, down to 50 km from the
@@ -44,7 +44,7 @@ def geodetic_from_itrf(
     return np.asarray(latitude), np.asarray(longitude), np.asarray(height)
 
 
-def up_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> NDArray[np.float64]:
+def up_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> Array:
     """Outward normal of the ellipsoid, unit vectors of shape (..., 3)."""
     latitude, longitude = np.broadcast_arrays(latitude_rad, longitude_rad)
     cos_latitude = np.cos(latitude)
@@ -54,7 +54,7 @@ def up_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> NDArray[np.flo
     )
 
 
-def c_enu_from_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> NDArray[np.float64]:
+def c_enu_from_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> Array:
     """Rotation matrices to local east, north, up axes, shape (..., 3, 3)."""
     latitude, longitude = np.broadcast_arrays(latitude_rad, longitude_rad)
     east = np.stack([-np.sin(longitude), np.cos(longitude), np.zeros_like(longitude)], axis=-1)

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 from astropy_iers_data import IERS_A_FILE, IERS_LEAP_SECOND_FILE
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 RAD_PER_ARCSEC = math.pi / 648000.0
 
@@ -41,27 +42,27 @@ def leap_seconds() -> LeapSeconds:
 class EarthOrientationTable:
     """One row a day at 0h UTC, without gaps, the IERS's own predictions at its end.
 
-    mjd_utc: shape (n,).  values: shape (n, 5), columns UT1 - TAI (s), polar motion x, y (rad)
-    and celestial pole offsets dX, dY (rad).  UT1 - TAI has no leap-second steps, so it can be
-    interpolated; dX and dY, whose predictions end months before the others', keep their last.
+    utc_mjd: shape (n,).  ut1_s_pole_rad: shape (n, 5), columns UT1 - TAI (s), polar motion x, y
+    (rad) and celestial pole offsets dX, dY (rad).  UT1 - TAI has no leap-second steps, so it can
+    be interpolated; dX and dY, whose predictions end months before the others', keep their last.
     Source: finals2000A.all (Bulletin A columns) of the IERS Rapid Service.
     """
 
-    mjd_utc: NDArray[np.float64]
-    values: NDArray[np.float64]
+    utc_mjd: Array
+    ut1_s_pole_rad: Array
 
-    def at(self, mjd_utc: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values, shape (m, 5), at mjd_utc, shape (m,), by four-point Lagrange interpolation.
+    def at(self, utc_mjd: Array) -> Array:
+        """The columns, shape (m, 5), at utc_mjd, shape (m,), by four-point Lagrange interpolation.
 
         Past either end the value at that end is held.  Leaves out the diurnal and
         semi-diurnal ocean tides (0.5 mas and 0.05 ms at most: 3 cm on the ground).
         Source: IERS Conventions 2010, 5.1 (the interpolation it recommends).
         """
-        x = np.clip(mjd_utc, self.mjd_utc[0], self.mjd_utc[-1]) - self.mjd_utc[0]
-        first = np.clip(np.floor(x).astype(np.intp) - 1, 0, len(self.mjd_utc) - 4)
+        x = np.clip(utc_mjd, self.utc_mjd[0], self.utc_mjd[-1]) - self.utc_mjd[0]
+        first = np.clip(np.floor(x).astype(np.intp) - 1, 0, len(self.utc_mjd) - 4)
         u = (x - first)[:, None]
-        a, b, c, d = (self.values[first + k] for k in range(4))
-        interpolated: NDArray[np.float64] = (
+        a, b, c, d = (self.ut1_s_pole_rad[first + k] for k in range(4))
+        interpolated: Array = (
             -a * ((u - 1.0) * (u - 2.0) * (u - 3.0) / 6.0)
             + b * (u * (u - 2.0) * (u - 3.0) / 2.0)
             - c * (u * (u - 1.0) * (u - 3.0) / 2.0)
@@ -76,18 +77,18 @@ def earth_orientation_table() -> EarthOrientationTable:
     text = Path(IERS_A_FILE).read_bytes()
     rows = np.frombuffer(text, dtype="S1").reshape(-1, text.index(b"\n") + 1)
 
-    def column(start: int, stop: int) -> NDArray[np.float64]:
+    def column(start: int, stop: int) -> Array:
         """The fixed-width field in bytes start..stop, counted from one; blanks are NaN."""
         field = np.ascontiguousarray(rows[:, start - 1 : stop]).view(f"S{stop - start + 1}")[:, 0]
         blank = np.char.str_len(np.char.strip(field)) == 0
         return np.where(blank, b"nan", field).astype(np.float64)
 
-    mjd_utc = column(8, 15)
+    utc_mjd = column(8, 15)
     ut1_minus_utc_s = column(59, 68)
     known = np.isfinite(ut1_minus_utc_s)
-    mjd_utc, ut1_minus_utc_s = mjd_utc[known], ut1_minus_utc_s[known]
+    utc_mjd, ut1_minus_utc_s = utc_mjd[known], ut1_minus_utc_s[known]
     leaps = leap_seconds()
-    row = np.searchsorted(np.array(leaps.first_day_mjd), mjd_utc, side="right") - 1
+    row = np.searchsorted(np.array(leaps.first_day_mjd), utc_mjd, side="right") - 1
     ut1_minus_tai_s = ut1_minus_utc_s - np.array(leaps.tai_minus_utc_s)[row]
     pole_rad = [column(*span)[known] * RAD_PER_ARCSEC for span in ((19, 27), (38, 46))]
     offset_rad = [
@@ -95,11 +96,11 @@ def earth_orientation_table() -> EarthOrientationTable:
         for span in ((98, 106), (117, 125))
     ]
     return EarthOrientationTable(
-        mjd_utc=mjd_utc, values=np.stack([ut1_minus_tai_s, *pole_rad, *offset_rad], axis=1)
+        utc_mjd=utc_mjd, ut1_s_pole_rad=np.stack([ut1_minus_tai_s, *pole_rad, *offset_rad], axis=1)
     )
 
 
-def _fill_blanks(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _fill_blanks(offset_mas: Array) -> Array:
     """Blanks replaced by the last value before them."""
-    last = np.maximum.accumulate(np.where(np.isfinite(values), np.arange(len(values)), 0))
-    return values[last]
+    last = np.maximum.accumulate(np.where(np.isfinite(offset_mas), np.arange(len(offset_mas)), 0))
+    return offset_mas[last]

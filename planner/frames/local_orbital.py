@@ -1,13 +1,12 @@
 """The axes of the local orbital frame (LVLH)."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 
-def q_lvlh_from_eci(
-    r_sat_eci_m: NDArray[np.float64], v_sat_eci_m_s: NDArray[np.float64]
-) -> Rotation:
+
+def q_lvlh_from_eci(r_sat_eci_m: Array, v_sat_eci_m_s: Array) -> Rotation:
     """n rotations to LVLH axes: +Z geocentric nadir, +Y against the orbit normal, +X forward.
 
     r_sat_eci_m, v_sat_eci_m_s: shape (n, 3), inertial, not parallel to each other.

@@ -9,8 +9,8 @@ from importlib.resources import files
 import numpy as np
 from jplephem.exceptions import OutOfRangeError
 from jplephem.spk import SPK
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import DAY_S, Instants
 
@@ -34,7 +34,7 @@ _CHAINS = {
 BODIES = tuple(_CHAINS)
 
 
-def r_sun_eci_m(instants: Instants) -> NDArray[np.float64]:
+def r_sun_eci_m(instants: Instants) -> Array:
     """Sun from the Earth's centre, shape (n, 3)."""
     return (
         _position_m(0, _SUN, instants)
@@ -43,14 +43,14 @@ def r_sun_eci_m(instants: Instants) -> NDArray[np.float64]:
     )
 
 
-def r_moon_eci_m(instants: Instants) -> NDArray[np.float64]:
+def r_moon_eci_m(instants: Instants) -> Array:
     """Moon from the Earth's centre, shape (n, 3)."""
     return _position_m(_EARTH_MOON_BARYCENTER, _MOON, instants) - _position_m(
         _EARTH_MOON_BARYCENTER, _EARTH, instants
     )
 
 
-def r_body_bary_m(body: str, instants: Instants) -> NDArray[np.float64]:
+def r_body_bary_m(body: str, instants: Instants) -> Array:
     """One of `BODIES` from the solar system's barycentre, shape (n, 3).
 
     From Jupiter on it is the barycentre of planet and moons, seen from the Earth at most
@@ -61,9 +61,7 @@ def r_body_bary_m(body: str, instants: Instants) -> NDArray[np.float64]:
     )
 
 
-def earth_bary_state(
-    instants: Instants,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def earth_bary_state(instants: Instants) -> tuple[Array, Array]:
     """The Earth's centre from the solar system's barycentre: m and m/s, each (n, 3)."""
     positions, velocities = zip(
         *(
@@ -75,7 +73,7 @@ def earth_bary_state(
     return np.asarray(sum(positions)), np.asarray(sum(velocities))
 
 
-def _position_m(center: int, target: int, instants: Instants) -> NDArray[np.float64]:
+def _position_m(center: int, target: int, instants: Instants) -> Array:
     """target from center, NAIF numbers, shape (n, 3).
 
     TT stands for TDB: 2 ms, in which the Sun moves 60 m and the Moon 2 m.
@@ -86,9 +84,7 @@ def _position_m(center: int, target: int, instants: Instants) -> NDArray[np.floa
         raise _outside() from None
 
 
-def _state_m(
-    center: int, target: int, instants: Instants
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _state_m(center: int, target: int, instants: Instants) -> tuple[Array, Array]:
     """target from center, m and m/s, each (n, 3); TT stands for TDB."""
     try:
         r_km, v_km_day = _kernel()[center, target].compute_and_differentiate(*instants.tt_jd())

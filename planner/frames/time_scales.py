@@ -12,12 +12,12 @@ from datetime import UTC, datetime, timedelta
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.frames.iers import earth_orientation_table, leap_seconds
 
-JulianDate = tuple[NDArray[np.float64], NDArray[np.float64]]
+JulianDate = tuple[Array, Array]
 
 DAY_S = 86400.0
 MJD_JD = 2400000.5
@@ -45,7 +45,7 @@ class Instants:
     """
 
     epoch_utc: datetime
-    t_s: NDArray[np.float64]
+    t_s: Array
 
     def __len__(self) -> int:
         return len(self.t_s)
@@ -81,7 +81,7 @@ class Instants:
         day_length_s = DAY_S + ((day + 1.0) * DAY_S == next_utc_s)
         return MJD_JD + _ORIGIN_MJD + day, (utc_s - day * DAY_S) / day_length_s
 
-    def utc_mjd(self) -> NDArray[np.float64]:
+    def utc_mjd(self) -> Array:
         """UTC as a modified quasi Julian date in one number (resolves 1 us), for daily tables."""
         jd1, jd2 = self.utc_jd()
         return (jd1 - MJD_JD) + jd2

@@ -11,14 +11,16 @@ from datetime import datetime
 
 import numpy as np
 from lxml import etree
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.messages.kvn import Grammar, raw_kvn
 from planner.messages.oem import standard_frame
 from planner.messages.segments import (
+    EARTH_NAMES,
     RawSegment,
+    TimeAxis,
     creation_utc,
     is_xml,
     numbers,
@@ -59,30 +61,27 @@ _GRAMMAR = Grammar(
         ("gap before the data", "DATA_START"): "states",
         ("states", "DATA_STOP"): "header",
     },
-    passed_over=(),
+    unread_sections=(),
     row_columns=(4, 5, 7, 8, 9),
-    row_described="a row has an epoch and the 3 to 8 numbers of its ATTITUDE_TYPE",
+    row_layout="a row has an epoch and the 3 to 8 numbers of its ATTITUDE_TYPE",
 )
 
 
-@dataclass(frozen=True, eq=False)
-class AemSegment:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AemSegment(TimeAxis):
     """One metadata block and its attitudes; nothing is assumed about what lies between blocks.
 
-    frame: one of FRAMES, what the attitude is against.  epoch_utc, t_s, useable_s: as of
-    `OemSegment`.  q_body_from_frame_xyzw: shape (n, 4), unit, scalar last, neighbours of like
-    sign; SciPy's `Rotation.from_quat(q).apply(v_frame)` gives `v_body`.
+    frame: one of FRAMES, what the attitude is against.  q_body_from_frame_xyzw: shape (n, 4),
+    unit, scalar last, neighbours of like sign; SciPy's `Rotation.from_quat(q).apply(v_frame)`
+    gives `v_body`.
     q_dot_s: its derivative, same shape, or None where the message gives none.
     linear: whether the message asks for linear interpolation.
     """
 
     object_name: str
     frame: str
-    epoch_utc: datetime
-    t_s: NDArray[np.float64]
-    useable_s: tuple[float, float]
-    q_body_from_frame_xyzw: NDArray[np.float64]
-    q_dot_s: NDArray[np.float64] | None
+    q_body_from_frame_xyzw: Array
+    q_dot_s: Array | None
     linear: bool
 
 
@@ -123,11 +122,9 @@ def _segment(raw: RawSegment) -> AemSegment:
         _check_rates(raw, axis.t_s, q_xyzw, q_dot_s)
     method = raw.metadata.get("INTERPOLATION_METHOD", "").upper()
     return AemSegment(
+        **vars(axis),
         object_name=raw.metadata.get("OBJECT_NAME", ""),
         frame=frame,
-        epoch_utc=axis.epoch_utc,
-        t_s=axis.t_s,
-        useable_s=axis.useable_s,
         q_body_from_frame_xyzw=q_xyzw,
         q_dot_s=q_dot_s,
         linear=method in ("LINEAR", "SLERP") or raw.metadata.get("INTERPOLATION_DEGREE") == "1",
@@ -148,7 +145,7 @@ def _frames(raw: RawSegment) -> tuple[str, bool]:
     if frame not in FRAMES:
         raw.refuse(f"the reference frame {outer!r} is not supported; convert to one of {FRAMES}")
     center = raw.metadata.get("CENTER_NAME", "EARTH").upper()
-    if frame in _ORBITAL and center not in ("EARTH", "399", "EARTH CENTER"):
+    if frame in _ORBITAL and center not in EARTH_NAMES:
         raw.refuse(f"CENTER_NAME is {center!r}; a local orbital frame must be about EARTH")
     return frame, is_body[1]
 
@@ -174,8 +171,8 @@ def _type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
 
 
 def _quaternions(
-    raw: RawSegment, columns: tuple[str, ...], rows: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    raw: RawSegment, columns: tuple[str, ...], rows: Array
+) -> tuple[Array, Array | None]:
     """The message's own quaternions and derivatives, scalar last, each (n, 4)."""
     if columns == _ANGLES:
         return Rotation.from_euler(_sequence(raw), rows, degrees=True).as_quat(), None
@@ -221,28 +218,23 @@ def _angvel_in_b(raw: RawSegment) -> bool:
     return in_b
 
 
-def _derivative(
-    q_xyzw: NDArray[np.float64], omega_rad_s: NDArray[np.float64], in_b: bool
-) -> NDArray[np.float64]:
+def _derivative(q_a_from_b_xyzw: Array, omega_rad_s: Array, in_b: bool) -> Array:
     """q' = q o omega_b / 2 = omega_a o q / 2 for the quaternion that turns A's axes into B's."""
-    vector, scalar = q_xyzw[:, :3], q_xyzw[:, 3:]
+    vector, scalar = q_a_from_b_xyzw[:, :3], q_a_from_b_xyzw[:, 3:]
     cross = np.cross(vector, omega_rad_s) if in_b else np.cross(omega_rad_s, vector)
     dot = np.sum(vector * omega_rad_s, axis=1, keepdims=True)
     return 0.5 * np.hstack([scalar * omega_rad_s + cross, -dot])
 
 
 def _check_rates(
-    raw: RawSegment,
-    t_s: NDArray[np.float64],
-    q_xyzw: NDArray[np.float64],
-    q_dot_s: NDArray[np.float64],
+    raw: RawSegment, t_s: Array, q_body_from_frame_xyzw: Array, q_dot_s: Array
 ) -> None:
     """Rates must lead from one row to the next, or their frame or sign is not what we think."""
     step_s = np.diff(t_s)[:, None]
-    turned = np.diff(q_xyzw, axis=0)
-    promised = 0.5 * (q_dot_s[1:] + q_dot_s[:-1]) * step_s
-    miss = float(np.median(np.linalg.norm(turned - promised, axis=1)))
-    size = float(np.median(np.linalg.norm(turned, axis=1)))
+    turn = np.diff(q_body_from_frame_xyzw, axis=0)
+    expected = 0.5 * (q_dot_s[1:] + q_dot_s[:-1]) * step_s
+    miss = float(np.median(np.linalg.norm(turn - expected, axis=1)))
+    size = float(np.median(np.linalg.norm(turn, axis=1)))
     if miss > RATE_MISMATCH_MAX * size + 1e-6:
         percent = 100.0 * miss / max(size, 1e-12)
         raw.refuse(
@@ -251,8 +243,8 @@ def _check_rates(
         )
 
 
-def _conjugate(q_xyzw: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(q_xyzw * np.array([-1.0, -1.0, -1.0, 1.0]))
+def _conjugate(q: Array) -> Array:
+    return np.asarray(q * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
 def _raw_xml(content: str) -> tuple[str | None, list[RawSegment]]:
@@ -265,7 +257,7 @@ def _raw_xml(content: str) -> tuple[str | None, list[RawSegment]]:
         for element in data:
             if name_of(element) == "attitudeState":
                 line = message.line(element)
-                values = _named_values(raw, element, line)
+                values = _values_by_name(raw, element, line)
                 missing = [name for name in ("EPOCH", *columns) if name not in values]
                 if missing:
                     raw.refuse(f"the attitude state lacks {missing[0]}", line)
@@ -276,7 +268,7 @@ def _raw_xml(content: str) -> tuple[str | None, list[RawSegment]]:
     return message.creation, segments
 
 
-def _named_values(raw: RawSegment, state: etree._Element, line: int) -> dict[str, str]:
+def _values_by_name(raw: RawSegment, state: etree._Element, line: int) -> dict[str, str]:
     """Texts by name; version 1's rotation1 of rotationAngles is version 2's ANGLE_1."""
     values = {}
     for element in state.iter():

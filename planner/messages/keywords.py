@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import NoReturn
 
-from planner.errors import InvalidMessage, figures
+from planner.errors import figures
 from planner.frames.time_scales import utc_from_tai_us
 from planner.messages.epochs import TIME_SYSTEMS, EpochReader
-from planner.messages.segments import is_xml, plain, refuse
+from planner.messages.kvn import kvn_lines
+from planner.messages.segments import EARTH_NAMES, is_xml, plain, refuse, require_size
 from planner.messages.xml import message_element, name_of, text_of
 
 MAX_CHARACTERS = 200_000  # a hundred times a long one
 
 _UNIT = re.compile(r"^(?P<value>.*?)\s*\[(?P<unit>[^\[\]]*)\]$")
-_CENTERS = ("EARTH", "399", "EARTH CENTER")
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Keywords:
         return default or "" if entry is None else entry.text
 
     def number(
-        self, key: str, *units: str, within: tuple[float, float] = (-math.inf, math.inf)
+        self, key: str, *units: str, limits: tuple[float, float] = (-math.inf, math.inf)
     ) -> float:
         """A finite number in a closed range; a stated unit must be one of `units`."""
         entry = self.require(key)
@@ -73,7 +73,7 @@ class Keywords:
             value = math.nan
         if not math.isfinite(value):
             self.refuse(f"{key} = {entry.text[:40]!r} is no finite number", entry.line)
-        low, high = within
+        low, high = limits
         if not low <= value <= high:
             self.refuse(
                 f"{key} must lie in {low:g}..{high:g}, not {figures(value, low, high)}", entry.line
@@ -92,32 +92,24 @@ class Keywords:
     def require_earth(self) -> None:
         """Refuse orbits about anything else."""
         center = self.text("CENTER_NAME", "EARTH")
-        if center.upper() not in _CENTERS:
+        if center.upper() not in EARTH_NAMES:
             self.refuse(f"CENTER_NAME is {center!r}; only orbits about EARTH are supported")
 
 
 def read_keywords(content: str, message: str, versions: tuple[str, ...]) -> Keywords:
     """Read KVN or XML.  Raises InvalidMessage naming the line."""
-    if len(content) > MAX_CHARACTERS:
-        raise InvalidMessage(
-            f"the {message} has {len(content)} characters, more than the {MAX_CHARACTERS} "
-            "accepted; send one satellite"
-        )
+    require_size(message, content, MAX_CHARACTERS, "one satellite")
     if is_xml(content):
         return Keywords(message, tuple(_from_xml(content, message, versions)))
-    entries = tuple(_from_kvn(content, message))
-    found = Keywords(message, entries)
-    version = found.text(f"CCSDS_{message}_VERS")
+    keywords = Keywords(message, tuple(_from_kvn(content, message)))
+    version = keywords.text(f"CCSDS_{message}_VERS")
     if version.split(".")[0] not in versions:
-        found.refuse(f"CCSDS_{message}_VERS {version!r} is not supported")
-    return found
+        keywords.refuse(f"CCSDS_{message}_VERS {version!r} is not supported")
+    return keywords
 
 
 def _from_kvn(content: str, message: str) -> Iterator[Entry]:
-    for number, line in enumerate(content.lstrip("\ufeff").splitlines(), start=1):
-        text = line.strip()
-        if not text or text == "COMMENT" or text.startswith("COMMENT "):
-            continue
+    for number, text in kvn_lines(content):
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             refuse(message, number, f"{text[:60]!r} is no 'KEYWORD = value'")
@@ -129,9 +121,9 @@ def _from_kvn(content: str, message: str) -> Iterator[Entry]:
 
 
 def _from_xml(content: str, message: str, versions: tuple[str, ...]) -> Iterator[Entry]:
-    found = message_element(content, message, versions)
-    for element in found.element.iter():
+    root = message_element(content, message, versions)
+    for element in root.element.iter():
         if len(element) == 0 and name_of(element) != "COMMENT":
             yield Entry(
-                name_of(element), text_of(element), element.get("units") or "", found.line(element)
+                name_of(element), text_of(element), element.get("units") or "", root.line(element)
             )

@@ -11,13 +11,15 @@ from datetime import datetime
 
 import numpy as np
 from lxml import etree
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.messages.kvn import Grammar, raw_kvn
 from planner.messages.segments import (
+    EARTH_NAMES,
     RawSegment,
+    TimeAxis,
     creation_utc,
     is_xml,
     numbers,
@@ -46,31 +48,26 @@ _GRAMMAR = Grammar(
         ("states", "COVARIANCE_START"): "covariance",
         ("covariance", "COVARIANCE_STOP"): "states",
     },
-    passed_over=("covariance",),
+    unread_sections=("covariance",),
     row_columns=(7, 10),
-    row_described="a state has an epoch and 6 numbers, or 9 with accelerations",
+    row_layout="a state has an epoch and 6 numbers, or 9 with accelerations",
 )
 _COLUMNS = ("X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
 _UNIT_OF = dict(zip(_COLUMNS, ("km",) * 3 + ("km/s",) * 3, strict=True))
 
 
-@dataclass(frozen=True, eq=False)
-class OemSegment:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OemSegment(TimeAxis):
     """One metadata block and its states; no burn or other break is assumed inside or between.
 
-    frame: one of FRAMES.  epoch_utc: the whole microsecond at or before the first node.
-    t_s: shape (n,), strictly increasing SI seconds since it.  r_m, v_m_s: shape (n, 3), in
-    `frame`'s axes, relative to the Earth's centre (and to the rotating Earth for ITRF).
-    useable_s: first and last instant that may be interpolated, same clock.
+    frame: one of FRAMES.  r_m, v_m_s: shape (n, 3), in `frame`'s axes, relative to the Earth's
+    centre (and to the rotating Earth for ITRF).
     """
 
     object_name: str
     frame: str
-    epoch_utc: datetime
-    t_s: NDArray[np.float64]
-    r_m: NDArray[np.float64]
-    v_m_s: NDArray[np.float64]
-    useable_s: tuple[float, float]
+    r_m: Array
+    v_m_s: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +124,11 @@ def _segment(raw: RawSegment) -> OemSegment:
             raw.lines[row],
         )
     return OemSegment(
+        **vars(axis),
         object_name=raw.metadata.get("OBJECT_NAME", ""),
         frame=frame,
-        epoch_utc=axis.epoch_utc,
-        t_s=axis.t_s,
         r_m=states[:, :3],
         v_m_s=states[:, 3:],
-        useable_s=axis.useable_s,
     )
 
 
@@ -141,7 +136,7 @@ def _frame(raw: RawSegment) -> str:
     """Of a kind we can convert, about the Earth."""
     stated = raw.require("REF_FRAME")
     center = raw.metadata.get("CENTER_NAME", "EARTH")
-    if center.upper() not in ("EARTH", "399", "EARTH CENTER"):
+    if center.upper() not in EARTH_NAMES:
         raw.refuse(f"CENTER_NAME is {center!r}; only orbits about EARTH are supported")
     frame = standard_frame(stated)
     if frame not in FRAMES:

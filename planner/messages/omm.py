@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from planner.errors import InvalidMessage
 from planner.messages.keywords import MAX_CHARACTERS, Entry, Keywords, read_keywords
+from planner.messages.segments import require_size
 
 THEORIES = ("SGP4", "SGP/SGP4")
 # As catalogues use it, not as CCSDS 502.0-B-3 numbers it: 0 and 2 are elements for SGP4; 4, of
@@ -43,43 +44,39 @@ class Omm:
 def read_omm(content: str) -> Omm:
     """Raises InvalidMessage naming the line and the keyword."""
     if content.lstrip("\ufeff \t\r\n").startswith(("[", "{")):
-        found = _from_json(content)
+        omm = _from_json(content)
     else:
-        found = read_keywords(content, "OMM", ("1", "2", "3"))
-    found.require_earth()
-    _require(found, "MEAN_ELEMENT_THEORY", THEORIES)
-    _require(found, "REF_FRAME", ("TEME",))
-    _require(found, "TIME_SYSTEM", ("UTC",))
-    _require(found, "EPHEMERIS_TYPE", EPHEMERIS_TYPES)
-    epoch = found.require("EPOCH")
+        omm = read_keywords(content, "OMM", ("1", "2", "3"))
+    omm.require_earth()
+    _require(omm, "MEAN_ELEMENT_THEORY", THEORIES)
+    _require(omm, "REF_FRAME", ("TEME",))
+    _require(omm, "TIME_SYSTEM", ("UTC",))
+    _require(omm, "EPHEMERIS_TYPE", EPHEMERIS_TYPES)
+    epoch = omm.require("EPOCH")
     return Omm(
-        object_name=found.text("OBJECT_NAME", ""),
-        epoch_utc=found.epoch_utc(epoch, "UTC"),
-        mean_motion_rev_day=found.number(
-            "MEAN_MOTION", "rev/day", "rev/d", "revs/day", within=MEAN_MOTION_REV_DAY
+        object_name=omm.text("OBJECT_NAME", ""),
+        epoch_utc=omm.epoch_utc(epoch, "UTC"),
+        mean_motion_rev_day=omm.number(
+            "MEAN_MOTION", "rev/day", "rev/d", "revs/day", limits=MEAN_MOTION_REV_DAY
         ),
-        eccentricity=found.number("ECCENTRICITY", within=(0.0, 0.999)),
-        inclination_deg=found.number("INCLINATION", "deg", within=INCLINATION_DEG),
-        ra_of_asc_node_deg=found.number("RA_OF_ASC_NODE", "deg", within=ANGLE_DEG),
-        arg_of_pericenter_deg=found.number("ARG_OF_PERICENTER", "deg", within=ANGLE_DEG),
-        mean_anomaly_deg=found.number("MEAN_ANOMALY", "deg", within=ANGLE_DEG),
-        bstar=found.number("BSTAR", "1/er", within=BSTAR_1_ER),
+        eccentricity=omm.number("ECCENTRICITY", limits=(0.0, 0.999)),
+        inclination_deg=omm.number("INCLINATION", "deg", limits=INCLINATION_DEG),
+        ra_of_asc_node_deg=omm.number("RA_OF_ASC_NODE", "deg", limits=ANGLE_DEG),
+        arg_of_pericenter_deg=omm.number("ARG_OF_PERICENTER", "deg", limits=ANGLE_DEG),
+        mean_anomaly_deg=omm.number("MEAN_ANOMALY", "deg", limits=ANGLE_DEG),
+        bstar=omm.number("BSTAR", "1/er", limits=BSTAR_1_ER),
     )
 
 
-def _require(found: Keywords, key: str, accepted: tuple[str, ...]) -> None:
+def _require(omm: Keywords, key: str, accepted: tuple[str, ...]) -> None:
     """Catalogues leave these out; where stated, another value needs another propagator."""
-    stated = found.text(key, accepted[0]).upper()
+    stated = omm.text(key, accepted[0]).upper()
     if stated not in accepted:
-        found.refuse(f"{key} {stated!r} is not supported; only {accepted[0]} is")
+        omm.refuse(f"{key} {stated!r} is not supported; only {accepted[0]} is")
 
 
 def _from_json(content: str) -> Keywords:
-    if len(content) > MAX_CHARACTERS:
-        raise InvalidMessage(
-            f"the OMM has {len(content)} characters, more than the {MAX_CHARACTERS} accepted; "
-            "send one satellite"
-        )
+    require_size("OMM", content, MAX_CHARACTERS, "one satellite")
     try:
         parsed = json.loads(content.lstrip("\ufeff"), parse_constant=_no_constant)
     except json.JSONDecodeError as error:

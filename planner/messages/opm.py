@@ -36,32 +36,32 @@ def read_opm(content: str) -> Opm:
 
     Osculating elements and covariance are passed over: the state vector is mandatory.
     """
-    found = read_keywords(content, "OPM", ("1", "2", "3"))
-    found.require_earth()
-    stated = found.text("REF_FRAME")
+    opm = read_keywords(content, "OPM", ("1", "2", "3"))
+    opm.require_earth()
+    stated = opm.text("REF_FRAME")
     frame = standard_frame(stated)
     if frame not in FRAMES:
-        found.refuse(f"REF_FRAME {stated!r} is not supported; convert to one of {FRAMES}")
-    time_system = found.text("TIME_SYSTEM").upper()
-    epoch = found.require("EPOCH")
+        opm.refuse(f"REF_FRAME {stated!r} is not supported; convert to one of {FRAMES}")
+    time_system = opm.text("TIME_SYSTEM").upper()
+    epoch = opm.require("EPOCH")
 
     def optional(key: str, *units: str) -> float | None:
-        return found.number(key, *units) if found.only(key) else None
+        return opm.number(key, *units) if opm.only(key) else None
 
     return Opm(
-        object_name=found.text("OBJECT_NAME", ""),
+        object_name=opm.text("OBJECT_NAME", ""),
         frame=frame,
-        epoch_utc=found.epoch_utc(epoch, time_system),
-        position_km=(found.number("X", "km"), found.number("Y", "km"), found.number("Z", "km")),
+        epoch_utc=opm.epoch_utc(epoch, time_system),
+        position_km=(opm.number("X", "km"), opm.number("Y", "km"), opm.number("Z", "km")),
         velocity_km_s=(
-            found.number("X_DOT", "km/s"),
-            found.number("Y_DOT", "km/s"),
-            found.number("Z_DOT", "km/s"),
+            opm.number("X_DOT", "km/s"),
+            opm.number("Y_DOT", "km/s"),
+            opm.number("Z_DOT", "km/s"),
         ),
         mass_kg=optional("MASS", "kg"),
         drag_area_m2=optional("DRAG_AREA", "m**2", "m^2", "m2"),
         drag_coefficient=optional("DRAG_COEFF", "n/a"),
         ignitions_utc=tuple(
-            found.epoch_utc(entry, time_system) for entry in found.all("MAN_EPOCH_IGNITION")
+            opm.epoch_utc(entry, time_system) for entry in opm.all("MAN_EPOCH_IGNITION")
         ),
     )

@@ -5,14 +5,15 @@ from datetime import datetime
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.frames.time_scales import utc_from_tai_us
 from planner.messages.epochs import TIME_SYSTEMS, EpochReader
 
 _STATED_S = 1.0  # START_TIME and STOP_TIME are often given in whole seconds
 MAX_CHARACTERS = 32_000_000  # five times NASA's 15-day file with a node every minute
+EARTH_NAMES = ("EARTH", "399", "EARTH CENTER")
 
 
 @dataclass
@@ -40,16 +41,18 @@ class RawSegment:
         return self.metadata[key]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TimeAxis:
-    """epoch_utc: the whole microsecond at or before the first row.
+    """When the n rows of a segment are.
+
+    epoch_utc: the whole microsecond at or before the first row.
 
     t_s: shape (n,), strictly increasing SI seconds since it.  useable_s: first and last
     instant that may be interpolated, same clock.
     """
 
     epoch_utc: datetime
-    t_s: NDArray[np.float64]
+    t_s: Array
     useable_s: tuple[float, float]
 
 
@@ -58,12 +61,17 @@ def refuse(message: str, line: int, what: str) -> NoReturn:
     raise InvalidMessage(f"{message} line {line}: {what}")
 
 
-def require_size(message: str, content: str) -> None:
-    """Refuse a text no reader should be kept busy with."""
-    if len(content) > MAX_CHARACTERS:
+def require_size(
+    message: str,
+    content: str,
+    characters_max: int = MAX_CHARACTERS,
+    send: str = "only the days around the session",
+) -> None:
+    """Refuse a text no reader should be kept busy with, saying what to send instead."""
+    if len(content) > characters_max:
         raise InvalidMessage(
-            f"the {message} has {len(content)} characters, more than the {MAX_CHARACTERS} "
-            "accepted; send only the days around the session",
+            f"the {message} has {len(content)} characters, more than the {characters_max} "
+            f"accepted; send {send}"
         )
 
 
@@ -118,7 +126,9 @@ def time_axis(raw: RawSegment) -> TimeAxis:
     if useable_s[0] > useable_s[1] or useable_s[0] > last_s or useable_s[1] < first_s:
         raw.refuse("no row lies between USEABLE_START_TIME and USEABLE_STOP_TIME")
     return TimeAxis(
-        utc_from_tai_us(anchor_us), t_s, (max(useable_s[0], first_s), min(useable_s[1], last_s))
+        epoch_utc=utc_from_tai_us(anchor_us),
+        t_s=t_s,
+        useable_s=(max(useable_s[0], first_s), min(useable_s[1], last_s)),
     )
 
 
@@ -129,7 +139,7 @@ def _tai_ns(raw: RawSegment, reader: EpochReader, line: int, text: str) -> int:
         raw.refuse(str(error), line)
 
 
-def numbers(raw: RawSegment, columns: int) -> NDArray[np.float64]:
+def numbers(raw: RawSegment, columns: int) -> Array:
     """The first `columns` numbers of every row, shape (n, columns), all finite."""
     table = np.array([_floats(row[:columns]) for row in raw.rows])
     wrong = np.flatnonzero(~np.isfinite(table).all(axis=1))

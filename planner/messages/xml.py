@@ -13,11 +13,11 @@ _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 
 @dataclass(frozen=True, eq=False)
 class MessageElement:
-    """The element of one message; `skipped` lines went before what the parser saw."""
+    """The element of one message; the parser did not see the lines before it."""
 
     message: str
     element: etree._Element
-    skipped: int
+    lines_before: int
 
     @property
     def creation(self) -> str | None:
@@ -43,7 +43,7 @@ class MessageElement:
     def line(self, element: etree._Element) -> int:
         """Parsed elements always have a line; only ones made by hand lack it."""
         line: int | None = element.sourceline  # type: ignore[assignment]  # untyped in the stubs
-        return (line or 1) + self.skipped
+        return (line or 1) + self.lines_before
 
 
 def message_element(content: str, message: str, versions: tuple[str, ...]) -> MessageElement:
@@ -52,15 +52,15 @@ def message_element(content: str, message: str, versions: tuple[str, ...]) -> Me
     A document type is refused outright: with it go entity bombs and references to files.
     """
     content = content.lstrip("\ufeff")
-    declared = re.search(r"<!(DOCTYPE|ENTITY)", content)
-    if declared:
-        number = content.count("\n", 0, declared.start()) + 1
+    doctype = re.search(r"<!(DOCTYPE|ENTITY)", content)
+    if doctype:
+        number = content.count("\n", 0, doctype.start()) + 1
         what = f"a document type declaration has no place in an {message}; remove it"
         refuse(message, number, what)
     # The declared encoding no longer holds for text that reached us as characters.
     declaration = _DECLARATION.match(content)
     body = content[declaration.end() :] if declaration else content
-    skipped = content[: len(content) - len(body)].count("\n")
+    lines_before = content[: len(content) - len(body)].count("\n")
     parser = etree.XMLParser(
         resolve_entities=False,
         no_network=True,
@@ -73,20 +73,20 @@ def message_element(content: str, message: str, versions: tuple[str, ...]) -> Me
     try:
         root = etree.fromstring(body.encode(), parser)
     except etree.XMLSyntaxError as error:
-        refuse(message, (error.lineno or 1) + skipped, f"the XML is broken: {error.msg}")
+        refuse(message, (error.lineno or 1) + lines_before, f"the XML is broken: {error.msg}")
     except UnicodeEncodeError as error:
         number = content.count("\n", 0, error.start) + 1
         refuse(message, number, "a lone surrogate is no character")
     tag = message.lower()
-    found = [root] if name_of(root) == tag else children(root, tag)
-    if len(found) != 1:
-        refuse(message, 1, f"the XML holds {len(found)} <{tag}> elements; exactly 1 is needed")
-    result = MessageElement(message, found[0], skipped)
-    version = found[0].get("version")
+    elements = [root] if name_of(root) == tag else children(root, tag)
+    if len(elements) != 1:
+        refuse(message, 1, f"the XML holds {len(elements)} <{tag}> elements; exactly 1 is needed")
+    result = MessageElement(message, elements[0], lines_before)
+    version = elements[0].get("version")
     if (version or "").split(".")[0] not in versions:
         refuse(
             message,
-            result.line(found[0]),
+            result.line(elements[0]),
             f"{message} version {version!r} is not supported; "
             f"versions {versions[0]} to {versions[-1]} are",
         )

@@ -1,6 +1,6 @@
 """The orbit sources."""
 
-from typing import Annotated
+from typing import Annotated, get_args
 
 from pydantic import Field
 
@@ -15,13 +15,7 @@ Orbit = Annotated[
     TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit, Field(discriminator="source")
 ]
 
-ORBITS = {
-    "tle": TleOrbit,
-    "omm": OmmOrbit,
-    "oem": OemOrbit,
-    "opm": OpmOrbit,
-    "state": StateVectorOrbit,
-}
+ORBITS = {orbit.source: orbit for orbit in get_args(get_args(Orbit)[0])}
 
 __all__ = [
     "ORBITS",

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import DAY_S, Instants
 from planner.orbits.ephemeris import Ephemeris
 from planner.orbits.paper_model import PaperEphemeris
@@ -28,9 +28,9 @@ class OrbitSigma:
     """1-sigma errors along radial, along-track and cross-track, each shape (n,), and on what
     evidence."""
 
-    radial_m: NDArray[np.float64]
-    along_m: NDArray[np.float64]
-    cross_m: NDArray[np.float64]
+    radial_m: Array
+    along_m: Array
+    cross_m: Array
     basis: str
 
 
@@ -59,10 +59,10 @@ def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
     paper = isinstance(ephemeris, PaperEphemeris)
     model_m = 56.0 * (age_s / 900.0) ** 1.3 if paper else 0.2 * (age_s / 900.0) ** 2
     # A radial or forward velocity error drifts three times as far along the track.
-    drifted_m = 0.01 * age_s
+    drift_m = 0.01 * age_s
     return OrbitSigma(
         radial_m=np.hypot(10.0, 0.3 * model_m),
-        along_m=np.sqrt(10.0**2 + (3.0 * drifted_m) ** 2 + model_m**2),
+        along_m=np.sqrt(10.0**2 + (3.0 * drift_m) ** 2 + model_m**2),
         cross_m=np.hypot(10.0, 0.3 * model_m),
         basis=ASSUMED_STATE,
     )

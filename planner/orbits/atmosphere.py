@@ -1,7 +1,8 @@
 """The density of the upper air: Harris-Priester, for mean solar activity."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 BULGE_LAG_RAD = np.deg2rad(30.0)  # Montenbruck & Gill 2000, 3.5.2
 BULGE_EXPONENT = 2.0  # for low inclinations; 6 for polar orbits: Montenbruck & Gill 2000, 3.5.2
@@ -67,11 +68,7 @@ _HEIGHT_M = _TABLE[:, 0] * 1e3
 _LOG_DENSITY = np.log(_TABLE[:, 1:] * 1e-12)
 
 
-def density_kg_m3(
-    r_eci_m: NDArray[np.float64],
-    height_m: NDArray[np.float64],
-    r_sun_eci_m: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def density_kg_m3(r_eci_m: Array, height_m: Array, r_sun_eci_m: Array) -> Array:
     """Density at n positions, shape (n,); nothing above 1000 km, that of 100 km below it.
 
     r_eci_m, r_sun_eci_m: shape (n, 3).  height_m: above the ellipsoid, shape (n,).

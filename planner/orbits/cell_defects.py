@@ -1,13 +1,15 @@
 """By how much an ephemeris misses its next node, if nothing but nature pulls.
 
-What is left shows engines that burn, and nodes that were damaged on their way to us.
+What is left shows engines that burn, and nodes that were damaged on their way to us.  A burn
+makes a kink in the acceleration that a polynomial must not cross: it ends an arc.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits.forces import Drag, forces_at
 
@@ -16,6 +18,9 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 # A path between nodes too far apart, or damaged, may run through the Earth, where the field's
 # harmonics mean nothing.
 _PATH_RADIUS_MIN_M = 6.0e6
+# The unexplained mean acceleration above which a cell holds a burn.  In NASA's ISS ephemerides
+# coasting cells reach 3e-6 (drag, their other field), reboosts 1.8e-3.
+THRUST_MIN_M_S2 = 5e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,26 +34,24 @@ class CellDefects:
     (0.06 m for nodes 240 s apart in low orbit, 43 m for 720 s).
     """
 
-    step_s: NDArray[np.float64]
-    velocity_m_s: NDArray[np.float64]
-    position_m: NDArray[np.float64]
-    remainder_m: NDArray[np.float64]
+    step_s: Array
+    velocity_m_s: Array
+    position_m: Array
+    remainder_m: Array
 
     @property
-    def thrust_m_s2(self) -> NDArray[np.float64]:
+    def thrust_m_s2(self) -> Array:
         """Mean acceleration of each cell less the modelled one, magnitude, shape (n - 1,)."""
         return np.asarray(np.linalg.norm(self.velocity_m_s, axis=1) / self.step_s)
 
     @property
-    def beyond_thrust_m(self) -> NDArray[np.float64]:
+    def beyond_thrust_m(self) -> Array:
         """What no thrust of that gain explains of the position, shape (n - 1,)."""
         position_m = np.linalg.norm(self.position_m, axis=1)
         return np.asarray(position_m - 0.5 * self.thrust_m_s2 * self.step_s**2)
 
 
-def cell_defects(
-    nodes: Instants, r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64]
-) -> CellDefects:
+def cell_defects(nodes: Instants, r_eci_m: Array, v_eci_m_s: Array) -> CellDefects:
     """r_eci_m, v_eci_m_s: shape (n, 3), n >= 2.
 
     The path within a cell is the quintic through position, velocity and modelled
@@ -83,3 +86,24 @@ def cell_defects(
         - h[:, None] ** 2 * early_m_s2,
         remainder_m=radius_m[:-1] * swept_rad**6 / 46080.0,
     )
+
+
+@dataclass(frozen=True)
+class SmoothArc:
+    """Nodes first..last inclusive; thrust_m_s2: 0 while coasting, else the mean thrust."""
+
+    first: int
+    last: int
+    thrust_m_s2: float
+
+
+def smooth_arcs(defects: CellDefects) -> list[SmoothArc]:
+    """Runs of coasting and of burning cells, in order; neighbours share a node."""
+    thrust_m_s2 = defects.thrust_m_s2
+    burning = thrust_m_s2 > THRUST_MIN_M_S2
+    changes = np.flatnonzero(np.diff(burning)) + 1
+    edges = [0, *changes.tolist(), len(burning)]
+    return [
+        SmoothArc(a, b, float(np.max(thrust_m_s2[a:b])) if burning[a] else 0.0)
+        for a, b in pairwise(edges)
+    ]

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.solar_system import r_moon_eci_m, r_sun_eci_m
@@ -34,13 +34,11 @@ class Forces:
     """
 
     drag: Drag
-    c_itrf_from_eci: NDArray[np.float64]
-    r_sun_eci_m: NDArray[np.float64]
-    r_moon_eci_m: NDArray[np.float64]
+    c_itrf_from_eci: Array
+    r_sun_eci_m: Array
+    r_moon_eci_m: Array
 
-    def acceleration_eci_m_s2(
-        self, r_eci_m: NDArray[np.float64], v_eci_m_s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def acceleration_eci_m_s2(self, r_eci_m: Array, v_eci_m_s: Array) -> Array:
         """Total acceleration, shape (n, 3), the k-th state at the k-th instant.
 
         Leaves out tides (3e-7 m/s^2), relativity (2e-8) and sunlight (2e-8 for the ISS).
@@ -55,12 +53,7 @@ class Forces:
             + self._drag(r_eci_m, v_eci_m_s, r_itrf_m)
         )
 
-    def _drag(
-        self,
-        r_eci_m: NDArray[np.float64],
-        v_eci_m_s: NDArray[np.float64],
-        r_itrf_m: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
+    def _drag(self, r_eci_m: Array, v_eci_m_s: Array, r_itrf_m: Array) -> Array:
         """The air turns with the Earth; its axis is taken from the third row of the matrix."""
         omega_eci_rad_s = OMEGA_EARTH_RAD_S * self.c_itrf_from_eci[:, 2]
         v_air_m_s = v_eci_m_s - np.cross(omega_eci_rad_s, r_eci_m)
@@ -81,9 +74,7 @@ def forces_at(instants: Instants, drag: Drag) -> Forces:
     )
 
 
-def _third_body(
-    gm_m3_s2: float, r_body_m: NDArray[np.float64], r_sat_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _third_body(gm_m3_s2: float, r_body_m: Array, r_sat_m: Array) -> Array:
     """Pull on the satellite less the pull on the Earth, shape (n, 3)."""
     to_body_m = r_body_m - r_sat_m
     return np.asarray(

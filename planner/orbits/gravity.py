@@ -8,6 +8,8 @@ from math import factorial, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
+
 DEGREE = 36
 GM_M3_S2 = 3.986004415e14  # EIGEN-6S (planner/orbits/data/eigen6s_n36.csv)
 RADIUS_M = 6378136.46  # EIGEN-6S, the radius its coefficients are scaled with
@@ -19,17 +21,17 @@ class GravityField:
 
     With U_nm = V_nm + i W_nm the acceleration is GM/R^2 times
     x + i y: sum(lower_xy U + conj(upper_xy U)),  z: Re sum(z U).
-    lower_xy, upper_xy, z: complex, shape ((DEGREE + 2)^2,), U's order.  up, back: recursion
-    factors, shape (DEGREE + 2, DEGREE + 2).
+    lower_xy, upper_xy, z: complex, shape ((DEGREE + 2)^2,), U's order.  up_factor, back_factor: of
+    the recursion, shape (DEGREE + 2, DEGREE + 2).
     """
 
     lower_xy: NDArray[np.complex128]
     upper_xy: NDArray[np.complex128]
     z: NDArray[np.complex128]
-    up: NDArray[np.float64]
-    back: NDArray[np.float64]
+    up_factor: Array
+    back_factor: Array
 
-    def acceleration_itrf_m_s2(self, r_itrf_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    def acceleration_itrf_m_s2(self, r_itrf_m: Array) -> Array:
         """Attraction (no centrifugal part) in ITRF axes, shape (n, 3), outside the Earth.
 
         Leaves out tides and the terms above degree 36: about 1e-5 m/s^2 at 400 km, but with
@@ -41,13 +43,13 @@ class GravityField:
         shrink = RADIUS_M / r2
         xy = (r_itrf_m[:, 0] + 1j * r_itrf_m[:, 1]) * shrink
         z = r_itrf_m[:, 2] * shrink
-        back = RADIUS_M * shrink
+        shrink2 = RADIUS_M * shrink
         u = np.zeros((size, size, len(r_itrf_m)), dtype=np.complex128)
         u[0, 0] = RADIUS_M / np.sqrt(r2)
         for n in range(1, size):
-            u[n, :n] = self.up[n, :n, None] * (z * u[n - 1, :n])
+            u[n, :n] = self.up_factor[n, :n, None] * (z * u[n - 1, :n])
             if n > 1:
-                u[n, :n] -= self.back[n, :n, None] * (back * u[n - 2, :n])
+                u[n, :n] -= self.back_factor[n, :n, None] * (shrink2 * u[n - 2, :n])
             u[n, n] = (2 * n - 1) * xy * u[n - 1, n - 1]
         flat = u.reshape(size * size, -1)
         in_plane = self.lower_xy @ flat + np.conj(self.upper_xy @ flat)
@@ -76,6 +78,6 @@ def earth_gravity() -> GravityField:
         lower_xy=lower_xy.ravel(),
         upper_xy=upper_xy.ravel(),
         z=z.ravel(),
-        up=np.where(order < degree, (2 * degree - 1) / below, 0.0),
-        back=np.where(order < degree, (degree + order - 1) / below, 0.0),
+        up_factor=np.where(order < degree, (2 * degree - 1) / below, 0.0),
+        back_factor=np.where(order < degree, (degree + order - 1) / below, 0.0),
     )

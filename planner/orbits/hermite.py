@@ -3,14 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 
-def hermite(
-    node_s: NDArray[np.float64],
-    r_m: NDArray[np.float64],
-    v_m_s: NDArray[np.float64],
-    t_s: NDArray[np.float64],
-    nodes: int,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+
+def hermite(node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, nodes: int) -> tuple[Array, Array]:
     """Position and its exact derivative, shape (n, 3), at t_s, shape (n,).
 
     node_s: shape (k,), increasing, k >= 2.  r_m, v_m_s: shape (k, 3).  nodes: 2, 4 or 6, as
@@ -26,13 +22,7 @@ def hermite(
     return r, v
 
 
-def hermite_error_m(
-    node_s: NDArray[np.float64],
-    r_m: NDArray[np.float64],
-    v_m_s: NDArray[np.float64],
-    t_s: NDArray[np.float64],
-    nodes: int,
-) -> NDArray[np.float64]:
+def hermite_error_m(node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, nodes: int) -> Array:
     """How far `hermite` may be off, shape (n,): what one node more (or fewer) would change.
 
     With two nodes only: the remainder for circular motion, r (w h)^4 / 384.
@@ -61,9 +51,7 @@ def hermite_error_m(
     return error_m
 
 
-def _windows(
-    node_s: NDArray[np.float64], t_s: NDArray[np.float64], nodes: int
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _windows(node_s: Array, t_s: Array, nodes: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """First node and number of nodes to use at each instant, each of shape (n,)."""
     count = len(node_s)
     cell = np.clip(np.searchsorted(node_s, t_s, side="right") - 1, 0, count - 2)
@@ -74,13 +62,8 @@ def _windows(
 
 
 def _interpolate(
-    node_s: NDArray[np.float64],
-    r_m: NDArray[np.float64],
-    v_m_s: NDArray[np.float64],
-    t_s: NDArray[np.float64],
-    first: NDArray[np.intp],
-    count: int,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, first: NDArray[np.intp], count: int
+) -> tuple[Array, Array]:
     """Through the `count` nodes from `first` on, each instant its own.
 
     Newton's form with every node taken twice, in time scaled to the window.

@@ -18,7 +18,7 @@ REFUSE_M = 50.0  # 25 arcsec from 400 km; a state 6 ms late
 # Unlike any carrier of a camera, but not unlike states of a turning frame stated as inertial,
 # whose Coriolis acceleration is 1.1 m/s^2 in low orbit.
 THRUST_MAX_M_S2 = 0.5
-_TAKEN_BACK = 0.2  # of the gain of velocity may be left after two cells
+_REVERSAL_SHARE = 0.2  # of the gain of velocity may be left after two cells
 
 
 @dataclass(frozen=True)
@@ -42,14 +42,14 @@ def odd_nodes(defects: CellDefects) -> OddNodes:
     odd = OddNodes(worst, worst + 1, float(beyond_m[worst]))
     if len(beyond_m) == 1:
         return odd
-    displaced_m = np.minimum(beyond_m[:-1], beyond_m[1:])
+    displacement_m = np.minimum(beyond_m[:-1], beyond_m[1:])
     gain, next_gain = defects.velocity_m_s[:-1], defects.velocity_m_s[1:]
     jump_m_s = 0.5 * np.linalg.norm(gain - next_gain, axis=1)
-    taken_back = np.linalg.norm(gain + next_gain, axis=1) < _TAKEN_BACK * jump_m_s
+    is_reversed = np.linalg.norm(gain + next_gain, axis=1) < _REVERSAL_SHARE * jump_m_s
     step_s = np.maximum(defects.step_s[:-1], defects.step_s[1:])
     remainder_m = np.maximum(defects.remainder_m[:-1], defects.remainder_m[1:])
-    jumped_m = np.where(taken_back, 0.5 * jump_m_s * step_s - remainder_m, 0.0)
-    at_node_m = np.maximum(displaced_m, jumped_m)
+    jump_m = np.where(is_reversed, 0.5 * jump_m_s * step_s - remainder_m, 0.0)
+    at_node_m = np.maximum(displacement_m, jump_m)
     node = int(np.argmax(at_node_m))
     # Both cells of a damaged node are bad; a step between two good halves has but one.
     if at_node_m[node] >= 0.5 * odd.off_m:
@@ -62,6 +62,6 @@ def strongest_push(defects: CellDefects) -> int | None:
 
     Cells too long for the method to tell are left out.
     """
-    told = np.where(defects.remainder_m < REFUSE_M, defects.thrust_m_s2, 0.0)
-    pushed = int(np.argmax(told))
-    return pushed if told[pushed] > THRUST_MAX_M_S2 else None
+    thrust_m_s2 = np.where(defects.remainder_m < REFUSE_M, defects.thrust_m_s2, 0.0)
+    cell = int(np.argmax(thrust_m_s2))
+    return cell if thrust_m_s2[cell] > THRUST_MAX_M_S2 else None

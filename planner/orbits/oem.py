@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import InvalidMessage, OutsideCoverage
 from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
@@ -17,23 +17,16 @@ from planner.frames.earth_orientation import (
 )
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.messages.oem import Oem, OemSegment, read_oem
-from planner.orbits.cell_defects import CellDefects, cell_defects
-from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.cell_defects import CellDefects, cell_defects, smooth_arcs
+from planner.orbits.ephemeris import EDGE_S, Ephemeris, OrbitStates
 from planner.orbits.hermite import hermite, hermite_error_m
-from planner.orbits.node_consistency import (
-    REFUSE_M,
-    WARN_M,
-    odd_nodes,
-    strongest_push,
-)
-from planner.orbits.smooth_arcs import smooth_arcs
+from planner.orbits.node_consistency import REFUSE_M, WARN_M, odd_nodes, strongest_push
 from planner.spec import spec
 
 NODES = 6
 MARGIN = NODES // 2 + 1  # nodes beyond the asked span: half a window and one to judge it by
 WARN_ERROR_M = 1.0
 REFUSE_ERROR_M = 100.0
-_EDGE_S = 1e-6
 
 
 @spec
@@ -59,20 +52,20 @@ class OemOrbit:
         where a node near the span contradicts its neighbours.
         """
         arcs: list[Arc] = []
-        covered_utc = start_utc
+        reach_utc = start_utc
         for segment in self.message.segments:
             first_utc, last_utc = (shifted_utc(segment.epoch_utc, t) for t in segment.useable_s)
-            ahead_s = elapsed_s(last_utc, covered_utc)
-            starts = elapsed_s(first_utc, covered_utc) <= 0.0
+            ahead_s = elapsed_s(last_utc, reach_utc)
+            starts = elapsed_s(first_utc, reach_utc) <= 0.0
             if not starts or ahead_s < 0.0 or (arcs and ahead_s == 0.0):
                 continue
-            arcs += _arcs(segment, covered_utc, min(last_utc, stop_utc, key=tai_us))
-            covered_utc = last_utc
-            if elapsed_s(covered_utc, stop_utc) >= 0.0:
+            arcs += _arcs(segment, reach_utc, min(last_utc, stop_utc, key=tai_us))
+            reach_utc = last_utc
+            if elapsed_s(reach_utc, stop_utc) >= 0.0:
                 break
         else:
             raise OutsideCoverage(
-                f"the OEM says nothing between {utc_text(covered_utc)} and {utc_text(stop_utc)}; "
+                f"the OEM says nothing between {utc_text(reach_utc)} and {utc_text(stop_utc)}; "
                 f"it covers {_coverage(self.message)}",
                 field="orbit.content",
             )
@@ -80,7 +73,7 @@ class OemOrbit:
             epoch_utc=self.message.creation_utc or self.message.segments[0].epoch_utc,
             start_utc=start_utc,
             stop_utc=stop_utc,
-            warnings=tuple(dict.fromkeys(told for arc in arcs for told in arc.warnings)),
+            warnings=tuple(dict.fromkeys(warning for arc in arcs for warning in arc.warnings)),
             arcs=tuple(arcs),
         )
 
@@ -94,32 +87,27 @@ class Arc:
 
     epoch_utc: datetime
     stop_utc: datetime
-    node_s: NDArray[np.float64]
-    r_eci_m: NDArray[np.float64]
-    v_eci_m_s: NDArray[np.float64]
+    node_s: Array
+    r_eci_m: Array
+    v_eci_m_s: Array
     nodes: int
     warnings: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class OemEphemeris:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OemEphemeris(Ephemeris):
     """Hermite interpolation within each arc, never across a burn or a segment's end."""
 
-    epoch_utc: datetime
-    start_utc: datetime
-    stop_utc: datetime
-    warnings: tuple[str, ...]
+    kind = "oem"
     arcs: tuple[Arc, ...]
-    kind: Kind = "oem"
 
-    def states(self, instants: Instants) -> OrbitStates:
-        """Velocity is the exact derivative of position; raises OutsideCoverage."""
-        refuse_outside(instants, self.start_utc, self.stop_utc)
+    def interpolate(self, instants: Instants) -> OrbitStates:
+        """Velocity is the exact derivative of position."""
         r_m, v_m_s = np.empty((len(instants), 3)), np.empty((len(instants), 3))
         todo = np.ones(len(instants), dtype=bool)
         for arc in self.arcs:
             t_s = elapsed_s(instants.epoch_utc, arc.epoch_utc) + instants.t_s
-            here = todo & (t_s <= elapsed_s(arc.stop_utc, arc.epoch_utc) + _EDGE_S)
+            here = todo & (t_s <= elapsed_s(arc.stop_utc, arc.epoch_utc) + EDGE_S)
             if here.any():
                 r_m[here], v_m_s[here] = hermite(
                     arc.node_s, arc.r_eci_m, arc.v_eci_m_s, t_s[here], arc.nodes
@@ -127,9 +115,9 @@ class OemEphemeris:
                 todo &= ~here
         return OrbitStates(r_m, v_m_s)
 
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
+    def age_s(self, instants: Instants) -> Array:
         """Time since the message was made, shape (n,); zero before."""
-        return np.maximum(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s, 0.0)
+        return np.maximum(self.since_epoch_s(instants), 0.0)
 
 
 def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:
@@ -146,11 +134,11 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
     arcs = []
     for arc in smooth_arcs(defects):
         window = slice(arc.first, arc.last + 1)
-        if node_s[arc.last] < start_s - _EDGE_S or node_s[arc.first] > stop_s:
+        if node_s[arc.last] < start_s - EDGE_S or node_s[arc.first] > stop_s:
             continue
-        asked_s = (max(start_s, node_s[arc.first]), min(stop_s, node_s[arc.last]))
+        span_s = (max(start_s, node_s[arc.first]), min(stop_s, node_s[arc.last]))
         nodes = 2 if arc.thrust_m_s2 else NODES
-        middle_s = _middles(node_s[window], *asked_s)
+        middle_s = _middles(node_s[window], *span_s)
         error_m = hermite_error_m(node_s[window], r_m[window], v_m_s[window], middle_s, nodes)
         gap_s = float(np.max(np.diff(node_s[window])))
         # The thrust may start or stop anywhere in a cell.
@@ -169,16 +157,14 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
     return arcs
 
 
-def _middles(node_s: NDArray[np.float64], start_s: float, stop_s: float) -> NDArray[np.float64]:
+def _middles(node_s: Array, start_s: float, stop_s: float) -> Array:
     """Middles of the cells between start and stop, at least one."""
     first = min(int(np.searchsorted(node_s, start_s, side="right")) - 1, len(node_s) - 2)
     last = max(int(np.searchsorted(node_s, stop_s)), first + 1)
     return 0.5 * (node_s[first:last] + node_s[first + 1 : last + 1])
 
 
-def _odd_warning(
-    segment: OemSegment, node_s: NDArray[np.float64], defects: CellDefects
-) -> tuple[str, ...]:
+def _odd_warning(segment: OemSegment, node_s: Array, defects: CellDefects) -> tuple[str, ...]:
     """What to say of nodes that contradict each other; InvalidMessage where it is too much."""
 
     def at(node: int) -> datetime:
@@ -188,53 +174,50 @@ def _odd_warning(
     which = f"state at {utc_text(at(odd.first))} lies"
     if odd.last > odd.first:
         which = f"states at {utc_text(at(odd.first))} and {utc_text(at(odd.last))} lie"
-    said = (
+    sentence = (
         f"the OEM's {which} some {odd.off_m:.0f} m off what the neighbouring states lead to, and "
         "no manoeuvre explains it"
     )
     if not odd.off_m <= REFUSE_M:
         raise InvalidMessage(
-            f"{said}; was a number damaged on its way? Get the message again",
+            f"{sentence}; was a number damaged on its way? Get the message again",
             field="orbit.content",
             at_utc=at(odd.first),
         )
-    pushed = strongest_push(defects)
-    if pushed is not None:
+    cell = strongest_push(defects)
+    if cell is not None:
         raise InvalidMessage(
-            f"the OEM's states from {utc_text(at(pushed))} to {utc_text(at(pushed + 1))} change "
-            f"as if pushed by {defects.thrust_m_s2[pushed]:.2g} m/s^2, which no carrier of a "
+            f"the OEM's states from {utc_text(at(cell))} to {utc_text(at(cell + 1))} change "
+            f"as if pushed by {defects.thrust_m_s2[cell]:.2g} m/s^2, which no carrier of a "
             "camera is; is REF_FRAME the frame they are in, and TIME_SYSTEM their clock?",
             field="orbit.content",
-            at_utc=at(pushed),
+            at_utc=at(cell),
         )
-    return (said,) if odd.off_m > WARN_M else ()
+    return (sentence,) if odd.off_m > WARN_M else ()
 
 
 def _warnings(
-    segment: OemSegment,
-    middle_s: NDArray[np.float64],
-    error_m: NDArray[np.float64],
-    gap_s: float,
-    thrust_m_s2: float,
+    segment: OemSegment, middle_s: Array, error_m: Array, gap_s: float, thrust_m_s2: float
 ) -> tuple[str, ...]:
     """What to say of the room between nodes; OutsideCoverage where they are too far apart."""
     worst = int(np.argmax(error_m))
     at_utc = shifted_utc(segment.epoch_utc, float(middle_s[worst]))
     burn = f" during a burn of {thrust_m_s2 * 1e3:.2f} mm/s^2" if thrust_m_s2 else ""
-    said = (
+    sentence = (
         f"the OEM's nodes near {utc_text(at_utc, 0)}, up to {gap_s:.0f} s apart{burn}, leave the "
         f"position between them uncertain by some {error_m[worst]:.1f} m"
     )
     if error_m[worst] > REFUSE_ERROR_M:
         raise OutsideCoverage(
-            f"{said}; send the ephemeris with closer nodes (240 s do in low orbit, 10 s in burns)",
+            f"{sentence}; send the ephemeris with closer nodes "
+            "(240 s do in low orbit, 10 s in burns)",
             field="orbit.content",
             at_utc=at_utc,
         )
-    return (said,) if error_m[worst] > WARN_ERROR_M else ()
+    return (sentence,) if error_m[worst] > WARN_ERROR_M else ()
 
 
-def _eci(segment: OemSegment, near: slice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _eci(segment: OemSegment, near: slice) -> tuple[Array, Array]:
     """Some nodes' positions and velocities in ECI, shape (n, 3)."""
     r_m, v_m_s = segment.r_m[near], segment.v_m_s[near]
     at_nodes = Instants(segment.epoch_utc, segment.t_s[near])

@@ -6,57 +6,48 @@ from datetime import datetime
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import (
     OMEGA_EARTH_RAD_S,
     eci_from_itrf_state,
     itrf_from_eci_state,
 )
 from planner.frames.time_scales import Instants, elapsed_s
-from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.ephemeris import Ephemeris, OrbitStates
 from planner.orbits.hermite import hermite
 
 State = tuple[float, float, float, float, float, float]
 
 STEP_S = 1.0
-KEPT_STEPS, KEPT = 900, 600  # three days either way, 26 MB
+CACHE_STEPS, CACHE_SIZE = 900, 600  # three days either way, 26 MB
 _MU = 398600.4418e9  # m^3/s^2: Sumarokov 2016, eq. 6
 _P1 = -66063.46e6  # m^2, -1.5 J2 Re^2: Sumarokov 2016, eq. 6
 _P2 = 1.6752e21  # m^4, -(5/8) J4 Re^4; the paper prints 2.5023e9 km^4, 49 % too large
 
 
-@dataclass(frozen=True, eq=False)
-class PaperEphemeris:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PaperEphemeris(Ephemeris):
     """The paper's prediction, a state a second.
 
     t_s: shape (k,), increasing, from epoch_utc.  r_eci_m, v_eci_m_s: shape (k, 3).
     """
 
-    epoch_utc: datetime
-    start_utc: datetime
-    stop_utc: datetime
-    warnings: tuple[str, ...]
-    t_s: NDArray[np.float64]
-    r_eci_m: NDArray[np.float64]
-    v_eci_m_s: NDArray[np.float64]
-    kind: Kind = "state"
+    kind = "state"
+    t_s: Array
+    r_eci_m: Array
+    v_eci_m_s: Array
 
-    def states(self, instants: Instants) -> OrbitStates:
-        """Velocity is the exact derivative of position; raises OutsideCoverage."""
-        refuse_outside(instants, self.start_utc, self.stop_utc)
-        t_s = elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
+    def interpolate(self, instants: Instants) -> OrbitStates:
+        """Velocity is the exact derivative of position."""
+        t_s = self.since_epoch_s(instants)
         return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
-
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
-        """Time from the state's epoch, either way, shape (n,)."""
-        return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
 
 def paper_ephemeris(
     epoch_utc: datetime,
-    r_eci_m: NDArray[np.float64],
-    v_eci_m_s: NDArray[np.float64],
+    r_eci_m: Array,
+    v_eci_m_s: Array,
     start_utc: datetime,
     stop_utc: datetime,
     warnings: tuple[str, ...],
@@ -96,7 +87,7 @@ def paper_ephemeris(
     )
 
 
-def predict(start: State, span_s: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def predict(start: State, span_s: float) -> tuple[Array, Array]:
     """Times (k,) from 0 to span_s (either sign) and states (k, 6) in m and m/s at them.
 
     start: in axes that don't rotate and whose z is the Earth's axis.  The last step is the
@@ -104,27 +95,27 @@ def predict(start: State, span_s: float) -> tuple[NDArray[np.float64], NDArray[n
     harmonics are left out.  Source: Sumarokov 2016, eq. 3-7 (5 as meant, with its X_n +).
     """
     whole = math.floor(abs(span_s) / STEP_S)
-    t_s: NDArray[np.float64] = np.arange(whole + 1, dtype=np.float64) * STEP_S
+    t_s: Array = np.arange(whole + 1, dtype=np.float64) * STEP_S
     if abs(span_s) > t_s[-1]:
         t_s = np.append(t_s, abs(span_s))
     t_s *= math.copysign(1.0, span_s)
     parts = [np.array([start])]
     step_s = np.diff(t_s)
-    for first in range(0, len(step_s), KEPT_STEPS):
+    for first in range(0, len(step_s), CACHE_STEPS):
         before: State = tuple(parts[-1][-1].tolist())
-        steps = step_s[first : first + KEPT_STEPS].tolist()
-        whole_steps = all(abs(step) == STEP_S for step in steps) and len(steps) == KEPT_STEPS
+        steps = step_s[first : first + CACHE_STEPS].tolist()
+        whole_steps = all(abs(step) == STEP_S for step in steps) and len(steps) == CACHE_STEPS
         parts.append(_cached_steps(before, steps[0]) if whole_steps else _steps(before, steps))
     return t_s, np.concatenate(parts)
 
 
-@lru_cache(maxsize=KEPT)
-def _cached_steps(start: State, step_s: float) -> NDArray[np.float64]:
+@lru_cache(maxsize=CACHE_SIZE)
+def _cached_steps(start: State, step_s: float) -> Array:
     """Kept, since one plan asks for several spans: three days of steps take seconds."""
-    return _steps(start, [step_s] * KEPT_STEPS)
+    return _steps(start, [step_s] * CACHE_STEPS)
 
 
-def _steps(start: State, steps_s: list[float]) -> NDArray[np.float64]:
+def _steps(start: State, steps_s: list[float]) -> Array:
     """The states after each of the steps, shape (k, 6)."""
     states = [start]
     for step_s in steps_s:
@@ -170,9 +161,7 @@ def _derivative(s: State) -> State:
     return s[3], s[4], s[5], across * x, across * y, along * z
 
 
-def _turn_about_z(
-    vectors: NDArray[np.float64], c: NDArray[np.float64], s: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Components in axes turned about z by the angles of cosine c and sine s."""
-    x, y, z = vectors.T
+def _turn_about_z(v: Array, c: Array, s: Array) -> Array:
+    """Components of v, (n, 3), in axes turned about z by the angles of cosine c and sine s."""
+    x, y, z = v.T
     return np.stack([c * x + s * y, c * y - s * x, z], axis=1)

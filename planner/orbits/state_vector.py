@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
@@ -30,7 +30,7 @@ from planner.orbits.collocation import (
     node_times_s,
     propagate_segment,
 )
-from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.ephemeris import Ephemeris, OrbitStates
 from planner.orbits.forces import Drag, forces_at
 from planner.orbits.gravity import GM_M3_S2, RADIUS_M
 from planner.orbits.paper_model import PaperEphemeris, paper_ephemeris
@@ -89,19 +89,19 @@ class StateVectorOrbit:
         """
         start_s, stop_s = (elapsed_s(t, self.epoch) for t in (start_utc, stop_utc))
         age_s = max(abs(start_s), abs(stop_s))
-        said = (
+        sentence = (
             f"the state's epoch {utc_text(self.epoch, 0)} is "
             f"{figures(age_s / 3600.0, REFUSE_AGE_S / 3600.0)} h from the plan"
         )
         if age_s > REFUSE_AGE_S:
             raise OutsideCoverage(
-                f"{said}; beyond {REFUSE_AGE_S / 3600.0:.0f} h drag is not known well enough; "
+                f"{sentence}; beyond {REFUSE_AGE_S / 3600.0:.0f} h drag is not known well enough; "
                 "send a newer state",
                 field="orbit.epoch",
             )
         warnings: tuple[str, ...] = ()
         if age_s > WARN_AGE_S[self.force_model]:
-            warnings = (f"{said}: expect an error of some {_error_m(self, age_s):.0f} m",)
+            warnings = (f"{sentence}: expect an error of some {_error_m(self, age_s):.0f} m",)
         if self.force_model == "j2j4":
             r_eci_m, v_eci_m_s = _state_eci(self)
             return paper_ephemeris(self.epoch, r_eci_m, v_eci_m_s, start_utc, stop_utc, warnings)
@@ -138,21 +138,16 @@ class StateVectorOrbit:
         return {False: [], True: []}
 
 
-@dataclass(frozen=True, eq=False)
-class PropagatedEphemeris:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PropagatedEphemeris(Ephemeris):
     """segments: in time's order, without gaps, seconds from epoch_utc."""
 
-    epoch_utc: datetime
-    start_utc: datetime
-    stop_utc: datetime
-    warnings: tuple[str, ...]
+    kind = "state"
     segments: tuple[CollocationSegment, ...]
-    kind: Kind = "state"
 
-    def states(self, instants: Instants) -> OrbitStates:
-        """Velocity is the exact derivative of position; raises OutsideCoverage."""
-        refuse_outside(instants, self.start_utc, self.stop_utc)
-        t_s = elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
+    def interpolate(self, instants: Instants) -> OrbitStates:
+        """Velocity is the exact derivative of position."""
+        t_s = self.since_epoch_s(instants)
         ends_s = [max(segment.start_s, segment.stop_s) for segment in self.segments[:-1]]
         which = np.searchsorted(ends_s, t_s)
         r_m, v_m_s = np.empty((len(t_s), 3)), np.empty((len(t_s), 3))
@@ -160,10 +155,6 @@ class PropagatedEphemeris:
             here = which == k
             r_m[here], v_m_s[here] = self.segments[k].at(t_s[here])
         return OrbitStates(r_m, v_m_s)
-
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
-        """Time from the state's epoch, either way, shape (n,)."""
-        return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
 
 def _check_orbit(orbit: StateVectorOrbit) -> None:
@@ -203,7 +194,7 @@ def _error_m(orbit: StateVectorOrbit, age_s: float) -> float:
     return float(1.5 * 3e-7 * age_s**2)
 
 
-def _state_eci(orbit: StateVectorOrbit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _state_eci(orbit: StateVectorOrbit) -> tuple[Array, Array]:
     """Position and velocity at the epoch, shape (3,), ECI."""
     r_m = np.array(orbit.position_km) * 1e3
     v_m_s = np.array(orbit.velocity_km_s) * 1e3

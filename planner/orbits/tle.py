@@ -7,12 +7,12 @@ from datetime import UTC, datetime, timedelta
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
 from planner.frames.time_scales import (
+    DAY_S,
     Instants,
     elapsed_s,
     require_known,
@@ -20,7 +20,7 @@ from planner.frames.time_scales import (
     utc_text,
 )
 from planner.messages.omm import MEAN_MOTION_REV_DAY
-from planner.orbits.ephemeris import Kind, OrbitStates, refuse_outside
+from planner.orbits.ephemeris import Ephemeris, OrbitStates
 from planner.spec import spec
 
 WARN_AGE_DAYS = 3.0
@@ -83,25 +83,20 @@ class TleOrbit:
         return Satrec.twoline2rv(self.line1, self.line2, WGS72)
 
 
-@dataclass(frozen=True, eq=False)
-class TleEphemeris:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TleEphemeris(Ephemeris):
     """SGP4 at any instant of the span; TEME is taken to ITRF and on to ECI.
 
     Leaves out the slow turning of TEME itself in the velocity (7e-5 m/s).
     """
 
-    epoch_utc: datetime
-    start_utc: datetime
-    stop_utc: datetime
-    warnings: tuple[str, ...]
+    kind = "tle"
     satrec: Satrec
     field: str
-    kind: Kind = "tle"
 
-    def states(self, instants: Instants) -> OrbitStates:
-        """Raises OutsideCoverage outside the span and where SGP4 itself gives up."""
-        refuse_outside(instants, self.start_utc, self.stop_utc)
-        since_days = (elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s) / 86400.0
+    def interpolate(self, instants: Instants) -> OrbitStates:
+        """Raises OutsideCoverage where SGP4 itself gives up."""
+        since_days = self.since_epoch_s(instants) / DAY_S
         errors, r_teme_km, v_teme_km_s = self.satrec.sgp4_array(
             np.full(len(instants), self.satrec.jdsatepoch),
             self.satrec.jdsatepochF + since_days,
@@ -121,10 +116,6 @@ class TleEphemeris:
             np.einsum("nij,nj->ni", c_eci_from_teme, r_teme_km) * 1e3,
             np.einsum("nij,nj->ni", c_eci_from_teme, v_teme_km_s) * 1e3,
         )
-
-    def age_s(self, instants: Instants) -> NDArray[np.float64]:
-        """Time from the elements' epoch, either way, shape (n,)."""
-        return np.abs(elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s)
 
 
 def require_earth_orbit(satrec: Satrec) -> None:
@@ -146,18 +137,18 @@ def sgp4_ephemeris(
 
     Raises OutsideCoverage when an instant is 30 days or more from the epoch.
     """
-    age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / 86400.0
+    age_days = max(abs(elapsed_s(t, epoch_utc)) for t in (start_utc, stop_utc)) / DAY_S
     age = figures(age_days, REFUSE_AGE_DAYS, WARN_AGE_DAYS, digits=3)
-    said = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age} days from the plan"
+    sentence = f"the elements' epoch {utc_text(epoch_utc, 0)} is {age} days from the plan"
     if age_days >= REFUSE_AGE_DAYS:
         raise OutsideCoverage(
-            f"{said}; at {REFUSE_AGE_DAYS:.0f} days they are worthless; take newer ones",
+            f"{sentence}; at {REFUSE_AGE_DAYS:.0f} days they are worthless; take newer ones",
             field=field,
         )
     warnings: tuple[str, ...] = ()
     if age_days >= WARN_AGE_DAYS:
         error_km = 1.0 + 2.0 * age_days
-        warnings = (f"{said}: expect an error of some {error_km:.0f} km along the track",)
+        warnings = (f"{sentence}: expect an error of some {error_km:.0f} km along the track",)
     return TleEphemeris(
         epoch_utc=epoch_utc,
         start_utc=start_utc,

@@ -3,8 +3,7 @@
 from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition
 from planner.platforms.iss_hrc import ISS_HRC
-from planner.platforms.structural_mode import StructuralMode
-from planner.platforms.two_axis import AxisLimits, TwoAxisPlatform
+from planner.platforms.two_axis import AxisLimits, StructuralMode, TwoAxisPlatform
 
 __all__ = [
     "ISS_HRC",

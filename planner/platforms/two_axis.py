@@ -1,13 +1,14 @@
-"""A two-axis platform: its axes, its limits and its mounting."""
+"""A two-axis platform: its axes, its limits, its mounting, and how that rings."""
 
 import math
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.spec import UnitPart, spec
+from planner.arrays import Array
+from planner.spec import UnitPart, Within, spec
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
 UNIT_TOLERANCE = 1e-6
@@ -103,7 +104,7 @@ class TwoAxisPlatform:
         return (self.outer_limits, self.inner_limits)
 
     @property
-    def axes_platform(self) -> NDArray[np.float64]:
+    def axes_platform(self) -> Array:
         """Unit vectors of the axes, shape (2, 3), in the order of `axis_names`."""
         axes = np.array([self.outer_axis_platform, self.inner_axis_platform])
         return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
@@ -112,3 +113,21 @@ class TwoAxisPlatform:
     def q_platform_from_body(self) -> Rotation:
         """The mount: `q_platform_from_body.apply(v_body)` gives `v_platform`."""
         return Rotation.from_quat(self.q_platform_from_body_xyzw)
+
+
+@spec
+class StructuralMode:
+    """One mode of vibration, excited by the acceleration of either axis.
+
+    frequency_hz: undamped; slower is no vibration, and a table has five rows a second.
+    damping: share of critical damping.
+    """
+
+    frequency_hz: Annotated[float, Within(0.02, 2.5)]
+    damping: Annotated[float, Within(0.0, 0.5)] = 0.005
+
+    @property
+    def eigenvalue_rad_s(self) -> complex:
+        """The mode's deflection goes as exp of this times t."""
+        omega_rad_s = 2.0 * math.pi * self.frequency_hz
+        return omega_rad_s * complex(-self.damping, math.sqrt(1.0 - self.damping**2))

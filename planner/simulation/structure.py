@@ -29,12 +29,12 @@ def residual_vibration_rad(
     # With y' = lambda y + a the deflection is -Im y / w_d; over one row a = start + (stop-start) s.
     whole = np.expm1(phase) / eigenvalue
     ramp = (whole / COMMAND_STEP_S - 1.0) / eigenvalue
-    gained = start * whole + (stop - start) * ramp
-    rows_left = np.arange(len(gained) - 1, -1, -1)
+    gain = start * whole + (stop - start) * ramp
+    rows_left = np.arange(len(gain) - 1, -1, -1)
     still = -1.0 / eigenvalue  # y under a unit of steady acceleration
     swing = (
-        acceleration_before_rad_s2 * still * np.exp(phase * len(gained))
-        + np.sum(gained * np.exp(phase * rows_left))
+        acceleration_before_rad_s2 * still * np.exp(phase * len(gain))
+        + np.sum(gain * np.exp(phase * rows_left))
         - acceleration_after_rad_s2 * still
     )
     return float(abs(swing) / eigenvalue.imag)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Union, get_args
 from pydantic import Field
 
 from planner.targets.apparent import VisibleTarget
+from planner.targets.bench_motion import AxisMotion, BenchMotionTarget
 from planner.targets.body import BodyTarget
 from planner.targets.earth_fixed import EarthFixedTarget
 from planner.targets.ground import GroundTarget
@@ -14,7 +15,6 @@ from planner.targets.keep_out import KeepOut
 from planner.targets.session_target import SessionTarget, TimedTarget
 from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
-from planner.targets.test_motion import AxisMotion, BenchMotionTarget
 
 Target = Annotated[
     GroundTarget

@@ -1,13 +1,14 @@
 """The apparent direction of a target, seen from the moving carrier."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.targets.session_target import SessionTarget
 
 SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
 
@@ -21,26 +22,24 @@ class ApparentDirection:
     seen; negative where it can't.
     """
 
-    direction_eci: NDArray[np.float64]
-    range_m: NDArray[np.float64]
-    clearance_rad: NDArray[np.float64]
+    direction_eci: Array
+    range_m: Array
+    clearance_rad: Array
 
 
-class VisibleTarget(Protocol):
+class VisibleTarget(SessionTarget, ABC):
     """A target that is pointed at by looking along its apparent direction."""
 
+    @abstractmethod
     def apparent(self, instants: Instants, states: OrbitStates) -> ApparentDirection:
         """The target seen from the orbit's `states` at the same n instants."""
-        ...
 
+    @abstractmethod
     def hidden_because(self, clearance_rad: float) -> str:
         """Why a negative clearance means it can't be seen, for a refusal."""
-        ...
 
 
-def aberrate(
-    direction: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def aberrate(direction: Array, v_observer_m_s: Array) -> Array:
     """Direction in which a moving observer sees light that comes from `direction`.
 
     Both (n, 3) in the same inertial axes; unit vectors in and out.

@@ -3,8 +3,8 @@
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.solar_system import BODIES, r_body_bary_m
 from planner.frames.time_scales import Instants
 from planner.spec import spec
@@ -38,9 +38,7 @@ class BodyTarget(SkyTarget):
         """The ephemeris's name."""
         return self.name.lower()
 
-    def seen_from(
-        self, instants: Instants, r_observer_bary_m: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """From where it was when the light left; see `SkyTarget`."""
         light_time_s = np.zeros(len(instants.t_s))
         for _ in range(LIGHT_TIME_PASSES):

@@ -2,8 +2,8 @@
 
 import erfa
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.solar_system import r_body_bary_m
 from planner.frames.time_scales import Instants
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S
@@ -22,13 +22,13 @@ _EARTH_LIMITER = 0.5  # of 1 rad: the limb stands 70 deg from nadir, so nothing 
 
 
 def deflect(
-    direction: NDArray[np.float64],
-    range_m: NDArray[np.float64],
+    direction: Array,
+    range_m: Array,
     instants: Instants,
-    r_observer_bary_m: NDArray[np.float64],
-    r_sat_eci_m: NDArray[np.float64],
+    r_observer_bary_m: Array,
+    r_sat_eci_m: Array,
     source: str | None,
-) -> NDArray[np.float64]:
+) -> Array:
     """Directions in which the light arrives, unit vectors (n, 3) in and out, GCRF axes.
 
     range_m: infinite for a star.  source: the body looked at, which doesn't bend its own
@@ -43,26 +43,23 @@ def deflect(
         earlier_s = np.linalg.norm(now_m, axis=1) / SPEED_OF_LIGHT_M_S
         passed = Instants(instants.epoch_utc, instants.t_s - earlier_s)
         r_from_body_m = r_observer_bary_m - r_body_bary_m(body, passed)
-        direction = _bent(direction, range_m, r_from_body_m, mass, limiter)
-    return _bent(direction, range_m, r_sat_eci_m, _EARTH_SOLAR_MASSES, _EARTH_LIMITER)
+        direction = _bend(direction, range_m, r_from_body_m, mass, limiter)
+    return _bend(direction, range_m, r_sat_eci_m, _EARTH_SOLAR_MASSES, _EARTH_LIMITER)
 
 
-def _bent(
-    direction: NDArray[np.float64],
-    range_m: NDArray[np.float64],
-    r_from_body_m: NDArray[np.float64],
-    solar_masses: float,
-    limiter: float,
-) -> NDArray[np.float64]:
+def _bend(
+    direction: Array, range_m: Array, r_from_body_m: Array, mass_ratio: float, limiter_rad2: float
+) -> Array:
+    """mass_ratio: of the body to the Sun.  limiter_rad2: ERFA's."""
     distance_m = np.linalg.norm(r_from_body_m, axis=1)
     source_from_body = direction + r_from_body_m / range_m[:, None]
     source_from_body /= np.linalg.norm(source_from_body, axis=1, keepdims=True)
-    bent = erfa.ld(
-        solar_masses,
+    arriving = erfa.ld(
+        mass_ratio,
         direction,
         source_from_body,
         r_from_body_m / distance_m[:, None],
         distance_m / AU_M,
-        limiter,
+        limiter_rad2,
     )
-    return np.asarray(bent / np.linalg.norm(bent, axis=1, keepdims=True))
+    return np.asarray(arriving / np.linalg.norm(arriving, axis=1, keepdims=True))

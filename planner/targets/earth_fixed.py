@@ -1,23 +1,27 @@
 """Targets that belong to the Earth's surface, and how they are seen."""
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, aberrate
+from planner.targets.apparent import (
+    SPEED_OF_LIGHT_M_S,
+    ApparentDirection,
+    VisibleTarget,
+    aberrate,
+)
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
-from planner.targets.session_target import SessionTarget
 
 LIGHT_TIME_PASSES = 2  # each pass shrinks the error by v/c: 2.5 m, then 4 um, after the first
 
 
-class EarthFixedTarget(SessionTarget, ABC):
+class EarthFixedTarget(VisibleTarget):
     """A target given by its ITRF position, at rest or moving over the Earth.
 
     min_elevation_deg: the carrier must stand at least this high in the target's sky over
@@ -29,7 +33,7 @@ class EarthFixedTarget(SessionTarget, ABC):
     refraction: Refraction
 
     @abstractmethod
-    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+    def r_target_itrf_m(self, instants: Instants) -> Array:
         """Position at the n instants, shape (n, 3)."""
 
     def apparent(self, instants: Instants, states: OrbitStates) -> ApparentDirection:
@@ -39,25 +43,25 @@ class EarthFixedTarget(SessionTarget, ABC):
         asked for, refraction: at 30 deg elevation 8.0 m across the line of sight, which is
         16.1 m along the ground.  Source: Sumarokov 2016, eq. 9.
         """
-        c_itrf_from_eci_ = c_itrf_from_eci(instants)
+        c = c_itrf_from_eci(instants)
         r_target_itrf_m = self.r_target_itrf_m(instants)
-        r_target_eci_m = _eci(c_itrf_from_eci_, r_target_itrf_m)
+        r_target_eci_m = _eci(c, r_target_itrf_m)
         los_eci_m = r_target_eci_m - states.r_sat_eci_m
         range_m = np.linalg.norm(los_eci_m, axis=1)
         latitude_rad, longitude_rad, height_m = geodetic_from_itrf(r_target_itrf_m)
-        up_eci = _eci(c_itrf_from_eci_, up_itrf(latitude_rad, longitude_rad))
+        up_eci = _eci(c, up_itrf(latitude_rad, longitude_rad))
         elevation_rad = np.arcsin(-np.sum(los_eci_m * up_eci, axis=1) / range_m)
 
         raised_eci_m = np.zeros_like(los_eci_m)
         if self.refraction == "standard":
             raised = raised_m(math.pi / 2.0 - elevation_rad, range_m, height_m)
             raised_eci_m = raised[:, None] * up_eci
-        omega_earth_eci_rad_s = OMEGA_EARTH_RAD_S * c_itrf_from_eci_[:, 2, :]
+        omega_earth_eci_rad_s = OMEGA_EARTH_RAD_S * c[:, 2, :]
         for _ in range(LIGHT_TIME_PASSES):
             light_time_s = np.linalg.norm(los_eci_m, axis=1) / SPEED_OF_LIGHT_M_S
             emitted = Instants(instants.epoch_utc, instants.t_s - light_time_s)
             # Where it was over the Earth then, and the Earth turned back: 3 ms, 1.4 m.
-            r_target_eci_m = _eci(c_itrf_from_eci_, self.r_target_itrf_m(emitted))
+            r_target_eci_m = _eci(c, self.r_target_itrf_m(emitted))
             turned_m = light_time_s[:, None] * np.cross(omega_earth_eci_rad_s, r_target_eci_m)
             los_eci_m = r_target_eci_m - turned_m - states.r_sat_eci_m
         seen_eci_m = los_eci_m + raised_eci_m
@@ -86,7 +90,5 @@ def require_ground_ranges(target: EarthFixedTarget) -> None:
         )
 
 
-def _eci(
-    c_itrf_from_eci_: NDArray[np.float64], vector_itrf: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    return np.asarray(np.einsum("nji,nj->ni", c_itrf_from_eci_, vector_itrf))
+def _eci(c: Array, vector_itrf: Array) -> Array:
+    return np.asarray(np.einsum("nji,nj->ni", c, vector_itrf))

@@ -1,8 +1,8 @@
 """How near a line of sight into space passes the Earth, and what the air does to it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.geodesy import WGS84_A_M, WGS84_F, geodetic_from_itrf
 from planner.targets.refraction import bending_rad, bending_slope_m
 from planner.targets.standard_atmosphere import TOP_M
@@ -11,10 +11,8 @@ _REFRACTION_PASSES = 12  # Newton from the dark side; 5 suffice 10 km above the 
 
 
 def limb_clearance_rad(
-    direction_itrf: NDArray[np.float64],
-    r_sat_itrf_m: NDArray[np.float64],
-    grazing_altitude_m: float,
-) -> NDArray[np.float64]:
+    direction_itrf: Array, r_sat_itrf_m: Array, grazing_altitude_m: float
+) -> Array:
     """Angle by which directions clear the ellipsoid raised by an altitude, shape (n,).
 
     direction_itrf: unit vectors, (n, 3).  Measured in the plane of direction and geocentre;
@@ -33,9 +31,7 @@ def limb_clearance_rad(
     return _from_nadir_rad(direction_itrf, r_sat_itrf_m) - _from_nadir_rad(limb_itrf, r_sat_itrf_m)
 
 
-def refract(
-    direction_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def refract(direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
     """Where a source at infinity seems to stand, seen through the limb, unit vectors (n, 3).
 
     The air lifts it away from nadir by the bending of the ray that reaches the carrier; the
@@ -60,9 +56,7 @@ def refract(
     return np.where((height_m < TOP_M)[:, None], seen_itrf, direction_itrf)
 
 
-def line_height_m(
-    direction_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def line_height_m(direction_itrf: Array, r_sat_itrf_m: Array) -> Array:
     """Least height above the ellipsoid along a straight line of sight, shape (n,).
 
     Infinite where the line only climbs.  Within 2 m for lines that pass below 100 km.
@@ -74,20 +68,18 @@ def line_height_m(
     return np.where(lowest_m > 0.0, height, np.inf)
 
 
-def _unit_across(vector: NDArray[np.float64], axis: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Direction of the part of `vector` across the unit vector `axis`; any where it has none."""
-    across = vector - np.sum(vector * axis, axis=1, keepdims=True) * axis
+def _unit_across(v: Array, axis: Array) -> Array:
+    """Direction of the part of `v` across the unit v `axis`; any where it has none."""
+    across = v - np.sum(v * axis, axis=1, keepdims=True) * axis
     size = np.linalg.norm(across, axis=1, keepdims=True)
     spare = np.cross(axis, np.roll(axis, 1, axis=1) + np.array([0.0, 0.0, 1.0]))
     spare /= np.linalg.norm(spare, axis=1, keepdims=True)
-    scale = np.linalg.norm(vector, axis=1, keepdims=True)
+    scale = np.linalg.norm(v, axis=1, keepdims=True)
     none = size < 1e-12 * scale
     return np.where(none, spare, across / np.where(none, 1.0, size))
 
 
-def _from_nadir_rad(
-    direction: NDArray[np.float64], r_sat_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _from_nadir_rad(direction: Array, r_sat_m: Array) -> Array:
     """Angle from the geocentre's direction, accurate at 0 and pi too."""
     across = np.linalg.norm(np.cross(direction, r_sat_m), axis=1)
     return np.asarray(np.arctan2(across, -np.sum(direction * r_sat_m, axis=1)))

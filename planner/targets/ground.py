@@ -4,8 +4,8 @@ import math
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.spec import spec
@@ -33,7 +33,7 @@ class GroundTarget(EarthFixedTarget):
     def __post_init__(self) -> None:
         require_ground_ranges(self)
 
-    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+    def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""
         r_itrf_m = itrf_from_geodetic(
             math.radians(self.latitude_deg), math.radians(self.longitude_deg), self.height_m

@@ -4,9 +4,7 @@ import math
 from datetime import datetime
 from typing import Annotated, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from planner.arrays import Array
 from planner.frames.geodesic import geodesic_end
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_offset, utc_text
@@ -54,7 +52,7 @@ class MovingGroundTarget(EarthFixedTarget):
                 "a newer position"
             )
 
-    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+    def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3)."""
         since_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch)
         latitude_rad, longitude_rad = geodesic_end(

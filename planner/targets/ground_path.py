@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, figures
 from planner.frames.geodesic import geodesic_between, geodesic_end
@@ -44,9 +44,9 @@ class _Legs:
     each point, in the plane that keeps distances and directions from the point.
     """
 
-    passing_s: NDArray[np.float64]
-    arriving_m_s: NDArray[np.float64]
-    leaving_m_s: NDArray[np.float64]
+    passing_s: Array
+    arriving_m_s: Array
+    leaving_m_s: Array
 
 
 @spec
@@ -99,7 +99,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                 "session there, or give the path more points or less speed"
             )
 
-    def r_target_itrf_m(self, instants: Instants) -> NDArray[np.float64]:
+    def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3)."""
         if self.start is None:
             raise InvalidInput(
@@ -153,7 +153,7 @@ def _between(a: PathPoint, b: PathPoint) -> tuple[float, float]:
     )
 
 
-def _near(point: PathPoint, offset_m: NDArray[np.float64]) -> NDArray[np.float64]:
+def _near(point: PathPoint, offset_m: Array) -> Array:
     """ITRF positions (n, 3) at offsets east, north and up measured along geodesics."""
     latitude_rad, longitude_rad = geodesic_end(
         math.radians(point.latitude_deg),

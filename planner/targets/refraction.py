@@ -8,8 +8,9 @@ from functools import cache
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from planner.arrays import Array
 from planner.targets.standard_atmosphere import TOP_M, refractivity
 
 if TYPE_CHECKING:
@@ -24,9 +25,7 @@ _DISPLACEMENT_PASSES = 4  # each shrinks the error by 3e-4 / cos^2 zenith angle:
 _OVERHEAD_RAD = 1e-6  # the raised height is even in the zenith angle, so it is flat there
 
 
-def raised_m(
-    zenith_rad: NDArray[np.float64], range_m: NDArray[np.float64], height_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def raised_m(zenith_rad: Array, range_m: Array, height_m: Array) -> Array:
     """How much higher a target seems to a carrier above the air, shape (n,).
 
     zenith_rad, range_m: geometric zenith angle and distance of the carrier, seen from the
@@ -60,7 +59,7 @@ def raised_m(
     return np.asarray(up - r_target - across * (sat_up - up) / (sat_across - across))
 
 
-def bending_rad(line_height_m: ArrayLike) -> NDArray[np.float64]:
+def bending_rad(line_height_m: ArrayLike) -> Array:
     """Angle by which the air turns a ray from space back into space, shape of the argument.
 
     line_height_m: least height of the ray's straight continuation at the carrier; below
@@ -73,7 +72,7 @@ def bending_rad(line_height_m: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(np.exp(log_bending(inside) + log_bending(high, 1) * (height - inside)))
 
 
-def bending_slope_m(line_height_m: ArrayLike) -> NDArray[np.float64]:
+def bending_slope_m(line_height_m: ArrayLike) -> Array:
     """Derivative of `bending_rad`, rad per metre, negative."""
     log_bending = _log_bending_of_height()
     inside = np.clip(line_height_m, log_bending.x[0], log_bending.x[-1])

@@ -1,26 +1,25 @@
 """Targets in the sky beyond the Earth, and how they are seen."""
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.targets.apparent import ApparentDirection, aberrate
+from planner.targets.apparent import ApparentDirection, VisibleTarget, aberrate
 from planner.targets.deflection import deflect
 from planner.targets.earth_limb import limb_clearance_rad, refract
 from planner.targets.refraction import Refraction
-from planner.targets.session_target import SessionTarget
 
 GRAZING_ALTITUDE_KM = 80.0  # refraction bends by 0.1 arcsec there, and by 8 times more 15 km lower
 LOWEST_SEEN_KM = 2.0  # a ray that grazes the sea seems to pass at 1.77 km
 
 
-class SkyTarget(SessionTarget, ABC):
+class SkyTarget(VisibleTarget):
     """A target given by its place in the solar system or among the stars.
 
     grazing_altitude_km: the line of sight must pass at least this high above the ellipsoid
@@ -34,9 +33,7 @@ class SkyTarget(SessionTarget, ABC):
     refraction: Refraction
 
     @abstractmethod
-    def seen_from(
-        self, instants: Instants, r_observer_bary_m: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Astrometric directions, unit vectors (n, 3), and range, (n,), infinite for a star.
 
         r_observer_bary_m: the observer from the solar system's barycentre, (n, 3), GCRF axes.

@@ -5,7 +5,9 @@ vanish at both ends.  Source: Ebert et al. 2003, Texturing and Modeling (smooths
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from planner.arrays import Array
 
 SLOPE_MAX = 35.0 / 16.0  # of w, at x = 1/2
 CURVATURE_MAX = 84.0 * 5.0**0.5 / 25.0  # of w, at x = (5 -+ sqrt 5)/10
@@ -15,13 +17,13 @@ _CURVATURE = _W.deriv(2)
 _AREA = _W.integ()
 
 
-def step(x: ArrayLike) -> NDArray[np.float64]:
+def step(x: ArrayLike) -> Array:
     """w, its slope and its curvature, shape (3, ...); 0 before and level after."""
     inside = np.clip(x, 0.0, 1.0)
     return np.stack([_W(inside), _SLOPE(inside), _CURVATURE(inside)])
 
 
-def ramp(t_s: ArrayLike, blend_s: float) -> NDArray[np.float64]:
+def ramp(t_s: ArrayLike, blend_s: float) -> Array:
     """0 long before t = 0 and t long after, shape of `t_s`; blended over `blend_s` around 0."""
     t = np.asarray(t_s)
     x = t / blend_s + 0.5

@@ -1,7 +1,9 @@
 """Refractivity by height: U.S. Standard Atmosphere 1976, dry air."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from planner.arrays import Array
 
 TOP_M = 120e3  # a ray refracts less than 1e-4 arcsec above
 _G0 = 9.80665
@@ -12,7 +14,7 @@ _LAYER_BASE_M = np.array([0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3, 84852.0])  # 
 _LAPSE_K_M = np.array([-6.5e-3, 0.0, 1e-3, 2.8e-3, 0.0, -2.8e-3, -2.0e-3, 0.0])
 
 
-def _base_states() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _base_states() -> tuple[Array, Array]:
     temperature, pressure = np.array([288.15]), np.array([_SEA_LEVEL_PA])
     for layer, thickness_m in enumerate(np.diff(_LAYER_BASE_M)):
         t, p = _within_layer(temperature[-1:], pressure[-1:], _LAPSE_K_M[layer], thickness_m)
@@ -21,15 +23,12 @@ def _base_states() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _within_layer(
-    base_k: NDArray[np.float64],
-    base_pa: NDArray[np.float64],
-    lapse: NDArray[np.float64],
-    above_m: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    base_k: Array, base_pa: Array, lapse_k_m: Array, above_m: Array
+) -> tuple[Array, Array]:
     """Temperature and pressure some geopotential metres above a layer's base, eq. 33a and 33b."""
-    temperature = base_k + lapse * above_m
-    isothermal = lapse == 0.0
-    exponent = -_G0 / _GAS_CONSTANT / np.where(isothermal, 1.0, lapse)
+    temperature = base_k + lapse_k_m * above_m
+    isothermal = lapse_k_m == 0.0
+    exponent = -_G0 / _GAS_CONSTANT / np.where(isothermal, 1.0, lapse_k_m)
     pressure = np.where(
         isothermal,
         base_pa * np.exp(-_G0 * above_m / (_GAS_CONSTANT * base_k)),
@@ -41,7 +40,7 @@ def _within_layer(
 _BASE_K, _BASE_PA = _base_states()
 
 
-def density_kg_m3(height_m: ArrayLike) -> NDArray[np.float64]:
+def density_kg_m3(height_m: ArrayLike) -> Array:
     """Shape of `height_m`; isothermal above 86 km, where the standard has its own tables."""
     height = np.asarray(height_m)
     geopotential_m = _GEOPOTENTIAL_RADIUS_M * height / (_GEOPOTENTIAL_RADIUS_M + height)
@@ -52,7 +51,7 @@ def density_kg_m3(height_m: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(pressure / (_GAS_CONSTANT * temperature))
 
 
-def refractivity(height_m: ArrayLike) -> NDArray[np.float64]:
+def refractivity(height_m: ArrayLike) -> Array:
     """n - 1 at 550 nm, shape of `height_m`; proportional to density (Gladstone-Dale).
 
     From 400 to 700 nm it varies by +-1 %; moist air refracts up to 0.5 % less.

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 import erfa
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.hipparcos import CatalogueStar, hipparcos_star
 from planner.frames.time_scales import Instants
 from planner.spec import Within, spec
@@ -69,9 +69,7 @@ class StarTarget(SkyTarget):
             )
         require_sky_ranges(self)
 
-    def seen_from(
-        self, instants: Instants, r_observer_bary_m: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Uniform motion in space, parallax and Roemer delay; see `SkyTarget`.
 
         TT stands for TDB.  Source: ESA 1997, The Hipparcos and Tycho Catalogues, vol. 1,

@@ -8,7 +8,8 @@ Spherical layers about the mean radius; dry air at 550 nm.  The day's air differ
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 EARTH_RADIUS_M = 6371008.8  # IUGG mean radius
 TOP_M = 120e3  # a ray bends less than 1e-4 arcsec above; isothermal from 86 km
@@ -37,7 +38,7 @@ _NEWTON_PASSES = 4
 _LOWEST_RAY_M = np.arange(0.0, 118e3, 250.0)  # log-linear in between: 2e-4 of the bending
 
 
-def refractivity(height_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def refractivity(height_m: Array) -> tuple[Array, Array]:
     """n - 1 and its derivative by height (1/m), shape of height_m."""
     over = _GEOPOTENTIAL_RADIUS_M / (_GEOPOTENTIAL_RADIUS_M + height_m)
     geopotential_m = height_m * over
@@ -52,9 +53,7 @@ def refractivity(height_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], ND
     return n_minus_1, -n_minus_1 * (_G_OVER_R_K_M + lapse) / kelvin * over**2
 
 
-def lift_to_ground_rad(
-    zenith_rad: NDArray[np.float64], range_m: NDArray[np.float64], height_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def lift_to_ground_rad(zenith_rad: Array, range_m: Array, height_m: Array) -> Array:
     """How far from nadir the air lifts a target seen by a carrier above the air, shape (n,).
 
     zenith_rad, range_m: of the carrier, geometric, seen from the target height_m above the
@@ -86,9 +85,7 @@ def lift_to_ground_rad(
     return np.asarray(np.arcsin(p / r_sat) - np.arcsin(straight_p / r_sat))
 
 
-def limb_bending_rad(
-    line_height_m: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def limb_bending_rad(line_height_m: Array) -> tuple[Array, Array]:
     """Angle by which a ray turns between space and space, and its slope by height (rad/m), (n,).
 
     line_height_m: least height of the ray's straight continuation at the carrier, that is
@@ -102,7 +99,7 @@ def limb_bending_rad(
 
 
 @cache
-def _limb_table() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _limb_table() -> tuple[Array, Array]:
     """Heights of lines and the logarithm of their bending.
 
     With r = lowest + w^2 the integrand of -2 p n'/(n sqrt(n^2 r^2 - p^2)) is smooth.

@@ -26,23 +26,24 @@ def bench_session(
 
     Where the motion stands at each instant is taken from the target.
     """
-    flown = table_session(table, number, rows)
+    flight = table_session(table, number, rows)
     start_utc = target.start if target.start is not None else scenario.sessions[number].start
-    since_s = flown.t_s - elapsed_us(start_utc, flown.epoch_utc) / 1e6
+    since_s = flight.t_s - elapsed_us(start_utc, flight.epoch_utc) / 1e6
     try:
         motion = target.axis_motion(table.axis_names, since_s)
     except InvalidInput as refusal:
-        return None, (_no_motion(number, refusal.detail),)
-    error_rad = np.abs(flown.angle_rad - motion.angle_rad).max(axis=1)
+        detail = f"sessions.{number}: {refusal.detail}"
+        return None, (Finding(limit="motion", detail=detail),)
+    error_rad = np.abs(flight.angle_rad - motion.angle_rad).max(axis=1)
     report = session_report(
-        table, scenario, flown, error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD
+        table, scenario, flight, error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD
     )
-    return report, tuple(_findings(table, flown, motion))
+    return report, tuple(_findings(table, flight, motion))
 
 
-def _findings(table: CommandTable, flown: TableSession, motion: AxisMotion) -> Iterator[Finding]:
-    is_row, rows = flown.is_row, slice(flown.rows[0], flown.rows[-1] + 1)
-    angle_off_rad = flown.angle_rad - motion.angle_rad
+def _findings(table: CommandTable, flight: TableSession, motion: AxisMotion) -> Iterator[Finding]:
+    is_row, rows = flight.is_row, slice(flight.rows[0], flight.rows[-1] + 1)
+    angle_off_rad = flight.angle_rad - motion.angle_rad
     rate_off_rad_s = np.zeros_like(angle_off_rad)
     rate_off_rad_s[is_row] = table.rate_rad_s[rows] - motion.rate_rad_s[is_row]
     allowed_rad = np.where(is_row, AT_ROWS_MAX_RAD, BETWEEN_ROWS_MAX_RAD)[:, None]
@@ -54,25 +55,13 @@ def _findings(table: CommandTable, flown: TableSession, motion: AxisMotion) -> I
         if not excess[worst, column] <= 1.0:
             angle, rate = (off[worst, column] for off in (angle_off_rad, rate_off_rad_s))
             yield Finding(
-                severity="error",
                 limit="motion",
                 axis=axis,
-                t_s=float(flown.t_s[worst]),
-                at_utc=flown.utc(worst),
+                t_s=float(flight.t_s[worst]),
+                at_utc=flight.utc(worst),
                 detail=(
-                    f"sessions.{flown.number}: {axis} is {math.degrees(angle) * 3600.0:+.3f} "
+                    f"sessions.{flight.number}: {axis} is {math.degrees(angle) * 3600.0:+.3f} "
                     f"arcsec and {math.degrees(rate) * 3600.0:+.3f} arcsec/s off the motion asked "
                     f"for{'' if is_row[worst] else ', between rows'}"
                 ),
             )
-
-
-def _no_motion(number: int, why: str) -> Finding:
-    return Finding(
-        severity="error",
-        limit="motion",
-        axis=None,
-        t_s=None,
-        at_utc=None,
-        detail=f"sessions.{number}: {why}",
-    )

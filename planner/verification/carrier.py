@@ -5,8 +5,8 @@ vectors and matrices.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
@@ -19,30 +19,28 @@ from planner.verification.clock import elapsed_us
 DERIVED_LAWS = (LvlhAttitude, InertialAttitude)  # any other law's rotations are taken as given
 
 
-def boresight_platform(
-    platform: TwoAxisPlatform, angle_rad: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     """Unit vectors, shape (n, 3), for angles of shape (n, 2), outer axis first.
 
     Source: Sumarokov 2016, eq. 11, by Rodrigues' formula: the inner axis turns first, carried
     by the outer one.
     """
-    carried = turn(
+    carried = _turn(
         np.asarray(platform.zero_direction_platform),
         np.asarray(platform.inner_axis_platform),
         angle_rad[:, 1],
     )
-    boresight = turn(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
+    boresight = _turn(carried, np.asarray(platform.outer_axis_platform), angle_rad[:, 0])
     return np.asarray(boresight / np.linalg.norm(boresight, axis=1, keepdims=True))
 
 
 def eci_from_platform(
-    vector_platform: NDArray[np.float64],
+    vector_platform: Array,
     platform: TwoAxisPlatform,
     attitude: AttitudeLaw,
     instants: Instants,
     states: OrbitStates,
-) -> NDArray[np.float64]:
+) -> Array:
     """Vectors fixed to the platform, shape (n, 3), in ECI at the n instants."""
     c_platform_from_body = _matrix(platform.q_platform_from_body_xyzw)
     vector_body = vector_platform @ c_platform_from_body  # rows times C: C transposed, applied
@@ -54,27 +52,28 @@ def eci_from_platform(
 
 
 def payload_eci(
-    scenario: Scenario,
-    angle_rad: NDArray[np.float64],
-    instants: Instants,
-    states: OrbitStates,
-) -> NDArray[np.float64]:
+    scenario: Scenario, angle_rad: Array, instants: Instants, states: OrbitStates
+) -> Array:
     """Where the payload points, unit vectors, shape (n, 3), for angles of shape (n, 2)."""
     boresight = boresight_platform(scenario.platform, angle_rad)
     return eci_from_platform(boresight, scenario.platform, scenario.attitude, instants, states)
 
 
-def turn(
-    vectors: NDArray[np.float64], axis: NDArray[np.float64], angle_rad: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Vectors, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
+def apart_rad(a_eci: Array, b_eci: Array) -> Array:
+    """Angles between vectors of shape (n, 3), accurate at 0 and pi too, shape (n,)."""
+    across = np.linalg.norm(np.cross(a_eci, b_eci), axis=1)
+    return np.asarray(np.arctan2(across, np.sum(a_eci * b_eci, axis=1)))
+
+
+def _turn(v: Array, axis: Array, angle_rad: Array) -> Array:
+    """Vectors v, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
     unit = axis / np.linalg.norm(axis)
     cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
-    along = (vectors @ unit)[..., None] * unit
-    return np.asarray(along + cos * (vectors - along) + sin * np.cross(unit, vectors))
+    along = (v @ unit)[..., None] * unit
+    return np.asarray(along + cos * (v - along) + sin * np.cross(unit, v))
 
 
-def _eci_from_lvlh(vector_lvlh: NDArray[np.float64], states: OrbitStates) -> NDArray[np.float64]:
+def _eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
     """+Z to the Earth's centre, +Y against the orbit normal, +X completing (near the velocity)."""
     r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
     down = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
@@ -85,7 +84,7 @@ def _eci_from_lvlh(vector_lvlh: NDArray[np.float64], states: OrbitStates) -> NDA
     return np.asarray(x * forward + y * right + z * down)
 
 
-def _c_body_from_lvlh(attitude: LvlhAttitude) -> NDArray[np.float64]:
+def _c_body_from_lvlh(attitude: LvlhAttitude) -> Array:
     """Yaw, pitch, roll in that order (3-2-1).  Source: Wertz 1978, table E-1."""
     yaw, pitch, roll = np.deg2rad([attitude.yaw_deg, attitude.pitch_deg, attitude.roll_deg])
     cy, sy, cp, sp, cr, sr = (f(a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
@@ -98,21 +97,19 @@ def _c_body_from_lvlh(attitude: LvlhAttitude) -> NDArray[np.float64]:
     )
 
 
-def _eci_from_spinning(
-    vector_body: NDArray[np.float64], attitude: InertialAttitude, instants: Instants
-) -> NDArray[np.float64]:
+def _eci_from_spinning(vector_body: Array, attitude: InertialAttitude, instants: Instants) -> Array:
     """The body turns about an axis fixed both in itself and in inertial space."""
     rate_rad_s = np.deg2rad(attitude.omega_body_deg_s)
     speed_rad_s = float(np.linalg.norm(rate_rad_s))
     if speed_rad_s > 0.0:
         since_s = instants.t_s + elapsed_us(instants.epoch_utc, attitude.epoch) / 1e6
-        vector_body = turn(vector_body, rate_rad_s, speed_rad_s * since_s)
+        vector_body = _turn(vector_body, rate_rad_s, speed_rad_s * since_s)
     return np.asarray(vector_body @ _matrix(attitude.q_body_from_eci_xyzw))
 
 
-def _matrix(q_xyzw: tuple[float, float, float, float]) -> NDArray[np.float64]:
-    """The rotation v -> q v q* as a matrix; q needs no unit length."""
-    x, y, z, w = np.asarray(q_xyzw) / np.linalg.norm(q_xyzw)
+def _matrix(q: tuple[float, float, float, float]) -> Array:
+    """The rotation v -> q v q* as a matrix; q is scalar last and needs no unit length."""
+    x, y, z, w = np.asarray(q) / np.linalg.norm(q)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

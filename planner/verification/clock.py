@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 from astropy_iers_data import IERS_LEAP_SECOND_FILE
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 DAY_US = 86_400_000_000
 DAY_S = 86400.0
@@ -35,7 +36,7 @@ def elapsed_us(until_utc: datetime, since_utc: datetime) -> int:
     return tai_us(until_utc) - tai_us(since_utc)
 
 
-def tt_s(epoch_utc: datetime, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def tt_s(epoch_utc: datetime, t_s: Array) -> Array:
     """TT in seconds since J2000, shape of t_s, seconds after the epoch; good to 1e-7 s."""
     return np.asarray((tai_us(epoch_utc) - _J2000_TT_US) / 1e6 + TT_MINUS_TAI_S + t_s)
 

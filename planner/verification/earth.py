@@ -13,8 +13,8 @@ from pathlib import Path
 import erfa
 import numpy as np
 from astropy_iers_data import IERS_A_FILE
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.verification.clock import DAY_S, DAY_US, TT_MINUS_TAI_S, tai_minus_utc_s, tai_us
 
@@ -40,13 +40,11 @@ class EarthOrientation:
     c_cirs_from_eci, c_itrf_from_tirs: shape (n, 3, 3); era_rad: shape (n,).
     """
 
-    c_cirs_from_eci: NDArray[np.float64]
-    c_itrf_from_tirs: NDArray[np.float64]
-    era_rad: NDArray[np.float64]
+    c_cirs_from_eci: Array
+    c_itrf_from_tirs: Array
+    era_rad: Array
 
-    def eci_from_itrf(
-        self, vector_itrf: NDArray[np.float64], before_s: NDArray[np.float64] | float = 0.0
-    ) -> NDArray[np.float64]:
+    def eci_from_itrf(self, vector_itrf: Array, before_s: Array | float = 0.0) -> Array:
         """Shape (n, 3): a vector of each instant, with the Earth turned back by before_s seconds.
 
         before_s is a light time: over 10 ms the celestial pole moves by 1e-9 arcsec.
@@ -60,7 +58,7 @@ class EarthOrientation:
         )
         return np.asarray(np.einsum("nji,nj->ni", self.c_cirs_from_eci, cirs))
 
-    def itrf_from_eci(self, vector_eci: NDArray[np.float64]) -> NDArray[np.float64]:
+    def itrf_from_eci(self, vector_eci: Array) -> Array:
         """Shape (n, 3): the inverse of `eci_from_itrf` at the instants themselves."""
         cirs = np.einsum("nij,nj->ni", self.c_cirs_from_eci, vector_eci)
         cos, sin = np.cos(self.era_rad), np.sin(self.era_rad)
@@ -71,7 +69,7 @@ class EarthOrientation:
         return np.asarray(np.einsum("nij,nj->ni", self.c_itrf_from_tirs, tirs))
 
 
-def earth_orientation(epoch_utc: datetime, t_s: NDArray[np.float64]) -> EarthOrientation:
+def earth_orientation(epoch_utc: datetime, t_s: Array) -> EarthOrientation:
     """Orientation at t_s seconds after the epoch, shape (n,), in order of time.
 
     Leaves out the diurnal and semi-diurnal tides in UT1 and pole (3 cm on the ground); past
@@ -107,7 +105,7 @@ def earth_orientation(epoch_utc: datetime, t_s: NDArray[np.float64]) -> EarthOri
     )
 
 
-def _earth_orientation_parameters(tai_mjd: int, tai_of_day_s: float) -> NDArray[np.float64]:
+def _earth_orientation_parameters(tai_mjd: int, tai_of_day_s: float) -> Array:
     """UT1 - TAI (s), pole x, y and celestial pole offsets dX, dY (rad), shape (5,).
 
     Cubic Lagrange through the four nearest days, as IERS Conventions 2010, 5.1 advise.
@@ -131,7 +129,7 @@ def _earth_orientation_parameters(tai_mjd: int, tai_of_day_s: float) -> NDArray[
 
 
 @cache
-def _daily_values(mjd: int) -> NDArray[np.float64]:
+def _daily_values(mjd: int) -> Array:
     """UT1 - TAI (s), x, y, dX, dY (rad) at 0h UTC of one day; unpredicted offsets keep the last."""
     line = _line(mjd)
     offsets_mjd = mjd

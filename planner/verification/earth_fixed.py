@@ -7,6 +7,7 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, GroundTarget
@@ -33,10 +34,10 @@ class EarthFixedSight:
     hidden: shape (n,), whether the ellipsoid stands in between.
     """
 
-    apparent_eci: NDArray[np.float64]
-    up_eci: NDArray[np.float64]
-    range_m: NDArray[np.float64]
-    elevation_rad: NDArray[np.float64]
+    apparent_eci: Array
+    up_eci: Array
+    range_m: Array
+    elevation_rad: Array
     hidden: NDArray[np.bool_]
 
 
@@ -60,16 +61,16 @@ def earth_fixed_sight(
     emitted = Instants(instants.epoch_utc, instants.t_s - light_s)
     r_then_eci_m = earth.eci_from_itrf(_r_target_itrf_m(target, emitted), before_s=light_s)
     to_target_m = r_then_eci_m - states.r_sat_eci_m
-    incoming = to_target_m / np.sqrt(np.sum(to_target_m * to_target_m, axis=1, keepdims=True))
+    incoming_eci = to_target_m / np.sqrt(np.sum(to_target_m * to_target_m, axis=1, keepdims=True))
 
-    up_itrf, height_m = _vertical(r_now_itrf_m)
+    up_itrf, height_m = vertical(r_now_itrf_m)
     up_eci = earth.eci_from_itrf(up_itrf)
     elevation_rad = np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / range_m)
     if target.refraction == "standard":
-        incoming = _lift(incoming, up_eci, instants.t_s, elevation_rad, range_m, height_m)
+        incoming_eci = _lift(incoming_eci, up_eci, instants.t_s, elevation_rad, range_m, height_m)
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)
     return EarthFixedSight(
-        apparent_eci=aberrate(incoming, states.v_sat_eci_m_s),
+        apparent_eci=aberrate(incoming_eci, states.v_sat_eci_m_s),
         up_eci=up_eci,
         range_m=range_m,
         elevation_rad=elevation_rad,
@@ -77,9 +78,7 @@ def earth_fixed_sight(
     )
 
 
-def hidden_by_earth(
-    r_target_itrf_m: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def hidden_by_earth(r_target_itrf_m: Array, r_sat_itrf_m: Array) -> NDArray[np.bool_]:
     """Whether the straight line between them enters the ellipsoid, shape (n,).
 
     Stretched along the axis the ellipsoid becomes a sphere and lines stay lines.  For a target
@@ -95,7 +94,7 @@ def hidden_by_earth(
     return np.asarray(np.linalg.norm(lowest, axis=1) < surface_m - grazing_m)
 
 
-def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> NDArray[np.float64]:
+def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> Array:
     """Shape (n, 3): ground points by ERFA's geodesy, other modes as they say themselves."""
     if isinstance(target, GroundTarget):
         longitude_rad, latitude_rad = np.deg2rad([target.longitude_deg, target.latitude_deg])
@@ -104,20 +103,20 @@ def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> NDArray[np
     return target.r_target_itrf_m(instants)
 
 
-def _vertical(r_itrf_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def vertical(r_itrf_m: Array) -> tuple[Array, Array]:
     """Unit vectors up (n, 3) and heights (n,) above the ellipsoid."""
     longitude_rad, latitude_rad, height_m = erfa.gc2gd(WGS84, r_itrf_m)
     return np.asarray(erfa.s2c(longitude_rad, latitude_rad)), np.asarray(height_m)
 
 
 def _lift(
-    incoming: NDArray[np.float64],
-    up_eci: NDArray[np.float64],
-    t_s: NDArray[np.float64],
-    elevation_rad: NDArray[np.float64],
-    range_m: NDArray[np.float64],
-    height_m: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    incoming_eci: Array,
+    up_eci: Array,
+    t_s: Array,
+    elevation_rad: Array,
+    range_m: Array,
+    height_m: Array,
+) -> Array:
     """Directions turned towards the target's vertical as the air does, unit vectors (n, 3).
 
     Per sine of the zenith angle, which stays smooth overhead, at instants some seconds apart.
@@ -131,6 +130,6 @@ def _lift(
     from scipy.interpolate import CubicSpline
 
     per_sine = CubicSpline(t_s[node], lift_rad / np.sin(zenith_rad))(t_s)
-    across = up_eci - np.sum(up_eci * incoming, axis=1, keepdims=True) * incoming
-    turned = incoming + per_sine[:, None] * across
+    across = up_eci - np.sum(up_eci * incoming_eci, axis=1, keepdims=True) * incoming_eci
+    turned = incoming_eci + per_sine[:, None] * across
     return np.asarray(turned / np.sqrt(np.sum(turned * turned, axis=1, keepdims=True)))

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 
 
@@ -25,62 +26,60 @@ class AxisHermite:
     is angle + rate u + half_acceleration u^2 + sixth_jerk u^3.
     """
 
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
+    angle_rad: Array
+    rate_rad_s: Array
 
     @cached_property
-    def half_acceleration(self) -> NDArray[np.float64]:
-        """Shape (n - 1,), rad/s2."""
+    def half_acceleration_rad_s2(self) -> Array:
+        """Shape (n - 1,)."""
         step = np.diff(self.angle_rad) / COMMAND_STEP_S
         return np.asarray(
             (3.0 * step - 2.0 * self.rate_rad_s[:-1] - self.rate_rad_s[1:]) / COMMAND_STEP_S
         )
 
     @cached_property
-    def sixth_jerk(self) -> NDArray[np.float64]:
-        """Shape (n - 1,), rad/s3."""
+    def sixth_jerk_rad_s3(self) -> Array:
+        """Shape (n - 1,)."""
         step = np.diff(self.angle_rad) / COMMAND_STEP_S
         return np.asarray(
             (self.rate_rad_s[:-1] + self.rate_rad_s[1:] - 2.0 * step) / COMMAND_STEP_S**2
         )
 
     @property
-    def acceleration_after_row(self) -> NDArray[np.float64]:
+    def acceleration_after_row_rad_s2(self) -> Array:
         """Shape (n - 1,): where each cell begins."""
-        return 2.0 * self.half_acceleration
+        return 2.0 * self.half_acceleration_rad_s2
 
     @property
-    def acceleration_before_row(self) -> NDArray[np.float64]:
+    def acceleration_before_row_rad_s2(self) -> Array:
         """Shape (n - 1,): where each cell ends."""
-        return 2.0 * self.half_acceleration + 6.0 * self.sixth_jerk * COMMAND_STEP_S
+        return 2.0 * self.half_acceleration_rad_s2 + 6.0 * self.sixth_jerk_rad_s3 * COMMAND_STEP_S
 
-    def angle_at(
-        self, cell: NDArray[np.intp] | slice, u_s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def angle_at(self, cell: NDArray[np.intp] | slice, u_s: Array) -> Array:
         """Angle u_s after the row the cell begins with; shapes broadcast."""
         a, r = self.angle_rad[:-1][cell], self.rate_rad_s[:-1][cell]
-        h, j = self.half_acceleration[cell], self.sixth_jerk[cell]
+        h, j = self.half_acceleration_rad_s2[cell], self.sixth_jerk_rad_s3[cell]
         return np.asarray(a + u_s * (r + u_s * (h + u_s * j)))
 
-    def rate_at(
-        self, cell: NDArray[np.intp] | slice, u_s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def rate_at(self, cell: NDArray[np.intp] | slice, u_s: Array) -> Array:
         """As `angle_at`, rad/s."""
-        h, j = self.half_acceleration[cell], self.sixth_jerk[cell]
+        h, j = self.half_acceleration_rad_s2[cell], self.sixth_jerk_rad_s3[cell]
         return np.asarray(self.rate_rad_s[:-1][cell] + u_s * (2.0 * h + u_s * 3.0 * j))
 
-    def crossings_s(self, rate_rad_s: float) -> NDArray[np.float64]:
+    def crossings_s(self, rate_rad_s: float) -> Array:
         """When in its cell the rate passes a value, shape (2, n - 1); NaN where it doesn't."""
         return _quadratic_roots(
-            3.0 * self.sixth_jerk, 2.0 * self.half_acceleration, self.rate_rad_s[:-1] - rate_rad_s
+            3.0 * self.sixth_jerk_rad_s3,
+            2.0 * self.half_acceleration_rad_s2,
+            self.rate_rad_s[:-1] - rate_rad_s,
         )
 
     def angle_extremes(self) -> tuple[HermiteExtreme, HermiteExtreme]:
         """Least and greatest angle anywhere."""
         turning = _inside(self.crossings_s(0.0))
         every = slice(None)
-        values = [self.angle_rad[:-1], *(self.angle_at(every, u) for u in turning)]
-        least, greatest = self._extremes(values, [np.zeros(len(turning[0])), *turning])
+        value_by_kind = [self.angle_rad[:-1], *(self.angle_at(every, u) for u in turning)]
+        least, greatest = self._extremes(value_by_kind, [np.zeros(len(turning[0])), *turning])
         last = HermiteExtreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / ROWS_PER_S)
         return (
             min(least, last, key=lambda extreme: extreme.value),
@@ -90,34 +89,36 @@ class AxisHermite:
     def rate_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the rate, with its sign."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            turning = _inside(-self.half_acceleration / (3.0 * self.sixth_jerk))
+            turning = _inside(-self.half_acceleration_rad_s2 / (3.0 * self.sixth_jerk_rad_s3))
         every = slice(None)
         start = np.zeros_like(turning)
         stop = np.full_like(turning, COMMAND_STEP_S)
-        values = [self.rate_rad_s[:-1], self.rate_at(every, turning), self.rate_rad_s[1:]]
-        return _greatest_magnitude(self._extremes(values, [start, turning, stop]))
+        value_by_kind = [self.rate_rad_s[:-1], self.rate_at(every, turning), self.rate_rad_s[1:]]
+        return _greatest_magnitude(self._extremes(value_by_kind, [start, turning, stop]))
 
     def acceleration_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the acceleration, linear in each cell, with its sign."""
-        start = np.zeros_like(self.half_acceleration)
-        values = [self.acceleration_after_row, self.acceleration_before_row]
-        return _greatest_magnitude(self._extremes(values, [start, start + COMMAND_STEP_S]))
+        start = np.zeros_like(self.half_acceleration_rad_s2)
+        value_by_kind = [self.acceleration_after_row_rad_s2, self.acceleration_before_row_rad_s2]
+        return _greatest_magnitude(self._extremes(value_by_kind, [start, start + COMMAND_STEP_S]))
 
     def jerk_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the jerk, constant in each cell, with its sign; cell's start."""
-        start = np.zeros_like(self.sixth_jerk)
-        return _greatest_magnitude(self._extremes([6.0 * self.sixth_jerk], [start]))
+        start = np.zeros_like(self.sixth_jerk_rad_s3)
+        return _greatest_magnitude(self._extremes([6.0 * self.sixth_jerk_rad_s3], [start]))
 
     def acceleration_jump_extreme(self, initial_acceleration_rad_s2: float) -> HermiteExtreme:
         """Greatest step of the acceleration at a row; before row 0 it is the initial one."""
-        before = np.concatenate([[initial_acceleration_rad_s2], self.acceleration_before_row[:-1]])
-        jumps = self.acceleration_after_row - before
+        before = np.concatenate(
+            [[initial_acceleration_rad_s2], self.acceleration_before_row_rad_s2[:-1]]
+        )
+        jumps = self.acceleration_after_row_rad_s2 - before
         return _greatest_magnitude(self._extremes([jumps], [np.zeros_like(jumps)]))
 
     def _extremes(
-        self, values: list[NDArray[np.float64]], u_s: list[NDArray[np.float64]]
+        self, value_by_kind: list[Array], u_s: list[Array]
     ) -> tuple[HermiteExtreme, HermiteExtreme]:
-        stacked, into_cell_s = np.stack(values), np.stack(u_s)
+        stacked, into_cell_s = np.stack(value_by_kind), np.stack(u_s)
         found = []
         for where in (np.argmin(stacked), np.argmax(stacked)):
             kind, cell = np.unravel_index(where, stacked.shape)
@@ -130,14 +131,12 @@ def _greatest_magnitude(extremes: tuple[HermiteExtreme, HermiteExtreme]) -> Herm
     return max(extremes, key=lambda extreme: abs(extreme.value))
 
 
-def _inside(u_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inside(u_s: Array) -> Array:
     """Clipped into the cell, so that whatever comes of rounding lies on the curve; NaN to 0."""
     return np.clip(np.nan_to_num(u_s, nan=0.0), 0.0, COMMAND_STEP_S)
 
 
-def _quadratic_roots(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _quadratic_roots(a: Array, b: Array, c: Array) -> Array:
     """Real roots of a u^2 + b u + c, shape (2, n), NaN or infinite where there is none.
 
     Source: Press 2007, Numerical Recipes, eq. 5.6.4 (no cancellation between b and the root).

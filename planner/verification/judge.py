@@ -19,7 +19,7 @@ from planner.verification.bench_motion import bench_session
 from planner.verification.carrier import DERIVED_LAWS
 from planner.verification.keep_out import keep_out_findings, keep_out_margins
 from planner.verification.limits import limit_findings, limit_margins
-from planner.verification.pointing import ground_session, sky_session
+from planner.verification.pointing import pointing_session
 from planner.verification.report import Finding, Given, SessionReport, VerificationReport
 from planner.verification.structure import covers, session_rows, structure_findings, unflyable
 
@@ -34,10 +34,10 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
     `taken_as_given`.
     """
     given = _assumptions(scenario)
-    broken = unflyable(table, scenario)
-    if broken is not None:
+    fault = unflyable(table, scenario)
+    if fault is not None:
         return VerificationReport(
-            passed=False, findings=(broken,), sessions=(), limits=(), taken_as_given=given
+            passed=False, findings=(fault,), sessions=(), limits=(), taken_as_given=given
         )
     margins = limit_margins(table, scenario)
     keep_out = keep_out_margins(table, scenario)
@@ -47,15 +47,15 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         *keep_out_findings(keep_out),
     ]
     reports: list[SessionReport] = []
-    covered = {
+    rows_by_session = {
         number: rows
         for number, session in enumerate(scenario.sessions)
         if covers(table, rows := session_rows(session, table.epoch_utc))
     }
-    ephemeris = cache(lambda: _ephemeris(table, scenario, covered))  # a propagation is dear
+    ephemeris = cache(lambda: _ephemeris(table, scenario, rows_by_session))  # a propagation is dear
     for number, session in enumerate(scenario.sessions):
         report, session_findings = _judge_session(
-            table, scenario, ephemeris, number, session.target, covered.get(number)
+            table, scenario, ephemeris, number, session.target, rows_by_session.get(number)
         )
         findings.extend(session_findings)
         if report is not None:
@@ -80,21 +80,22 @@ def _judge_session(
 ) -> tuple[SessionReport | None, tuple[Finding, ...]]:
     """rows: None where the table is too short for the session, which is a finding already."""
     if not isinstance(target, EarthFixedTarget | SkyTarget | BenchMotionTarget):
-        return None, (_unverifiable(number),)
+        detail = f"sessions.{number}: the judge can't derive where this target appears"
+        return None, (Finding(limit="pointing", detail=detail),)
     if rows is None:
         return None, ()
     if isinstance(target, BenchMotionTarget):
         return bench_session(table, scenario, number, target, rows)
-    if isinstance(target, SkyTarget):
-        return sky_session(table, scenario, ephemeris(), number, target, rows)
-    return ground_session(table, scenario, ephemeris(), number, target, rows)
+    return pointing_session(table, scenario, ephemeris(), number, target, rows)
 
 
-def _ephemeris(table: CommandTable, scenario: Scenario, covered: dict[int, range]) -> Ephemeris:
+def _ephemeris(
+    table: CommandTable, scenario: Scenario, rows_by_session: dict[int, range]
+) -> Ephemeris:
     """The orbit from the first to the last of the sessions that look somewhere."""
     looking = [
         rows
-        for number, rows in covered.items()
+        for number, rows in rows_by_session.items()
         if not isinstance(scenario.sessions[number].target, BenchMotionTarget)
     ]
     return scenario.orbit.ephemeris(
@@ -103,25 +104,14 @@ def _ephemeris(table: CommandTable, scenario: Scenario, covered: dict[int, range
     )
 
 
-def _unverifiable(number: int) -> Finding:
-    return Finding(
-        severity="error",
-        limit="pointing",
-        axis=None,
-        t_s=None,
-        at_utc=None,
-        detail=f"sessions.{number}: the judge can't derive where this target appears",
-    )
-
-
 def _assumptions(scenario: Scenario) -> tuple[Given, ...]:
     targets = [session.target for session in scenario.sessions]
-    moved = [isinstance(target, BenchMotionTarget) for target in targets]
-    found = [isinstance(target, (*DERIVED_TARGETS, BenchMotionTarget)) for target in targets]
+    is_motion = [isinstance(target, BenchMotionTarget) for target in targets]
+    is_derived = [isinstance(target, (*DERIVED_TARGETS, BenchMotionTarget)) for target in targets]
     given: dict[Given, bool] = {
-        "orbit": not all(moved),
-        "attitude": not all(moved) and not isinstance(scenario.attitude, DERIVED_LAWS),
-        "target": not all(found),
-        "motion": any(moved),
+        "orbit": not all(is_motion),
+        "attitude": not all(is_motion) and not isinstance(scenario.attitude, DERIVED_LAWS),
+        "target": not all(is_derived),
+        "motion": any(is_motion),
     }
     return tuple(name for name, taken in given.items() if taken)

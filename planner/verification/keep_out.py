@@ -7,13 +7,14 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import Ephemeris, OrbitStates
 from planner.scenario import Scenario
 from planner.targets import BodyTarget, KeepOut
 from planner.targets.keep_out import HIDDEN_RAD
-from planner.verification.carrier import eci_from_platform, payload_eci
+from planner.verification.carrier import apart_rad, eci_from_platform, payload_eci
 from planner.verification.limits import axis_hermite
 from planner.verification.report import Finding, KeepOutMargin
 from planner.verification.sky import sky_sight
@@ -39,7 +40,7 @@ def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMa
     reach_rad = (rate_rad_s + CARRIER_RATE_RAD_S) * COMMAND_STEP_S + sum(
         limits.acceleration_max_rad_s2 for limits in scenario.axis_limits
     ) * COMMAND_STEP_S**2
-    found = []
+    margins = []
     for number, cone in enumerate(scenario.slew.keep_out):
         half_rad = math.radians(cone.half_angle_deg)
         rows = np.arange(count)
@@ -52,7 +53,7 @@ def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMa
         every_rad = np.concatenate([away_rad, finer_rad])
         t_s = np.concatenate([rows / ROWS_PER_S, cell / ROWS_PER_S + u_s])
         least = int(np.argmin(every_rad))
-        found.append(
+        margins.append(
             KeepOutMargin(
                 number=number,
                 about=cone.about,
@@ -62,7 +63,7 @@ def keep_out_margins(table: CommandTable, scenario: Scenario) -> tuple[KeepOutMa
                 at_utc=shifted_utc(table.epoch_utc, float(t_s[least])),
             )
         )
-    return tuple(found)
+    return tuple(margins)
 
 
 def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
@@ -71,9 +72,7 @@ def keep_out_findings(margins: tuple[KeepOutMargin, ...]) -> Iterator[Finding]:
         away_rad = margin.away_min_rad
         if away_rad is not None and away_rad < margin.half_angle_rad - TOLERANCE_RAD:
             yield Finding(
-                severity="error",
                 limit="keep_out",
-                axis=None,
                 t_s=margin.t_s,
                 at_utc=margin.at_utc,
                 detail=(
@@ -90,56 +89,41 @@ def _away_rad(
     ephemeris: Ephemeris,
     cone: KeepOut,
     cell: NDArray[np.intp],
-    u_s: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    u_s: Array,
+) -> Array:
     """From boresight to the cone's axis, u_s after the rows; infinite where it doesn't count."""
-    parts = [
-        _part_rad(
-            table,
-            scenario,
-            ephemeris,
-            cone,
-            cell[first:][:ROWS_AT_ONCE],
-            u_s[first:][:ROWS_AT_ONCE],
-        )
-        for first in range(0, len(cell), ROWS_AT_ONCE)
-    ]
-    return np.concatenate([np.empty(0), *parts])
+    away_rad = np.empty(len(cell))
+    for first in range(0, len(cell), ROWS_AT_ONCE):
+        part = slice(first, first + ROWS_AT_ONCE)
+        instants = Instants(table.epoch_utc, cell[part] / ROWS_PER_S + u_s[part])
+        states = ephemeris.states(instants)
+        angle_rad = _angle_rad(table, cell[part], u_s[part])
+        boresight_eci = payload_eci(scenario, angle_rad, instants, states)
+        axis_eci, counts = _axis_eci(cone, scenario, instants, states)
+        away_rad[part] = np.where(counts, apart_rad(axis_eci, boresight_eci), np.inf)
+    return away_rad
 
 
-def _part_rad(
-    table: CommandTable,
-    scenario: Scenario,
-    ephemeris: Ephemeris,
-    cone: KeepOut,
-    cell: NDArray[np.intp],
-    u_s: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    at_last = cell == len(table.angle_rad) - 1
-    begun = np.where(at_last, cell - 1, cell)
-    into_s = np.where(at_last, COMMAND_STEP_S, u_s)
-    angle_rad = np.stack([axis_hermite(table, k).angle_at(begun, into_s) for k in range(2)], axis=1)
-    instants = Instants(table.epoch_utc, cell / ROWS_PER_S + u_s)
-    states = ephemeris.states(instants)
-    if cone.direction_platform is not None:
-        axis_platform = np.tile(cone.direction_platform, (len(cell), 1))
-        axis_eci = eci_from_platform(
-            axis_platform, scenario.platform, scenario.attitude, instants, states
-        )
-        counts = np.ones(len(cell), dtype=bool)
-    else:
-        axis_eci, counts = _axis_eci(cone, instants, states)
-    boresight_eci = payload_eci(scenario, angle_rad, instants, states)
-    across = np.linalg.norm(np.cross(axis_eci, boresight_eci), axis=1)
-    away_rad = np.arctan2(across, np.sum(axis_eci * boresight_eci, axis=1))
-    return np.where(counts, away_rad, np.inf)
+def _angle_rad(table: CommandTable, cell: NDArray[np.intp], u_s: Array) -> Array:
+    """Angles, shape (n, 2), u_s after the rows; the last row ends a cell and begins none."""
+    is_last = cell == len(table.angle_rad) - 1
+    begins, into_s = np.where(is_last, cell - 1, cell), np.where(is_last, COMMAND_STEP_S, u_s)
+    return np.stack([axis_hermite(table, k).angle_at(begins, into_s) for k in range(2)], axis=1)
 
 
 def _axis_eci(
-    cone: KeepOut, instants: Instants, states: OrbitStates
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Of a cone not fixed to the platform: vectors (n, 3), and whether it counts (n,)."""
+    cone: KeepOut, scenario: Scenario, instants: Instants, states: OrbitStates
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Of the cone: vectors (n, 3), and whether it counts (n,)."""
     always = np.ones(len(instants.t_s), dtype=bool)
+    if cone.direction_platform is not None:
+        axis_platform = np.tile(cone.direction_platform, (len(always), 1))
+        return (
+            eci_from_platform(
+                axis_platform, scenario.platform, scenario.attitude, instants, states
+            ),
+            always,
+        )
     if cone.body is not None:
         sight = sky_sight(BodyTarget(name=cone.body, grazing_altitude_km=0.0), instants, states)
         return sight.apparent_eci, sight.clearance_rad > -HIDDEN_RAD

@@ -1,7 +1,8 @@
 """Light on its way to a moving observer: bending at the Sun, aberration."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from planner.arrays import Array
 
 SPEED_OF_LIGHT_M_S = 299792458.0  # exact, BIPM
 
@@ -9,9 +10,7 @@ _SUN_SCHWARZSCHILD_M = 2953.25  # 2 GM/c^2 with GM = 1.32712440041e20 m3/s2, DE4
 _BEHIND_THE_SUN = 6e-6  # 1 + cos of the angle at the Sun; SOFA's value for it, 0.2 deg off centre
 
 
-def aberrate(
-    towards_source: NDArray[np.float64], v_observer_m_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def aberrate(source_eci: Array, v_observer_m_s: Array) -> Array:
     """Direction to the source in the rest frame of a moving observer, unit vectors (n, 3).
 
     The photon's four-momentum is boosted: its energy and momentum along and across the motion.
@@ -20,17 +19,13 @@ def aberrate(
     beta = v_observer_m_s / SPEED_OF_LIGHT_M_S
     beta2 = np.sum(beta * beta, axis=1, keepdims=True)
     gamma = 1.0 / np.sqrt(1.0 - beta2)
-    photon = -towards_source
+    photon = -source_eci
     along = np.sum(photon * beta, axis=1, keepdims=True)
     boosted = photon + (gamma**2 / (gamma + 1.0) * along - gamma) * beta
     return np.asarray(-boosted / np.sqrt(np.sum(boosted * boosted, axis=1, keepdims=True)))
 
 
-def bend_by_sun(
-    towards_source: NDArray[np.float64],
-    range_m: NDArray[np.float64],
-    r_observer_sun_m: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def bend_by_sun(source_eci: Array, range_m: Array, r_observer_sun_m: Array) -> Array:
     """Direction in which light from a source beside the Sun arrives, unit vectors (n, 3).
 
     range_m: (n,), infinite for a star.  r_observer_sun_m: the observer from the Sun's centre.
@@ -41,14 +36,16 @@ def bend_by_sun(
     """
     distance_m = np.sqrt(np.sum(r_observer_sun_m * r_observer_sun_m, axis=1, keepdims=True))
     observer = r_observer_sun_m / distance_m
-    source = towards_source + r_observer_sun_m / range_m[:, None]
+    source = source_eci + r_observer_sun_m / range_m[:, None]
     source /= np.sqrt(np.sum(source * source, axis=1, keepdims=True))
     cos_phi = np.sum(observer * source, axis=1, keepdims=True)
-    away = observer - np.sum(observer * towards_source, axis=1, keepdims=True) * towards_source
+    away = observer - np.sum(observer * source_eci, axis=1, keepdims=True) * source_eci
     size = np.sqrt(np.sum(away * away, axis=1, keepdims=True))
     cross = np.cross(observer, source)
     sin_phi = np.sqrt(np.sum(cross * cross, axis=1, keepdims=True))
     turn_rad = _SUN_SCHWARZSCHILD_M / distance_m * sin_phi
     turn_rad /= np.maximum(1.0 + cos_phi, _BEHIND_THE_SUN)
-    turned = towards_source + turn_rad * away / np.maximum(size, np.finfo(np.float64).tiny)
-    return np.asarray(turned / np.sqrt(np.sum(turned * turned, axis=1, keepdims=True)))
+    arriving_eci = source_eci + turn_rad * away / np.maximum(size, np.finfo(np.float64).tiny)
+    return np.asarray(
+        arriving_eci / np.sqrt(np.sum(arriving_eci * arriving_eci, axis=1, keepdims=True))
+    )

@@ -1,15 +1,12 @@
 """How far from the Earth's limb a line of sight passes, and how high above the ground."""
 
-import erfa
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.verification.earth_fixed import WGS84, WGS84_A_M, WGS84_A_OVER_B
+from planner.arrays import Array
+from planner.verification.earth_fixed import WGS84_A_M, WGS84_A_OVER_B, vertical
 
 
-def limb_clearance_rad(
-    sight_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64], raised_m: float
-) -> NDArray[np.float64]:
+def limb_clearance_rad(sight_itrf: Array, r_sat_itrf_m: Array, raised_m: float) -> Array:
     """From the raised ellipsoid's limb to the line of sight, away from nadir, shape (n,).
 
     sight_itrf: unit vectors (n, 3).  The ellipsoid has both semi-axes longer by raised_m;
@@ -35,38 +32,30 @@ def limb_clearance_rad(
     return np.asarray(from_nadir_rad - limb_rad)
 
 
-def lowest_point(
-    sight_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def lowest_point(sight_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array, Array]:
     """Of straight lines: height above the ellipsoid, way to it (n,), and the vertical there (n, 3).
 
     The way is negative where the line only climbs.  Within 1 m below 200 km.
     """
     way_m = -np.sum(sight_itrf * r_sat_itrf_m, axis=1)
     # Nearest to the geocentre, then to the ellipsoid: the height curves like 1/(Earth's radius).
-    up_itrf, _ = _geodetic(r_sat_itrf_m + way_m[:, None] * sight_itrf)
+    up_itrf, _ = vertical(r_sat_itrf_m + way_m[:, None] * sight_itrf)
     way_m = way_m - np.sum(up_itrf * sight_itrf, axis=1) * WGS84_A_M
-    up_itrf, height_m = _geodetic(r_sat_itrf_m + way_m[:, None] * sight_itrf)
+    up_itrf, height_m = vertical(r_sat_itrf_m + way_m[:, None] * sight_itrf)
     return height_m, way_m, up_itrf
 
 
-def _geodetic(r_itrf_m: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    longitude_rad, latitude_rad, height_m = erfa.gc2gd(WGS84, r_itrf_m)
-    return np.asarray(erfa.s2c(longitude_rad, latitude_rad)), np.asarray(height_m)
-
-
-def _nadir_angle(
-    sight: NDArray[np.float64], down: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _nadir_angle(sight_itrf: Array, down_itrf: Array) -> tuple[Array, Array]:
     """Angle from nadir (n,) and the unit vector (n, 3) across nadir on the sight's side."""
-    along = np.sum(sight * down, axis=1)
-    aside = sight - along[:, None] * down
+    along = np.sum(sight_itrf * down_itrf, axis=1)
+    aside = sight_itrf - along[:, None] * down_itrf
     size = _length(aside)
     # Straight up or down any side is as good as another.
-    any_side = np.cross(down, np.where(np.abs(down[:, :1]) < 0.6, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+    other_axis = np.where(np.abs(down_itrf[:, :1]) < 0.6, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    any_side = np.cross(down_itrf, other_axis)
     across = np.where(size > 1e-12, aside / np.maximum(size, 1e-12), any_side / _length(any_side))
     return np.arctan2(size[:, 0], along), across
 
 
-def _length(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(np.sqrt(np.sum(vector * vector, axis=1, keepdims=True)))
+def _length(v: Array) -> Array:
+    return np.asarray(np.sqrt(np.sum(v * v, axis=1, keepdims=True)))

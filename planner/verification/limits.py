@@ -65,7 +65,6 @@ def limit_findings(margins: tuple[LimitMargin, ...], scenario: Scenario) -> Iter
         if margin.margin < -RELATIVE_TOLERANCE * scale:
             unit = _UNITS[margin.limit]
             yield Finding(
-                severity="error",
                 limit=margin.limit,
                 axis=margin.axis,
                 t_s=margin.t_s,

@@ -1,165 +1,137 @@
-"""Whether the boresight stays on the target, at the rows and between them."""
+"""How far off its target the boresight is, at the rows and between them."""
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import CommandTable
-from planner.frames.time_scales import Instants
+from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario
 from planner.targets import EarthFixedTarget, SkyTarget
-from planner.verification.carrier import payload_eci
+from planner.verification.carrier import apart_rad, payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
-from planner.verification.nearness import EXACT_RAD, allowed_rad, nearness_findings, off_target
 from planner.verification.report import (
     EarthFixedView,
     Finding,
     Limit,
+    OffTarget,
     SessionReport,
     SkyView,
 )
 from planner.verification.session import TableSession, session_report, table_session
 from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
 
+EXACT_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
 ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
 
 
-@dataclass(frozen=True, eq=False)
-class _Held:
-    """boresight_eci: unit vectors, shape (n, 3).  error_rad: off the apparent target, (n,)."""
-
-    boresight_eci: NDArray[np.float64]
-    error_rad: NDArray[np.float64]
-
-
-def ground_session(
+def pointing_session(
     table: CommandTable,
     scenario: Scenario,
     ephemeris: Ephemeris,
     number: int,
-    target: EarthFixedTarget,
+    target: EarthFixedTarget | SkyTarget,
     rows: range,
 ) -> tuple[SessionReport, tuple[Finding, ...]]:
-    """The session of that number, its target held over rows that the table has."""
-    flown = table_session(table, number, rows)
-    instants = Instants(flown.epoch_utc, flown.t_s)
-    states = ephemeris.states(instants)
-    sight = earth_fixed_sight(target, instants, states)
-    boresight_eci = payload_eci(scenario, flown.angle_rad, instants, states)
-    held = _Held(boresight_eci, _apart_rad(sight.apparent_eci, boresight_eci))
-    view = _earth_fixed_view(flown, sight, held)
-    exact_rad = np.full_like(held.error_rad, EXACT_RAD)
-    report = session_report(
-        table,
-        scenario,
-        flown,
-        held.error_rad,
-        view,
-        allowed_rad=allowed_rad(scenario, number),
-        off_target=off_target(flown, held.error_rad, exact_rad),
-    )
-    return report, (
-        *_ground_findings(flown, sight, held, report.allowed_rad, view, target),
-        *nearness_findings(report),
-    )
-
-
-def sky_session(
-    table: CommandTable,
-    scenario: Scenario,
-    ephemeris: Ephemeris,
-    number: int,
-    target: SkyTarget,
-    rows: range,
-) -> tuple[SessionReport, tuple[Finding, ...]]:
-    """As `ground_session`.
+    """The session of that number, its target held over rows that the table has.
 
     Where the air of the limb bends the light, the pointing error may be larger by
     `LIMB_MODEL_SHARE` of the bending, and the clearance smaller.
     """
-    flown = table_session(table, number, rows)
-    instants = Instants(flown.epoch_utc, flown.t_s)
+    flight = table_session(table, number, rows)
+    instants = Instants(flight.epoch_utc, flight.t_s)
     states = ephemeris.states(instants)
-    sight = sky_sight(target, instants, states)
-    boresight_eci = payload_eci(scenario, flown.angle_rad, instants, states)
-    error_rad = _apart_rad(sight.apparent_eci, boresight_eci)
-    lowest = int(np.argmin(sight.clearance_rad))
-    nearest_m = float(sight.range_m.min())
-    view = SkyView(
-        limb_clearance_min_rad=float(sight.clearance_rad[lowest]),
-        limb_clearance_min_utc=flown.utc(lowest),
-        range_min_m=nearest_m if math.isfinite(nearest_m) else None,
-        refraction_max_rad=float(sight.bending_rad.max()),
-    )
-    model_rad = LIMB_MODEL_SHARE * sight.bending_rad
+    boresight_eci = payload_eci(scenario, flight.angle_rad, instants, states)
+    most_rad = _allowed_rad(scenario, number)
+    view: EarthFixedView | SkyView
+    if isinstance(target, SkyTarget):
+        sky = sky_sight(target, instants, states)
+        error_rad = apart_rad(sky.apparent_eci, boresight_eci)
+        model_rad = LIMB_MODEL_SHARE * sky.bending_rad
+        view = _sky_view(flight, sky)
+        findings = _sky_findings(flight, sky, error_rad, most_rad + model_rad, target)
+    else:
+        sight = earth_fixed_sight(target, instants, states)
+        error_rad = apart_rad(sight.apparent_eci, boresight_eci)
+        model_rad = np.zeros_like(error_rad)
+        view = _earth_fixed_view(flight, sight, boresight_eci, error_rad)
+        findings = _ground_findings(flight, sight, error_rad, most_rad, view, target)
     report = session_report(
         table,
         scenario,
-        flown,
+        flight,
         error_rad,
         view,
-        allowed_rad=allowed_rad(scenario, number),
-        off_target=off_target(flown, error_rad, EXACT_RAD + model_rad),
+        allowed_rad=most_rad,
+        off_target=_off_target(flight, error_rad, EXACT_RAD + model_rad),
     )
-    return report, (
-        *_sky_findings(flown, sight, error_rad, report.allowed_rad + model_rad, target),
-        *nearness_findings(report),
+    return report, (*findings, *_nearness_findings(report))
+
+
+def _allowed_rad(scenario: Scenario, number: int) -> float:
+    """0.1 arcsec, or the circle inside the frame where the session is content with that."""
+    if scenario.sessions[number].keyhole == "nearest":
+        return max(EXACT_RAD, min(scenario.platform.frame_half_rad))
+    return EXACT_RAD
+
+
+def _sky_view(flight: TableSession, sky: SkyDirection) -> SkyView:
+    lowest, nearest_m = int(np.argmin(sky.clearance_rad)), float(sky.range_m.min())
+    return SkyView(
+        limb_clearance_min_rad=float(sky.clearance_rad[lowest]),
+        limb_clearance_min_utc=flight.utc(lowest),
+        range_min_m=nearest_m if math.isfinite(nearest_m) else None,
+        refraction_max_rad=float(sky.bending_rad.max()),
     )
 
 
-def _apart_rad(
-    apparent_eci: NDArray[np.float64], boresight_eci: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    across = np.linalg.norm(np.cross(apparent_eci, boresight_eci), axis=1)
-    return np.asarray(np.arctan2(across, np.sum(apparent_eci * boresight_eci, axis=1)))
-
-
-def _earth_fixed_view(flown: TableSession, sight: EarthFixedSight, held: _Held) -> EarthFixedView:
+def _earth_fixed_view(
+    flight: TableSession, sight: EarthFixedSight, boresight_eci: Array, error_rad: Array
+) -> EarthFixedView:
     lowest, nearest = int(np.argmin(sight.elevation_rad)), int(np.argmin(sight.range_m))
-    on_ground_m = _miss_on_ground_m(sight, held) if sight.elevation_rad[lowest] > 0.0 else None
+    is_up = sight.elevation_rad[lowest] > 0.0
     return EarthFixedView(
         elevation_min_rad=float(sight.elevation_rad[lowest]),
-        elevation_min_utc=flown.utc(lowest),
+        elevation_min_utc=flight.utc(lowest),
         range_min_m=float(sight.range_m[nearest]),
-        range_min_utc=flown.utc(nearest),
+        range_min_utc=flight.utc(nearest),
         range_max_m=float(sight.range_m.max()),
-        miss_across_max_m=float(np.max(sight.range_m * np.sin(held.error_rad))),
-        miss_on_ground_max_m=on_ground_m,
+        miss_across_max_m=float(np.max(sight.range_m * np.sin(error_rad))),
+        miss_on_ground_max_m=_miss_on_ground_m(sight, boresight_eci) if is_up else None,
     )
 
 
-def _miss_on_ground_m(sight: EarthFixedSight, held: _Held) -> float:
+def _miss_on_ground_m(sight: EarthFixedSight, boresight_eci: Array) -> float:
     """To first order: the miss across, carried along the line of sight to the horizontal plane."""
     los, up = sight.apparent_eci, sight.up_eci
-    miss = held.boresight_eci - los
+    miss = boresight_eci - los
     drop = np.sum(miss * up, axis=1) / np.sum(los * up, axis=1)
     on_ground = miss - drop[:, None] * los
     return float(np.max(sight.range_m * np.linalg.norm(on_ground, axis=1)))
 
 
 def _ground_findings(
-    flown: TableSession,
+    flight: TableSession,
     sight: EarthFixedSight,
-    held: _Held,
+    error_rad: Array,
     allowed_rad: float,
     view: EarthFixedView,
     target: EarthFixedTarget,
 ) -> Iterator[Finding]:
-    worst = int(np.argmax(held.error_rad))
-    if not held.error_rad[worst] <= allowed_rad:
+    worst = int(np.argmax(error_rad))
+    if not error_rad[worst] <= allowed_rad:
         off = (
-            f"{_arcsec(held.error_rad[worst]):.3f} arcsec "
+            f"{_arcsec(error_rad[worst]):.3f} arcsec "
             f"({view.miss_across_max_m:.2f} m across the line of sight)"
         )
-        yield _error(flown, "pointing", worst, _off_target(off, allowed_rad))
+        yield _error(flight, "pointing", worst, _miss(off, allowed_rad))
     elevation_short_rad = math.radians(target.min_elevation_deg) - view.elevation_min_rad
     if elevation_short_rad > ELEVATION_TOLERANCE_RAD:
         yield _error(
-            flown,
+            flight,
             "elevation",
             int(np.argmin(sight.elevation_rad)),
             f"the carrier stands {math.degrees(view.elevation_min_rad):.3f} deg high "
@@ -167,7 +139,7 @@ def _ground_findings(
         )
     if sight.hidden.any():
         yield _error(
-            flown,
+            flight,
             "occlusion",
             int(np.argmax(sight.hidden)),
             "the Earth stands between the carrier and the target",
@@ -175,40 +147,74 @@ def _ground_findings(
 
 
 def _sky_findings(
-    flown: TableSession,
-    sight: SkyDirection,
-    error_rad: NDArray[np.float64],
-    allowed_rad: NDArray[np.float64],
+    flight: TableSession,
+    sky: SkyDirection,
+    error_rad: Array,
+    allowed_rad: Array,
     target: SkyTarget,
 ) -> Iterator[Finding]:
     worst = int(np.argmax(error_rad - allowed_rad))
     if not error_rad[worst] <= allowed_rad[worst]:
         off = f"{_arcsec(error_rad[worst]):.3f} arcsec"
-        yield _error(flown, "pointing", worst, _off_target(off, float(allowed_rad[worst])))
-    short_rad = -sight.clearance_rad - LIMB_MODEL_SHARE * sight.bending_rad
+        yield _error(flight, "pointing", worst, _miss(off, float(allowed_rad[worst])))
+    short_rad = -sky.clearance_rad - LIMB_MODEL_SHARE * sky.bending_rad
     lowest = int(np.argmax(short_rad))
     if not short_rad[lowest] <= ELEVATION_TOLERANCE_RAD:
         yield _error(
-            flown,
+            flight,
             "occlusion",
             lowest,
-            f"the target stands {-math.degrees(sight.clearance_rad[lowest]):.3f} deg below the "
+            f"the target stands {-math.degrees(sky.clearance_rad[lowest]):.3f} deg below the "
             f"Earth's limb, {target.grazing_altitude_km:g} km above the ellipsoid",
         )
 
 
-def _off_target(off: str, allowed_rad: float) -> str:
+def _off_target(flight: TableSession, error_rad: Array, exact_rad: Array) -> tuple[OffTarget, ...]:
+    """Where the error (n,) is larger than an exact track's (n,), good to the judged instants."""
+    beyond = np.concatenate([[False], error_rad > exact_rad, [False]])
+    edges = np.flatnonzero(np.diff(beyond)).reshape(-1, 2)
+    last = len(error_rad) - 1
+    return tuple(
+        OffTarget(
+            start_utc=flight.utc(max(int(start) - 1, 0)),
+            stop_utc=flight.utc(min(int(stop), last)),
+            max_rad=float(error_rad[start:stop].max()),
+        )
+        for start, stop in edges
+    )
+
+
+def _nearness_findings(report: SessionReport) -> Iterator[Finding]:
+    """The warning that a session is tracked only nearly; nothing where it is tracked exactly."""
+    if report.allowed_rad <= EXACT_RAD or not report.off_target:
+        return
+    worst, stretches = report.overall, report.off_target
+    share = worst.max_rad / report.allowed_rad
+    yield Finding(
+        detail=(
+            f"sessions.{report.number} is tracked as near as the limits allow: from "
+            f"{utc_text(stretches[0].start_utc, 1)} to {utc_text(stretches[-1].stop_utc, 1)} the "
+            f"boresight is up to {_arcsec(worst.max_rad):.3g} arcsec off the target, at "
+            f"{utc_text(worst.max_utc, 1)} {share:.0%} of the way to the frame's nearest edge; "
+            f"rms {_arcsec(worst.rms_rad):.3g} arcsec over the session"
+        ),
+        severity="warning",
+        limit="pointing",
+        t_s=worst.max_t_s,
+        at_utc=worst.max_utc,
+    )
+
+
+def _miss(off: str, allowed_rad: float) -> str:
     return f"the boresight is {off} off the target, more than {_arcsec(allowed_rad):.1f} arcsec"
 
 
-def _error(flown: TableSession, limit: Limit, index: int, what: str) -> Finding:
+def _error(flight: TableSession, limit: Limit, index: int, what: str) -> Finding:
     return Finding(
-        severity="error",
         limit=limit,
-        axis=None,
-        t_s=float(flown.t_s[index]),
-        at_utc=flown.utc(index),
-        detail=f"sessions.{flown.number}: {what}",
+        t_s=float(flight.t_s[index]),
+        at_utc=flight.utc(index),
+        detail=f"sessions.{flight.number}: {what}",
     )
 
 

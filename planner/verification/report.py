@@ -25,18 +25,18 @@ Given = Literal["orbit", "attitude", "target", "motion"]
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One thing wrong with a table; an `error` fails it.
+    """One thing wrong with a table; an `error`, as all but one kind are, fails it.
 
     limit: which promise breaks; axis: None when it isn't one axis's.
     t_s: seconds since the table's epoch, and the same instant in UTC: the worst instant for
     limits, the first for structural faults; None when the fault has no instant.
     """
 
-    severity: Literal["error", "warning"]
+    severity: Literal["error", "warning"] = "error"
     limit: Limit
-    axis: str | None
-    t_s: float | None
-    at_utc: datetime | None
+    axis: str | None = None
+    t_s: float | None = None
+    at_utc: datetime | None = None
     detail: str
 
 

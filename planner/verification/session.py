@@ -6,6 +6,7 @@ from datetime import datetime
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.scenario import Scenario
@@ -31,8 +32,8 @@ class TableSession:
     number: int
     epoch_utc: datetime
     rows: range
-    t_s: NDArray[np.float64]
-    angle_rad: NDArray[np.float64]
+    t_s: Array
+    angle_rad: Array
 
     @property
     def is_row(self) -> NDArray[np.bool_]:
@@ -67,22 +68,22 @@ def table_session(table: CommandTable, number: int, rows: range) -> TableSession
 def session_report(
     table: CommandTable,
     scenario: Scenario,
-    flown: TableSession,
-    error_rad: NDArray[np.float64],
+    flight: TableSession,
+    error_rad: Array,
     view: EarthFixedView | SkyView | None,
     *,
     allowed_rad: float,
     off_target: tuple[OffTarget, ...] = (),
 ) -> SessionReport:
-    """error_rad: of each instant of `flown`, shape (n,)."""
-    rows, epoch_utc = flown.rows, flown.epoch_utc
+    """error_rad: of each instant of `flight`, shape (n,)."""
+    rows, epoch_utc = flight.rows, flight.epoch_utc
     return SessionReport(
-        number=flown.number,
+        number=flight.number,
         start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
         stop_utc=shifted_utc(epoch_utc, rows[-1] / ROWS_PER_S),
-        at_rows=_error_over(flown, error_rad, flown.is_row),
-        between_rows=_error_over(flown, error_rad, ~flown.is_row),
-        overall=_error_over(flown, error_rad, np.ones_like(flown.is_row)),
+        at_rows=_error_over(flight, error_rad, flight.is_row),
+        between_rows=_error_over(flight, error_rad, ~flight.is_row),
+        overall=_error_over(flight, error_rad, np.ones_like(flight.is_row)),
         view=view,
         allowed_rad=allowed_rad,
         off_target=off_target,
@@ -98,14 +99,12 @@ def session_report(
     )
 
 
-def _error_over(
-    flown: TableSession, error_rad: NDArray[np.float64], chosen: NDArray[np.bool_]
-) -> PointingError:
-    indices = np.flatnonzero(chosen)
+def _error_over(flight: TableSession, error_rad: Array, mask: NDArray[np.bool_]) -> PointingError:
+    indices = np.flatnonzero(mask)
     worst = int(indices[np.argmax(error_rad[indices])])
     return PointingError(
         max_rad=float(error_rad[worst]),
         rms_rad=float(np.sqrt(np.mean(error_rad[indices] ** 2))),
-        max_t_s=float(flown.t_s[worst]),
-        max_utc=flown.utc(worst),
+        max_t_s=float(flight.t_s[worst]),
+        max_utc=flight.utc(worst),
     )

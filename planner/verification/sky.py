@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.targets import BodyTarget, SkyTarget, StarTarget
@@ -44,10 +44,10 @@ class SkyDirection:
     bending_rad: (n,), how far the air lifts the target; 0 when refraction isn't asked for.
     """
 
-    apparent_eci: NDArray[np.float64]
-    range_m: NDArray[np.float64]
-    clearance_rad: NDArray[np.float64]
-    bending_rad: NDArray[np.float64]
+    apparent_eci: Array
+    range_m: Array
+    clearance_rad: Array
+    bending_rad: Array
 
 
 def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> SkyDirection:
@@ -58,20 +58,20 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
     """
     at_s = tdb_s(tt_s(instants.epoch_utc, instants.t_s))
     r_observer_m = r_body_bary_m(EARTH, at_s) + states.r_sat_eci_m
-    towards, range_m = _astrometric(target, instants, at_s, r_observer_m)
+    towards_eci, range_m = _astrometric(target, instants, at_s, r_observer_m)
     if target.body_seen() != "sun":
-        towards = bend_by_sun(towards, range_m, r_observer_m - r_body_bary_m(SUN, at_s))
-    geocentric = aberrate(towards, v_earth_bary_m_s(at_s))
+        towards_eci = bend_by_sun(towards_eci, range_m, r_observer_m - r_body_bary_m(SUN, at_s))
+    geocentric_eci = aberrate(towards_eci, v_earth_bary_m_s(at_s))
 
     earth = earth_orientation(instants.epoch_utc, instants.t_s)
-    sight_itrf = earth.itrf_from_eci(geocentric)
+    sight_itrf = earth.itrf_from_eci(geocentric_eci)
     r_sat_itrf_m = earth.itrf_from_eci(states.r_sat_eci_m)
     bending_rad = np.zeros(len(at_s))
     if target.refraction == "standard":
         sight_itrf, bending_rad = _through_air(sight_itrf, r_sat_itrf_m)
-        geocentric = earth.eci_from_itrf(sight_itrf)
+        geocentric_eci = earth.eci_from_itrf(sight_itrf)
     return SkyDirection(
-        apparent_eci=aberrate(geocentric, states.v_sat_eci_m_s),
+        apparent_eci=aberrate(geocentric_eci, states.v_sat_eci_m_s),
         range_m=range_m,
         clearance_rad=limb_clearance_rad(
             sight_itrf, r_sat_itrf_m, target.grazing_altitude_km * 1e3
@@ -81,11 +81,8 @@ def sky_sight(target: SkyTarget, instants: Instants, states: OrbitStates) -> Sky
 
 
 def _astrometric(
-    target: SkyTarget,
-    instants: Instants,
-    at_s: NDArray[np.float64],
-    r_observer_m: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    target: SkyTarget, instants: Instants, at_s: Array, r_observer_m: Array
+) -> tuple[Array, Array]:
     """Unit vectors (n, 3) towards where the light came from, and how far it came, (n,)."""
     if isinstance(target, StarTarget):
         return towards_star(target, at_s, r_observer_m), np.full(len(at_s), np.inf)
@@ -100,30 +97,28 @@ def _astrometric(
     return to_body_m / range_m[:, None], range_m
 
 
-def _through_air(
-    sight_itrf: NDArray[np.float64], r_sat_itrf_m: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _through_air(sight_itrf: Array, r_sat_itrf_m: Array) -> tuple[Array, Array]:
     """The direction (n, 3) in which the bent ray arrives, and its bending (n,).
 
     The air lifts the source along the vertical of the point where the line is lowest, as it
     does a source at infinity; the Moon by 0.6 % less.
     """
-    seen_itrf, bending_rad = sight_itrf.copy(), np.zeros(len(sight_itrf))
+    apparent_itrf, bending_rad = sight_itrf.copy(), np.zeros(len(sight_itrf))
     height_m, way_m, _ = lowest_point(sight_itrf, r_sat_itrf_m)
     low = np.flatnonzero((way_m > 0.0) & (height_m > _DEEPEST_M) & (height_m < TOP_M))
     if not len(low):
-        return seen_itrf, bending_rad
-    true, r_sat_m, lifted_rad = sight_itrf[low], r_sat_itrf_m[low], np.zeros(len(low))
-    seen = true
+        return apparent_itrf, bending_rad
+    true, r_sat_m, lift_rad = sight_itrf[low], r_sat_itrf_m[low], np.zeros(len(low))
+    apparent = true
     for _ in range(_BENDING_PASSES):
-        height_m, way_m, up = lowest_point(seen, r_sat_m)
+        height_m, way_m, up = lowest_point(apparent, r_sat_m)
         bending, slope = limb_bending_rad(height_m)
-        step_rad = (bending - lifted_rad) / (1.0 - slope * way_m)
-        lifted_rad = lifted_rad + step_rad
+        step_rad = (bending - lift_rad) / (1.0 - slope * way_m)
+        lift_rad = lift_rad + step_rad
         across = up - np.sum(up * true, axis=1, keepdims=True) * true
         across /= np.sqrt(np.sum(across * across, axis=1, keepdims=True))
-        seen = np.cos(lifted_rad)[:, None] * true + np.sin(lifted_rad)[:, None] * across
+        apparent = np.cos(lift_rad)[:, None] * true + np.sin(lift_rad)[:, None] * across
         if np.max(np.abs(step_rad)) < _BENT_RAD:
             break
-    seen_itrf[low], bending_rad[low] = seen, lifted_rad
-    return seen_itrf, bending_rad
+    apparent_itrf[low], bending_rad[low] = apparent, lift_rad
+    return apparent_itrf, bending_rad

@@ -11,8 +11,8 @@ from importlib.resources import files
 import erfa
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.verification.clock import DAY_S
 
@@ -47,11 +47,11 @@ class _Segment:
     center: int
     first_s: float
     record_s: float
-    records: NDArray[np.float64]  # (k, 2 + 3 coefficients)
+    coefficients: Array  # (k, 2 + 3 times as many as there are, km)
 
-    def position_m(self, tdb_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def position_m(self, tdb_s: Array) -> Array:
         number = np.floor((tdb_s - self.first_s) / self.record_s).astype(np.intp)
-        if number.min() < 0 or number.max() >= len(self.records):
+        if number.min() < 0 or number.max() >= len(self.coefficients):
             raise OutsideCoverage(
                 "Sun, Moon and planets are known from 1899-07-29 to 2053-10-09 (DE421); "
                 "use times in between"
@@ -59,13 +59,13 @@ class _Segment:
         position_m = np.empty((len(tdb_s), 3))
         for one in np.unique(number):
             here = number == one
-            middle_s, half_s = self.records[one, :2]
-            coefficients = self.records[one, 2:].reshape(3, -1).T
-            position_m[here] = 1e3 * chebval((tdb_s[here] - middle_s) / half_s, coefficients).T
+            middle_s, half_s = self.coefficients[one, :2]
+            of_xyz = self.coefficients[one, 2:].reshape(3, -1).T
+            position_m[here] = 1e3 * chebval((tdb_s[here] - middle_s) / half_s, of_xyz).T
         return position_m
 
 
-def tdb_s(tt_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def tdb_s(tt_s: Array) -> Array:
     """TDB from TT, both seconds since J2000, shape (n,).
 
     Within 10 us.  Source: USNO Circular 179, eq. 2.6, its leading term.
@@ -74,7 +74,7 @@ def tdb_s(tt_s: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(tt_s + 0.001657 * np.sin(628.3076 * centuries + 6.2401))
 
 
-def r_body_bary_m(number: int, at_tdb_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def r_body_bary_m(number: int, at_tdb_s: Array) -> Array:
     """A body by its NAIF number from the solar system's barycentre, shape (n, 3), GCRF axes."""
     position_m = np.zeros((len(at_tdb_s), 3))
     while number != BARYCENTRE:
@@ -84,7 +84,7 @@ def r_body_bary_m(number: int, at_tdb_s: NDArray[np.float64]) -> NDArray[np.floa
     return position_m
 
 
-def v_earth_bary_m_s(at_tdb_s: NDArray[np.float64]) -> NDArray[np.float64]:
+def v_earth_bary_m_s(at_tdb_s: Array) -> Array:
     """The Earth's centre, shape (n, 3), GCRF axes, instants in order of time.
 
     Within 5 mm/s, 3e-6 arcsec of aberration.  Source: ERFA's epv00 (VSOP2000, ELP).
@@ -115,12 +115,9 @@ def _segments() -> dict[int, _Segment]:
             summary = page[3 + k * _SUMMARY_WORDS :][:_SUMMARY_WORDS]
             body, center, _, kind, first, last = summary[2:].view("<i4").tolist()
             if kind == 2:
-                segments[body] = _segment(center, words[first - 1 : last])
+                segment = words[first - 1 : last]
+                first_s, record_s, size, count = segment[-4:].tolist()
+                records = segment[: int(size) * int(count)].reshape(int(count), int(size))
+                segments[body] = _Segment(center, first_s, record_s, records)
         record = int(page[0])
     return segments
-
-
-def _segment(center: int, words: NDArray[np.float64]) -> _Segment:
-    first_s, record_s, size, count = words[-4:].tolist()
-    records = words[: int(size) * int(count)].reshape(int(count), int(size))
-    return _Segment(center=center, first_s=first_s, record_s=record_s, records=records)

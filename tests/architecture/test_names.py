@@ -12,7 +12,7 @@ FILES = sorted(
 )
 UNIT = re.compile(
     r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px|kg"
-    r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|deg2_s5"
+    r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|m3_s2|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|deg2_s5"
     r"|per_s2?|ticks|rows)$"
 )
 # What has no unit, by the word a name holds.
@@ -26,10 +26,10 @@ PURE = re.compile(
 
 # An array that ends in its frame and no unit is a direction, `x_from_y` a rotation.
 DIRECTION = re.compile(
-    r"_(itrf|gcrf|eci|lvlh|body|platform|camera|sensor|enu|wheel|gyro|orbit|mean)$|(^|_)\w+_from_"
+    r"_(itrf|gcrf|eci|lvlh|body|platform|payload|camera|sensor|enu|wheel|gyro|orbit|mean)$|(^|_)\w+_from_"
 )
 PURE_ARRAY = re.compile(
-    r"(^|_)(directions?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
+    r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
     r"|mrp|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?)(_|$)"
 )
 NUMBER = ("float", "float | None")
@@ -41,20 +41,12 @@ ARRAY = re.compile(
 STILL_TO_BE_NAMED = (
     "app/",
     "estimator/",
-    "planner/attitude/",
     "planner/campaigns/",
     "planner/detour/",
-    "planner/export/",
-    "planner/frames/",
-    "planner/messages/",
     "planner/opportunities/",
-    "planner/orbits/",
     "planner/pointing/",
     "planner/slew/",
     "planner/spacecraft/",
-    "planner/spec.py",
-    "planner/targets/",
-    "planner/verification/",
 )
 # A textbook's letter inside a cited formula.
 SYMBOL = re.compile(r"[a-zA-Z]\d?")

@@ -20,7 +20,7 @@ from planner.orbits import OemOrbit, StateVectorOrbit, TleOrbit
 from planner.platforms import ISS_HRC
 from planner.scenario import InitialState, Scenario, Session
 from planner.targets import BenchMotionTarget, BodyTarget, GroundTarget
-from planner.targets.bench_motions import ConstantRate
+from planner.targets.axis_signals import ConstantRate
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"
 TLE = TleOrbit(**json.loads(EXAMPLE.read_text())["orbit"])

@@ -15,7 +15,7 @@ from planner.targets import (
     StarTarget,
     Target,
 )
-from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
 from planner.targets.ground_path import PathPoint
 
 TARGETS = {

@@ -28,7 +28,7 @@ from planner.sessions.pipeline import make_plan
 from planner.sessions.sequence import CONFLICTS
 from planner.slew import BACKENDS
 from planner.targets import TARGETS
-from planner.targets.test_motion import Motion
+from planner.targets.bench_motion import Motion
 
 ROOT = Path(__file__).parents[2]
 SLEWTRACK = Path(sys.executable).with_name("slewtrack")

@@ -19,7 +19,7 @@ from scipy.interpolate import BPoly
 
 from planner.commands import CommandTable
 from planner.targets import BenchMotionTarget
-from planner.targets.bench_motions import ConstantRate, Sine
+from planner.targets.axis_signals import ConstantRate, Sine
 from planner.verification import verify
 
 AMPLITUDE_RAD, OMEGA_S = np.deg2rad(3.0), 2.0 * np.pi * 0.05

@@ -5,7 +5,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from planner.export.payload import omega_payload_rad_s, q_payload_from_platform
+from planner.export.table_states import omega_payload_rad_s, q_payload_from_platform
 from planner.platforms import ISS_HRC, TwoAxisPlatform
 from planner.pointing.angles import boresight_platform
 

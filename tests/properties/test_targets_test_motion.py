@@ -10,7 +10,7 @@ from scipy.signal import chirp, sawtooth
 from planner.errors import InvalidInput, TrackBreaksLimit
 from planner.platforms import PLATFORMS
 from planner.targets import BenchMotionTarget
-from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
 from planner.targets.smooth_step import CURVATURE_MAX, SLOPE_MAX, ramp, step
 
 HRC = PLATFORMS["iss-hrc"]

@@ -112,10 +112,10 @@ def test_the_jump_bound_is_reached():
     p_side = -(w**3) / 6 - w**2 / 2 * far - w * far**2 / 2 + far**3 / 6
     # odd jerk about the row: acceleration even, rate odd, angle even
     jerk_odd = AxisHermite(np.array([p_side, 0.0, p_side]), np.array([-v_side, 0.0, v_side]))
-    jump = jerk_odd.acceleration_after_row[1] - jerk_odd.acceleration_before_row[0]
+    jump = jerk_odd.acceleration_after_row_rad_s2[1] - jerk_odd.acceleration_before_row_rad_s2[0]
     assert abs(jump) < 1e-12  # the same error on both sides: no jump
     jerk_even = AxisHermite(np.array([-p_side, 0.0, p_side]), np.array([v_side, 0.0, v_side]))
-    jump = jerk_even.acceleration_after_row[1] - jerk_even.acceleration_before_row[0]
+    jump = jerk_even.acceleration_after_row_rad_s2[1] - jerk_even.acceleration_before_row_rad_s2[0]
     assert abs(jump) == pytest.approx(ACCELERATION_JUMP * STEP_S, rel=1e-9)
 
 

@@ -9,8 +9,8 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.spec import Within, spec
 from planner.targets.smooth_step import ramp, step
 
@@ -32,7 +32,7 @@ class ConstantRate:
     def shortest_period_s(self) -> float:
         return math.inf
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         rate = np.full_like(t_s, self.rate_deg_s)
         return np.stack([self.angle_deg + rate * t_s, rate, np.zeros_like(t_s)])
 
@@ -50,10 +50,10 @@ class Sine:
     def shortest_period_s(self) -> float:
         return 1.0 / self.frequency_hz
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         omega = 2.0 * math.pi * self.frequency_hz
         phase = omega * t_s + math.radians(self.phase_deg)
-        motion = self.amplitude_deg * _sine(phase, omega, np.zeros_like(t_s))
+        motion = self.amplitude_deg * _sine(phase, omega)
         motion[0] += self.angle_deg
         return motion
 
@@ -80,9 +80,9 @@ class Chirp:
     def shortest_period_s(self) -> float:
         return 1.0 / max(self.start_frequency_hz, self.stop_frequency_hz)
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         """Before t = 0 at the start frequency; the acceleration steps where the sweep ends."""
-        turns, frequency, sweeping = self._swept(np.clip(t_s, 0.0, self.sweep_s))
+        turns, frequency, sweeping = self._sweep(np.clip(t_s, 0.0, self.sweep_s))
         still = t_s - np.clip(t_s, 0.0, self.sweep_s)
         phase = 2.0 * math.pi * (turns + frequency * still)
         moving = np.where(still == 0.0, sweeping, 0.0)
@@ -92,9 +92,7 @@ class Chirp:
         motion[0] += self.angle_deg
         return motion
 
-    def _swept(
-        self, t_s: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def _sweep(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Turns since t = 0, frequency (Hz) and its rate (Hz/s) within the sweep."""
         if self.sweep == "linear":
             slope = (self.stop_frequency_hz - self.start_frequency_hz) / self.sweep_s
@@ -124,9 +122,9 @@ class Step:
     def shortest_period_s(self) -> float:
         return self.rise_s
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        risen = step((t_s - self.at_s) / self.rise_s)
-        motion = self.step_deg * risen / np.array([[1.0], [self.rise_s], [self.rise_s**2]])
+    def motion_deg(self, t_s: Array) -> Array:
+        rise = step((t_s - self.at_s) / self.rise_s)
+        motion = self.step_deg * rise / np.array([[1.0], [self.rise_s], [self.rise_s**2]])
         motion[0] += self.angle_deg
         return np.asarray(motion)
 
@@ -156,22 +154,22 @@ class Triangle:
     def shortest_period_s(self) -> float:
         return self.turn_s
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         rate = 4.0 * self.amplitude_deg / self.period_s
         half_s = self.period_s / 2.0
         tip = np.round((t_s - half_s / 2.0) / half_s)
         side = np.where(tip % 2.0 == 0.0, 1.0, -1.0)  # +1 at the upper tips
         since_tip_s = t_s - half_s / 2.0 - tip * half_s
-        turned, slope, _ = step(since_tip_s / self.turn_s + 0.5)
+        turn, slope, _ = step(since_tip_s / self.turn_s + 0.5)
         falling = since_tip_s - 2.0 * ramp(since_tip_s, self.turn_s)
-        moved: NDArray[np.float64] = np.stack(
+        motion: Array = np.stack(
             [
                 self.angle_deg + side * (self.amplitude_deg + rate * falling),
-                side * rate * (1.0 - 2.0 * turned),
+                side * rate * (1.0 - 2.0 * turn),
                 side * rate * -2.0 * slope / self.turn_s,
             ]
         )
-        return moved
+        return motion
 
 
 @spec
@@ -202,7 +200,7 @@ class Multisine:
     def shortest_period_s(self) -> float:
         return 1.0 / max(self.frequencies_hz)
 
-    def motion_deg(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def motion_deg(self, t_s: Array) -> Array:
         motion = np.zeros((3, len(t_s)))
         motion[0] = self.angle_deg
         count = len(self.frequencies_hz)
@@ -215,15 +213,16 @@ class Multisine:
                 if self.phases_deg is not None
                 else -math.pi * (k + 1) * k / count
             )
-            motion += amplitude_deg * _sine(omega * t_s + phase, omega, np.zeros_like(t_s))
+            motion += amplitude_deg * _sine(omega * t_s + phase, omega)
         return motion
 
 
 def _sine(
-    phase: NDArray[np.float64],
-    phase_rate_s: NDArray[np.float64] | float,
-    phase_acceleration_s2: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    phase_rad: Array,
+    phase_rate_rad_s: Array | float,
+    phase_acceleration_rad_s2: Array | float = 0.0,
+) -> Array:
     """A sine and its first two derivatives by time, shape (3, n)."""
-    sin, cos = np.sin(phase), np.cos(phase)
-    return np.stack([sin, phase_rate_s * cos, phase_acceleration_s2 * cos - phase_rate_s**2 * sin])
+    sin, cos = np.sin(phase_rad), np.cos(phase_rad)
+    curvature = phase_acceleration_rad_s2 * cos - phase_rate_rad_s**2 * sin
+    return np.stack([sin, phase_rate_rad_s * cos, curvature])

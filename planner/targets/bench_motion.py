@@ -7,15 +7,15 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit, figures
 from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
-from planner.targets.bench_motions import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
+from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
 from planner.targets.session_target import TimedTarget
 
 Motion = Annotated[
@@ -33,9 +33,9 @@ _UNITS = {"angle": "deg", "rate": "deg/s", "acceleration": "deg/s2", "jerk": "de
 class AxisMotion:
     """Angle, rate and acceleration of m axes at n instants, each of shape (n, m)."""
 
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
-    acceleration_rad_s2: NDArray[np.float64]
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
 
 
 @spec
@@ -56,7 +56,7 @@ class BenchMotionTarget(TimedTarget):
         if not self.axes:
             raise ValueError("axes must name a motion for each axis of the platform")
 
-    def axis_motion(self, axis_names: tuple[str, ...], t_s: NDArray[np.float64]) -> AxisMotion:
+    def axis_motion(self, axis_names: tuple[str, ...], t_s: Array) -> AxisMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
         if set(self.axes) != set(axis_names):
             raise InvalidInput(
@@ -64,8 +64,8 @@ class BenchMotionTarget(TimedTarget):
                 f"{', '.join(self.axes)}; constant_rate with rate_deg_s 0 keeps an axis still",
                 field="axes",
             )
-        moved_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
-        angle_rad, rate_rad_s, acceleration_rad_s2 = moved_rad.transpose(1, 2, 0)
+        motion_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
+        angle_rad, rate_rad_s, acceleration_rad_s2 = motion_rad.transpose(1, 2, 0)
         return AxisMotion(
             angle_rad=angle_rad, rate_rad_s=rate_rad_s, acceleration_rad_s2=acceleration_rad_s2
         )
@@ -98,7 +98,7 @@ class BenchMotionTarget(TimedTarget):
         t_s += elapsed_s(start_utc, zero_utc)
         motion = self.axis_motion(axis_names, t_s)
         for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
-            moved = _AxisMotion(
+            samples = _AxisSamples(
                 axis=name,
                 start_utc=zero_utc,
                 t_s=t_s,
@@ -106,20 +106,20 @@ class BenchMotionTarget(TimedTarget):
                 rate_rad_s=motion.rate_rad_s[:, axis],
                 acceleration_rad_s2=motion.acceleration_rad_s2[:, axis],
             )
-            moved.require_within(limits)
-            moved.require_on_grid(row)
+            samples.require_within(limits)
+            samples.require_on_grid(row)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _AxisMotion:
+class _AxisSamples:
     """One axis's motion at uniformly spaced instants, each array of shape (n,)."""
 
     axis: str
     start_utc: datetime
-    t_s: NDArray[np.float64]
-    angle_rad: NDArray[np.float64]
-    rate_rad_s: NDArray[np.float64]
-    acceleration_rad_s2: NDArray[np.float64]
+    t_s: Array
+    angle_rad: Array
+    rate_rad_s: Array
+    acceleration_rad_s2: Array
 
     def require_within(self, limits: AxisLimits) -> None:
         jerk_rad_s3 = np.diff(self.acceleration_rad_s2) / (self.t_s[1] - self.t_s[0])
