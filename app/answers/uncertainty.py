@@ -9,7 +9,8 @@ from planner.sessions.uncertainty import PointingBudget
 class ContributionOut:
     """One cause, 1-sigma per image axis at the session's worst instant.
 
-    basis: whether measured or assumed, and on what.  is_bias: constant over the session.
+    basis: whether measured or assumed, and on what.  better: what would make it smaller.
+    is_bias: constant over the session.
     ground_m: across the line of sight at the target, null for a target in the sky.
     """
 
@@ -18,6 +19,7 @@ class ContributionOut:
     ground_m: float | None
     is_bias: bool
     basis: str
+    better: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +52,7 @@ def uncertainty_out(session: int, budget: PointingBudget) -> UncertaintyOut:
                 ground_m=part.ground_m,
                 is_bias=part.is_bias,
                 basis=part.basis,
+                better=part.better,
             )
             for part in budget.contributions
         ],

@@ -6,6 +6,7 @@ from pydantic import Field
 from scipy.spatial.transform import Rotation
 
 from planner.attitude.aem import AemAttitude
+from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty
 from planner.attitude.harmonic import HarmonicAttitude
 from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
@@ -18,6 +19,10 @@ class AttitudeLaw(Protocol):
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """What the user should know about the attitude's quality then, and what was chosen."""
+        ...
+
+    def errors(self, instants: Instants) -> AttitudeErrors:
+        """How far the carrier may be off it at the n instants."""
         ...
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
@@ -34,7 +39,9 @@ __all__ = [
     "ATTITUDES",
     "AemAttitude",
     "Attitude",
+    "AttitudeErrors",
     "AttitudeLaw",
+    "AttitudeUncertainty",
     "HarmonicAttitude",
     "InertialAttitude",
     "LvlhAttitude",

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
 from planner.attitude.odd_rows import odd_by_rad
 from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
 from planner.errors import InvalidMessage, OutsideCoverage
@@ -76,6 +77,7 @@ class AemAttitude:
 
     law: Literal["aem"] = "aem"
     content: str
+    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -111,10 +113,15 @@ class AemAttitude:
             return self.warnings
         return (*self.warnings, _odd(at_utc, odd_rad))
 
-    @property
-    def residual_rad(self) -> float:
-        """Rms distance of the message's attitudes from the curve, of its worst segment."""
-        return max(arc.curve.residual_rms_rad for arc in self.arcs)
+    def errors(self, instants: Instants) -> AttitudeErrors:
+        """The noise of the message's worst segment."""
+        noise_rad = max(arc.curve.residual_rms_rad for arc in self.arcs)
+        return known_errors(
+            np.full(3, noise_rad),
+            "the message is assumed true to 56 arcsec an axis, the measured difference of the "
+            "ISS's two attitude solutions; its noise is measured",
+            "an attitude with less noise",
+        ).stated(self.uncertainty)
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage unless one segment holds them all."""

@@ -72,14 +72,14 @@ class Extrapolation:
 class ChosenExtrapolation:
     """The extrapolation chosen, and how all did on the held-out tail.
 
-    lead_s: (k,) edges of the leads tried.  error_rms_rad: rms of the chosen one's error
-    (rotation angle) up to each.  rms_by_description_rad: every description tried with its rms
-    over all leads.
+    lead_s: (k,) edges of the leads tried.  error_rms_body_rad: (k, 3), rms of the
+    chosen one's error about each body axis up to each.  rms_by_description_rad: every
+    description tried with its rms over all leads.
     """
 
     extrapolation: Extrapolation
     lead_s: Array
-    error_rms_rad: Array
+    error_rms_body_rad: Array
     rms_by_description_rad: tuple[tuple[Description, float], ...]
 
 
@@ -104,8 +104,8 @@ def choose(
             trials.append((description, errors))
     if not trials:
         raise ValueError("the history has too few rows in its tail; send it without gaps")
-    rms_rad = [float(np.sqrt(np.mean(error_rad**2))) for _, (_, error_rad) in trials]
-    description, (leads_s, error_rad) = trials[int(np.argmin(rms_rad))]
+    rms_rad = [float(np.sqrt(np.mean(np.sum(turn_rad**2, axis=1)))) for _, (_, turn_rad) in trials]
+    description, (leads_s, error_body_rad) = trials[int(np.argmin(rms_rad))]
     edges_s = lead_s * np.array([0.25, 0.5, 0.75, 1.0])
     bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
     extrapolation = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
@@ -113,8 +113,8 @@ def choose(
     return ChosenExtrapolation(
         extrapolation=extrapolation,
         lead_s=edges_s,
-        error_rms_rad=np.array(
-            [np.sqrt(np.mean(error_rad[b] ** 2)) if b.any() else min(rms_rad) for b in bins]
+        error_rms_body_rad=np.array(
+            [np.sqrt(np.mean(error_body_rad[b if b.any() else ...] ** 2, axis=0)) for b in bins]
         ),
         rms_by_description_rad=tuple((d, rms) for (d, _), rms in zip(trials, rms_rad, strict=True)),
     )
@@ -128,7 +128,10 @@ def _held_out_errors(
     cuts_s: Sequence[float],
     lead_s: float,
 ) -> tuple[Array, Array] | None:
-    """Leads (s) and errors (rad) after each cut; None if too few leave enough history before."""
+    """Leads (s) and errors about the body axes (rad, (n, 3)) after each cut.
+
+    None if too few leave enough history before.
+    """
     leads, errors = [], []
     for cut_s in cuts_s:
         is_known = t_s <= cut_s
@@ -140,7 +143,7 @@ def _held_out_errors(
             break
         miss = extrapolation.at(t_s[is_ahead]) * q_body_from_lvlh[is_ahead].inv()
         leads.append(t_s[is_ahead] - cut_s)
-        errors.append(miss.magnitude())
+        errors.append(miss.as_rotvec())
     if len(errors) < LEAST_CUTS:
         return None
     return np.concatenate(leads), np.concatenate(errors)

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
+from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
 from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, choose
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
@@ -41,6 +42,7 @@ class HarmonicAttitude:
     history_orbit: Orbit | None = None
     orbital_period_s: Annotated[float, Within(*PERIOD_RANGE_S)] = 5560.0
     lead_s: Annotated[float, Within(60.0, LEAD_MAX_S)] = 900.0
+    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -82,15 +84,20 @@ class HarmonicAttitude:
         """The choice: it may be a poor one, and its rms says so."""
         return (self.choice,)
 
-    def sigma_rad(self, instants: Instants) -> Array:
-        """1-sigma error about each axis at the n instants, from the held-out tail.
-
-        Beyond the lead that was tried the error grows in proportion to the time.
-        """
+    def errors(self, instants: Instants) -> AttitudeErrors:
+        """From the held-out tail; beyond the lead that was tried in proportion to the time."""
         lead_s = np.maximum(self._since_end_s(instants), 0.0)
-        edge_s, rms_rad = self.chosen_extrapolation.lead_s, self.chosen_extrapolation.error_rms_rad
-        total_rad = np.interp(lead_s, edge_s, rms_rad) * np.maximum(1.0, lead_s / edge_s[-1])
-        return np.asarray(total_rad / np.sqrt(3.0))
+        edge_s = self.chosen_extrapolation.lead_s
+        beyond = np.maximum(1.0, lead_s / edge_s[-1])
+        rms_body_rad = [
+            np.interp(lead_s, edge_s, rms_rad) * beyond
+            for rms_rad in self.chosen_extrapolation.error_rms_body_rad.T
+        ]
+        return known_errors(
+            np.stack(rms_body_rad, axis=1),
+            "measured on the history's own tail, held out of the fit",
+            "a history that ends nearer to the session",
+        ).stated(self.uncertainty)
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""

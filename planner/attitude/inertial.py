@@ -8,15 +8,21 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, elapsed_s, require_offset, utc_text
 from planner.orbits import OrbitStates
 from planner.spec import UnitPart, Within, spec
 
 QUATERNION_NORM_TOLERANCE = 1e-4  # four printed decimals
-# Rms error of the constant body rate on ISS telemetry of 2018-10-12 (bench/attitude.py).
+# Rms error of the constant body rate about body x, y, z on ISS telemetry of 2018-10-12 in torque
+# equilibrium (bench/truth.py).
 CONSTANT_RATE_LEADS_S = (0.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0)
-CONSTANT_RATE_RMS_DEG = (0.0, 0.020, 0.037, 0.096, 0.207, 0.338, 0.464, 0.781)
+CONSTANT_RATE_RMS_BODY_DEG = (
+    (0.0, 0.004, 0.009, 0.027, 0.077, 0.154, 0.248, 0.446),
+    (0.0, 0.018, 0.036, 0.089, 0.178, 0.269, 0.355, 0.528),
+    (0.0, 0.008, 0.016, 0.040, 0.088, 0.148, 0.215, 0.364),
+)
 # No camera sees anything from a carrier that spins faster.
 _RateDegS = Annotated[float, Within(-180.0, 180.0)]
 WARN_AGE_S = 600.0  # 0.2 deg: the HRC's frame is 0.6 deg high
@@ -39,6 +45,7 @@ class InertialAttitude:
     epoch: datetime
     q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
     omega_body_deg_s: tuple[_RateDegS, _RateDegS, _RateDegS] = (0.0, 0.0, 0.0)
+    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         require_offset("epoch", self.epoch)
@@ -66,15 +73,20 @@ class InertialAttitude:
         age_s = float(np.max(np.abs(self._since_epoch_s(instants))))
         return (self._age_warning(age_s),) if age_s > WARN_AGE_S else ()
 
-    def error_rms_rad(self, instants: Instants) -> Array:
-        """Of the rotation, shape (n,): measured up to 1800 s, beyond that growing as time^2."""
-        return _error_rms_rad(np.abs(self._since_epoch_s(instants)))
+    def errors(self, instants: Instants) -> AttitudeErrors:
+        """Measured up to 1800 s from the epoch, beyond that growing as time^2."""
+        return known_errors(
+            _error_rms_body_rad(np.abs(self._since_epoch_s(instants))),
+            "measured: the constant body rate on ISS telemetry in torque equilibrium "
+            "(bench/truth.py)",
+            "attitude and rate nearer to the session, or a longer history (law harmonic)",
+        ).stated(self.uncertainty)
 
     def _since_epoch_s(self, instants: Instants) -> Array:
         return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self.epoch))
 
     def _age_warning(self, age_s: float) -> str:
-        error_deg = float(np.rad2deg(_error_rms_rad(np.array([age_s]))[0]))
+        error_deg = float(np.linalg.norm(np.rad2deg(_error_rms_body_rad(np.array([age_s])))))
         error = f"be off by some {error_deg:.2g} deg" if error_deg < 90.0 else "point anywhere"
         return (
             f"the attitude's epoch {utc_text(self.epoch, 0)} is {age_s / 60.0:.1f} min from the "
@@ -82,7 +94,8 @@ class InertialAttitude:
         )
 
 
-def _error_rms_rad(age_s: Array) -> Array:
-    rms_deg = np.interp(age_s, CONSTANT_RATE_LEADS_S, CONSTANT_RATE_RMS_DEG)
+def _error_rms_body_rad(age_s: Array) -> Array:
+    """Shape (n, 3)."""
+    rms_deg = [np.interp(age_s, CONSTANT_RATE_LEADS_S, one) for one in CONSTANT_RATE_RMS_BODY_DEG]
     beyond = np.maximum(1.0, age_s / CONSTANT_RATE_LEADS_S[-1])
-    return np.asarray(np.deg2rad(rms_deg * beyond**2))
+    return np.asarray(np.deg2rad(rms_deg).T * beyond[:, None] ** 2)

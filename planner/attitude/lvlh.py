@@ -5,10 +5,20 @@ from typing import Annotated, Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from planner.attitude.errors import (
+    KNOWLEDGE_RAD,
+    MEAN_SIGMA_DEG,
+    AttitudeErrors,
+    AttitudeUncertainty,
+)
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.spec import Within, spec
+
+# Rms of the ISS about its mean in torque equilibrium on 2018-10-12, about body x, y, z; all but
+# 0.01 deg of x is one sinusoid at the orbital rate (bench/truth.py).
+SWING_RMS_BODY_RAD = np.deg2rad([0.236, 0.021, 0.008])
 
 
 @spec
@@ -16,13 +26,17 @@ class LvlhAttitude:
     """Constant yaw, pitch and roll to LVLH (+Z geocentric nadir, +Y against the orbit normal).
 
     The rotations carry LVLH onto the body in the order yaw (Z), pitch (Y), roll (X), each
-    about the axis already turned: NASA's 3-2-1 sequence.
+    about the axis already turned: NASA's 3-2-1 sequence.  They are the mean attitude, about which
+    the carrier swings: on the ISS in torque equilibrium not 0/0/0 but -4/-2/1 deg or so, 177 for
+    -4 when it flies backwards.  Each tenth of a degree by which it is wrong costs 0.7 km at 400 km.
     """
 
     law: Literal["lvlh"] = "lvlh"
     yaw_deg: Annotated[float, Within(-360.0, 360.0)] = 0.0
     pitch_deg: Annotated[float, Within(-360.0, 360.0)] = 0.0
     roll_deg: Annotated[float, Within(-360.0, 360.0)] = 0.0
+
+    uncertainty: AttitudeUncertainty | None = None
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`."""
@@ -33,3 +47,14 @@ class LvlhAttitude:
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """None: how far the carrier swings about it stands in the pointing budget."""
         return ()
+
+    def errors(self, instants: Instants) -> AttitudeErrors:
+        """Of the mean, and the swing about it."""
+        sigma_rad = np.hypot(KNOWLEDGE_RAD, np.deg2rad(MEAN_SIGMA_DEG))
+        return AttitudeErrors(
+            np.full(3, sigma_rad),
+            SWING_RMS_BODY_RAD,
+            "measured: the ISS's swing about its mean attitude in torque equilibrium, of unknown "
+            f"phase; the mean itself is assumed right to {MEAN_SIGMA_DEG:g} deg an axis",
+            "the carrier's attitude telemetry (law harmonic)",
+        ).stated(self.uncertainty)

@@ -58,7 +58,9 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
 
 def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Json:
     span = _span(rows, 0, -1)
-    along, across = 2.0 * np.degrees(plan.scenario.platform.frame_half_rad)
+    platform = plan.scenario.platform
+    along, across = 2.0 * np.degrees(platform.frame_half_rad)
+    turn_deg = np.degrees(platform.frame_turn_rad)
     return {
         "id": "document",
         "name": plan.scenario.name or "slewtrack plan",
@@ -68,7 +70,8 @@ def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Jso
                 *notes(plan, created_utc),
                 "positions Earth-fixed (ITRF), m; orientations x y z w from body or payload axes "
                 f"to Earth-fixed axes; footprint on the WGS84 ellipsoid, {along:.4g} x "
-                f"{across:.4g} deg, the first along payload +X",
+                f"{across:.4g} deg, the first along payload +X"
+                + (f" turned by {turn_deg:.4g} deg about +Z" if turn_deg else ""),
             ]
         ),
         "clock": {

@@ -50,7 +50,8 @@ def sights(rows: TableStates, rays_payload: Array) -> Sights:
 def frame_corner_rays(platform: TwoAxisPlatform) -> Array:
     """Corners of the camera's frame in payload axes, shape (4, 3), counter-clockwise from +X +Y."""
     x, y = np.tan(platform.frame_half_rad)
-    return np.array([[i * x, j * y, 1.0] for i, j in FRAME_CORNERS])
+    corners = np.array([[i * x, j * y, 1.0] for i, j in FRAME_CORNERS])
+    return np.asarray(Rotation.from_rotvec([0.0, 0.0, platform.frame_turn_rad]).apply(corners))
 
 
 def _on_ellipsoid(r_itrf_m: Array, direction_itrf: Array) -> Sights:

@@ -23,6 +23,7 @@ from planner.frames.time_scales import (
     shifted_utc,
     utc_text,
 )
+from planner.orbits.accuracy import state_sigma
 from planner.orbits.atmosphere import HEIGHT_MIN_M
 from planner.orbits.collocation import (
     SEGMENT_S,
@@ -101,7 +102,10 @@ class StateVectorOrbit:
             )
         warnings: tuple[str, ...] = ()
         if age_s > WARN_AGE_S[self.force_model]:
-            warnings = (f"{sentence}: expect an error of some {_error_m(self, age_s):.0f} m",)
+            sigma = state_sigma(np.array(age_s), paper_model=self.force_model == "j2j4")
+            warnings = (
+                f"{sentence}: expect an error of some {float(sigma.along_m):.0f} m (1 sigma)",
+            )
         if self.force_model == "j2j4":
             r_eci_m, v_eci_m_s = _state_eci(self)
             return paper_ephemeris(self.epoch, r_eci_m, v_eci_m_s, start_utc, stop_utc, warnings)
@@ -185,13 +189,6 @@ def _check_orbit(orbit: StateVectorOrbit) -> None:
             f"{figures(perigee_m / 1e3, _PERIGEE_MIN_M / 1e3)} km from the Earth's centre, below "
             f"{HEIGHT_MIN_M / 1e3:.0f} km height; is it in km/s and of the stated frame?"
         )
-
-
-def _error_m(orbit: StateVectorOrbit, age_s: float) -> float:
-    """Rough growth: half the drag is uncertain (full), the harmonics left out (j2j4)."""
-    if orbit.force_model == "j2j4":
-        return float(56.0 * (age_s / 900.0) ** 1.3)
-    return float(1.5 * 3e-7 * age_s**2)
 
 
 def _state_eci(orbit: StateVectorOrbit) -> tuple[Array, Array]:

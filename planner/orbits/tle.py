@@ -20,6 +20,7 @@ from planner.frames.time_scales import (
     utc_text,
 )
 from planner.messages.omm import MEAN_MOTION_REV_DAY
+from planner.orbits.accuracy import tle_sigma
 from planner.orbits.ephemeris import Ephemeris, OrbitStates
 from planner.spec import spec
 
@@ -147,8 +148,10 @@ def sgp4_ephemeris(
         )
     warnings: tuple[str, ...] = ()
     if age_days >= WARN_AGE_DAYS:
-        error_km = 1.0 + 2.0 * age_days
-        warnings = (f"{sentence}: expect an error of some {error_km:.0f} km along the track",)
+        sigma_km = float(tle_sigma(np.array(age_days * DAY_S)).along_m) / 1e3
+        warnings = (
+            f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track",
+        )
     return TleEphemeris(
         epoch_utc=epoch_utc,
         start_utc=start_utc,

@@ -67,7 +67,9 @@ class AxisDefinition:
 class PlatformDefinition:
     """A `TwoAxisPlatform`: `outer` is fixed to the base and carries `inner`.
 
-    field_of_view_deg: the camera's, along the inner axis and across it; the HRC's unless given.
+    field_of_view_deg: the camera's, along the frame's first side and its second; the HRC's unless
+    given.  frame_turn_deg: how far the first side is turned from the inner axis, right-handed about
+    the boresight; how the HRC's frame lies isn't published, 0 is assumed.
     """
 
     name: str
@@ -76,6 +78,7 @@ class PlatformDefinition:
     zero_direction_platform: UnitVector = (0.0, 0.0, 1.0)
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
+    frame_turn_deg: Annotated[float, Within(-180.0, 180.0)] = 0.0
 
     def __post_init__(self) -> None:
         if self.outer.name == self.inner.name:
@@ -98,4 +101,5 @@ class PlatformDefinition:
                 math.radians(self.field_of_view_deg[0]) / 2.0,
                 math.radians(self.field_of_view_deg[1]) / 2.0,
             ),
+            frame_turn_rad=math.radians(self.frame_turn_deg),
         )

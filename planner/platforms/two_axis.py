@@ -12,7 +12,7 @@ from planner.spec import UnitPart, Within, spec
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
 UNIT_TOLERANCE = 1e-6
-# 5.36 x 3.56 km from 350 km (Sumarokov 2016); the long side along the inner axis is assumed.
+# 5.36 x 3.56 km from 350 km (Sumarokov 2016).
 HRC_FRAME_HALF_RAD = (math.atan(2.68 / 350.0), math.atan(1.78 / 350.0))
 
 
@@ -50,7 +50,9 @@ class TwoAxisPlatform:
     outer_*: the axis fixed to the base (alpha of the HRC); inner_*: the one it carries
     (beta).  Axes and zero direction are unit vectors in the platform frame.
     q_platform_from_body_xyzw: the mount, scalar last.
-    frame_half_rad: half the camera's field of view along the inner axis and across it.
+    frame_half_rad: half the camera's field of view along the frame's first side and along its
+    second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
+    about the boresight.
     Source: Sumarokov 2016, eq. 10-11.
     """
 
@@ -64,6 +66,7 @@ class TwoAxisPlatform:
     zero_direction_platform: UnitVector
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
+    frame_turn_rad: float = 0.0
 
     def __post_init__(self) -> None:
         for name in (

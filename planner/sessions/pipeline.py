@@ -1,7 +1,7 @@
 """From a scenario to a verified plan: the whole story on one screen."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 
@@ -70,6 +70,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
             *_cut_short(joins),
             *ephemeris.warnings,
             *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
+            *_misses(budgets),
             *_earth_warning(Instants(epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
         ),
@@ -157,6 +158,13 @@ def _budget(
         scenario.platform,
         angle_rad=None if exactly else np.stack(angle_rad, axis=1),
     )
+
+
+def _misses(budgets: Sequence[PointingBudget | None]) -> Iterator[str]:
+    for session, budget in enumerate(budgets):
+        warning = budget and budget.warning(session)
+        if warning:
+            yield warning
 
 
 def _earth_warning(instants: Instants) -> tuple[str, ...]:

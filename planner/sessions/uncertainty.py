@@ -4,14 +4,15 @@ Each cause is carried through the geometry by repeating it with the cause distur
 1-sigma: an orbit that is off also turns the local vertical the attitude is against.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.attitude import AttitudeLaw
-from planner.attitude.accuracy import attitude_sigma
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s
@@ -26,6 +27,7 @@ from planner.targets import VisibleTarget
 SAMPLES = 11  # errors change over a pass, not from row to row
 DRAWS = 1 << 14
 RANDOM_MARGIN_SIGMA = 3.0
+LIKELY = 0.9  # of staying in the frame; below, a plan warns
 RANGE_MAX_M = 1e8  # beyond, metres at the target say nothing
 _PROBE_M = 10.0
 _PROBE_S = 0.1
@@ -60,7 +62,8 @@ class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
     ground_m: the same at the target, across the line of sight; None for celestial targets.
-    basis: whether measured or assumed, and on what.  is_bias: constant over the session.
+    basis: whether measured or assumed, and on what.  better: what would make it smaller.
+    is_bias: constant over the session.
     """
 
     cause: str
@@ -68,6 +71,7 @@ class Contribution:
     ground_m: float | None
     is_bias: bool
     basis: str
+    better: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +85,24 @@ class PointingBudget:
     sigma_arcsec: float
     ground_m: float | None
     probability_in_frame: float
+
+    def warning(self, session: int) -> str | None:
+        """That the target may well be missed, and what would help most; None where it is likely
+        in the frame.
+        """
+        if self.probability_in_frame >= LIKELY:
+            return None
+        worst = max(self.contributions, key=lambda part: part.sigma_arcsec)
+        error = (
+            f"{self.sigma_arcsec / 3600.0:.2g} deg"
+            if self.ground_m is None
+            else f"{self.ground_m / 1e3:.2g} km"
+        )
+        return (
+            f"session {session}: the target stays in the frame with a probability of "
+            f"{self.probability_in_frame:.2f} only; the pointing error is {error} (1 sigma), most "
+            f"of it from {worst.cause}: {worst.better} would help most"
+        )
 
 
 def pointing_budget(
@@ -97,8 +119,9 @@ def pointing_budget(
 
     angle_rad: (n, 2), the axes at the instants of `los`; None: exactly on the target.
 
-    Orbit, attitude, clock and Earth orientation are taken as constant over the session (their
-    errors change over hours); the drives' resolution as random.  Leaves out the mount's
+    Orbit, clock, Earth orientation and the mean attitude are taken as constant over the session
+    (their errors change over hours); the carrier swings about its mean at the orbital rate with
+    a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
     scene = _Scene(los, ephemeris, attitude, target, platform, angle_rad)
@@ -109,65 +132,83 @@ def pointing_budget(
         _clock_offsets(scene, los, assumptions),
     ]
     random_rad = assumptions.drive_resolution_rad / np.sqrt(12.0)
-    drives = ("drive resolution", "5 arcsec encoder step assumed unless stated", random_rad)
-    total_rad = np.sqrt(sum(_per_axis_rad(o) ** 2 for _, _, o in biases) + random_rad**2)
+    total_rad = np.sqrt(sum(_per_axis_rad(bias) ** 2 for bias in biases) + random_rad**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
-    causes = list(dict.fromkeys((cause, basis) for cause, basis, _ in biases))
     contributions = [
         _contribution(
             cause,
-            basis,
-            np.sqrt(sum(_per_axis_rad(o)[worst] ** 2 for c, _, o in biases if c == cause)),
+            float(np.sqrt(sum(_per_axis_rad(b)[worst] ** 2 for b in biases if b.cause == cause))),
             range_m,
             is_bias=True,
         )
-        for cause, basis in causes
+        for cause in dict.fromkeys(bias.cause for bias in biases)
     ]
-    contributions.append(_contribution(*drives, range_m, is_bias=False))
+    drives = _Cause(
+        "drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives"
+    )
+    contributions.append(_contribution(drives, random_rad, range_m, is_bias=False))
     half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * random_rad
     return PointingBudget(
         contributions=tuple(contributions),
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability_inside(
-            np.stack([o for _, _, o in biases]), half_rad, scene.off_rad
+            np.stack([bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]),
+            half_rad,
+            scene.off_rad,
+            [
+                np.stack([bias.offsets_rad, bias.quarter_later_rad])
+                for bias in biases
+                if bias.quarter_later_rad is not None
+            ],
         ),
     )
 
 
 def probability_inside(
-    offsets_rad: Offsets, half_rad: NDArray[np.float64], known_rad: Offsets | None = None
+    offsets_rad: Offsets,
+    half_rad: NDArray[np.float64],
+    known_rad: Offsets | None = None,
+    swings_rad: Sequence[Offsets] = (),
 ) -> float:
-    """Probability that a sum of independent constant errors never leaves the frame.
+    """Probability that a sum of independent errors never leaves the frame.
 
-    offsets_rad: shape (m, n, 2), where a 1-sigma error of each of m causes puts the target in
-    the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target is
-    without errors, the middle unless given.  The errors that keep the target inside at
-    every instant are a convex polytope in m dimensions; its Gaussian measure by 16384
-    quasi-random points, good to 0.003 (0.001 where few are lost).
+    offsets_rad: shape (m, n, 2), where a 1-sigma constant error of each of m causes puts the
+    target in the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target
+    is without errors, the middle unless given.  swings_rad: (2, n, 2) of each sinusoid, times
+    1 / sqrt(2) what it puts there when its phase is 0 and a quarter turn, every phase as likely.
+    By 16384 quasi-random points, good to 0.003 (0.001 where few are lost).
     Source: Genz and Bretz 2009, section 4.2 (Richtmyer lattices).
     """
     if not (half_rad > 0.0).all():
         return 0.0
-    causes = len(offsets_rad)
-    in_half_frames = (offsets_rad / half_rad).reshape(causes, -1)
     known = np.zeros((1, 2)) if known_rad is None else known_rad
     middle = np.broadcast_to(known / half_rad, offsets_rad.shape[1:]).ravel()
-    farthest = np.abs(middle + _normal_points(causes) @ in_half_frames).max(axis=1)
+    in_half_frames = (np.concatenate([offsets_rad, *swings_rad]) / half_rad).reshape(
+        -1, middle.size
+    )
+    points = _points(len(offsets_rad), len(swings_rad))
+    farthest = np.abs(middle + points @ in_half_frames).max(axis=1)
     return float(np.mean(farthest <= 1.0))
 
 
 @cache
-def _normal_points(causes: int) -> NDArray[np.float64]:
-    """A Richtmyer lattice mapped to the standard normal, shape (DRAWS, causes)."""
+def _points(normal: int, phases: int) -> NDArray[np.float64]:
+    """A Richtmyer lattice mapped to the standard normal and to circles of radius sqrt(2).
+
+    Shape (DRAWS, normal + 2 phases).
+    """
     # SciPy's special functions take 0.1 s to import, which only a plan should pay.
     from scipy.special import ndtri
 
-    primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[:causes]
-    if len(primes) < causes:
-        raise ValueError(f"at most 12 causes can be drawn, not {causes}")
-    return np.asarray(ndtri(np.outer(np.arange(DRAWS) + 0.5, np.sqrt(primes)) % 1.0))
+    primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: normal + phases]
+    if len(primes) < normal + phases:
+        raise ValueError(f"at most 12 causes can be drawn, not {normal + phases}")
+    lattice = np.outer(np.arange(DRAWS) + 0.5, np.sqrt(primes)) % 1.0
+    phase_rad = 2.0 * np.pi * lattice[:, normal:, None]
+    circles = np.sqrt(2.0) * np.concatenate([np.cos(phase_rad), np.sin(phase_rad)], axis=2)
+    return np.hstack([ndtri(lattice[:, :normal]), circles.reshape(DRAWS, 2 * phases)])
 
 
 class _Scene:
@@ -203,6 +244,11 @@ class _Scene:
         """Components along the inner axis and across it, shape (n, 2)."""
         return np.asarray(np.einsum("nij,nj->ni", self._image, shift_platform))
 
+    def turned_about_body(self, axis: int) -> Offsets:
+        """Where the target goes, per radian by which the carrier turns about a body axis."""
+        axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
+        return self.in_image(np.cross(self.los_platform, axis_platform))
+
     def direction_platform(
         self, states: OrbitStates | None = None, late_s: float = 0.0
     ) -> NDArray[np.float64]:
@@ -217,7 +263,7 @@ class _Scene:
 def _image_axes(
     platform: TwoAxisPlatform, los_platform: NDArray[np.float64], angle_rad: Offsets | None
 ) -> NDArray[np.float64]:
-    """Directions along the inner axis and across it, both square to the boresight, (n, 2, 3)."""
+    """Directions along the frame's sides, both square to the boresight, (n, 2, 3)."""
     if angle_rad is None:
         # On target the inner axis is square to the outer one and to the line of sight.
         boresight = los_platform
@@ -227,7 +273,9 @@ def _image_axes(
         inner = carried_axes(platform, angle_rad)[1]
         along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    return np.stack([along, np.cross(boresight, along)], axis=1)
+    c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
+    first = c * along + s * np.cross(boresight, along)
+    return np.stack([first, np.cross(boresight, first)], axis=1)
 
 
 def _farthest(shares: Offsets, rows: NDArray[np.intp]) -> NDArray[np.intp]:
@@ -237,10 +285,24 @@ def _farthest(shares: Offsets, rows: NDArray[np.intp]) -> NDArray[np.intp]:
     return np.array([np.argmax(np.where(nearest == i, off, -1.0)) for i in range(len(rows))])
 
 
-Cause = tuple[str, str, Offsets]
+class _Cause(NamedTuple):
+    name: str
+    basis: str
+    better: str
 
 
-def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[Cause]:
+class _Bias(NamedTuple):
+    """Where a 1-sigma error of one cause puts the target in the image, (n, 2).
+
+    quarter_later_rad: of a sinusoid of unknown phase, the same a quarter turn later.
+    """
+
+    cause: _Cause
+    offsets_rad: Offsets
+    quarter_later_rad: Offsets | None = None
+
+
+def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[_Bias]:
     """Radial, along-track and cross-track, as independent causes."""
     sigma = orbit_sigma(ephemeris, scene.instants)
     r, v = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
@@ -259,9 +321,8 @@ def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[Cause]:
     )
     undisturbed = scene.direction_platform()
     return [
-        (
-            "orbit",
-            sigma.basis,
+        _Bias(
+            _Cause("orbit", sigma.basis, sigma.better),
             scene.in_image(scene.direction_platform(states) - undisturbed)
             * (size_m / _PROBE_M)[:, None],
         )
@@ -269,17 +330,25 @@ def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[Cause]:
     ]
 
 
-def _attitude_offsets(scene: _Scene, attitude: AttitudeLaw) -> list[Cause]:
-    """A turn about any axis moves the image by its two components across the line of sight."""
-    sigma = attitude_sigma(attitude, scene.instants)
-    size = sigma.per_axis_rad[:, None]
-    return [
-        ("attitude", sigma.basis, size * np.array([1.0, 0.0])),
-        ("attitude", sigma.basis, size * np.array([0.0, 1.0])),
-    ]
+def _attitude_offsets(scene: _Scene, attitude: AttitudeLaw) -> list[_Bias]:
+    """Turns about the body axes, constant and swinging with the orbit."""
+    errors = attitude.errors(scene.instants)
+    sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
+    r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
+    rate_rad_s = np.linalg.norm(np.cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
+    phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
+    cause = _Cause("attitude", errors.basis, errors.better)
+    biases = []
+    for axis, swing_rms_rad in enumerate(errors.swing_rms_body_rad):
+        turned = scene.turned_about_body(axis)
+        biases.append(_Bias(cause, sigma_body_rad[:, axis, None] * turned))
+        if swing_rms_rad > 0.0:
+            swing = swing_rms_rad * turned
+            biases.append(_Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))
+    return biases
 
 
-def _earth_offsets(scene: _Scene) -> Cause:
+def _earth_offsets(scene: _Scene) -> _Bias:
     """UT1; the pole's part is a tenth of it."""
     end_utc = iers_data_end_utc()
     past_days = elapsed_s(scene.instants.epoch_utc, end_utc) / DAY_S
@@ -287,38 +356,40 @@ def _earth_offsets(scene: _Scene) -> Cause:
     predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
     ut1_s = 2e-5 + 2.5e-4 * predicted_days**0.75 + 8.5e-4 * max(0.0, past_days)
     late = scene.direction_platform(late_s=_PROBE_S) - scene.direction_platform(late_s=-_PROBE_S)
-    return (
+    cause = _Cause(
         "Earth orientation",
         "measured UT1 drift of 0.85 ms a day where the last value is held, before that IERS "
         "Bulletin A's 0.25 ms x days^0.75",
-        scene.in_image(late) * (ut1_s / (2.0 * _PROBE_S)),
+        "newer Earth orientation data",
     )
+    return _Bias(cause, scene.in_image(late) * (ut1_s / (2.0 * _PROBE_S)))
 
 
-def _clock_offsets(scene: _Scene, los: LineOfSight, assumptions: BudgetAssumptions) -> Cause:
+def _clock_offsets(scene: _Scene, los: LineOfSight, assumptions: BudgetAssumptions) -> _Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_s[scene.rows])
-    return (
-        "clock",
-        "20 ms of the platform's clock assumed unless stated",
-        drift * assumptions.clock_s,
-    )
+    cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
+    return _Bias(cause, drift * assumptions.clock_s)
 
 
-def _per_axis_rad(offsets: Offsets) -> NDArray[np.float64]:
+def _per_axis_rad(bias: _Bias) -> NDArray[np.float64]:
     """1-sigma per image axis, shape (n,)."""
-    return np.asarray(np.sqrt(0.5 * np.sum(offsets**2, axis=-1)))
+    squares = np.sum(bias.offsets_rad**2, axis=-1)
+    if bias.quarter_later_rad is not None:
+        squares = squares + np.sum(bias.quarter_later_rad**2, axis=-1)
+    return np.asarray(np.sqrt(0.5 * squares))
 
 
 def _contribution(
-    cause: str, basis: str, sigma_rad: float, range_m: float, *, is_bias: bool
+    cause: _Cause, sigma_rad: float, range_m: float, *, is_bias: bool
 ) -> Contribution:
     return Contribution(
-        cause=cause,
-        sigma_arcsec=float(sigma_rad) * _ARCSEC,
-        ground_m=_ground_m(float(sigma_rad), range_m),
+        cause=cause.name,
+        sigma_arcsec=sigma_rad * _ARCSEC,
+        ground_m=_ground_m(sigma_rad, range_m),
         is_bias=is_bias,
-        basis=basis,
+        basis=cause.basis,
+        better=cause.better,
     )
 
 

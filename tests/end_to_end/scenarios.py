@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime, timedelta
 
-from planner.attitude.lvlh import LvlhAttitude
+from planner.attitude import AttitudeUncertainty, LvlhAttitude
 from planner.orbits import TleOrbit
 from planner.platforms import PLATFORMS
 from planner.scenario import InitialState, Scenario, Session, SlewOptions
@@ -16,6 +16,9 @@ EPOCH = datetime(2015, 2, 27, 17, 34, tzinfo=UTC)
 LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
 SALT_LAKE = GroundTarget(latitude_deg=40.76, longitude_deg=-111.89, height_m=1288.0)
 LARAMIE = GroundTarget(latitude_deg=41.31, longitude_deg=-105.59, height_m=2184.0)
+
+
+STILL = AttitudeUncertainty(sigma_body_deg=(0.0, 0.0, 0.0), swing_rms_body_deg=(0.0, 0.0, 0.0))
 
 
 def at(seconds):
@@ -33,7 +36,7 @@ def scenario(*sessions, alpha=(0.0, 0.0, 0.0), beta=(0.0, 0.0, 0.0), epoch_s=0, 
     }
     return Scenario(
         orbit=TLE,
-        attitude=LvlhAttitude(),
+        attitude=LvlhAttitude(uncertainty=STILL),
         platform=PLATFORMS["iss-hrc"],
         initial_state=InitialState(epoch=at(epoch_s), **motion),
         sessions=sessions,

@@ -3,19 +3,23 @@
 import math
 from dataclasses import replace
 from datetime import timedelta
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation, Slerp
 from scipy.stats import multivariate_normal, norm
 
-from planner.attitude import InertialAttitude, LvlhAttitude
+from planner.attitude import AttitudeUncertainty, InertialAttitude, LvlhAttitude
 from planner.frames.time_scales import Instants, utc_from_text
+from planner.messages.aem import read_aem
 from planner.orbits import StateVectorOrbit, TleOrbit
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.pointing.line_of_sight import line_of_sight
 from planner.sessions.uncertainty import BudgetAssumptions, pointing_budget, probability_inside
 from planner.targets.ground import GroundTarget
 
+DATA = Path(__file__).parents[1] / "data"
 START = utc_from_text("2015-02-27T17:36:20Z")
 TLE = TleOrbit(
     line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
@@ -35,6 +39,19 @@ def budget(orbit=TLE, attitude=INERTIAL, assumptions=None, platform=ISS_HRC):
         los, ephemeris, attitude, LAS_VEGAS, platform, assumptions or BudgetAssumptions()
     )
     return found, {c.cause: c for c in found.contributions}, los
+
+
+def fresh_state():
+    """What a GNSS receiver gives at the session's start."""
+    states = TLE.ephemeris(START, START + timedelta(seconds=95)).states(
+        Instants(START, np.zeros(1))
+    )
+    return StateVectorOrbit(
+        frame="GCRF",
+        epoch=START,
+        position_km=tuple(states.r_sat_eci_m[0] / 1e3),
+        velocity_km_s=tuple(states.v_sat_eci_m_s[0] / 1e3),
+    )
 
 
 @pytest.mark.parametrize("correlation", [-0.9, 0.0, 0.6])
@@ -86,6 +103,51 @@ def test_five_independent_causes_add_in_quadrature():
     assert probability_inside(offsets, HALF_RAD) == pytest.approx(expected, abs=QUASI_RANDOM)
 
 
+@pytest.mark.parametrize("turned", [0.0, 2.0])
+def test_a_swing_of_unknown_phase_is_distributed_as_a_sinusoid(turned):
+    """A short session sees one value of it: P(|A sin| < h) = 2/pi arcsin(h/A), not a Gaussian's."""
+    half, amplitude = HALF_RAD[1], 1.3 * HALF_RAD[1]
+    swing = np.zeros((2, 1, 2))
+    swing[:, 0, 1] = amplitude / math.sqrt(2.0) * np.array([math.cos(turned), math.sin(turned)])
+    expected = 2.0 / math.pi * math.asin(half / amplitude)
+    found = probability_inside(np.zeros((0, 1, 2)), HALF_RAD, None, [swing])
+    assert found == pytest.approx(expected, abs=QUASI_RANDOM)
+
+
+def test_a_swing_seen_for_half_a_turn_shows_its_amplitude():
+    phase = np.linspace(0.0, math.pi, 181)
+    waves = np.stack([np.cos(phase), np.sin(phase)])[:, :, None] * np.array([0.0, HALF_RAD[1]])
+    for size, expected in ((0.99, 1.0), (1.01, 0.0)):
+        swing = size / math.sqrt(2.0) * waves
+        found = probability_inside(np.zeros((0, 181, 2)), HALF_RAD, None, [swing])
+        assert found == pytest.approx(expected, abs=0.1)  # near the turning point for 0.1 of them
+
+
+def test_the_stations_swing_in_roll_is_seen_along_one_side_of_the_frame():
+    """0.236 deg about body x, which the inner axis lies along: across it, or with the frame turned.
+
+    A quarter turn brings the long side, 0.44 deg from the middle, across the amplitude of 0.33.
+    """
+    upright = budget(attitude=LvlhAttitude())[0]
+    turned = budget(
+        attitude=LvlhAttitude(), platform=replace(ISS_HRC, frame_turn_rad=math.pi / 2.0)
+    )[0]
+    assert upright.probability_in_frame < turned.probability_in_frame - 0.1
+    assert upright.sigma_arcsec == pytest.approx(turned.sigma_arcsec, rel=1e-9)
+
+
+def test_what_the_request_states_of_the_attitude_replaces_the_swing():
+    exact = AttitudeUncertainty(sigma_body_deg=(0.0, 0.0, 0.0), swing_rms_body_deg=(0.0, 0.0, 0.0))
+    _, causes, _ = budget(attitude=LvlhAttitude(uncertainty=exact))
+    assert causes["attitude"].sigma_arcsec == 0.0
+    stated = AttitudeUncertainty(sigma_body_deg=(0.1, 0.1, 0.1), swing_rms_body_deg=(0.0, 0.0, 0.0))
+    for law in (LvlhAttitude(uncertainty=stated), replace(INERTIAL, uncertainty=stated)):
+        _, causes, _ = budget(attitude=law)
+        # 0.1 deg about each of two axes across the line of sight, and none about it.
+        assert causes["attitude"].sigma_arcsec == pytest.approx(360.0, rel=1e-6)
+        assert "states" in causes["attitude"].basis
+
+
 def test_a_frame_smaller_than_the_random_error_holds_nothing():
     assert probability_inside(np.zeros((1, 1, 2)), np.array([0.0, 0.005])) == 0.0
 
@@ -95,15 +157,7 @@ def test_an_orbit_error_is_seen_across_the_line_of_sight():
 
     With an inertial attitude nothing else turns; the drift within 90 s adds 2.7 m at most.
     """
-    ephemeris = TLE.ephemeris(START, START + timedelta(seconds=95))
-    states = ephemeris.states(Instants(START, np.zeros(1)))
-    orbit = StateVectorOrbit(
-        frame="GCRF",
-        epoch=START,
-        position_km=tuple(states.r_sat_eci_m[0] / 1e3),
-        velocity_km_s=tuple(states.v_sat_eci_m_s[0] / 1e3),
-    )
-    _, causes, _ = budget(orbit)
+    _, causes, _ = budget(fresh_state())
     assert 10.0 <= causes["orbit"].ground_m <= 11.0
     assert "assumed" in causes["orbit"].basis
 
@@ -165,3 +219,59 @@ def test_a_better_orbit_keeps_the_target_in_the_frame():
 def test_assumptions_are_checked(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong))):
         BudgetAssumptions(**wrong)
+
+
+def turns_of_the_station():
+    """Attitudes from LVLH in torque equilibrium, three orbits of telemetry: (t_s, rotations)."""
+    text = (DATA / "iss_attitude_tea_2018-285.aem").read_text()
+    segment = read_aem(text).segments[0]
+    return segment.t_s, Rotation.from_quat(segment.q_body_from_frame_xyzw)
+
+
+@pytest.mark.parametrize("size", [0.6, 0.8, 1.0, 1.4, 2.0])
+def test_the_target_stays_in_the_frame_as_often_as_told(size):
+    """The station as it really swung, from any moment on, about a mean stated to 0.05 deg.
+
+    Frames of several sizes, so that told probabilities lie all over the scale.
+    """
+    t_s, q_body_from_lvlh = turns_of_the_station()
+    mean = q_body_from_lvlh.mean()
+    yaw_deg, pitch_deg, roll_deg = mean.inv().as_euler("ZYX", degrees=True)
+    law = LvlhAttitude(yaw_deg=yaw_deg, pitch_deg=pitch_deg, roll_deg=roll_deg)
+    frame = replace(ISS_HRC, frame_half_rad=tuple(size * np.array(ISS_HRC.frame_half_rad)))
+    # A state with no age and a clock without error: only the attitude is on trial.
+    found, _, los = budget(fresh_state(), law, BudgetAssumptions(clock_s=0.0), frame)
+
+    rng = np.random.default_rng(1)
+    session_s = INSTANTS.t_s[::25]
+    sight = los.los_platform[::25]
+    outer = np.array(ISS_HRC.axes_platform[0])
+    along = np.cross(outer, sight)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    sides = np.stack([along, np.cross(sight, along)], axis=1)
+    starts_s = rng.uniform(t_s[0], t_s[-1] - session_s[-1], 1500)
+    true = Slerp(t_s, q_body_from_lvlh)((starts_s[:, None] + session_s).ravel())
+    wrong = Rotation.from_rotvec(np.deg2rad(rng.normal(0.0, 0.05, (len(starts_s), 3))))
+    stated = wrong[np.repeat(np.arange(len(starts_s)), len(session_s))] * mean
+    seen = (true * stated.inv()).apply(np.tile(sight, (len(starts_s), 1)))
+    off_rad = np.einsum("nij,knj->kni", sides, seen.reshape(len(starts_s), -1, 3))
+    inside = np.all(np.abs(off_rad) <= frame.frame_half_rad, axis=(1, 2))
+    assert found.probability_in_frame == pytest.approx(inside.mean(), abs=0.05)
+
+
+def test_a_likely_miss_is_said_with_what_would_help_most():
+    found, _, los = budget(attitude=LvlhAttitude())
+    assert found.probability_in_frame < 0.9
+    warning = found.warning(3)
+    assert "session 3" in warning
+    assert f"{found.probability_in_frame:.2f}" in warning
+    assert "attitude telemetry" in warning
+    stale = pointing_budget(
+        los,
+        Older(TLE.ephemeris(START, START + timedelta(seconds=95))),
+        LvlhAttitude(),
+        LAS_VEGAS,
+        ISS_HRC,
+    )
+    assert "younger elements" in stale.warning(0)
+    assert budget(platform=replace(ISS_HRC, frame_half_rad=(0.5, 0.5)))[0].warning(0) is None

@@ -37,6 +37,7 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
             _degrees(2.0 * platform.frame_half_rad[0]),
             _degrees(2.0 * platform.frame_half_rad[1]),
         ),
+        frame_turn_deg=_degrees(platform.frame_turn_rad),
     )
 
 

@@ -1,0 +1,59 @@
+"""How far a carrier may be off its predicted attitude."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from planner.arrays import Array
+from planner.spec import Within, spec
+
+# The vehicle's two attitude solutions in the telemetry of 2018-10-12 are 138 arcsec apart.
+KNOWLEDGE_RAD = np.deg2rad(138.0 / 3600.0) / np.sqrt(6.0)
+MEAN_SIGMA_DEG = 0.05
+_TurnDeg = Annotated[float, Within(0.0, 180.0)]
+
+
+@spec
+class AttitudeUncertainty:
+    """How far the carrier may be off the attitude of its law, instead of slewtrack's own figures.
+
+    sigma_body_deg: 1-sigma of a turn about each body axis, constant over a session.
+    swing_rms_body_deg: rms about each body axis of a sinusoid at the orbital rate, its phase
+    unknown; the law's own where not given.
+    """
+
+    sigma_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] = (MEAN_SIGMA_DEG,) * 3
+    swing_rms_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class AttitudeErrors:
+    """Independent small turns about the body axes, 1-sigma each, the vehicle's knowledge included.
+
+    sigma_body_rad: (n, 3) or (3,), of errors that are constant over a session.
+    swing_rms_body_rad: (3,), of sinusoids at the orbital rate whose phases are unknown.
+    basis: on what evidence.  better: what would make them smaller.
+    """
+
+    sigma_body_rad: Array
+    swing_rms_body_rad: Array
+    basis: str
+    better: str
+
+    def stated(self, uncertainty: AttitudeUncertainty | None) -> "AttitudeErrors":
+        """What the request states in their place."""
+        if uncertainty is None:
+            return self
+        swing_deg = uncertainty.swing_rms_body_deg
+        return AttitudeErrors(
+            np.deg2rad(uncertainty.sigma_body_deg),
+            self.swing_rms_body_rad if swing_deg is None else np.deg2rad(swing_deg),
+            "as attitude.uncertainty states",
+            self.better,
+        )
+
+
+def known_errors(sigma_body_rad: Array, basis: str, better: str) -> AttitudeErrors:
+    """Of a law that follows the swing itself; the vehicle's knowledge added."""
+    return AttitudeErrors(np.hypot(KNOWLEDGE_RAD, sigma_body_rad), np.zeros(3), basis, better)
