@@ -1,0 +1,160 @@
+"""What the budgets tell against what was: goal and figure seen, on real data.
+
+    python bench/truth.py DATA_FOLDER [--sessions 300]
+
+DATA_FOLDER holds `attitude` (telemetry as bench/attitude.py reads it), `tle/iss_tles.txt` and
+`oem` (NASA's ephemerides).  The attitude's figures come from the telemetry's first half, what is
+told is tried on the second, the mean wrong by as much as is assumed.
+"""
+
+import argparse
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+
+import numpy as np
+from attitude import channel, held
+from orbit_age import read_oem_file, read_tles, ric_m
+from scipy.spatial.transform import Rotation, Slerp
+
+from planner.attitude import LvlhAttitude
+from planner.attitude.errors import MEAN_SIGMA_DEG
+from planner.frames.earth_orientation import c_itrf_from_eci
+from planner.frames.geodesy import geodetic_from_itrf
+from planner.frames.time_scales import Instants, shifted_utc
+from planner.orbits import StateVectorOrbit, TleOrbit
+from planner.orbits.accuracy import state_sigma
+from planner.platforms.iss_hrc import ISS_HRC
+from planner.pointing.line_of_sight import line_of_sight
+from planner.sessions.uncertainty import BudgetAssumptions, pointing_budget
+from planner.targets.ground import GroundTarget
+
+SESSION_S = np.arange(0.0, 90.1, 9.0)
+ASIDE_DEG = 3.0  # of latitude and longitude, from below the carrier
+SIZES = (0.5, 0.7, 0.9, 1.1, 1.5, 2.0)  # of the HRC's frame
+STARTS = 60  # moments of the telemetry for each session
+STALE_S = 2.5  # since a value changed
+STEP_S = 10.0
+BINS = 5
+STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
+STATE_DAYS = (0.5, 1.6, 4.3)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--sessions", type=int, default=300)
+    arguments = parser.parse_args()
+    reliability(arguments.data, arguments.sessions)
+    state_growth(arguments.data)
+
+
+def reliability(data: Path, sessions: int) -> None:
+    """Told and kept probabilities of staying in the frame, by bins of the told one."""
+    t_s, q_body_from_lvlh = telemetry(data / "attitude")
+    middle_s = t_s[len(t_s) // 2]
+    mean = q_body_from_lvlh[t_s < middle_s].mean()
+    yaw_deg, pitch_deg, roll_deg = mean.inv().as_euler("ZYX", degrees=True)
+    law = LvlhAttitude(yaw_deg=yaw_deg, pitch_deg=pitch_deg, roll_deg=roll_deg)
+    swing = Slerp(t_s, q_body_from_lvlh)
+    rng = np.random.default_rng(2)
+    tles = list(read_tles(data / "tle" / "iss_tles.txt"))
+    told, kept = [], []
+    for _ in range(sessions):
+        found = session(tles[rng.integers(len(tles))], law, rng)
+        starts_s = rng.uniform(middle_s, t_s[-1] - SESSION_S[-1], STARTS)
+        true = swing((starts_s[:, None] + SESSION_S).ravel())
+        for frame, probability, sight, sides in found:
+            wrong = Rotation.from_rotvec(np.deg2rad(rng.normal(0.0, MEAN_SIGMA_DEG, (STARTS, 3))))
+            stated = wrong[np.repeat(np.arange(STARTS), len(SESSION_S))] * mean
+            seen = (true * stated.inv()).apply(np.tile(sight, (STARTS, 1))).reshape(STARTS, -1, 3)
+            off_rad = np.einsum("nij,knj->kni", sides, seen)
+            told.append(probability)
+            kept.append(np.mean(np.all(np.abs(off_rad) <= frame.frame_half_rad, axis=(1, 2))))
+    told, kept = np.array(told), np.array(kept)
+    print("probability of staying in the frame: goal |told - kept| <= 0.05 in every bin")
+    for edge in np.arange(BINS) / BINS:
+        inside = (told >= edge) & (told <= edge + 1.0 / BINS)
+        if inside.sum() >= 20:
+            print(
+                f"  {edge:.1f} to {edge + 1.0 / BINS:.1f}: {inside.sum():5d} sessions, "
+                f"told {told[inside].mean():.3f}, kept {kept[inside].mean():.3f}"
+            )
+
+
+def telemetry(folder: Path) -> tuple[np.ndarray, Rotation]:
+    """Every 10 s where values are fresh: seconds of the year, body from LVLH."""
+    channels = {number: channel(folder, number) for number in (18, 19, 20, 21)}
+    changes_s = channels[20][0]
+    t_s = np.arange(channels[21][0][0], changes_s[-1], STEP_S)
+    latest_s = changes_s[np.searchsorted(changes_s, t_s, side="right") - 1]
+    t_s = t_s[t_s - latest_s < STALE_S]
+    xyzw = np.stack([held(channels, number, t_s) for number in (19, 20, 21, 18)], axis=1)
+    return t_s, Rotation.from_quat(xyzw).inv()
+
+
+def session(tle: TleOrbit, law: LvlhAttitude, rng: np.random.Generator) -> Iterator[tuple]:
+    """A target near the track, seen from a state without age: frames with what is told of them."""
+    start_utc = tle.epoch_utc + timedelta(seconds=float(rng.integers(0, 43200)))
+    stop_utc = start_utc + timedelta(seconds=95)
+    instants = Instants(start_utc, SESSION_S)
+    states = tle.ephemeris(start_utc, stop_utc).states(instants)
+    middle = Instants(start_utc, SESSION_S[5:6])
+    r_itrf_m = np.einsum("nij,nj->ni", c_itrf_from_eci(middle), states.r_sat_eci_m[5:6])
+    latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_itrf_m)
+    target = GroundTarget(
+        latitude_deg=float(np.clip(math.degrees(latitude_rad[0]) + aside(rng), -89.0, 89.0)),
+        longitude_deg=float((math.degrees(longitude_rad[0]) + aside(rng) + 540.0) % 360.0 - 180.0),
+        height_m=0.0,
+    )
+    orbit = StateVectorOrbit(
+        frame="GCRF",
+        epoch=start_utc,
+        position_km=tuple(states.r_sat_eci_m[0] / 1e3),
+        velocity_km_s=tuple(states.v_sat_eci_m_s[0] / 1e3),
+    )
+    ephemeris = orbit.ephemeris(start_utc, stop_utc)
+    los = line_of_sight(instants, ephemeris, law, ISS_HRC.q_platform_from_body, target)
+    along = np.cross(ISS_HRC.axes_platform[0], los.los_platform)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    sides = np.stack([along, np.cross(los.los_platform, along)], axis=1)
+    for size in SIZES:
+        frame = replace(ISS_HRC, frame_half_rad=tuple(size * np.array(ISS_HRC.frame_half_rad)))
+        budget = pointing_budget(los, ephemeris, law, target, frame, BudgetAssumptions(clock_s=0.0))
+        yield frame, budget.probability_in_frame, los.los_platform, sides
+
+
+def aside(rng: np.random.Generator) -> float:
+    return float(rng.uniform(-ASIDE_DEG, ASIDE_DEG))
+
+
+def state_growth(data: Path) -> None:
+    """A propagated state against NASA's ephemerides: the force model's part alone."""
+    errors_m = []
+    for path in sorted((data / "oem").glob("*.xml.gz")):
+        oem = read_oem_file(path)
+        for days in STATE_DAYS:
+            epoch_utc = shifted_utc(oem.message.segments[0].epoch_utc, days * 86400.0)
+            stop_utc = shifted_utc(epoch_utc, STATE_LEADS_S[-1] + 60.0)
+            truth = oem.ephemeris(epoch_utc, stop_utc)
+            first = truth.states(Instants(epoch_utc, np.zeros(1)))
+            state = StateVectorOrbit(
+                frame="GCRF",
+                epoch=epoch_utc,
+                position_km=tuple(first.r_sat_eci_m[0] / 1e3),
+                velocity_km_s=tuple(first.v_sat_eci_m_s[0] / 1e3),
+            )
+            instants = Instants(epoch_utc, np.array(STATE_LEADS_S))
+            found = state.ephemeris(epoch_utc, stop_utc).states(instants)
+            errors_m.append(ric_m(truth.states(instants), found))
+    rms_m = np.sqrt(np.mean(np.square(errors_m), axis=0))
+    told = state_sigma(np.array(STATE_LEADS_S), paper_model=False)
+    print("a state propagated, along the track: rms seen of the force model, 1 sigma told in all")
+    for lead_s, seen_m, told_m in zip(STATE_LEADS_S, rms_m[:, 1], told.along_m, strict=True):
+        print(f"  {lead_s:7.0f} s: {seen_m:7.1f} m, {told_m:7.1f} m")
+
+
+if __name__ == "__main__":
+    main()
