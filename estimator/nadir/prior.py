@@ -1,12 +1,10 @@
 """What is known of the limb and the attitude before an image is looked at."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from estimator.limb_height import AIR_SCALE_M
-from estimator.nadir import ROUGHNESS_M, Prior
-from estimator.request import NIGHT_LIMB_KM, PredictedAttitude, Surroundings
-from planner.arrays import Array
+from estimator.nadir.fit import ROUGHNESS_M, Prior
+from estimator.request import PredictedAttitude
+from estimator.surroundings import Surroundings
 
 # The daylight limb in the middle of the visible band (systems.md section 2).
 DAYLIGHT_LIMB_M = 17.5e3
@@ -32,9 +30,9 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
 
     Without a prediction the heading is tried all round, in steps this prior bridges.
     """
-    heading = _UNKNOWN_HEADING_RAD
+    heading_sigma_rad = _UNKNOWN_HEADING_RAD
     if predicted is not None:
-        heading = max(np.deg2rad(predicted.sigma_deg), _LEAST_HEADING_RAD)
+        heading_sigma_rad = max(np.deg2rad(predicted.sigma_deg), _LEAST_HEADING_RAD)
     body = around.body
     if body.limb_height_km is None or body.limb_height_sigma_km is None:
         lean_m = _lean_sigma_m(around, blue)
@@ -43,7 +41,7 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
             height_sigma_m=_BLUE_LIMB_SIGMA_M if blue else DAYLIGHT_LIMB_SIGMA_M,
             lean_sigma_m=lean_m,
             bend_sigma_m=_BEND_OF_LEAN * lean_m,
-            heading_sigma_rad=heading,
+            heading_sigma_rad=heading_sigma_rad,
             roughness_m=ROUGHNESS_M,
             sun_itrf=around.sun_itrf,
         )
@@ -51,7 +49,7 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
     return Prior(
         height_m=body.limb_height_km * 1e3,
         height_sigma_m=sigma_m,
-        heading_sigma_rad=heading,
+        heading_sigma_rad=heading_sigma_rad,
         lean_sigma_m=1.0,
         bend_sigma_m=1.0,
         # A limb said to be known to the metre is no rougher than that.
@@ -61,22 +59,9 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
 
 
 def _lean_sigma_m(around: Surroundings, blue: bool) -> float:
-    sine = max(float(-around.limb.nadir_itrf @ around.sun_itrf), 0.0)
+    sine = max(around.sun_sine, 0.0)
     if blue:
         # Twice as much at 14 deg.
         return _BLUE_LEAN_M * (1.0 + 3.0 * float(np.exp(-sine / 0.23)))
     level = np.sqrt(1.0 - sine**2)
     return float(np.hypot(_LEAN_M * min(level / max(sine, 1e-3), _STEEPEST), _LEAST_LEAN_M))
-
-
-def air_scale_m(around: Surroundings) -> float:
-    """Scale height of the limb's profile; 0 where it is no exponential atmosphere."""
-    height_km = around.body.limb_height_km
-    daylight = height_km is None or 5.0 < height_km < NIGHT_LIMB_KM
-    return AIR_SCALE_M if daylight else 0.0
-
-
-def predicted_c_body_from_itrf(around: Surroundings, predicted: PredictedAttitude) -> Array:
-    """The predicted attitude (3, 3) against ITRF axes."""
-    q = Rotation.from_quat(predicted.q_body_from_eci_xyzw)
-    return np.asarray(q.as_matrix() @ around.c_itrf_from_eci.T)

@@ -12,9 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from planner.arrays import Array
-from planner.frames.geodesy import WGS84_A_M, WGS84_F
-
-WGS84_B_M = WGS84_A_M * (1.0 - WGS84_F)
+from planner.frames.geodesy import up_itrf
 
 
 class Limb:
@@ -100,10 +98,4 @@ class Limb:
             )
             parametric = np.arctan2(b * np.sin(geodetic), a * np.cos(geodetic))
         longitude = np.arctan2(self.r_itrf_m[1], self.r_itrf_m[0])
-        return -np.array(
-            [
-                np.cos(geodetic) * np.cos(longitude),
-                np.cos(geodetic) * np.sin(longitude),
-                np.sin(geodetic),
-            ]
-        )
+        return -up_itrf(geodetic, longitude)
