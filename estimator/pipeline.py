@@ -87,10 +87,14 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
         for k, (image, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
     around = Surroundings(request.epoch, request.position, request.body)
-    c_predicted = None
-    if request.predicted is not None:
-        c_predicted = around.c_body_from_itrf(request.predicted)
-    search = Search(around, prior_of(around, request.predicted, blue), c_predicted)
+    predicted = request.predicted
+    search = Search(
+        around=around,
+        prior=prior_of(around, None if predicted is None else predicted.sigma_deg, blue),
+        c_body_from_itrf_predicted=(
+            None if predicted is None else around.c_body_from_itrf(predicted)
+        ),
+    )
     return _answer(find_horizon(frames, request.cameras, search), request, search)
 
 

@@ -11,7 +11,6 @@ from estimator.limb.points import ideal_points
 from estimator.limb.projection import LimbProjection
 from estimator.nadir.fit import fit
 from estimator.nadir.prior import prior_of
-from estimator.request import PredictedAttitude
 from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
@@ -47,12 +46,7 @@ def predict_horizon(
     attitude_sigma_deg: float = 0.5,
 ) -> HorizonPrediction:
     """What a camera sees from `around` with the body at one attitude."""
-    q = q_body_from_eci.as_quat()
-    predicted = PredictedAttitude(
-        q_body_from_eci_xyzw=(float(q[0]), float(q[1]), float(q[2]), float(q[3])),
-        sigma_deg=attitude_sigma_deg,
-    )
-    prior = prior_of(around, predicted, blue=False)
+    prior = prior_of(around, attitude_sigma_deg, blue=False)
     limb = around.limb
     c_body_from_itrf = q_body_from_eci.as_matrix() @ around.c_itrf_from_eci.T
     projection = LimbProjection(camera, limb, c_body_from_itrf, prior.height_m)

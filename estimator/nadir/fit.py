@@ -85,27 +85,29 @@ class Fit:
 
 def attitude_facing(nadir_body: Array, limb: Limb, heading_rad: float = 0.0) -> Array:
     """A c_body_from_itrf (3, 3) that puts geodetic nadir along a body direction (3,)."""
-    nadir = limb.nadir_geodetic_itrf
-    first = limb.axes_itrf[0] - (limb.axes_itrf[0] @ nadir) * nadir
-    first /= np.linalg.norm(first)
-    itrf = np.stack([first, np.cross(nadir, first), nadir])
-    helper = np.eye(3)[np.argmin(np.abs(nadir_body))]
-    one = np.cross(nadir_body, helper)
-    one /= np.linalg.norm(one)
-    two = np.cross(nadir_body, one)
+    nadir_itrf = limb.nadir_geodetic_itrf
+    level_itrf = limb.axes_itrf[0] - (limb.axes_itrf[0] @ nadir_itrf) * nadir_itrf
+    level_itrf /= np.linalg.norm(level_itrf)
+    axes_itrf = np.stack([level_itrf, np.cross(nadir_itrf, level_itrf), nadir_itrf])
+    helper_body = np.eye(3)[np.argmin(np.abs(nadir_body))]
+    first_body = np.cross(nadir_body, helper_body)
+    first_body /= np.linalg.norm(first_body)
+    second_body = np.cross(nadir_body, first_body)
     cosine, sine = np.cos(heading_rad), np.sin(heading_rad)
-    body = np.stack([cosine * one + sine * two, cosine * two - sine * one, nadir_body])
-    return np.asarray(body.T @ itrf)
+    x_body = cosine * first_body + sine * second_body
+    y_body = cosine * second_body - sine * first_body
+    axes_body = np.stack([x_body, y_body, nadir_body])
+    return np.asarray(axes_body.T @ axes_itrf)
 
 
 def attitude_with_nadir(c_body_from_itrf: Array, nadir_body: Array, limb: Limb) -> Array:
     """The attitude turned by the least angle so that geodetic nadir lies along (3,)."""
-    have = c_body_from_itrf @ limb.nadir_geodetic_itrf
-    axis = np.cross(have, nadir_body)
-    cosine = float(have @ nadir_body)
+    now_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
+    axis_body = np.cross(now_body, nadir_body)
+    cosine = float(now_body @ nadir_body)
     if cosine < -0.999999:
         return attitude_facing(nadir_body, limb)
-    k = _cross_matrix(axis)
+    k = _cross_matrix(axis_body)
     return np.asarray((np.eye(3) + k + k @ k / (1.0 + cosine)) @ c_body_from_itrf)
 
 
@@ -113,7 +115,9 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     """The best attitude and limb height from a trial attitude near it."""
     used = [p for p in points if np.any(p.found)]
     if not used:
-        return _without_fit(points, c_body_from_itrf, prior)
+        nothing = tuple(np.full(len(p), np.nan) for p in points)
+        covariance = np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2])
+        return Fit(c_body_from_itrf, prior.height_m, covariance, nothing, nothing, cost=np.inf)
     ray_body = np.concatenate([p.ray_body[p.found] for p in used])
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
     per_patch = np.concatenate([p.columns_per_patch()[p.found] for p in used])
@@ -161,8 +165,8 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     loss = (_TUKEY**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) * sigma_rad**2 / variance_rad2
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
-    return replace(
-        _without_fit(points, c, prior),
+    return Fit(
+        c_body_from_itrf=c,
         height_m=float(unknowns[1]),
         covariance_matrix=np.linalg.inv(normal) * misfit2,
         residual_rad=_per_camera(points, residual_rad),
@@ -290,23 +294,11 @@ def _per_camera(points: list[LimbPoints], found_rad: Array) -> tuple[Array, ...]
     return tuple(per_camera)
 
 
-def _without_fit(points: list[LimbPoints], c_body_from_itrf: Array, prior: Prior) -> Fit:
-    nothing = tuple(np.full(len(p), np.nan) for p in points)
-    return Fit(
-        c_body_from_itrf=c_body_from_itrf,
-        height_m=prior.height_m,
-        covariance_matrix=np.diag([np.pi**2] * 3 + [prior.height_sigma_m**2]),
-        residual_rad=nothing,
-        tolerance_rad=nothing,
-        cost=np.inf,
-    )
-
-
 def _sunward_itrf(sun_itrf: Array, nadir_itrf: Array) -> Array:
     """The Sun's direction across nadir, a unit vector; zeros where it stands overhead."""
-    across = sun_itrf - (sun_itrf @ nadir_itrf) * nadir_itrf
-    length = float(np.linalg.norm(across))
-    return across / length if length > 0.02 else np.zeros(3)
+    across_itrf = sun_itrf - (sun_itrf @ nadir_itrf) * nadir_itrf
+    length = float(np.linalg.norm(across_itrf))
+    return across_itrf / length if length > 0.02 else np.zeros(3)
 
 
 def _cross_matrix(v: Array) -> Array:

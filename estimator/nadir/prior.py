@@ -3,7 +3,6 @@
 import numpy as np
 
 from estimator.nadir.fit import ROUGHNESS_M, Prior
-from estimator.request import PredictedAttitude
 from estimator.surroundings import Surroundings
 
 # The daylight limb in the middle of the visible band (systems.md section 2).
@@ -22,17 +21,17 @@ _UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
 
 
-def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bool) -> Prior:
+def prior_of(around: Surroundings, predicted_sigma_deg: float | None, blue: bool) -> Prior:
     """The limb's height as the request or the daylight gives it, and the heading's hold.
 
+    predicted_sigma_deg: 1-sigma of the predicted attitude; None without a prediction: then the
+    heading is tried all round, in steps this prior bridges.
     blue: the frames are blue channels.  There the limb stands higher, in air that holds
     little dust, and follows its model better than in grey.
-
-    Without a prediction the heading is tried all round, in steps this prior bridges.
     """
     heading_sigma_rad = _UNKNOWN_HEADING_RAD
-    if predicted is not None:
-        heading_sigma_rad = max(np.deg2rad(predicted.sigma_deg), _LEAST_HEADING_RAD)
+    if predicted_sigma_deg is not None:
+        heading_sigma_rad = max(np.deg2rad(predicted_sigma_deg), _LEAST_HEADING_RAD)
     body = around.body
     if body.limb_height_km is None or body.limb_height_sigma_km is None:
         lean_m = _lean_sigma_m(around, blue)

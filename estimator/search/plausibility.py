@@ -10,6 +10,7 @@ from estimator.errors import Reason
 from estimator.images import Frame
 from estimator.limb.points import LimbPoints
 from estimator.nadir.fit import Fit
+from estimator.request import Body
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
 
@@ -162,16 +163,17 @@ def is_dark_within(
     return bool(np.sum(dark) > _DARK_SHARE * max(int(np.sum(known)), 1))
 
 
-def judge_height(result: Fit, limb_height_m: float | None, sigma_m: float) -> Reason | None:
-    """limb_height_m: None for the daylight limb, else what the request says it is."""
+def judge_height(result: Fit, body: Body) -> Reason | None:
+    """Whether the limb stands where the daylight limb can, or where the request says it is."""
     low_m, high_m = _HEIGHT_M
-    if limb_height_m is not None:
-        reach_m = 5.0 * sigma_m + 2e3
-        low_m, high_m = limb_height_m - reach_m, limb_height_m + reach_m
+    if body.limb_height_km is not None and body.limb_height_sigma_km is not None:
+        reach_m = 5.0 * (body.limb_height_sigma_km * 1e3) + 2e3
+        middle_m = body.limb_height_km * 1e3
+        low_m, high_m = middle_m - reach_m, middle_m + reach_m
     return None if low_m <= result.height_m <= high_m else Reason.LIMB_HEIGHT
 
 
 def judge_low_sun(result: Fit, around: Surroundings) -> Reason | None:
     """Whether a limb under a low Sun left the vertical too uncertain to be called measured."""
-    vague = around.is_sun_vague and result.tilt_sigma_rad > _VAGUE_RAD
+    vague = around.daylight and around.is_sun_vague and result.tilt_sigma_rad > _VAGUE_RAD
     return Reason.LOW_SUN if vague else None

@@ -190,10 +190,10 @@ def _light(
     ray_body: Array, frame: Frame, camera: HorizonCamera, nadir_body: Array, reach_m: float
 ) -> Array:
     """How much brighter than the sky it is within the limb along rays (n, 3): (n, 3) colours."""
-    across = nadir_body - (ray_body @ nadir_body)[:, None] * ray_body
-    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    across_body = nadir_body - (ray_body @ nadir_body)[:, None] * ray_body
+    across_body /= np.linalg.norm(across_body, axis=1, keepdims=True)
     lower_rad = np.array([*_WITHIN_M, *_BEYOND_M])[:, None, None] / reach_m
-    look_body = np.cos(lower_rad) * ray_body + np.sin(lower_rad) * across
+    look_body = np.cos(lower_rad) * ray_body + np.sin(lower_rad) * across_body
     x, y = camera.pixels(look_body.reshape(-1, 3)).astype(np.float32).T.copy()
     picked = cv2.remap(frame.pixels, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     level = frame.table[picked].reshape(len(lower_rad), len(ray_body), -1)[..., :3].astype(float)

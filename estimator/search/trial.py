@@ -90,6 +90,9 @@ class Search:
     def heading_known(self) -> bool:
         return self.c_body_from_itrf_predicted is not None
 
+    def projection(self, view: View, c_body_from_itrf: Array, height_m: float) -> LimbProjection:
+        return LimbProjection(view.camera, self.around.limb, c_body_from_itrf, height_m)
+
     def start(self, nadir_body: Array) -> Array:
         """A c_body_from_itrf (3, 3) that puts geodetic nadir there."""
         if self.c_body_from_itrf_predicted is None:
@@ -176,7 +179,7 @@ def _look(
 ) -> CameraPart:
     """The part with the limb points that lie within a window of where they should."""
     view, around = part.view, search.around
-    projection = LimbProjection(view.camera, around.limb, c_body_from_itrf, height_m)
+    projection = search.projection(view, c_body_from_itrf, height_m)
     points = find_limb(view.frame, projection, window_rad, around.air_scale_m)
     if not part.used:
         return replace(part, points=points.without_edges())
@@ -197,16 +200,11 @@ def _is_tone_mapped(parts: Sequence[CameraPart], rough: Fit, search: Search) -> 
 
     The cameras of one craft store alike, so they are judged together.
     """
+    c_body_from_itrf, height_m = rough.c_body_from_itrf, rough.height_m
     ratios = [
-        fade_ratio(
-            part.view.frame,
-            part.points,
-            LimbProjection(
-                part.view.camera, search.around.limb, rough.c_body_from_itrf, rough.height_m
-            ),
-        )
-        for part in parts
-        if part.used
+        fade_ratio(p.view.frame, p.points, search.projection(p.view, c_body_from_itrf, height_m))
+        for p in parts
+        if p.used
     ]
     known = [ratio for ratio in ratios if ratio is not None]
     return bool(known) and float(np.mean(known)) > 1.0
@@ -285,11 +283,7 @@ def _common_reason(horizon: SearchResult, search: Search) -> Reason | None:
     least_rad = MIN_ARC_OF_ALL_RAD if predicted else MIN_ARC_UNPREDICTED_RAD
     if sum(part.agreement.arc_rad for part in horizon.parts if part.used) < least_rad:
         return Reason.SHORT_ARC
-    limb_height_km = around.body.limb_height_km
-    if limb_height_km is None:
-        vague = judge_low_sun(horizon.best, around)
-        return vague or judge_height(horizon.best, None, search.prior.height_sigma_m)
-    return judge_height(horizon.best, limb_height_km * 1e3, search.prior.height_sigma_m)
+    return judge_low_sun(horizon.best, around) or judge_height(horizon.best, around.body)
 
 
 def _failure(parts: Sequence[CameraPart], result: Fit) -> SearchResult:

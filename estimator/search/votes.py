@@ -79,19 +79,19 @@ def _shared_nadirs(first: Edges, second: Edges, cosine: float) -> Array:
     together = np.sum(first.ray_body * second.ray_body, axis=1)
     apart = np.flatnonzero((together < np.cos(np.deg2rad(4.0))) & (together > -0.999))
     first, second, together = first.at(apart), second.at(apart), together[apart]
-    middle = (cosine / (1.0 + together))[:, None] * (first.ray_body + second.ray_body)
-    across = np.cross(first.ray_body, second.ray_body)
-    rest = 1.0 - np.sum(middle**2, axis=1)
+    middle_body = (cosine / (1.0 + together))[:, None] * (first.ray_body + second.ray_body)
+    across_body = np.cross(first.ray_body, second.ray_body)
+    rest = 1.0 - np.sum(middle_body**2, axis=1)
     real = np.flatnonzero(rest > 0.0)
-    side = np.sqrt(np.maximum(rest, 0.0)) / np.linalg.norm(across, axis=1)
+    side = np.sqrt(np.maximum(rest, 0.0)) / np.linalg.norm(across_body, axis=1)
     chosen = []
     for sign in (-1.0, 1.0):
-        nadirs_body = (middle + sign * side[:, None] * across)[real]
+        nadirs_body = (middle_body + sign * side[:, None] * across_body)[real]
         agree = np.ones(len(nadirs_body), dtype=bool)
         for edge in (first.at(real), second.at(real)):
-            wanted = nadirs_body - cosine * edge.ray_body
-            along = np.sum(wanted * edge.inward_body, axis=1)
-            agree &= along > 0.9 * np.linalg.norm(wanted, axis=1)
+            wanted_body = nadirs_body - cosine * edge.ray_body
+            along = np.sum(wanted_body * edge.inward_body, axis=1)
+            agree &= along > 0.9 * np.linalg.norm(wanted_body, axis=1)
         chosen.append(nadirs_body[agree])
     return np.concatenate(chosen)[:_CANDIDATES]
 
@@ -120,10 +120,10 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
     near = (np.abs(off_rad) < cone.band_rad) & inward
     if not np.any(near):
         return 0.0
-    first = np.cross(nadir_body, np.eye(3)[np.argmin(np.abs(nadir_body))])
-    first /= np.linalg.norm(first)
-    second = np.cross(nadir_body, first)
-    azimuth_rad = np.arctan2(edges.ray_body[near] @ second, edges.ray_body[near] @ first)
+    first_body = np.cross(nadir_body, np.eye(3)[np.argmin(np.abs(nadir_body))])
+    first_body /= np.linalg.norm(first_body)
+    second_body = np.cross(nadir_body, first_body)
+    azimuth_rad = np.arctan2(edges.ray_body[near] @ second_body, edges.ray_body[near] @ first_body)
     bins = ((azimuth_rad + np.pi) / _BIN_RAD).astype(int)
     strength = edges.weight[near] * (1.0 - (off_rad[near] / cone.band_rad) ** 2)
     best = np.zeros(bins.max() + 1)

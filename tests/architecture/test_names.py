@@ -20,7 +20,7 @@ PURE = re.compile(
     r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|cost|factor|scale"
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
     r"|ozone|airglow|moonlight|glare|land|up|default|bstar|eccentricity|error|integral|spread"
-    r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|contrast"
+    r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
     r"|transmittance|index)(_|$)"
 )
 
