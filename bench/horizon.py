@@ -22,19 +22,20 @@ from pathlib import Path
 import cv2
 import numpy as np
 from horizon_cases import COLOUR, NEGATIVES, Case, case, negative, random_air, ring
+from horizon_paper_method import paper_nadir
 from horizon_photographs import Photograph
 from scipy.spatial.transform import Rotation
 
-from estimator.atmosphere import Atmosphere
 from estimator.camera import HorizonCamera
 from estimator.check import Verdict
 from estimator.images import decode_image
-from estimator.paper_method import paper_nadir
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.prediction import predict_horizon
-from estimator.request import Body, HorizonRequest, Position, Surroundings
-from estimator.sensor import Sensor
-from estimator.synthetic import Scene
+from estimator.rendering.atmosphere import Atmosphere
+from estimator.rendering.scene import Scene
+from estimator.rendering.sensor import Sensor
+from estimator.request import Body, HorizonRequest, Position
+from estimator.surroundings import Surroundings
 
 cv2.setNumThreads(1)
 MEDIAN_CHI2 = 1.386  # of two degrees of freedom

@@ -10,12 +10,13 @@ from horizon_photographs import Photograph
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from estimator.atmosphere import Atmosphere
 from estimator.camera import HorizonCamera
 from estimator.images import Pixels
-from estimator.request import Body, HorizonRequest, Position, PredictedAttitude, Surroundings
-from estimator.sensor import Sensor
-from estimator.synthetic import DrawnHorizon, Scene
+from estimator.rendering.atmosphere import Atmosphere
+from estimator.rendering.scene import HorizonRenderer, Scene
+from estimator.rendering.sensor import Sensor
+from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
+from estimator.surroundings import Surroundings
 from planner.frames.geodesy import itrf_from_geodetic
 
 Floats = NDArray[np.float64]
@@ -112,7 +113,7 @@ def case(
         low, high = sun_from_boresight_deg
         if sun_deg[0] <= elevation <= sun_deg[1] and low <= off <= high:
             break
-    horizon = DrawnHorizon(
+    horizon = HorizonRenderer(
         r_itrf_m,
         c_body_from_itrf,
         around.sun_itrf,
@@ -254,7 +255,9 @@ def _seen(
     x = np.cos(heading) * limb.axes_itrf[0] + np.sin(heading) * limb.axes_itrf[1]
     level = np.stack([x, np.cross(limb.nadir_itrf, x), limb.nadir_itrf])
     seed = int(rng.integers(1 << 30))
-    return DrawnHorizon(limb.r_itrf_m, level, around.sun_itrf, scene, seed).picture(seen_by, COLOUR)
+    return HorizonRenderer(limb.r_itrf_m, level, around.sun_itrf, scene, seed).picture(
+        seen_by, COLOUR
+    )
 
 
 def _looking_down(rng: np.random.Generator, clouds: bool) -> Pixels:

@@ -14,13 +14,14 @@ from datetime import UTC, datetime
 
 import numpy as np
 from horizon_cases import ring
+from horizon_paper_method import paper_nadir
 from scipy.spatial.transform import Rotation
 
-from estimator.paper_method import paper_nadir
 from estimator.pipeline import estimate_vertical
-from estimator.request import Body, HorizonRequest, Position, PredictedAttitude, Surroundings
-from estimator.sensor import Sensor
-from estimator.synthetic import DrawnHorizon, Scene
+from estimator.rendering.scene import HorizonRenderer, Scene
+from estimator.rendering.sensor import Sensor
+from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
+from estimator.surroundings import Surroundings
 
 EPOCH = datetime(2026, 3, 20, 12, tzinfo=UTC)
 POSITION = Position(frame="ITRF", position_km=(6878.0, 0.0, 0.0))
@@ -34,7 +35,7 @@ def errors_deg(pitch_deg: float, yaw_deg: float) -> tuple[float, float, float]:
     tilt = Rotation.from_euler("xy", [yaw_deg, pitch_deg], degrees=True).as_matrix()
     c_body_from_itrf = tilt @ LEVEL
     cameras = ring(2)
-    horizon = DrawnHorizon(around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, SCENE, 3)
+    horizon = HorizonRenderer(around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, SCENE, 3)
     images = [horizon.picture(c, Sensor()) for c in cameras]
     truth = c_body_from_itrf @ around.limb.nadir_itrf
     q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci).as_quat()

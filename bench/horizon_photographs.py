@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.sensor import Image
+from estimator.rendering.sensor import Image
 
 Floats = NDArray[np.float64]
 Picture = NDArray[np.float32]

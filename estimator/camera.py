@@ -50,14 +50,14 @@ class HorizonCamera:
     lens_sigma: Annotated[float, Within(0.0, _LEAST_KNOWN_SIGMA)] | None = None
 
     def __post_init__(self) -> None:
-        norm = float(np.linalg.norm(self.q_camera_from_body_xyzw))
-        if abs(norm - 1.0) > 1e-3:
-            raise ValueError(
-                f"q_camera_from_body_xyzw must be a unit quaternion; its norm is {norm:.4f}"
-            )
+        require_unit_quaternion("q_camera_from_body_xyzw", self.q_camera_from_body_xyzw)
         if any(len(polygon) < 3 for polygon in self.mask):
             raise ValueError("mask: each polygon needs at least three [x, y] corners")
-        _check_lens(self)
+        if not np.all(np.isfinite(_undistort(self, _border_px(self)))):
+            raise ValueError(
+                f"distortion {list(self.distortion)} folds the image over before its edge; "
+                "give coefficients that stay monotone out to the corners"
+            )
 
     @property
     def q_camera_from_body(self) -> Rotation:
@@ -68,54 +68,52 @@ class HorizonCamera:
         return np.asarray(self.q_camera_from_body.as_matrix())
 
     @cached_property
-    def _reach(self) -> float:
+    def _corner_radius(self) -> float:
         """Distance from the axis, on the plane at unit depth, of the image's farthest corner."""
-        return float(np.max(np.linalg.norm(_corners(self), axis=1)))
+        return float(np.max(np.linalg.norm(_undistort(self, _corners_px(self)), axis=1)))
 
-    def rays_body(self, pixel: Array) -> Array:
+    def rays_body(self, xy_px: Array) -> Array:
         """Unit vectors in body axes that pixels (n, 2) look along, shape (n, 3).
 
         NaN where the distortion can't be undone, which is only outside the image.
         """
-        plane = _undistort(self, pixel)
-        rays = np.column_stack([plane, np.ones(len(plane))])
-        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-        return np.asarray(rays @ self._c_camera_from_body)
+        xy_at_unit_depth = _undistort(self, xy_px)
+        ray_camera = np.column_stack([xy_at_unit_depth, np.ones(len(xy_at_unit_depth))])
+        ray_camera /= np.linalg.norm(ray_camera, axis=1, keepdims=True)
+        return np.asarray(ray_camera @ self._c_camera_from_body)
 
-    def bends_body(self, rays_body: Array, photographed: bool) -> Array:
+    def lens_shift_body(self, ray_body: Array, photographed: bool) -> Array:
         """How rays (n, 3) change with 1-sigma of focal length and distortion, (n, 3, 2)."""
         sigma = self.lens_sigma
         if sigma is None:
             sigma = _PHOTOGRAPHED_SIGMA if photographed else 0.0
-        ray = rays_body @ self._c_camera_from_body.T
+        ray_camera = ray_body @ self._c_camera_from_body.T
         if sigma == 0.0:
-            return np.zeros((len(ray), 3, 2))
+            return np.zeros((len(ray_camera), 3, 2))
         # Along the image plane, for points of the frame: r at unit depth, times r or r^3.
-        outward = np.column_stack([ray[:, :2], np.zeros(len(ray))]) * -sigma
-        far2 = (np.hypot(ray[:, 0], ray[:, 1]) / (ray[:, 2] * self._reach)) ** 2
-        bent = np.stack([outward, far2[:, None] * outward], axis=2)
-        return np.asarray(np.einsum("ij,nik->njk", self._c_camera_from_body, bent))
+        outward = np.column_stack([ray_camera[:, :2], np.zeros(len(ray_camera))]) * -sigma
+        radius = np.hypot(ray_camera[:, 0], ray_camera[:, 1])
+        far2 = (radius / (ray_camera[:, 2] * self._corner_radius)) ** 2
+        shift_camera = np.stack([outward, far2[:, None] * outward], axis=2)
+        return np.asarray(np.einsum("ij,nik->njk", self._c_camera_from_body, shift_camera))
 
-    def pixels(self, rays_body: Array) -> Array:
+    def pixels(self, ray_body: Array) -> Array:
         """Pixels (n, 2) that see directions (n, 3); NaN for those outside the field of view."""
-        ray = rays_body @ self._c_camera_from_body.T
+        ray_camera = ray_body @ self._c_camera_from_body.T
+        depth = ray_camera[:, 2:]
         with np.errstate(divide="ignore", invalid="ignore"):
-            plane = np.where(ray[:, 2:] > 1e-3, ray[:, :2] / ray[:, 2:], np.nan)
+            plane = np.where(depth > 1e-3, ray_camera[:, :2] / depth, np.nan)
         # Outside the corner's radius the polynomial may fold back into the image.
-        plane[np.sum(plane**2, axis=1) > (1.1 * self._reach) ** 2] = np.nan
+        plane[np.sum(plane**2, axis=1) > (1.1 * self._corner_radius) ** 2] = np.nan
         if any(self.distortion):
             plane = _distort(plane, self.distortion)[0]
         return plane * [self.fx_px, self.fy_px] + [self.cx_px, self.cy_px]
 
-    def sees(self, pixel: Array, margin_px: float = 0.0) -> NDArray[np.bool_]:
+    def sees(self, xy_px: Array, margin_px: float = 0.0) -> NDArray[np.bool_]:
         """Which pixels (n, 2) lie in the image, at least the margin from its edge."""
+        last_px = np.array([self.width_px, self.height_px]) - 1 - margin_px
         with np.errstate(invalid="ignore"):
-            return np.asarray(
-                (pixel[:, 0] >= margin_px)
-                & (pixel[:, 0] <= self.width_px - 1 - margin_px)
-                & (pixel[:, 1] >= margin_px)
-                & (pixel[:, 1] <= self.height_px - 1 - margin_px)
-            )
+            return np.asarray(np.all((xy_px >= margin_px) & (xy_px <= last_px), axis=1))
 
     @property
     def rad_per_px(self) -> float:
@@ -127,19 +125,17 @@ class HorizonCamera:
         return np.asarray(self._c_camera_from_body[2])
 
 
-def _check_lens(camera: HorizonCamera) -> None:
-    border = _border_px(camera.width_px, camera.height_px)
-    if not np.all(np.isfinite(_undistort(camera, border))):
-        raise ValueError(
-            f"distortion {list(camera.distortion)} folds the image over before its edge; "
-            "give coefficients that stay monotone out to the corners"
-        )
+def require_unit_quaternion(field: str, q_unit: tuple[float, ...]) -> None:
+    """Raise ValueError, which names the field, for a norm more than 1e-3 off."""
+    norm = float(np.linalg.norm(q_unit))
+    if not abs(norm - 1.0) <= 1e-3:
+        raise ValueError(f"{field} must be a unit quaternion; its norm is {norm:.4f}")
 
 
-def _distort(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Array]:
-    """Distorted normalised coordinates (n, 2) and their Jacobian (n, 2, 2)."""
-    k1, k2, p1, p2, k3 = distortion
-    x, y = plane[:, 0], plane[:, 1]
+def _distort(xy_at_unit_depth: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array]:
+    """Distorted coordinates (n, 2) on the plane at unit depth and their Jacobian (n, 2, 2)."""
+    k1, k2, p1, p2, k3 = coefficients
+    x, y = xy_at_unit_depth.T
     r2 = x * x + y * y
     radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
     slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3))
@@ -149,7 +145,7 @@ def _distort(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Array]
             y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
         ]
     )
-    jacobian = np.empty((len(plane), 2, 2))
+    jacobian = np.empty((len(x), 2, 2))
     jacobian[:, 0, 0] = radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x
     jacobian[:, 0, 1] = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
     jacobian[:, 1, 0] = jacobian[:, 0, 1]
@@ -157,9 +153,9 @@ def _distort(plane: Array, distortion: tuple[float, ...]) -> tuple[Array, Array]
     return distorted, jacobian
 
 
-def _undistort(camera: HorizonCamera, pixel: Array) -> Array:
-    """Normalised coordinates (n, 2) by Newton's method; NaN where it finds no monotone root."""
-    wanted = (pixel - [camera.cx_px, camera.cy_px]) / [camera.fx_px, camera.fy_px]
+def _undistort(camera: HorizonCamera, xy_px: Array) -> Array:
+    """Coordinates (n, 2) at unit depth by Newton's method; NaN where it finds no monotone root."""
+    wanted = (xy_px - [camera.cx_px, camera.cy_px]) / [camera.fx_px, camera.fy_px]
     if not any(camera.distortion):
         return np.asarray(wanted)
     plane = wanted.copy()
@@ -181,19 +177,12 @@ def _undistort(camera: HorizonCamera, pixel: Array) -> Array:
     return plane
 
 
-def _border_px(width_px: int, height_px: int) -> Array:
-    x = np.linspace(0.0, width_px - 1.0, 17)
-    y = np.linspace(0.0, height_px - 1.0, 17)
-    return np.concatenate(
-        [
-            np.column_stack([x, np.zeros(17)]),
-            np.column_stack([x, np.full(17, height_px - 1.0)]),
-            np.column_stack([np.zeros(17), y]),
-            np.column_stack([np.full(17, width_px - 1.0), y]),
-        ]
-    )
-
-
-def _corners(camera: HorizonCamera) -> Array:
+def _corners_px(camera: HorizonCamera) -> Array:
     right, bottom = camera.width_px - 1.0, camera.height_px - 1.0
-    return _undistort(camera, np.array([[0.0, 0.0], [right, 0.0], [0.0, bottom], [right, bottom]]))
+    return np.array([[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]])
+
+
+def _border_px(camera: HorizonCamera) -> Array:
+    """Points along the image's four sides, corners included."""
+    corners_px = _corners_px(camera)
+    return np.concatenate(np.linspace(corners_px, np.roll(corners_px, 1, axis=0), 17))

@@ -43,34 +43,34 @@ class AttitudeCheck:
 def across_axes(nadir_body: Array) -> Array:
     """Two unit vectors (2, 3) across a nadir: body X, or Y where nadir is along X, made square
     to it, and the third that completes a right-handed set with nadir last."""
-    start = np.array([1.0, 0.0, 0.0])
+    start_body = np.array([1.0, 0.0, 0.0])
     if abs(nadir_body[0]) > 0.9:
-        start = np.array([0.0, 1.0, 0.0])
-    first = start - (start @ nadir_body) * nadir_body
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(nadir_body, first)])
+        start_body = np.array([0.0, 1.0, 0.0])
+    first_body = start_body - (start_body @ nadir_body) * nadir_body
+    first_body /= np.linalg.norm(first_body)
+    return np.stack([first_body, np.cross(nadir_body, first_body)])
 
 
 def check_attitude(
     nadir_body: Array, covariance_rad2: Array, predicted_body: Array, sigma_rad: float
 ) -> AttitudeCheck:
     """covariance_rad2: (2, 2) on `across_axes(nadir_body)`; sigma_rad: of the prediction."""
-    axes = across_axes(nadir_body)
-    angle = float(
-        np.arctan2(
-            np.linalg.norm(np.cross(nadir_body, predicted_body)), nadir_body @ predicted_body
-        )
-    )
-    sideways = axes @ predicted_body
-    length = float(np.linalg.norm(sideways))
-    offset = sideways * (angle / length) if length > 0.0 else sideways
+    sine = np.linalg.norm(np.cross(nadir_body, predicted_body))
+    angle_rad = float(np.arctan2(sine, nadir_body @ predicted_body))
+    sideways_rad = across_axes(nadir_body) @ predicted_body
+    length = float(np.linalg.norm(sideways_rad))
     # From the prediction to the measurement.
-    offset = -offset
-    combined = covariance_rad2 + sigma_rad**2 * np.eye(2)
-    distance2 = float(offset @ np.linalg.solve(combined, offset))
+    offset_rad = -(sideways_rad * (angle_rad / length) if length > 0.0 else sideways_rad)
     return AttitudeCheck(
-        angle_rad=angle,
-        along_rad=float(offset[0]),
-        across_rad=float(offset[1]),
-        probability=float(chi2.sf(distance2, 2)),
+        angle_rad=angle_rad,
+        along_rad=float(offset_rad[0]),
+        across_rad=float(offset_rad[1]),
+        probability=chance_of(offset_rad, covariance_rad2, sigma_rad),
     )
+
+
+def chance_of(offset_rad: Array, covariance_rad2: Array, sigma_rad: float) -> float:
+    """Probability of an offset (2,) as large or larger by errors of these sizes."""
+    combined_rad2 = covariance_rad2 + sigma_rad**2 * np.eye(2)
+    distance2 = float(offset_rad @ np.linalg.solve(combined_rad2, offset_rad))
+    return float(chi2.sf(distance2, 2))

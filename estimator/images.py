@@ -48,10 +48,10 @@ class Frame:
     table: Grey
     decoded: bool = False
 
-    def is_saturated(self, pixel: Array) -> NDArray[np.bool_]:
+    def is_saturated(self, xy_px: Array) -> NDArray[np.bool_]:
         """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
         height, width = self.grey.shape
-        inside = np.nan_to_num(np.rint(pixel))
+        inside = np.nan_to_num(np.rint(xy_px))
         x = np.clip(inside[..., 0], 0, width - 1).astype(int)
         y = np.clip(inside[..., 1], 0, height - 1).astype(int)
         level = self.pixels[y, x].reshape(*x.shape, -1)[..., :3].max(axis=-1)

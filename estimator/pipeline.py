@@ -7,13 +7,14 @@ import numpy as np
 
 from estimator.check import AttitudeCheck, Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, Reason
-from estimator.explain import explain_reasons
 from estimator.images import Pixels, blue_is_sharp, prepare
-from estimator.limb_geometry import Limb
-from estimator.nadir import Fit
-from estimator.prior import predicted_c_body_from_itrf, prior_of
-from estimator.request import HorizonRequest, Surroundings
-from estimator.search import FoundHorizon, Search, find_horizon, look
+from estimator.limb.geometry import Limb
+from estimator.nadir.fit import Fit
+from estimator.nadir.prior import prior_of
+from estimator.request import HorizonRequest
+from estimator.search.horizon import find_horizon
+from estimator.search.trial import Search, SearchResult
+from estimator.surroundings import Surroundings
 from planner.arrays import Array
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants
@@ -48,7 +49,7 @@ class Nadir:
         return float(np.sqrt(np.trace(self.covariance_rad2)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class VerticalEstimate:
     """The answer to a HorizonRequest.
 
@@ -59,14 +60,14 @@ class VerticalEstimate:
     """
 
     verdict: Verdict
-    reason: Reason | None
-    geocentric: Nadir | None
-    geodetic: Nadir | None
-    limb_height_m: float | None
-    limb_height_sigma_m: float | None
-    check: AttitudeCheck | None
+    reason: Reason | None = None
+    geocentric: Nadir | None = None
+    geodetic: Nadir | None = None
+    limb_height_m: float | None = None
+    limb_height_sigma_m: float | None = None
+    check: AttitudeCheck | None = None
     cameras: tuple[CameraReport, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
 
 def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> VerticalEstimate:
@@ -86,66 +87,50 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
         for k, (image, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
     around = Surroundings(request.epoch, request.position, request.body)
-    c_predicted = None
-    if request.predicted is not None:
-        c_predicted = predicted_c_body_from_itrf(around, request.predicted)
+    predicted = request.predicted
     search = Search(
         around=around,
-        prior=prior_of(around, request.predicted, blue),
-        c_predicted=c_predicted,
+        prior=prior_of(around, None if predicted is None else predicted.sigma_deg, blue),
+        c_body_from_itrf_predicted=(
+            None if predicted is None else around.c_body_from_itrf(predicted)
+        ),
     )
-    views = [look(frame, camera) for frame, camera in zip(frames, request.cameras, strict=True)]
-    horizon = explain_reasons(find_horizon(views, search), views, search)
-    return _answer(horizon, request, around, c_predicted)
+    return _answer(find_horizon(frames, request.cameras, search), request, search)
 
 
-def _answer(
-    horizon: FoundHorizon, request: HorizonRequest, around: Surroundings, c_predicted: Array | None
-) -> VerticalEstimate:
+def _answer(horizon: SearchResult, request: HorizonRequest, search: Search) -> VerticalEstimate:
     cameras = tuple(
         CameraReport(
-            name=camera.name,
-            used=horizon.reason is None and judged.reason is None,
-            reason=judged.reason,
-            arc_deg=float(np.rad2deg(judged.arc_rad)),
-            residual_px=judged.residual_px,
-            limb_px=(
-                horizon.points[k].pixel[judged.inlier] if horizon.points else np.zeros((0, 2))
-            ),
+            name=part.view.camera.name,
+            used=horizon.reason is None and part.used,
+            reason=part.agreement.reason,
+            arc_deg=float(np.rad2deg(part.agreement.arc_rad)),
+            residual_px=part.agreement.residual_px,
+            limb_px=part.points.xy_px[part.agreement.inlier],
         )
-        for k, (camera, judged) in enumerate(zip(request.cameras, horizon.cameras, strict=True))
+        for part in horizon.parts
     )
     if horizon.reason is not None:
         return VerticalEstimate(
-            verdict=Verdict.NOT_OBSERVABLE,
-            reason=horizon.reason,
-            geocentric=None,
-            geodetic=None,
-            limb_height_m=None,
-            limb_height_sigma_m=None,
-            check=None,
-            cameras=cameras,
-            warnings=(),
+            verdict=Verdict.NOT_OBSERVABLE, reason=horizon.reason, cameras=cameras
         )
-    limb = around.limb
+    limb = search.around.limb
     geocentric = _nadir(horizon.fits, limb, limb.nadir_itrf)
-    geodetic = _nadir(horizon.fits, limb, limb.nadir_geodetic_itrf)
     best = horizon.best
     check = None
-    if request.predicted is not None and c_predicted is not None:
+    if request.predicted is not None and search.c_body_from_itrf_predicted is not None:
         check = check_attitude(
             geocentric.nadir_body,
             geocentric.covariance_rad2,
-            c_predicted @ limb.nadir_itrf,
+            search.c_body_from_itrf_predicted @ limb.nadir_itrf,
             float(np.deg2rad(request.predicted.sigma_deg)),
         )
     return VerticalEstimate(
         verdict=Verdict.MEASURED if check is None else check.verdict,
-        reason=None,
         geocentric=geocentric,
-        geodetic=geodetic,
+        geodetic=_nadir(horizon.fits, limb, limb.nadir_geodetic_itrf),
         limb_height_m=best.height_m,
-        limb_height_sigma_m=float(np.sqrt(best.covariance[3, 3])),
+        limb_height_sigma_m=float(np.sqrt(best.covariance_matrix[3, 3])),
         check=check,
         cameras=cameras,
         warnings=_warnings(request, cameras),
@@ -167,15 +152,17 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
     return (*said, orientation) if orientation else tuple(said)
 
 
-def _nadir(fits: tuple[tuple[float, Fit], ...], limb: Limb, nadir_itrf: Array) -> Nadir:
+def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:
     """A nadir and its covariance, over all headings tried by their weights."""
-    mean = sum(w * (f.c_body_from_itrf @ nadir_itrf) for w, f in fits)
-    mean = np.asarray(mean) / np.linalg.norm(mean)
-    axes = across_axes(mean)
-    turns = np.cross(np.stack([*limb.axes_itrf, limb.nadir_itrf]), nadir_itrf)
-    covariance = np.zeros((2, 2))
-    for weight, one in fits:
-        to_body = -axes @ one.c_body_from_itrf @ turns.T
-        off = axes @ (one.c_body_from_itrf @ nadir_itrf)
-        covariance += weight * (to_body @ one.covariance[:3, :3] @ to_body.T + np.outer(off, off))
-    return Nadir(nadir_body=mean, axes_body=axes, covariance_rad2=covariance)
+    mean_body = sum(one.weight * (one.c_body_from_itrf @ nadir_itrf) for one in fits)
+    mean_body = np.asarray(mean_body) / np.linalg.norm(mean_body)
+    axes_body = across_axes(mean_body)
+    turns_itrf = np.cross(np.stack([*limb.axes_itrf, limb.nadir_itrf]), nadir_itrf)
+    covariance_rad2 = np.zeros((2, 2))
+    for one in fits:
+        across_from_turns = -axes_body @ one.c_body_from_itrf @ turns_itrf.T
+        off_rad = axes_body @ (one.c_body_from_itrf @ nadir_itrf)
+        turns_rad2 = one.covariance_matrix[:3, :3]
+        own_rad2 = across_from_turns @ turns_rad2 @ across_from_turns.T
+        covariance_rad2 += one.weight * (own_rad2 + np.outer(off_rad, off_rad))
+    return Nadir(nadir_body=mean_body, axes_body=axes_body, covariance_rad2=covariance_rad2)

@@ -5,17 +5,12 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from estimator.camera import HorizonCamera
-from estimator.limb_geometry import WGS84_B_M, Limb
-from planner.arrays import Array
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
-from planner.frames.geodesy import WGS84_A_M
-from planner.frames.solar_system import r_sun_eci_m
-from planner.frames.time_scales import Instants, require_offset
+from estimator.camera import HorizonCamera, require_unit_quaternion
+from planner.frames.geodesy import WGS84_A_M, WGS84_B_M
+from planner.frames.time_scales import require_offset
 from planner.spec import UnitPart, Within, spec
 
 MAX_CAMERAS = 16
-NIGHT_LIMB_KM = 60.0
 _MAX_RANGE_KM = 500_000.0
 _PartKm = Annotated[float, Within(-_MAX_RANGE_KM, _MAX_RANGE_KM)]
 
@@ -66,11 +61,7 @@ class PredictedAttitude:
     sigma_deg: Annotated[float, Within(0.0, 180.0)]
 
     def __post_init__(self) -> None:
-        norm = float(np.linalg.norm(self.q_body_from_eci_xyzw))
-        if not abs(norm - 1.0) <= 1e-3:
-            raise ValueError(
-                f"q_body_from_eci_xyzw must be a unit quaternion; its norm is {norm:.4f}"
-            )
+        require_unit_quaternion("q_body_from_eci_xyzw", self.q_body_from_eci_xyzw)
 
 
 @spec
@@ -98,20 +89,3 @@ class HorizonRequest:
                 f"position_km is {range_km:.1f} km from the body's centre; it must be above "
                 f"{least_km:.0f} and below {_MAX_RANGE_KM:.0f} km"
             )
-
-
-class Surroundings:
-    """The Earth, the limb and the Sun at a request's epoch, in ITRF axes."""
-
-    def __init__(self, epoch: datetime, position: Position, body: Body) -> None:
-        instants = Instants(epoch, np.zeros(1))
-        self.c_itrf_from_eci: Array = c_itrf_from_eci(instants)[0]
-        r_m = np.array(position.position_km) * 1e3
-        if position.frame == "EME2000":
-            r_m = C_GCRF_FROM_EME2000 @ r_m
-        if position.frame != "ITRF":
-            r_m = self.c_itrf_from_eci @ r_m
-        self.body = body
-        self.limb = Limb(r_m, body.a_km * 1e3, body.b_km * 1e3)
-        sun_m = self.c_itrf_from_eci @ r_sun_eci_m(instants)[0]
-        self.sun_itrf: Array = sun_m / np.linalg.norm(sun_m)

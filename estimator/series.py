@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
 
-from estimator.check import INCONSISTENT_BELOW, Verdict
+from estimator.check import INCONSISTENT_BELOW, Verdict, chance_of
 from estimator.pipeline import VerticalEstimate
 from planner.arrays import Array
 
@@ -49,22 +48,20 @@ def summarise_series(
             scatter_rad=np.full(2, np.nan),
             probability=float("nan"),
         )
-    off = np.array([[check.along_rad, check.across_rad] for _, check, _ in used])
-    weight = np.array([1.0 / np.trace(nadir.covariance_rad2) for _, _, nadir in used])
+    off_rad = np.array([[check.along_rad, check.across_rad] for _, check, _ in used])
+    covariances_rad2 = np.array([nadir.covariance_rad2 for _, _, nadir in used])
+    weight = np.array([1.0 / np.trace(covariance_rad2) for covariance_rad2 in covariances_rad2])
     weight /= weight.sum()
-    bias = weight @ off
-    covariance = np.einsum(
-        "n,nij->ij", weight, np.array([nadir.covariance_rad2 for _, _, nadir in used])
-    )
-    combined = covariance + sigma_rad**2 * np.eye(2)
-    probability = float(chi2.sf(float(bias @ np.linalg.solve(combined, bias)), 2))
+    bias_rad = weight @ off_rad
+    covariance_rad2 = np.einsum("n,nij->ij", weight, covariances_rad2)
+    probability = chance_of(bias_rad, covariance_rad2, sigma_rad)
     consistent = probability >= INCONSISTENT_BELOW
     return SeriesReport(
         verdict=Verdict.CONSISTENT if consistent else Verdict.INCONSISTENT,
         t_s=np.array([t for t, _, _ in used]),
-        off_rad=off,
-        bias_rad=bias,
-        covariance_rad2=covariance,
-        scatter_rad=np.sqrt(weight @ (off - bias) ** 2),
+        off_rad=off_rad,
+        bias_rad=bias_rad,
+        covariance_rad2=covariance_rad2,
+        scatter_rad=np.sqrt(weight @ (off_rad - bias_rad) ** 2),
         probability=probability,
     )

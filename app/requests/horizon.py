@@ -8,9 +8,9 @@ from pydantic import FailFast, Field
 from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
+from estimator.rendering.scene import Scene
+from estimator.rendering.sensor import Sensor
 from estimator.request import Body, HorizonRequest
-from estimator.sensor import Sensor
-from estimator.synthetic import Scene
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s, require_offset, utc_text

@@ -24,8 +24,9 @@ from estimator.images import Pixels, decode_image
 from estimator.overlay import draw_overlay, encode_png
 from estimator.pipeline import VerticalEstimate, estimate_vertical
 from estimator.prediction import predict_horizon
-from estimator.request import Body, HorizonRequest, Surroundings
-from estimator.synthetic import DrawnHorizon
+from estimator.rendering.scene import HorizonRenderer
+from estimator.request import Body, HorizonRequest
+from estimator.surroundings import Surroundings
 
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
@@ -113,7 +114,7 @@ def estimate_json(
 def picture(request: PictureRequest) -> bytes:
     """The rendered picture as a PNG file."""
     around, c_body_from_itrf = _surroundings(request)
-    horizon = DrawnHorizon(
+    horizon = HorizonRenderer(
         around.limb.r_itrf_m,
         c_body_from_itrf,
         around.sun_itrf,

@@ -11,7 +11,8 @@ from app.answers.horizon_view import ViewOut
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
-from estimator.request import Body, HorizonRequest, Position, Surroundings
+from estimator.request import Body, HorizonRequest, Position
+from estimator.surroundings import Surroundings
 from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.errors import InvalidInput

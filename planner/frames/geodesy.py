@@ -11,6 +11,7 @@ from planner.arrays import Array
 
 WGS84_A_M = 6378137.0  # NGA.STND.0036, table 3.1
 WGS84_F = 1.0 / 298.257223563  # NGA.STND.0036, table 3.1
+WGS84_B_M = WGS84_A_M * (1.0 - WGS84_F)
 MU_EARTH_M3_S2 = 3.986004418e14  # IERS Conventions 2010, table 1.1
 
 

@@ -20,7 +20,8 @@ PURE = re.compile(
     r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|cost|factor|scale"
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
     r"|ozone|airglow|moonlight|glare|land|up|default|bstar|eccentricity|error|integral|spread"
-    r"|objective|level|size|inclusive|threshold|least|greatest)(_|$)"
+    r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
+    r"|transmittance|index)(_|$)"
 )
 
 
@@ -40,7 +41,6 @@ ARRAY = re.compile(
 # Rooms whose arrays have not been named yet.
 STILL_TO_BE_NAMED = (
     "app/",
-    "estimator/",
     "planner/campaigns/",
     "planner/detour/",
     "planner/opportunities/",

@@ -6,8 +6,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
-from estimator.limb_geometry import WGS84_B_M, Limb
-from planner.frames.geodesy import WGS84_A_M, itrf_from_geodetic, up_itrf
+from estimator.limb.geometry import Limb
+from planner.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic, up_itrf
 
 BENT = (-0.28, 0.09, 6e-4, -4e-4, -0.012)
 

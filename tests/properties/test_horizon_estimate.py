@@ -15,16 +15,17 @@ from scipy.spatial.transform import Rotation
 sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 
 from horizon_cases import NEGATIVES, case, negative, random_air, ring
+from horizon_paper_method import paper_nadir
 
 from estimator.check import Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, InvalidImage, Reason
-from estimator.paper_method import paper_nadir
 from estimator.pipeline import estimate_vertical
 from estimator.prediction import predict_horizon
-from estimator.request import PredictedAttitude, Surroundings
-from estimator.sensor import Sensor
+from estimator.rendering.scene import Scene
+from estimator.rendering.sensor import Sensor
+from estimator.request import PredictedAttitude
 from estimator.series import summarise_series
-from estimator.synthetic import Scene
+from estimator.surroundings import Surroundings
 
 FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
 

@@ -16,9 +16,9 @@ from horizon_cases import camera, case, ring
 from estimator.errors import Reason
 from estimator.pipeline import estimate_vertical
 from estimator.prediction import predict_horizon
-from estimator.request import Surroundings
-from estimator.sensor import Sensor
-from estimator.synthetic import Scene
+from estimator.rendering.scene import Scene
+from estimator.rendering.sensor import Sensor
+from estimator.surroundings import Surroundings
 
 
 @pytest.fixture(scope="module")

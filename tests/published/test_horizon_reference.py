@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
 from estimator.images import decode_image
-from estimator.limb import gumbel_shift
-from estimator.limb_height import chapman_path, sun_rise_m
+from estimator.limb.low_sun import chapman_path, sun_rise_m
+from estimator.limb.points import gumbel_shift
 from estimator.pipeline import estimate_vertical
 from estimator.request import Body, HorizonRequest, Position
 

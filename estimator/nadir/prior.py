@@ -1,12 +1,9 @@
 """What is known of the limb and the attitude before an image is looked at."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from estimator.limb_height import AIR_SCALE_M
-from estimator.nadir import ROUGHNESS_M, Prior
-from estimator.request import NIGHT_LIMB_KM, PredictedAttitude, Surroundings
-from planner.arrays import Array
+from estimator.nadir.fit import ROUGHNESS_M, Prior
+from estimator.surroundings import Surroundings
 
 # The daylight limb in the middle of the visible band (systems.md section 2).
 DAYLIGHT_LIMB_M = 17.5e3
@@ -24,17 +21,17 @@ _UNKNOWN_HEADING_RAD = np.deg2rad(15.0)
 _LEAST_HEADING_RAD = np.deg2rad(1.0)
 
 
-def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bool) -> Prior:
+def prior_of(around: Surroundings, predicted_sigma_deg: float | None, blue: bool) -> Prior:
     """The limb's height as the request or the daylight gives it, and the heading's hold.
 
+    predicted_sigma_deg: 1-sigma of the predicted attitude; None without a prediction: then the
+    heading is tried all round, in steps this prior bridges.
     blue: the frames are blue channels.  There the limb stands higher, in air that holds
     little dust, and follows its model better than in grey.
-
-    Without a prediction the heading is tried all round, in steps this prior bridges.
     """
-    heading = _UNKNOWN_HEADING_RAD
-    if predicted is not None:
-        heading = max(np.deg2rad(predicted.sigma_deg), _LEAST_HEADING_RAD)
+    heading_sigma_rad = _UNKNOWN_HEADING_RAD
+    if predicted_sigma_deg is not None:
+        heading_sigma_rad = max(np.deg2rad(predicted_sigma_deg), _LEAST_HEADING_RAD)
     body = around.body
     if body.limb_height_km is None or body.limb_height_sigma_km is None:
         lean_m = _lean_sigma_m(around, blue)
@@ -43,7 +40,7 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
             height_sigma_m=_BLUE_LIMB_SIGMA_M if blue else DAYLIGHT_LIMB_SIGMA_M,
             lean_sigma_m=lean_m,
             bend_sigma_m=_BEND_OF_LEAN * lean_m,
-            heading_sigma_rad=heading,
+            heading_sigma_rad=heading_sigma_rad,
             roughness_m=ROUGHNESS_M,
             sun_itrf=around.sun_itrf,
         )
@@ -51,7 +48,7 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
     return Prior(
         height_m=body.limb_height_km * 1e3,
         height_sigma_m=sigma_m,
-        heading_sigma_rad=heading,
+        heading_sigma_rad=heading_sigma_rad,
         lean_sigma_m=1.0,
         bend_sigma_m=1.0,
         # A limb said to be known to the metre is no rougher than that.
@@ -61,22 +58,9 @@ def prior_of(around: Surroundings, predicted: PredictedAttitude | None, blue: bo
 
 
 def _lean_sigma_m(around: Surroundings, blue: bool) -> float:
-    sine = max(float(-around.limb.nadir_itrf @ around.sun_itrf), 0.0)
+    sine = max(around.sun_sine, 0.0)
     if blue:
         # Twice as much at 14 deg.
         return _BLUE_LEAN_M * (1.0 + 3.0 * float(np.exp(-sine / 0.23)))
     level = np.sqrt(1.0 - sine**2)
     return float(np.hypot(_LEAN_M * min(level / max(sine, 1e-3), _STEEPEST), _LEAST_LEAN_M))
-
-
-def air_scale_m(around: Surroundings) -> float:
-    """Scale height of the limb's profile; 0 where it is no exponential atmosphere."""
-    height_km = around.body.limb_height_km
-    daylight = height_km is None or 5.0 < height_km < NIGHT_LIMB_KM
-    return AIR_SCALE_M if daylight else 0.0
-
-
-def predicted_c_body_from_itrf(around: Surroundings, predicted: PredictedAttitude) -> Array:
-    """The predicted attitude (3, 3) against ITRF axes."""
-    q = Rotation.from_quat(predicted.q_body_from_eci_xyzw)
-    return np.asarray(q.as_matrix() @ around.c_itrf_from_eci.T)

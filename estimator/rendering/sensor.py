@@ -34,9 +34,9 @@ class Sensor:
         if self.bits not in (8, 16):
             raise ValueError(f"bits must be 8 or 16, not {self.bits}")
 
-    def expose(self, scene: Array, rng: np.random.Generator) -> Image:
+    def expose(self, radiance_ratio: Array, rng: np.random.Generator) -> Image:
         """A picture (h, w) or, in colour, (h, w, 3) of a scene's radiance (h, w, 3)."""
-        light = scene if self.colour else scene.mean(axis=2)
+        light = radiance_ratio if self.colour else radiance_ratio.mean(axis=2)
         light = cv2.GaussianBlur(light, (0, 0), self.blur_px) if self.blur_px > 0 else light
         brightest = float(np.percentile(light[::4, ::4], 97.0))
         light = light * (self.exposure / max(brightest, 1e-12))

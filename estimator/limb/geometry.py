@@ -12,9 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from planner.arrays import Array
-from planner.frames.geodesy import WGS84_A_M, WGS84_F
-
-WGS84_B_M = WGS84_A_M * (1.0 - WGS84_F)
+from planner.frames.geodesy import up_itrf
 
 
 class Limb:
@@ -30,11 +28,11 @@ class Limb:
         self.a_m, self.b_m = a_m, b_m
         self.nadir_itrf: Array = -self.r_itrf_m / self.range_m
         self.nadir_geodetic_itrf = self._geodetic_nadir()
-        east = np.cross([0.0, 0.0, 1.0], self.r_itrf_m)
-        if np.linalg.norm(east) < 1.0:
-            east = np.array([1.0, 0.0, 0.0])
-        east /= np.linalg.norm(east)
-        self.axes_itrf: Array = np.stack([east, np.cross(-self.nadir_itrf, east)])
+        east_itrf = np.cross([0.0, 0.0, 1.0], self.r_itrf_m)
+        if np.linalg.norm(east_itrf) < 1.0:
+            east_itrf = np.array([1.0, 0.0, 0.0])
+        east_itrf /= np.linalg.norm(east_itrf)
+        self.axes_itrf: Array = np.stack([east_itrf, np.cross(-self.nadir_itrf, east_itrf)])
 
     def quadric(self, height_m: float | Array) -> Array:
         """E of the ellipsoid grown by the height: diagonal, shape (..., 3)."""
@@ -51,14 +49,14 @@ class Limb:
     def directions_itrf(self, azimuth_rad: Array, height_m: float) -> Array:
         """The limb at azimuths (n,), shape (n, 3)."""
         cone = self.cone(height_m)
-        across = np.column_stack([np.cos(azimuth_rad), np.sin(azimuth_rad)]) @ self.axes_itrf
+        across_itrf = np.column_stack([np.cos(azimuth_rad), np.sin(azimuth_rad)]) @ self.axes_itrf
         nn = self.nadir_itrf @ cone @ self.nadir_itrf
-        ne = across @ cone @ self.nadir_itrf
-        ee = np.sum((across @ cone) * across, axis=1)
+        ne = across_itrf @ cone @ self.nadir_itrf
+        ee = np.sum((across_itrf @ cone) * across_itrf, axis=1)
         tangent = (-ne - np.sqrt(ne**2 - nn * ee)) / ee
-        direction = self.nadir_itrf + tangent[:, None] * across
+        direction_itrf = self.nadir_itrf + tangent[:, None] * across_itrf
         # Nadir and the level direction are square to each other.
-        return np.asarray(direction / np.sqrt(1.0 + tangent**2)[:, None])
+        return np.asarray(direction_itrf / np.sqrt(1.0 + tangent**2)[:, None])
 
     def azimuth_rad(self, direction_itrf: Array) -> Array:
         """Azimuths of directions (n, 3), shape (n,)."""
@@ -100,10 +98,4 @@ class Limb:
             )
             parametric = np.arctan2(b * np.sin(geodetic), a * np.cos(geodetic))
         longitude = np.arctan2(self.r_itrf_m[1], self.r_itrf_m[0])
-        return -np.array(
-            [
-                np.cos(geodetic) * np.cos(longitude),
-                np.cos(geodetic) * np.sin(longitude),
-                np.sin(geodetic),
-            ]
-        )
+        return -up_itrf(geodetic, longitude)

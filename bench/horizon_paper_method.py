@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.camera import HorizonCamera
-from estimator.candidates import find_edges
 from estimator.images import Pixels, prepare
+from estimator.search.edges import find_edges
 from planner.arrays import Array
 
 _TRIALS = 300

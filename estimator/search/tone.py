@@ -11,13 +11,10 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from estimator.camera import HorizonCamera
 from estimator.images import Frame, brightness
-from estimator.limb import LENS_BLUR_PX, LimbPoints
-from estimator.limb_geometry import Limb
-from estimator.nadir import Fit
+from estimator.limb.points import LENS_BLUR_PX, LimbPoints
+from estimator.limb.projection import LimbProjection
 
 _REACH_M, _STEP_M = 60e3, 1e3
 _LIMB_WITHIN_M = 30e3
@@ -28,21 +25,19 @@ _FEWEST = 12
 # 15-24 km linear and 26-44 km as sRGB, with 2.9 km of lens blur; a blue one less, and an
 # overexposed one is steepest where it saturates, out in the thin air.
 _FADE_M, _BLUE_FADE_M, _CLIPPED_FADE_M, _FADE_BLUR_M = 25e3, 22.5e3, 5.5e3, 2.9e3
-_CLIPPED_SHARE = 0.3
 _COARSEST_M_PER_PX = 10e3
+_HALF_SPAN_M = 10e3  # over which the projection is taken as straight
 _DARK_SLOPE = 12.92
 
 
-def fade_ratio(
-    frame: Frame, points: LimbPoints, camera: HorizonCamera, limb: Limb, rough: Fit
-) -> float | None:
+def fade_ratio(frame: Frame, points: LimbPoints, projection: LimbProjection) -> float | None:
     """How far the limb takes to fade against the farthest of a linear file; None if unseen."""
-    fade = _fade_m(frame, points, camera, limb, rough)
+    fade = _fade_m(frame, points, projection)
     if fade is None:
         return None
     fade_m, blur_m = fade
     usual_m = _BLUE_FADE_M if frame.blue else _FADE_M
-    if np.any(points.found) and float(np.mean(points.clipped[points.found])) > _CLIPPED_SHARE:
+    if points.is_overexposed:
         usual_m -= _CLIPPED_FADE_M
     return fade_m / float(np.sqrt(usual_m**2 + 2.0 * max(blur_m**2 - _FADE_BLUR_M**2, 0.0)))
 
@@ -62,31 +57,29 @@ def linear(frame: Frame) -> Frame:
 
 
 def _fade_m(
-    frame: Frame, points: LimbPoints, camera: HorizonCamera, limb: Limb, rough: Fit
+    frame: Frame, points: LimbPoints, projection: LimbProjection
 ) -> tuple[float, float] | None:
     """How far the median limb's slope takes to fall to 1/e outwards, and the lens's blur."""
-    c_body_from_itrf, height_m = rough.c_body_from_itrf, rough.height_m
     ray_body = points.ray_body[points.found]
-    azimuth = limb.azimuth_rad(ray_body[:: max(1, len(ray_body) // _COLUMNS)] @ c_body_from_itrf)
-    low, high = (
-        camera.pixels(limb.directions_itrf(azimuth, height_m + h) @ c_body_from_itrf.T)
-        for h in (-10e3, 10e3)
-    )
-    length = np.linalg.norm(high - low, axis=1)
-    good = np.isfinite(length) & (length > 0.0)
+    ray_itrf = ray_body[:: max(1, len(ray_body) // _COLUMNS)] @ projection.c_body_from_itrf
+    azimuth_rad = projection.limb.azimuth_rad(ray_itrf)
+    low_px, high_px, good = projection.span_px(azimuth_rad, _HALF_SPAN_M)
     if np.sum(good) < _FEWEST:
         return None
-    px_per_m = ((high - low) / 20e3)[good, None]
-    m_per_px = 20e3 / float(np.median(length[good]))
+    low_px, high_px = low_px[good], high_px[good]
+    span_px = high_px - low_px
+    m_per_px = 2.0 * _HALF_SPAN_M / float(np.median(np.linalg.norm(span_px, axis=1)))
     if m_per_px > _COARSEST_M_PER_PX:
         return None
     above_m = np.arange(-_REACH_M, _REACH_M, _STEP_M)[None, :, None]
-    place = (0.5 * (low + high)[good, None] + above_m * px_per_m).astype(np.float32)
-    x, y = place[..., 0].copy(), place[..., 1].copy()
+    px_per_m = (span_px / (2.0 * _HALF_SPAN_M))[:, None]
+    place_px = (0.5 * (low_px + high_px)[:, None] + above_m * px_per_m).astype(np.float32)
+    x, y = place_px[..., 0].copy(), place_px[..., 1].copy()
     light = cv2.remap(frame.grey, x, y, cv2.INTER_LINEAR, borderValue=float("nan"))
-    middle = _median(np.asarray(light, dtype=np.float32))
-    if middle is None:
+    in_frame = np.all(np.isfinite(light), axis=1)
+    if np.sum(in_frame) < _FEWEST:
         return None
+    middle = np.median(light[in_frame], axis=0)
     smooth = cv2.GaussianBlur(middle[None], (0, 0), _SMOOTH_M / _STEP_M)[0]
     slope = -np.diff(smooth)
     within = np.abs(above_m[0, 1:, 0]) < _LIMB_WITHIN_M
@@ -95,9 +88,3 @@ def _fade_m(
     if slope[steepest] <= 0.0 or len(gentle) == 0:
         return None
     return float(gentle[0]) * _STEP_M, m_per_px * LENS_BLUR_PX
-
-
-def _median(light: NDArray[np.float32]) -> NDArray[np.float32] | None:
-    """Of the columns that lie wholly in the frame, or None if those are too few."""
-    whole = light[np.all(np.isfinite(light), axis=1)]
-    return np.asarray(np.median(whole, axis=0)) if len(whole) >= _FEWEST else None

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.arrays import Array
 from planner.spec import Within, spec
@@ -49,13 +50,13 @@ class Atmosphere:
 class LimbRadiance:
     """Radiance and transmittance on a grid of sun-relative azimuth and tangent height.
 
-    azimuth_rad (k,), tangent_m (m,) rising, radiance and transmittance (k, m, 3): radiance in
-    units of a white Lambertian surface under the overhead Sun.
+    azimuth_rad (k,), tangent_m (m,) rising, radiance_ratio and transmittance (k, m, 3): radiance
+    in units of a white Lambertian surface under the overhead Sun.
     """
 
     azimuth_rad: Array
     tangent_m: Array
-    radiance: Array
+    radiance_ratio: Array
     transmittance: Array
 
 
@@ -78,53 +79,45 @@ def limb_radiance(
     range_m: the craft from the Earth's centre.  sun_up: cosine of the angle between the
     zenith and the Sun; azimuths (k,) and the Sun's are about nadir from a common origin.
     """
-    tangent = tangent_grid_m()
-    extinction_sun = _SunDepth(air)
-    grazing = np.clip((EARTH_M + tangent) / range_m, -1.0, 1.0)
+    tangent_m = tangent_grid_m()
+    grazing = np.clip((EARTH_M + tangent_m) / range_m, -1.0, 1.0)
     zenith_part = np.sqrt(1.0 - grazing**2)  # of the ray's direction, downwards
     flat = np.sqrt(max(1.0 - sun_up**2, 0.0))
     along_sun = flat * np.cos(azimuth_rad - sun_azimuth_rad)
     # Sun in the ray's own plane: `ahead` along it, `above` along the vertical at its lowest point.
     ahead = along_sun[:, None] * grazing - sun_up * zenith_part
     above = along_sun[:, None] * zenith_part + sun_up * grazing
-    path, step = _paths_m(tangent)
-    up = EARTH_M + tangent[:, None]
-    height = np.maximum(np.hypot(up, path) - EARTH_M, 0.0)
-    sun_cosine = (above[..., None] * up + ahead[..., None] * path) / (height + EARTH_M)
+    path_m, length_m = _paths_m(tangent_m)
+    step_m = length_m[..., None]
+    up_m = EARTH_M + tangent_m[:, None]
+    height_m = np.maximum(np.hypot(up_m, path_m) - EARTH_M, 0.0)
+    sun_cosine = (above[..., None] * up_m + ahead[..., None] * path_m) / (height_m + EARTH_M)
 
-    air_e, dust_e, ozone_e = _extinction_per_m(air, height)
-    total = (
-        air_e[..., None] * RAYLEIGH_PER_M + dust_e[..., None] + ozone_e[..., None] * OZONE_VERTICAL
-    )
-    depth = np.cumsum(total * step[..., None], axis=1) - 0.5 * total * step[..., None]
-    seen = np.exp(-depth)
-    scattering = ahead[..., None]
-    rayleigh = 0.75 * (1.0 + scattering**2)
-    dust = _henyey_greenstein(scattering, 0.65)
-    lit = np.exp(-extinction_sun(height[None], sun_cosine))
+    air_per_m, dust_per_m, ozone_per_m = _in_colour(*_densities(air, height_m))
+    total_per_m = air_per_m + dust_per_m + ozone_per_m
+    depth = np.cumsum(total_per_m * step_m, axis=1) - 0.5 * total_per_m * step_m
+    weight = np.exp(-depth) * step_m
+    lit = np.exp(-_SunDepth(air)(height_m[None], sun_cosine))
     # Light scattered more than once: grey, from a bright ground under the same Sun.
     diffuse = (
         0.35
         * np.clip(sun_cosine + 0.1, 0.0, 1.0)[..., None]
-        * np.exp(-height / 30e3)[None, ..., None]
+        * np.exp(-height_m / 30e3)[None, ..., None]
     )
-    weight = seen * step[..., None]
-    radiance = 0.25 * np.einsum(
-        "mpc,kmpc->kmc",
-        weight * (air_e[..., None] * RAYLEIGH_PER_M),
-        SUN_COLOUR * (rayleigh[..., None] * lit + diffuse),
-    )
-    radiance += 0.25 * np.einsum(
-        "mpc,kmpc->kmc", weight * dust_e[..., None], SUN_COLOUR * (dust[..., None] * lit + diffuse)
-    )
-    glow = np.exp(-0.5 * ((height - air.airglow_height_m) / 3.5e3) ** 2)
+    glow = np.exp(-0.5 * ((height_m - air.airglow_height_m) / 3.5e3) ** 2)
+    rayleigh = 0.75 * (1.0 + ahead**2)
+    dust = _henyey_greenstein(ahead, 0.65)
+    radiance = np.zeros((*ahead.shape, 3))
+    for extinction_per_m, phase in ((air_per_m, rayleigh), (dust_per_m, dust)):
+        light = SUN_COLOUR * (phase[..., None, None] * lit + diffuse)
+        radiance += 0.25 * np.einsum("mpc,kmpc->kmc", weight * extinction_per_m, light)
     # 5.6e5 m of glow lie along a ray through the layer's middle.
-    radiance += air.airglow / 5.6e5 * np.sum(glow * step, axis=1)[:, None] * AIRGLOW_COLOUR
-    transmittance = np.exp(-np.sum(total * step[..., None], axis=1))
+    radiance += air.airglow / 5.6e5 * np.sum(glow * length_m, axis=1)[:, None] * AIRGLOW_COLOUR
+    transmittance = np.exp(-np.sum(total_per_m * step_m, axis=1))
     return LimbRadiance(
         azimuth_rad=azimuth_rad,
-        tangent_m=tangent,
-        radiance=radiance,
+        tangent_m=tangent_m,
+        radiance_ratio=radiance,
         transmittance=np.broadcast_to(transmittance, radiance.shape),
     )
 
@@ -137,75 +130,89 @@ def sunlight_at_ground(air: Atmosphere, sun_cosine: Array) -> Array:
     return np.asarray(direct * level + twilight * np.clip(level + 0.25, 0.0, 1.0))
 
 
+def interpolate(table: Array | NDArray[np.float32], row_index: Array, column_index: Array) -> Array:
+    """Bilinear: a table (k, m, ...) at rows and columns (n,) counted from 0, (n, ...)."""
+    i = np.minimum(row_index.astype(int), table.shape[0] - 2)
+    j = np.minimum(column_index.astype(int), table.shape[1] - 2)
+    further = (..., *[None] * (table.ndim - 2))
+    u, v = (row_index - i)[further], (column_index - j)[further]
+    return np.asarray(
+        (1 - u) * ((1 - v) * table[i, j] + v * table[i, j + 1])
+        + u * ((1 - v) * table[i + 1, j] + v * table[i + 1, j + 1])
+    )
+
+
 class _SunDepth:
     """Optical depth from a height towards the Sun, by a table over height and sun cosine."""
 
     def __init__(self, air: Atmosphere) -> None:
-        self.height = np.concatenate(
+        self.height_m = np.concatenate(
             [np.linspace(0.0, 60e3, 61), np.linspace(64e3, 0.99 * TOP_M, 12)]
         )
         self.cosine = np.concatenate(
             [np.linspace(-0.5, -0.2, 13)[:-1], np.linspace(-0.2, 0.2, 81), np.linspace(0.25, 1, 16)]
         )
-        radius = EARTH_M + self.height[:, None, None]
+        radius_m = EARTH_M + self.height_m[:, None, None]
         mu = self.cosine[None, :, None]
-        lowest = radius * np.sqrt(1.0 - mu**2)
-        blocked = (mu < 0.0) & (lowest < EARTH_M)
-        end = np.sqrt((EARTH_M + TOP_M) ** 2 - lowest**2)
-        start = radius * mu
+        lowest_m = radius_m * np.sqrt(1.0 - mu**2)
+        blocked = (mu < 0.0) & (lowest_m < EARTH_M)
+        end_m = np.sqrt((EARTH_M + TOP_M) ** 2 - lowest_m**2)
+        start_m = radius_m * mu
         # Quadratic spacing about the lowest point of the path, where the air is dense.
-        w0 = np.sign(start) * np.sqrt(np.abs(start) / end)
+        w0 = np.sign(start_m) * np.sqrt(np.abs(start_m) / end_m)
         w = np.linspace(0.0, 1.0, 97)[None, None, :] * (1.0 - w0) + w0
-        x = end * w * np.abs(w)
-        middle = 0.5 * (x[..., 1:] + x[..., :-1])
-        height = np.maximum(np.sqrt(lowest**2 + middle**2) - EARTH_M, 0.0)
-        columns = [np.sum(e * np.diff(x, axis=-1), axis=-1) for e in _extinction_per_m(air, height)]
-        depth = (
-            columns[0][..., None] * RAYLEIGH_PER_M
-            + columns[1][..., None]
-            + columns[2][..., None] * OZONE_VERTICAL
-        )
+        x_m = end_m * w * np.abs(w)
+        middle_m = 0.5 * (x_m[..., 1:] + x_m[..., :-1])
+        height_m = np.maximum(np.sqrt(lowest_m**2 + middle_m**2) - EARTH_M, 0.0)
+        columns = [
+            np.sum(density * np.diff(x_m, axis=-1), axis=-1)
+            for density in _densities(air, height_m)
+        ]
+        of_air, of_dust, of_ozone = _in_colour(*columns)
         # Blocked rays grow opaque smoothly with their depth below the ground, over 1 km.
-        sunk = np.where(blocked[..., 0], (EARTH_M - lowest[..., 0]) / 1e3, 0.0)
-        self.depth = np.minimum(depth + 8.0 * sunk[..., None], _OPAQUE)
+        sunk = np.where(blocked[..., 0], (EARTH_M - lowest_m[..., 0]) / 1e3, 0.0)
+        self.depth = np.minimum(of_air + of_dust + of_ozone + 8.0 * sunk[..., None], _OPAQUE)
 
-    def __call__(self, height: Array, cosine: Array) -> Array:
+    def __call__(self, height_m: Array, cosine: Array) -> Array:
         """Shape (..., 3) for heights and cosines of a common shape."""
-        row = np.interp(height, self.height, np.arange(len(self.height)))
+        row = np.interp(height_m, self.height_m, np.arange(len(self.height_m)))
         column = np.interp(cosine, self.cosine, np.arange(len(self.cosine)))
-        i = np.minimum(row.astype(int), len(self.height) - 2)
-        j = np.minimum(column.astype(int), len(self.cosine) - 2)
-        i, j = np.broadcast_arrays(i, j)
-        u, v = (row - i)[..., None], (column - j)[..., None]
-        d = self.depth
-        return np.asarray(
-            (1 - u) * ((1 - v) * d[i, j] + v * d[i, j + 1])
-            + u * ((1 - v) * d[i + 1, j] + v * d[i + 1, j + 1])
-        )
+        return interpolate(self.depth, row, column)
 
 
-def _extinction_per_m(air: Atmosphere, height: Array) -> tuple[Array, Array, Array]:
-    """Air relative to sea level; dust; ozone per unit vertical depth."""
-    air_e = air.air_density * np.exp(-height / air.air_scale_m)
-    near_ground = air.dust_optical_depth / air.dust_scale_m * np.exp(-height / air.dust_scale_m)
-    haze = np.exp(-0.5 * ((height - 18e3) / 5e3) ** 2) / (5e3 * np.sqrt(2.0 * np.pi))
-    ozone = np.exp(-0.5 * ((height - 22e3) / 5e3) ** 2) / (5e3 * np.sqrt(2.0 * np.pi))
-    return air_e, near_ground + air.haze_optical_depth * haze, air.ozone * ozone
+def _in_colour(
+    air_density: Array, dust_density: Array, ozone_density: Array
+) -> tuple[Array, Array, Array]:
+    """Extinction per m (..., 3) of air, dust and ozone in three colours, see `_densities`."""
+    return (
+        air_density[..., None] * RAYLEIGH_PER_M,
+        dust_density[..., None],
+        ozone_density[..., None] * OZONE_VERTICAL,
+    )
 
 
-def _paths_m(tangent: Array, points: int = 72) -> tuple[Array, Array]:
+def _densities(air: Atmosphere, height_m: Array) -> tuple[Array, Array, Array]:
+    """Air relative to sea level; dust's extinction per m; ozone per m and vertical depth."""
+    air_density = air.air_density * np.exp(-height_m / air.air_scale_m)
+    near_ground = air.dust_optical_depth / air.dust_scale_m * np.exp(-height_m / air.dust_scale_m)
+    haze = np.exp(-0.5 * ((height_m - 18e3) / 5e3) ** 2) / (5e3 * np.sqrt(2.0 * np.pi))
+    ozone = np.exp(-0.5 * ((height_m - 22e3) / 5e3) ** 2) / (5e3 * np.sqrt(2.0 * np.pi))
+    return air_density, near_ground + air.haze_optical_depth * haze, air.ozone * ozone
+
+
+def _paths_m(tangent_m: Array, points: int = 72) -> tuple[Array, Array]:
     """Midpoints and lengths of steps along each ray, from the craft's side, (m, points)."""
-    up = EARTH_M + tangent
-    end = np.sqrt((EARTH_M + TOP_M) ** 2 - up**2)
-    ground = -np.sqrt(np.maximum(EARTH_M**2 - up**2, 0.0))
-    hits = tangent < 0.0
+    up_m = EARTH_M + tangent_m
+    end_m = np.sqrt((EARTH_M + TOP_M) ** 2 - up_m**2)
+    ground_m = -np.sqrt(np.maximum(EARTH_M**2 - up_m**2, 0.0))
     w = np.linspace(-1.0, 1.0, points + 1)
-    passing = end[:, None] * np.sign(w) * np.abs(w) ** 1.5
+    passing_m = end_m[:, None] * np.sign(w) * np.abs(w) ** 1.5
     v = np.linspace(0.0, 1.0, points + 1)
-    landing = ground[:, None] - (end + ground)[:, None] * (1.0 - v) ** 2
-    edges = np.where(hits[:, None], landing, passing)
-    return 0.5 * (edges[:, 1:] + edges[:, :-1]), np.diff(edges, axis=1)
+    landing_m = ground_m[:, None] - (end_m + ground_m)[:, None] * (1.0 - v) ** 2
+    edges_m = np.where(tangent_m[:, None] < 0.0, landing_m, passing_m)
+    return 0.5 * (edges_m[:, 1:] + edges_m[:, :-1]), np.diff(edges_m, axis=1)
 
 
-def _henyey_greenstein(cosine: Array, asymmetry: float) -> Array:
-    return np.asarray((1.0 - asymmetry**2) / (1.0 + asymmetry**2 - 2.0 * asymmetry * cosine) ** 1.5)
+def _henyey_greenstein(cosine: Array, asymmetry_factor: float) -> Array:
+    g = asymmetry_factor
+    return np.asarray((1.0 - g**2) / (1.0 + g**2 - 2.0 * g * cosine) ** 1.5)

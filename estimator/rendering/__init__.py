@@ -1,0 +1,1 @@
+"""Rendered pictures of the horizon with their truth, which share nothing with the estimate."""

@@ -1,0 +1,1 @@
+"""The horizon found in frames: candidates by vote, each fitted and judged."""

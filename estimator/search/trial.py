@@ -1,0 +1,294 @@
+"""One trial: the limb near a trial attitude, fitted to all cameras' frames and judged."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from estimator.camera import HorizonCamera
+from estimator.errors import Reason
+from estimator.images import Frame
+from estimator.limb.points import LimbPoints, find_limb, no_points
+from estimator.limb.projection import LimbProjection
+from estimator.nadir.fit import (
+    Fit,
+    Prior,
+    attitude_facing,
+    attitude_with_nadir,
+    fit,
+    possible_fits,
+)
+from estimator.search.edges import Edges, find_edges
+from estimator.search.plausibility import (
+    MIN_ARC_OF_ALL_RAD,
+    MIN_ARC_UNPREDICTED_RAD,
+    CameraFit,
+    is_dark_within,
+    is_glowing_layer,
+    judge_camera,
+    judge_height,
+    judge_low_sun,
+)
+from estimator.search.sunlight import sunlight_along
+from estimator.search.tone import fade_ratio, linear
+from estimator.surroundings import Surroundings
+from planner.arrays import Array
+
+_FIRST_WINDOW_RAD = np.deg2rad(1.4)
+_WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
+_PROMISING = 0.25
+# Headings tried, and by how much the brightness may speak against one, in chi-square.
+_FIRST_HEADINGS, _HEADINGS = (8, 4.0), (16, 14.0)
+_THINNED = 8
+_UNFITTED_COST = 1e12
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera and its frame.  unusable: why it can't take part, whatever the attitude."""
+
+    camera: HorizonCamera
+    frame: Frame
+    unusable: Reason | None
+    seed: int
+
+    @cached_property
+    def edges(self) -> Edges:
+        return find_edges(self.frame, self.camera, self.seed)
+
+
+@dataclass(frozen=True)
+class CameraPart:
+    """One camera's part in a trial.
+
+    points: the limb it shows near the trial attitude; none found once it is set aside.
+    agreement: with the fit; its reason is why the camera is set aside.
+    """
+
+    view: View
+    points: LimbPoints
+    agreement: CameraFit
+
+    @property
+    def used(self) -> bool:
+        return self.agreement.reason is None
+
+    def with_reason(self, reason: Reason | None) -> "CameraPart":
+        return replace(self, agreement=replace(self.agreement, reason=reason))
+
+
+@dataclass(frozen=True)
+class Search:
+    """Everything that stays the same while nadirs are tried."""
+
+    around: Surroundings
+    prior: Prior
+    c_body_from_itrf_predicted: Array | None
+
+    @property
+    def heading_known(self) -> bool:
+        return self.c_body_from_itrf_predicted is not None
+
+    def projection(self, view: View, c_body_from_itrf: Array, height_m: float) -> LimbProjection:
+        return LimbProjection(view.camera, self.around.limb, c_body_from_itrf, height_m)
+
+    def start(self, nadir_body: Array) -> Array:
+        """A c_body_from_itrf (3, 3) that puts geodetic nadir there."""
+        if self.c_body_from_itrf_predicted is None:
+            return attitude_facing(nadir_body, self.around.limb)
+        return attitude_with_nadir(self.c_body_from_itrf_predicted, nadir_body, self.around.limb)
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """The horizon found, or why none was.
+
+    fits: the fit, or one for each heading tried when no heading was known; empty when nothing
+    could be tried.  parts: one per view.
+    """
+
+    reason: Reason | None
+    fits: tuple[Fit, ...]
+    parts: tuple[CameraPart, ...]
+
+    @property
+    def best(self) -> Fit:
+        return _likeliest(self.fits)
+
+    @property
+    def arc_rad(self) -> float:
+        """Limb found by all cameras together."""
+        return sum(part.agreement.arc_rad for part in self.parts)
+
+
+def try_attitude(views: Sequence[View], search: Search, c_body_from_itrf: Array) -> SearchResult:
+    """Fit the limb from a trial attitude, judge it, and keep the cameras that pass."""
+    parts, result = _first_fit(views, search, c_body_from_itrf)
+    if search.around.daylight and _is_tone_mapped(parts, result, search):
+        views = [replace(view, frame=linear(view.frame)) for view in views]
+        parts, result = _first_fit(views, search, result.c_body_from_itrf)
+    first = _judge(parts, result, search)
+    if all(part.agreement.arc_rad < _PROMISING * part.points.arc_rad for part in first):
+        return _failure(first, result)
+    # In so wide a window only the night sets a camera aside.
+    parts = [
+        judged.with_reason(part.agreement.reason or _night_reason(judged, search, result))
+        for part, judged in zip(parts, first, strict=True)
+    ]
+    for window_rad in _WINDOWS_RAD:
+        if not any(part.used for part in parts):
+            return _failure(parts, result)
+        c_body_from_itrf, height_m = result.c_body_from_itrf, result.height_m
+        parts = [_look(part, search, c_body_from_itrf, height_m, window_rad) for part in parts]
+        result = _fit(parts, search, c_body_from_itrf)
+        parts = _judge(parts, result, search)
+    if not any(part.used for part in parts):
+        return _failure(parts, result)
+    parts = [
+        part if part.used else replace(part, points=part.points.without_edges()) for part in parts
+    ]
+    fits = _fits_all_round(parts, search, result.c_body_from_itrf, *_HEADINGS)
+    result = _fit(parts, search, _likeliest(fits).c_body_from_itrf)
+    horizon = SearchResult(None, fits, tuple(_judge(parts, result, search)))
+    return replace(horizon, reason=_common_reason(horizon, search))
+
+
+def unseen(view: View, reason: Reason | None) -> CameraPart:
+    """A view in which no limb has been looked for, set aside where there is a reason."""
+    points = no_points(view.camera)
+    return CameraPart(view, points, CameraFit(reason, 0.0, float("nan"), points.found))
+
+
+def _first_fit(
+    views: Sequence[View], search: Search, c_body_from_itrf: Array
+) -> tuple[list[CameraPart], Fit]:
+    height_m = search.prior.height_m
+    parts = [
+        _look(unseen(view, view.unusable), search, c_body_from_itrf, height_m, _FIRST_WINDOW_RAD)
+        for view in views
+    ]
+    if not search.heading_known:
+        fits = _fits_all_round(parts, search, c_body_from_itrf, *_FIRST_HEADINGS)
+        c_body_from_itrf = _likeliest(fits).c_body_from_itrf
+    return parts, _fit(parts, search, c_body_from_itrf)
+
+
+def _look(
+    part: CameraPart, search: Search, c_body_from_itrf: Array, height_m: float, window_rad: float
+) -> CameraPart:
+    """The part with the limb points that lie within a window of where they should."""
+    view, around = part.view, search.around
+    projection = search.projection(view, c_body_from_itrf, height_m)
+    points = find_limb(view.frame, projection, window_rad, around.air_scale_m)
+    if not part.used:
+        return replace(part, points=points.without_edges())
+    # Without a prediction the first window's brightness tells the Sun's side for the next.
+    facing_known = search.heading_known or window_rad < _FIRST_WINDOW_RAD
+    if around.daylight and facing_known and len(points):
+        lit = around.well_lit(points.azimuth_rad, height_m)
+        points = replace(points, found=points.found & lit, blocked=points.blocked | ~lit)
+    return replace(part, points=points)
+
+
+def _fit(parts: Sequence[CameraPart], search: Search, c_body_from_itrf: Array) -> Fit:
+    return fit([part.points for part in parts], search.around.limb, c_body_from_itrf, search.prior)
+
+
+def _is_tone_mapped(parts: Sequence[CameraPart], rough: Fit, search: Search) -> bool:
+    """Whether the files hold pictures for people instead of light.
+
+    The cameras of one craft store alike, so they are judged together.
+    """
+    c_body_from_itrf, height_m = rough.c_body_from_itrf, rough.height_m
+    ratios = [
+        fade_ratio(p.view.frame, p.points, search.projection(p.view, c_body_from_itrf, height_m))
+        for p in parts
+        if p.used
+    ]
+    known = [ratio for ratio in ratios if ratio is not None]
+    return bool(known) and float(np.mean(known)) > 1.0
+
+
+def _fits_all_round(
+    parts: Sequence[CameraPart],
+    search: Search,
+    c_body_from_itrf: Array,
+    headings: int,
+    cost_limit: float,
+) -> tuple[Fit, ...]:
+    """The fit, or without a known heading those from headings all round, with their weights."""
+    if search.heading_known:
+        return (_fit(parts, search, c_body_from_itrf),)
+    limb = search.around.limb
+    prior = replace(search.prior, heading_sigma_rad=np.pi / headings)
+    nadir_body = c_body_from_itrf @ limb.nadir_geodetic_itrf
+    points = [part.points.every(_THINNED) for part in parts]
+    frames, cameras = [part.view.frame for part in parts], [part.view.camera for part in parts]
+    light = sunlight_along(points, frames, cameras, search.around, nadir_body, prior.height_m)
+    turns_rad = np.arange(headings) * (2.0 * np.pi / headings)
+    facing = [attitude_facing(nadir_body, limb, turn_rad) for turn_rad in turns_rad]
+    costs = np.array([light.cost(c, prior.height_m) for c in facing])
+    likely = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < cost_limit]
+    fits = [one for c in likely for one in possible_fits(fit(points, limb, c, prior), limb)]
+    cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
+    cost = cost + [light.cost(f.c_body_from_itrf, f.height_m) for f in fits]
+    weight = np.exp(-0.5 * (cost - cost.min()))
+    return tuple(
+        replace(f, weight=float(w)) for f, w in zip(fits, weight / weight.sum(), strict=True)
+    )
+
+
+def _likeliest(fits: Sequence[Fit]) -> Fit:
+    return max(fits, key=lambda one: one.weight)
+
+
+def _judge(parts: Sequence[CameraPart], result: Fit, search: Search) -> list[CameraPart]:
+    """How each camera agrees with the fit; those set aside earlier keep why, and their arc."""
+    judged = []
+    for part, residual_rad, tolerance_rad in zip(
+        parts, result.residual_rad, result.tolerance_rad, strict=True
+    ):
+        agreement = judge_camera(
+            part.points,
+            residual_rad,
+            tolerance_rad,
+            part.view.camera,
+            search.around,
+            result.height_m,
+        )
+        if not part.used:
+            agreement = replace(
+                agreement, reason=part.agreement.reason, arc_rad=part.agreement.arc_rad
+            )
+        judged.append(replace(part, agreement=agreement))
+    return judged
+
+
+def _night_reason(part: CameraPart, search: Search, rough: Fit) -> Reason | None:
+    """Why what a camera shows can't be air before the sunlit Earth."""
+    if not search.around.daylight:
+        return None
+    view, points = part.view, part.points
+    dark = is_dark_within(view.frame, view.camera, points, search.around, rough)
+    return Reason.GLOWING_LAYER if dark or is_glowing_layer(points) else None
+
+
+def _common_reason(horizon: SearchResult, search: Search) -> Reason | None:
+    """What speaks against the horizon as a whole."""
+    if not any(part.used for part in horizon.parts):
+        return horizon.parts[0].agreement.reason
+    around = search.around
+    predicted = search.heading_known or not around.daylight
+    least_rad = MIN_ARC_OF_ALL_RAD if predicted else MIN_ARC_UNPREDICTED_RAD
+    if sum(part.agreement.arc_rad for part in horizon.parts if part.used) < least_rad:
+        return Reason.SHORT_ARC
+    return judge_low_sun(horizon.best, around) or judge_height(horizon.best, around.body)
+
+
+def _failure(parts: Sequence[CameraPart], result: Fit) -> SearchResult:
+    """Nothing found, for the reason of the camera that showed most of a limb."""
+    longest = max(parts, key=lambda part: part.agreement.arc_rad)
+    reasons = [longest.agreement.reason, *(part.agreement.reason for part in parts)]
+    reason = next((one for one in reasons if one is not None), Reason.NO_HORIZON)
+    return SearchResult(reason, (result,), tuple(parts))
