@@ -13,7 +13,7 @@ from planner.errors import Refusal
 from planner.orbits import TleOrbit
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choose import choose
-from planner.spacecraft.plan import make_session
+from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import (
     GeoLineString,
     ImagingPlanRequest,
@@ -115,7 +115,7 @@ def bench_choice() -> None:
             stop=start + timedelta(seconds=case["duration_s"]),
             requests=tuple(eos_requests(case, every)),
         )
-        session = make_session(request, request.definition())
+        session = make_session(request)
         options, refused = [], 0
         begun = time.process_time()
         for number, one in enumerate(request.requests):

@@ -176,7 +176,7 @@ def reference(
     """The table made ready for the loop; states: the orbit at its rows."""
     lag_s = 2.0 * array.servo_damping / array.servo_rad_s
     rows = len(table.t_s)
-    ahead, motion = table.at(np.minimum(table.t_s + lag_s, table.t_s[-1]))
+    ahead, motion = table.attitude_at(np.minimum(table.t_s + lag_s, table.t_s[-1]))
     goals = np.zeros(rows - 1, dtype=bool)
     goals[list(commanded)] = True
     nadir = -states.r_sat_eci_m / np.linalg.norm(states.r_sat_eci_m, axis=1, keepdims=True)
@@ -184,7 +184,7 @@ def reference(
         q=np.ascontiguousarray(table.eci_from_body_xyzw),
         rate=np.ascontiguousarray(table.omega_body_rad_s),
         acceleration=np.ascontiguousarray(table.alpha_body_rad_s2),
-        ahead=np.hstack([ahead.as_quat(), motion.omega_body_rad_s]),
+        ahead=np.hstack([ahead.inv().as_quat(), motion.omega_body_rad_s]),
         imaging=table.imaging(),
         commanded=goals,
         nadir=np.ascontiguousarray(nadir),
