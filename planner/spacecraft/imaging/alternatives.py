@@ -101,7 +101,7 @@ def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Altern
         if times:
             yield from times
             return
-    yield from _moved(request, free, session)
+    yield from _moves(request, free, session)
 
 
 def _other_times(
@@ -184,7 +184,7 @@ def _at_time(
     )
 
 
-def _moved(
+def _moves(
     request: ImagingPlanRequest, free: Request, session: ImagingSession
 ) -> Iterator[Alternative]:
     """The same lines shifted over the ground, straight towards the track."""
@@ -193,7 +193,7 @@ def _moved(
         return
     for more_km in MOVED_MORE_KM:
         shift_km = approach.outside_m / 1e3 + more_km
-        moved = _shifted(free, shift_km * approach.towards_enu)
+        moved = _shift(free, shift_km * approach.towards_enu)
         geometry = moved.geometry
         line = geometry.coordinates[0] if isinstance(geometry, GeoPolygon) else geometry.coordinates
         yield Alternative(
@@ -203,7 +203,7 @@ def _moved(
         )
 
 
-def _shifted(free: Request, shift_enu_km: Array) -> Request:
+def _shift(free: Request, shift_enu_km: Array) -> Request:
     east_km, north_km, _ = shift_enu_km.tolist()
     north_deg = math.degrees(1e3 * north_km / WGS84_A_M)
 

@@ -136,7 +136,8 @@ def scan_q_body_from_eci(
     x_eci /= np.linalg.norm(x_eci, axis=1, keepdims=True)
     if arc.backwards:
         x_eci = -x_eci
-    return Rotation.from_matrix(np.stack([x_eci, y_eci, np.cross(x_eci, y_eci)], axis=-2))
+    c_eci_from_body = np.stack([x_eci, y_eci, np.cross(x_eci, y_eci)], axis=-1)
+    return Rotation.from_matrix(c_eci_from_body).inv()
 
 
 def orbital_q_body_from_eci(ephemeris: Ephemeris, instants: Instants) -> Rotation:

@@ -147,7 +147,7 @@ def build_timeline(
     builder.follow(session.last_row)
     if builder.misfits:
         raise TurnsDoNotFit(builder.misfits)
-    return _assembled(builder, scans)
+    return _assemble(builder, scans)
 
 
 class _Builder:
@@ -301,7 +301,7 @@ def _end_state(profile: AttitudeAt, row: int) -> EndState:
     )
 
 
-def _assembled(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
+def _assemble(builder: _Builder, scans: tuple[Scan, ...]) -> Timeline:
     session = builder.session
     attitudes, motions, row = [], [], 0
     for until_row, stretch in builder.stretches:
