@@ -12,7 +12,7 @@ from spacecraft_cases import EPOCH, area, session_request, sun_synchronous
 from planner.errors import Refusal
 from planner.frames.time_scales import Instants
 from planner.spacecraft.flight.closed_loop import Log
-from planner.spacecraft.flight.simulation import dispersed, fly_many, fly_table
+from planner.spacecraft.flight.simulation import draw_dispersion, fly_many, fly_table
 from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.session import ImagingSession, make_session
@@ -121,9 +121,9 @@ def bench_timeline() -> None:
         f"{1e3 * np.median([turn.comparison.solve_s for turn in timeline.turns]):.0f} ms"
     )
     spacecraft = session.spacecraft
-    fly_table(spacecraft, table, states, dispersed(spacecraft, 0))
+    fly_table(spacecraft, table, states, draw_dispersion(spacecraft, 0))
     begun = time.process_time()
-    fly_table(spacecraft, table, states, dispersed(spacecraft, 0))
+    fly_table(spacecraft, table, states, draw_dispersion(spacecraft, 0))
     one = time.process_time() - begun
     begun = time.process_time()
     logs = fly_many(spacecraft, table, states, SEEDS, itself)
@@ -147,7 +147,7 @@ def bench_timeline() -> None:
             table,
             states,
             dataclasses.replace(
-                dispersed(spacecraft, seed),
+                draw_dispersion(spacecraft, seed),
                 gimbal_jitter_rad_s=spacecraft.array.rate_error_rad_s,
                 gimbal_offset_rad_s=np.zeros(4),
             ),
@@ -172,11 +172,10 @@ def settle_table(
     """Rest, a turn in pitch at 10 s, rest until 60 s."""
     still = np.zeros(3)
     axis = np.array([0.12, 0.05, 0.99])
-    start = EndState(attitude=Rotation.identity(), omega_body_rad_s=still, alpha_body_rad_s2=still)
     goal = Rotation.from_rotvec(math.radians(angle_deg) * axis / np.linalg.norm(axis))
     problem = TurnProblem(
-        start=start,
-        end=dataclasses.replace(start, attitude=goal),
+        start=EndState.at_rest(Rotation.identity()),
+        end=EndState.at_rest(goal.inv()),
         momentum_eci_n_m_s=still,
         inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
         limits=spacecraft.slew,
@@ -191,10 +190,10 @@ def settle_table(
         q = np.where(after, goal.as_quat(), Rotation.identity().as_quat())
         motion = BodyMotion(*(np.zeros((301, 3)) for _ in range(3)))
     else:
-        attitude, motion = turn.at(np.clip(t_s - 10.0, 0.0, turn.duration_s))
+        q_body_from_eci, motion = turn.attitude_at(np.clip(t_s - 10.0, 0.0, turn.duration_s))
         inside = ((t_s > 10.0) & (t_s < 10.0 + turn.duration_s))[:, None]
         motion = BodyMotion(*(np.where(inside, m, 0.0) for m in motion))
-        q = attitude.as_quat()
+        q = q_body_from_eci.inv().as_quat()
     gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
     return AttitudeTable(
         epoch_utc=EPOCH,
@@ -239,7 +238,12 @@ def bench_settle() -> None:
         settled = [
             settled_after_s(
                 fly_table(
-                    spacecraft, table, states, dispersed(spacecraft, seed), law=law, commanded=[50]
+                    spacecraft,
+                    table,
+                    states,
+                    draw_dispersion(spacecraft, seed),
+                    law=law,
+                    commanded=[50],
                 ),
                 50,
                 300,

@@ -12,7 +12,7 @@ from app.answers.provenance import ProvenanceOut
 from planner.arrays import Array
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.spacecraft.flight.stabilisation import FlownWindow, StabilisationReport
+from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
 from planner.spacecraft.imaging.timeline import PlannedTurn
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
@@ -300,11 +300,11 @@ def _stabilisation(report: StabilisationReport) -> StabilisationOut:
         runs=report.runs,
         share_steady=report.share_steady,
         worst_deg_s=None if worst is None else math.degrees(worst),
-        windows=[_steadiness(flown) for flown in report.windows],
+        windows=[_steadiness(window) for window in report.windows],
     )
 
 
-def _steadiness(flown: FlownWindow) -> SteadinessOut:
+def _steadiness(flown: WindowSteadiness) -> SteadinessOut:
     return SteadinessOut(
         request=flown.window.request,
         look=flown.window.look,

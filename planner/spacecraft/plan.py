@@ -22,8 +22,8 @@ from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
     ASSUMPTIONS,
     StabilisationReport,
-    flown_windows,
     stabilisation,
+    window_steadiness,
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_turns import LeftOut, choose_and_turn, options_of
@@ -120,7 +120,7 @@ def _stabilisation(
 ) -> StabilisationReport:
     spacecraft, seed = session.spacecraft, session.request.seed
     states = session.ephemeris.states(session.instants(table.t_s))
-    keep = partial(flown_windows, spacecraft, table, verification)
+    keep = partial(window_steadiness, spacecraft, verification)
     return stabilisation(fly_many(spacecraft, table, states, range(seed, seed + runs), keep))
 
 
@@ -155,7 +155,7 @@ def make_table(session: ImagingSession, timeline: Timeline) -> AttitudeTable:
     q_eci_from_body = timeline.q_body_from_eci.inv()
     gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
     total_eci_n_m_s = total_momentum_eci(
-        q_eci_from_body,
+        timeline.q_body_from_eci,
         q_eci_from_body[0].apply(inertia_kg_m2 * omega_body_rad_s[0] + gyros_body_n_m_s),
         states.r_sat_eci_m,
         inertia_kg_m2,

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.spacecraft.mrp import BodyMotion, body_motion, mrp_rates, quintic, relative_mrp
+from planner.spacecraft.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 
@@ -66,18 +66,18 @@ class AttitudeTable:
         k = np.minimum(position.astype(int), n - 2)
         q_eci_from_start = Rotation.from_quat(self.eci_from_body_xyzw[k])
         q_eci_from_end = Rotation.from_quat(self.eci_from_body_xyzw[k + 1])
-        sigma = relative_mrp(q_eci_from_start, q_eci_from_end)
-        v1, a1 = mrp_rates(sigma, self.omega_body_rad_s[k + 1], self.alpha_body_rad_s2[k + 1])
-        ends = (
-            np.zeros_like(sigma),
-            self.omega_body_rad_s[k] / 4.0,
-            self.alpha_body_rad_s2[k] / 4.0,
-            sigma,
-            v1,
-            a1,
+        sigma = np.asarray((q_eci_from_start.inv() * q_eci_from_end).as_mrp())
+        curve = quintic(
+            MrpState(
+                np.zeros_like(sigma),
+                self.omega_body_rad_s[k] / 4.0,
+                self.alpha_body_rad_s2[k] / 4.0,
+            ),
+            mrp_state(sigma, self.omega_body_rad_s[k + 1], self.alpha_body_rad_s2[k + 1]),
+            TICK_S,
+            position - k,
         )
-        curve = quintic(ends, TICK_S, position - k)
-        return (q_eci_from_start * Rotation.from_mrp(curve[0])).inv(), body_motion(*curve)
+        return (q_eci_from_start * Rotation.from_mrp(curve.mrp)).inv(), body_motion(curve)
 
     def imaging(self) -> NDArray[np.bool_]:
         """Whether the camera runs from row k to k + 1, shape (n - 1,)."""

@@ -22,7 +22,7 @@ from planner.spacecraft.imaging.timeline import (
     scans_of,
 )
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_time import MovingEnds, joined
+from planner.spacecraft.turns.turn_time import MovingEnds
 
 LONGER_BY_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
 LONGER_ROUNDS = 2
@@ -72,10 +72,12 @@ def _within_session(
     q_body_from_eci, motion = rest.attitude_at(
         np.append(np.maximum(starts_s - REST_BEFORE_S, 0.0), stops_s)
     )
-    q_eci_from_body = q_body_from_eci.inv()
-    ends = MovingEnds(q_eci_from_body.as_quat(), q_eci_from_body.apply(motion.omega_body_rad_s))
-    entries = joined([option.entry for option in options])
-    exits = joined([option.exit for option in options])
+    ends = MovingEnds(
+        q_body_from_eci_xyzw=q_body_from_eci.as_quat(),
+        rate_eci_rad_s=q_body_from_eci.inv().apply(motion.omega_body_rad_s),
+    )
+    entries = MovingEnds.concatenate([option.entry for option in options])
+    exits = MovingEnds.concatenate([option.exit for option in options])
     there_s = session.turn_time.ticks(ends[:count], entries) * TICK_S
     back_s = session.turn_time.ticks(exits, ends[count:]) * TICK_S
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
@@ -111,7 +113,7 @@ def choose_and_turn(
 def _gentler(session: ImagingSession, first: Choice) -> tuple[Choice, Timeline] | None:
     """Everything imaged with the gentlest turns tried, or None."""
     for more_s in LONGER_BY_S:
-        longer = replace(session, turn_time=session.turn_time.eased(more_s))
+        longer = replace(session, turn_time=session.turn_time.plus(more_s))
         try:
             found = _with_longer_turns(longer, first)
         except InfeasibleSlew:  # the turns are as short as they can be already

@@ -20,7 +20,7 @@ from planner.arrays import Array
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime, joined
+from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
 
 Ints = NDArray[np.int64]
 LABELS_MAX = 4_000_000
@@ -136,8 +136,8 @@ def _nodes(
         request=np.array([c.request for c in ordered], dtype=np.int64),
         part=np.array([c.part for c in ordered], dtype=np.int64),
         priority=np.array([0.0 if c.part == 1 else priorities[c.request] for c in ordered]),
-        entry=joined([c.entry for c in ordered]),
-        exit=joined([c.exit for c in ordered]),
+        entry=MovingEnds.concatenate([c.entry for c in ordered]),
+        exit=MovingEnds.concatenate([c.exit for c in ordered]),
         tilt_rad=np.array([c.tilt_rad for c in ordered]),
         turn_time=turn_time,
         extra_ticks={(node[a], node[b]): ticks for (a, b), ticks in extra_ticks.items()},

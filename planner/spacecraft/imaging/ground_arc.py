@@ -20,7 +20,7 @@ from planner.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
-from planner.spacecraft.mrp import BodyMotion, body_motion, relative_mrp
+from planner.spacecraft.mrp import BodyMotion, MrpMotion, body_motion
 from planner.spacecraft.table import TICK_S
 
 DEGREE = 28  # of the Chebyshev fit: attitudes of a 200 s span to 1e-12 rad
@@ -106,15 +106,17 @@ class ChebyshevProfile:
         """q_body_from_eci and body rates, the series' own derivatives, at instants (m,)."""
         half_s = 0.5 * (self.stop_s - self.start_s)
         x = (np.asarray(t_s) - self.start_s) / half_s - 1.0
-        curve = [
-            np.asarray(
-                chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half_s**d,
-                dtype=np.float64,
+        motion = MrpMotion(
+            *(
+                np.asarray(
+                    chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half_s**d,
+                    dtype=np.float64,
+                )
+                for d in range(4)
             )
-            for d in range(4)
-        ]
-        q_eci_from_body = self.q_eci_from_middle * Rotation.from_mrp(curve[0])
-        return q_eci_from_body.inv(), body_motion(*curve)
+        )
+        q_eci_from_body = self.q_eci_from_middle * Rotation.from_mrp(motion.mrp)
+        return q_eci_from_body.inv(), body_motion(motion)
 
 
 def scan_q_body_from_eci(
@@ -161,7 +163,7 @@ def fitted_profile(
         q_body_from_eci = scan_q_body_from_eci(arc, share, ephemeris, instants)
     q_eci_from_body = q_body_from_eci.inv()
     q_eci_from_middle = q_eci_from_body[DEGREE // 2]
-    sigma = relative_mrp(q_eci_from_middle, q_eci_from_body)
+    sigma = np.asarray((q_eci_from_middle.inv() * q_eci_from_body).as_mrp())
     basis = chebyshev.chebvander(x, DEGREE)
     scale = np.full(DEGREE + 1, 2.0 / (DEGREE + 1))
     scale[0] /= 2.0

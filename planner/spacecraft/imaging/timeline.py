@@ -164,7 +164,7 @@ class _Builder:
         start = _end_state(self.profile, 0)
         inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
         gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
-        self.momentum_eci_n_m_s = start.attitude.apply(
+        self.momentum_eci_n_m_s = start.q_body_from_eci.inv().apply(
             inertia_kg_m2 * start.omega_body_rad_s + gyros_body_n_m_s
         )
 
@@ -285,17 +285,13 @@ def _initial_profile(session: ImagingSession) -> AttitudeAt:
 
 
 def _turn_profile(turn: Turn, start_s: float) -> AttitudeAt:
-    def turning(t_s: Array) -> tuple[Rotation, BodyMotion]:
-        q_eci_from_body, motion = turn.at(t_s - start_s)
-        return q_eci_from_body.inv(), motion
-
-    return turning
+    return lambda t_s: turn.attitude_at(t_s - start_s)
 
 
 def _end_state(profile: AttitudeAt, row: int) -> EndState:
     q_body_from_eci, motion = profile(np.array([row * TICK_S]))
     return EndState(
-        attitude=q_body_from_eci[0].inv(),
+        q_body_from_eci=q_body_from_eci[0],
         omega_body_rad_s=motion.omega_body_rad_s[0],
         alpha_body_rad_s2=motion.alpha_body_rad_s2[0],
     )
