@@ -109,12 +109,12 @@ def _curve(problem: TurnProblem, stretch_factor: float, jerk: bool) -> tuple[Mrp
 
 
 def _ruckig(limits: AngleLimits) -> tuple[AngleCurve, float]:
-    asked = InputParameter(1)
-    asked.current_position, asked.target_position = [0.0], [limits.angle_rad]
-    asked.max_velocity, asked.max_acceleration = [limits.rate_rad_s], [limits.acceleration_rad_s2]
-    asked.max_jerk = [limits.jerk_rad_s3]
+    motion = InputParameter(1)
+    motion.current_position, motion.target_position = [0.0], [limits.angle_rad]
+    motion.max_velocity, motion.max_acceleration = [limits.rate_rad_s], [limits.acceleration_rad_s2]
+    motion.max_jerk = [limits.jerk_rad_s3]
     found = Trajectory(1)
-    Ruckig(1).calculate(asked, found)
+    Ruckig(1).calculate(motion, found)
     profile = found.profiles[0][0]
     starts_s = np.concatenate([[0.0], np.cumsum(np.array(profile.t))])
     jerks, accelerations = np.array(profile.j), np.array(profile.a)
