@@ -13,7 +13,7 @@ from planner.errors import Refusal
 from planner.orbits import TleOrbit
 from planner.spacecraft.imaging.candidates import candidates
 from planner.spacecraft.imaging.choose import choose
-from planner.spacecraft.plan import make_session
+from planner.spacecraft.imaging.session import make_session
 from planner.spacecraft.requests import (
     GeoLineString,
     ImagingPlanRequest,
@@ -40,9 +40,13 @@ def random_problem(random: np.random.Generator, moving: bool, per_axis: bool) ->
             rate_axis_rad_s=math.radians(3.5), rate_rad_s=math.radians(random.uniform(1.5, 3.5))
         )
     return TurnProblem(
-        start=EndState(attitude=begin, omega_body_rad_s=rates(0.5), alpha_body_rad_s2=rates(0.01)),
+        start=EndState(
+            q_body_from_eci=begin.inv(),
+            omega_body_rad_s=rates(0.5),
+            alpha_body_rad_s2=rates(0.01),
+        ),
         end=EndState(
-            attitude=begin * Rotation.from_rotvec(axis),
+            q_body_from_eci=(begin * Rotation.from_rotvec(axis)).inv(),
             omega_body_rad_s=rates(0.5),
             alpha_body_rad_s2=rates(0.01),
         ),
@@ -115,7 +119,7 @@ def bench_choice() -> None:
             stop=start + timedelta(seconds=case["duration_s"]),
             requests=tuple(eos_requests(case, every)),
         )
-        session = make_session(request, request.definition())
+        session = make_session(request)
         options, refused = [], 0
         begun = time.process_time()
         for number, one in enumerate(request.requests):

@@ -12,13 +12,14 @@ from spacecraft_cases import EPOCH, area, session_request, sun_synchronous
 from planner.errors import Refusal
 from planner.frames.time_scales import Instants
 from planner.spacecraft.flight.closed_loop import Log
-from planner.spacecraft.flight.simulation import dispersed, fly_many, fly_table
+from planner.spacecraft.flight.simulation import draw_dispersion, fly_many, fly_table
 from planner.spacecraft.flight.stabilisation import rate_errors, settled_after_s
 from planner.spacecraft.imaging.candidates import candidates
-from planner.spacecraft.imaging.timeline import InertialHold, Timeline, build_timeline, looks_of
+from planner.spacecraft.imaging.session import ImagingSession, make_session
+from planner.spacecraft.imaging.timeline import Timeline, build_timeline, scans_of
 from planner.spacecraft.mrp import BodyMotion
-from planner.spacecraft.plan import make_session, make_table, plan_imaging
-from planner.spacecraft.requests import ImagingPlanRequest, SpacecraftSettings
+from planner.spacecraft.plan import make_table, plan_imaging
+from planner.spacecraft.requests import SpacecraftSettings
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_choice import smooth_turn
@@ -76,10 +77,9 @@ def verdict(name: str, logs: list, table: AttitudeTable) -> None:
     )
 
 
-def paper_timeline() -> tuple[Timeline, ImagingPlanRequest, object]:
+def paper_timeline() -> tuple[Timeline, ImagingSession]:
     """The paper's 32 turns from its 400 s on: inertial to orbital, then 8 areas of 4 strips."""
     orbit = sun_synchronous(600.0)
-    looks = []
     strips = []
     for block in range(8):
         commands = [t - 400.0 for t in PAPER_TURNS_S[4 * block : 4 * block + 5]]
@@ -93,7 +93,7 @@ def paper_timeline() -> tuple[Timeline, ImagingPlanRequest, object]:
         tuple(request for request, _ in strips),
         initial_q_body_from_eci_xyzw=tuple(Rotation.from_euler("XYZ", [0.3, 1.0, -0.4]).as_quat()),
     )
-    session = make_session(chosen, chosen.definition())
+    session = make_session(chosen)
     fixed = []
     for number, (request, starts) in enumerate(strips):
         first = candidates(request, number, session)[0]
@@ -102,26 +102,17 @@ def paper_timeline() -> tuple[Timeline, ImagingPlanRequest, object]:
             for arc, start in zip(first.arcs, starts, strict=True)
         )
         fixed.append(dataclasses.replace(first, arcs=arcs))
-    looks = looks_of(fixed, range(8))
-    names = [request.name for request, _ in strips]
     begun = time.process_time()
-    timeline = build_timeline(
-        session,
-        looks,
-        names,
-        np.zeros(3),
-        "smooth",
-        InertialHold(Rotation.from_quat(chosen.initial_q_body_from_eci_xyzw).inv()),
-    )
+    timeline = build_timeline(session, scans_of(fixed, range(8)))
     print(f"  33 turns planned and compared in {time.process_time() - begun:.1f} s")
-    return timeline, chosen, session
+    return timeline, session
 
 
 def bench_timeline() -> None:
     print("The paper's timeline (8 areas x 4 strips, 32 turns), 600 km:")
     paper_timeline()
-    timeline, request, session = paper_timeline()
-    table = make_table(request, session, timeline)
+    timeline, session = paper_timeline()
+    table = make_table(session, timeline)
     states = session.ephemeris.states(session.instants(table.t_s))
     angles = [math.degrees(turn.comparison.angle_rad) for turn in timeline.turns[2:-1]]
     print(
@@ -130,9 +121,9 @@ def bench_timeline() -> None:
         f"{1e3 * np.median([turn.comparison.solve_s for turn in timeline.turns]):.0f} ms"
     )
     spacecraft = session.spacecraft
-    fly_table(spacecraft, table, states, dispersed(spacecraft, 0))
+    fly_table(spacecraft, table, states, draw_dispersion(spacecraft, 0))
     begun = time.process_time()
-    fly_table(spacecraft, table, states, dispersed(spacecraft, 0))
+    fly_table(spacecraft, table, states, draw_dispersion(spacecraft, 0))
     one = time.process_time() - begun
     begun = time.process_time()
     logs = fly_many(spacecraft, table, states, SEEDS, itself)
@@ -156,7 +147,7 @@ def bench_timeline() -> None:
             table,
             states,
             dataclasses.replace(
-                dispersed(spacecraft, seed),
+                draw_dispersion(spacecraft, seed),
                 gimbal_jitter_rad_s=spacecraft.array.rate_error_rad_s,
                 gimbal_offset_rad_s=np.zeros(4),
             ),
@@ -181,11 +172,10 @@ def settle_table(
     """Rest, a turn in pitch at 10 s, rest until 60 s."""
     still = np.zeros(3)
     axis = np.array([0.12, 0.05, 0.99])
-    start = EndState(attitude=Rotation.identity(), omega_body_rad_s=still, alpha_body_rad_s2=still)
     goal = Rotation.from_rotvec(math.radians(angle_deg) * axis / np.linalg.norm(axis))
     problem = TurnProblem(
-        start=start,
-        end=dataclasses.replace(start, attitude=goal),
+        start=EndState.at_rest(Rotation.identity()),
+        end=EndState.at_rest(goal.inv()),
         momentum_eci_n_m_s=still,
         inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
         limits=spacecraft.slew,
@@ -200,10 +190,10 @@ def settle_table(
         q = np.where(after, goal.as_quat(), Rotation.identity().as_quat())
         motion = BodyMotion(*(np.zeros((301, 3)) for _ in range(3)))
     else:
-        attitude, motion = turn.at(np.clip(t_s - 10.0, 0.0, turn.duration_s))
+        q_body_from_eci, motion = turn.attitude_at(np.clip(t_s - 10.0, 0.0, turn.duration_s))
         inside = ((t_s > 10.0) & (t_s < 10.0 + turn.duration_s))[:, None]
         motion = BodyMotion(*(np.where(inside, m, 0.0) for m in motion))
-        q = attitude.as_quat()
+        q = q_body_from_eci.inv().as_quat()
     gimbal = np.tile(spacecraft.array.gimbal_angles(still), (301, 1))
     return AttitudeTable(
         epoch_utc=EPOCH,
@@ -248,7 +238,12 @@ def bench_settle() -> None:
         settled = [
             settled_after_s(
                 fly_table(
-                    spacecraft, table, states, dispersed(spacecraft, seed), law=law, commanded=[50]
+                    spacecraft,
+                    table,
+                    states,
+                    draw_dispersion(spacecraft, seed),
+                    law=law,
+                    commanded=[50],
                 ),
                 50,
                 300,
@@ -275,7 +270,7 @@ def bench_areas() -> None:
             session_request(orbit, 1200.0, requests, settings=settings, simulation_runs=0)
         )
         planned_s = time.process_time() - begun
-        session = make_session(plan.request, plan.spacecraft)
+        session = make_session(plan.request)
         states = session.ephemeris.states(session.instants(plan.table.t_s))
         print(
             f"  {name}: {plan.choice.value:.0f} of {count} (bound {plan.choice.bound:.0f}), "

@@ -6,14 +6,13 @@ from typing import Literal
 
 import numpy as np
 from pydantic import TypeAdapter
-from scipy.spatial.transform import Rotation
 
 from app.answers.plan_head import PlanHead, new_head, whole_answer
 from app.answers.provenance import ProvenanceOut
 from planner.arrays import Array
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.spacecraft.flight.stabilisation import FlownWindow, StabilisationReport
+from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
 from planner.spacecraft.imaging.timeline import PlannedTurn
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
@@ -231,13 +230,13 @@ def row_text(table: AttitudeTable, row: int) -> str:
 
 def attitude_table_json(table: AttitudeTable) -> bytes:
     """An AttitudeTableOut as UTF-8 JSON."""
-    q_body_from_eci = continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv())
+    q_body_from_eci_xyzw = continuous(table.q_body_from_eci)
     return _TABLE.dump_json(
         AttitudeTableOut(
             epoch=utc_text(table.epoch_utc, 1),
             step_s=TICK_S,
             t_s=table.t_s.tolist(),
-            q_body_from_eci_xyzw=np.round(q_body_from_eci, QUATERNION_DECIMALS).tolist(),
+            q_body_from_eci_xyzw=np.round(q_body_from_eci_xyzw, QUATERNION_DECIMALS).tolist(),
             omega_body_deg_s=_degrees(table.omega_body_rad_s),
             alpha_body_deg_s2=_degrees(table.alpha_body_rad_s2),
             gimbal_deg=_degrees(table.gimbal_rad),
@@ -269,7 +268,7 @@ def _turn(turn: PlannedTurn, table: AttitudeTable) -> TurnOut:
     return TurnOut(
         start=row_text(table, turn.first_row),
         stop=row_text(table, turn.last_row),
-        onto=turn.look,
+        onto=turn.window,
         angle_deg=math.degrees(compared.angle_rad),
         duration_s=compared.duration_s,
         eigenaxis_s=compared.eigenaxis_s,
@@ -301,11 +300,11 @@ def _stabilisation(report: StabilisationReport) -> StabilisationOut:
         runs=report.runs,
         share_steady=report.share_steady,
         worst_deg_s=None if worst is None else math.degrees(worst),
-        windows=[_steadiness(flown) for flown in report.windows],
+        windows=[_steadiness(window) for window in report.windows],
     )
 
 
-def _steadiness(flown: FlownWindow) -> SteadinessOut:
+def _steadiness(flown: WindowSteadiness) -> SteadinessOut:
     return SteadinessOut(
         request=flown.window.request,
         look=flown.window.look,

@@ -2,7 +2,7 @@
 
 import hashlib
 import zlib
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from datetime import UTC, datetime
 
 from app.answers.provenance import provenance
@@ -11,11 +11,9 @@ from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import PackedColumns, pack, unpack
 from app.store.planned import NewPlan
 from planner.frames.time_scales import utc_from_text, utc_text
-from planner.spacecraft.export import IMAGING_EXPORTERS
+from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.plan import plan_imaging
-from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 _COLUMNS = (
     "eci_from_body_xyzw",
@@ -24,15 +22,6 @@ _COLUMNS = (
     "gimbal_rad",
     "gimbal_rate_rad_s",
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class StoredSession:
-    """The parts of a stored session that its table's formats are written from."""
-
-    request: ImagingPlanRequest
-    spacecraft: AgileSpacecraft
-    table: AttitudeTable
 
 
 def plan_and_pack_session(request: bytes) -> NewPlan:
@@ -60,11 +49,10 @@ def stored_session_file(
     request: bytes, table_columns: bytes, format_name: str, created_utc: datetime
 ) -> bytes:
     """The table by itself."""
-    asked = read_spacecraft_request(request)
-    flown = StoredSession(
-        request=asked, spacecraft=asked.definition(), table=_table(unpack(table_columns))
+    session = SessionTable(
+        request=read_spacecraft_request(request), table=_table(unpack(table_columns))
     )
-    return IMAGING_EXPORTERS[format_name].write(flown, created_utc)
+    return IMAGING_EXPORTERS[format_name].write(session, created_utc)
 
 
 def _pack(table: AttitudeTable) -> PackedColumns:

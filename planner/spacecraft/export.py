@@ -1,13 +1,11 @@
-"""In which formats can an imaging session's table be taken away?"""
+"""The formats that an imaging session's table is exported in."""
 
 import io
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Protocol
 
 import numpy as np
 from scipy.io import netcdf_file
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
@@ -24,25 +22,26 @@ _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; ec
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
 
 
-class FlownImaging(Protocol):
-    """What every format is written from: an `ImagingPlan`, or anything with these parts of one."""
+@dataclass(frozen=True, kw_only=True)
+class SessionTable:
+    """What every format is written from: what was asked, and the table that does it."""
+
+    request: ImagingPlanRequest
+    table: AttitudeTable
 
     @property
-    def request(self) -> ImagingPlanRequest: ...
-    @property
-    def spacecraft(self) -> AgileSpacecraft: ...
-    @property
-    def table(self) -> AttitudeTable: ...
+    def spacecraft(self) -> AgileSpacecraft:
+        return self.request.definition()
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Column:
-    """values: shape (n,) or (n, k); unit as UDUNITS writes it."""
+    """rows: shape (n, k), one value a part; unit as UDUNITS writes it."""
 
     name: str
     parts: tuple[str, ...]
     unit: str
-    values: Array
+    rows: Array
     decimals: int = DECIMALS
 
 
@@ -56,24 +55,22 @@ def _columns(table: AttitudeTable) -> tuple[_Column, ...]:
             name="q_body_from_eci",
             parts=(*xyz, "w"),
             unit="1",
-            values=continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv()),
+            rows=continuous(table.q_body_from_eci),
             decimals=QUATERNION_DECIMALS,
         ),
         _degrees("omega_body_deg_s", xyz, "degree s-1", table.omega_body_rad_s),
         _degrees("alpha_body_deg_s2", xyz, "degree s-2", table.alpha_body_rad_s2),
         _degrees("gimbal_deg", gimbals, "degree", table.gimbal_rad),
         _degrees("gimbal_rate_deg_s", gimbals, "degree s-1", table.gimbal_rate_rad_s),
-        _Column(
-            name="imaging", parts=("",), unit="1", values=on[:, None].astype(float), decimals=0
-        ),
+        _Column(name="imaging", parts=("",), unit="1", rows=on[:, None].astype(float), decimals=0),
     )
 
 
 def _degrees(name: str, parts: tuple[str, ...], unit: str, values_rad: Array) -> _Column:
-    return _Column(name=name, parts=parts, unit=unit, values=np.degrees(values_rad) + 0.0)
+    return _Column(name=name, parts=parts, unit=unit, rows=np.degrees(values_rad) + 0.0)
 
 
-def _notes(plan: FlownImaging, created_utc: datetime) -> tuple[str, ...]:
+def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
     return (
         f"slewtrack imaging session {one_line(plan.request.name) or 'without a name'}, "
         f"spacecraft {one_line(plan.spacecraft.name)}, written {utc_text(created_utc)}",
@@ -90,7 +87,7 @@ def _notes(plan: FlownImaging, created_utc: datetime) -> tuple[str, ...]:
     )
 
 
-def write_csv(plan: FlownImaging, created_utc: datetime) -> bytes:
+def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
     table = plan.table
     columns = _columns(table)
@@ -98,14 +95,14 @@ def write_csv(plan: FlownImaging, created_utc: datetime) -> bytes:
     lines = [f"# {note}" for note in _notes(plan, created_utc)]
     lines.append(",".join(["utc", "t_s", *names]))
     layout = ",".join(f"%.{c.decimals}f" for c in columns for _ in c.parts)
-    rows = np.hstack([column.values for column in columns]).tolist()
+    rows = np.hstack([column.rows for column in columns]).tolist()
     moments = Instants(table.epoch_utc, table.t_s).utc_text(1)
     for moment, t_s, row in zip(moments, table.t_s.tolist(), rows, strict=True):
         lines.append(f"{moment},{t_s:.1f},{layout % tuple(row)}")
     return ("\n".join(lines) + "\n").encode()
 
 
-def write_netcdf(plan: FlownImaging, created_utc: datetime) -> bytes:
+def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
     """Classic format, CF: `time` counts SI seconds since row 0, whose UTC is its reference."""
     table = plan.table
     buffer = io.BytesIO()
@@ -135,13 +132,13 @@ def write_netcdf(plan: FlownImaging, created_utc: datetime) -> bytes:
             sides = side.get(column.parts, ("gimbal",))
             name = column.name + "_xyzw" * (sides == ("xyzw",))
             variable = file.createVariable(name, "d", ("time", *sides))
-            variable[:] = column.values if sides else column.values[:, 0]
+            variable[:] = column.rows if sides else column.rows[:, 0]
             describe(variable, units=column.unit)
         file.flush()
         return buffer.getvalue()
 
 
-def write_aem(plan: FlownImaging, created_utc: datetime) -> bytes:
+def write_aem(plan: SessionTable, created_utc: datetime) -> bytes:
     """CCSDS AEM 2.0, KVN: attitude of the body against GCRF and its angular velocity."""
     table = plan.table
     return attitude_message(
@@ -150,12 +147,12 @@ def write_aem(plan: FlownImaging, created_utc: datetime) -> bytes:
         plan.request.orbit,
         "SC_BODY_1",
         Instants(table.epoch_utc, table.t_s),
-        continuous(Rotation.from_quat(table.eci_from_body_xyzw).inv()),
+        continuous(table.q_body_from_eci),
         table.omega_body_rad_s,
     )
 
 
-IMAGING_EXPORTERS: dict[str, Exporter[FlownImaging]] = {
+IMAGING_EXPORTERS: dict[str, Exporter[SessionTable]] = {
     "csv": Exporter(
         title="attitude, rates and gimbals", media_type="text/csv", suffix=".csv", write=write_csv
     ),

@@ -1,18 +1,111 @@
-"""How does a GeoJSON FeatureCollection become imaging requests?
-
-Each Feature's properties are a request's other fields (mode, name, priority, ...); what comes
-out is plain data for the request's schema to check, which also gives the messages.
-"""
+"""The GeoJSON that is read: lines and polygons, and requests as a FeatureCollection."""
 
 import json
+import math
+from itertools import combinations, pairwise
+from typing import Annotated, Literal
 
 from planner.errors import InvalidMessage
+from planner.spec import Within, spec
 
+# Longitude, latitude and, if given, height in metres: no use is made of it.
+Position = tuple[Annotated[float, Within(-1000.0, 100e3)], ...]
 CHARACTERS_MAX = 1_000_000
+LEG_MAX_KM = 2000.0
+EARTH_RADIUS_KM = 6371.0
+
+
+def _check_positions(positions: tuple[Position, ...]) -> None:
+    for position in positions:
+        if len(position) not in (2, 3) or not all(math.isfinite(x) for x in position):
+            raise ValueError(f"a position is [longitude, latitude] in degrees, not {position}")
+        if not (-180.0 <= position[0] <= 360.0 and -89.0 <= position[1] <= 89.0):
+            raise ValueError(
+                f"position {position} is off the map: longitude -180..360, latitude -89..89, "
+                "in this order"
+            )
+
+
+@spec
+class GeoLineString:
+    """A GeoJSON line: positions [longitude, latitude], degrees."""
+
+    type: Literal["LineString"] = "LineString"
+    coordinates: tuple[Position, ...]
+
+    def __post_init__(self) -> None:
+        if not 2 <= len(self.coordinates) <= 64:
+            raise ValueError(f"a line has 2 to 64 positions, not {len(self.coordinates)}")
+        _check_positions(self.coordinates)
+        for number, (a, b) in enumerate(pairwise(self.coordinates)):
+            apart_km = _apart_km(a, b)
+            if apart_km < 1.0:
+                raise ValueError(f"positions {number} and {number + 1} are less than 1 km apart")
+            if apart_km > LEG_MAX_KM:
+                raise ValueError(
+                    f"positions {number} and {number + 1} are {apart_km:.0f} km apart; a leg has "
+                    f"at most {LEG_MAX_KM:.0f} km: put positions between"
+                )
+        self._refuse_crossing()
+
+    def _refuse_crossing(self) -> None:
+        last = len(self.coordinates) - 1
+        legs = list(pairwise(_unwrapped(self.coordinates)))
+        for (i, (a, b)), (j, (c, d)) in combinations(enumerate(legs), 2):
+            if j > i + 1 and _cross(a, b, c, d):
+                raise ValueError(
+                    f"the line crosses itself: leg {i} and leg {j} meet; split it into two "
+                    f"requests, positions 0 to {j} and {j} to {last}"
+                )
+
+
+def _apart_km(a: Position, b: Position) -> float:
+    """Great circle on a sphere."""
+    north = math.radians(b[1] - a[1])
+    east = math.radians(b[0] - a[0])
+    cosines = math.cos(math.radians(a[1])) * math.cos(math.radians(b[1]))
+    half = math.sin(north / 2.0) ** 2 + cosines * math.sin(east / 2.0) ** 2
+    return 2.0 * EARTH_RADIUS_KM * math.asin(math.sqrt(min(half, 1.0)))
+
+
+def _unwrapped(line: tuple[Position, ...]) -> list[Position]:
+    """The same positions, none more than half a turn of longitude from the one before."""
+    found = [line[0]]
+    for position in line[1:]:
+        turns = round((position[0] - found[-1][0]) / 360.0)
+        found.append((position[0] - 360.0 * turns, position[1]))
+    return found
+
+
+def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
+    def side(p: Position, q: Position, r: Position) -> float:
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    return side(a, b, c) * side(a, b, d) <= 0.0 and side(c, d, a) * side(c, d, b) <= 0.0
+
+
+@spec
+class GeoPolygon:
+    """A GeoJSON polygon without holes: one closed ring of positions, degrees."""
+
+    type: Literal["Polygon"] = "Polygon"
+    coordinates: tuple[tuple[Position, ...], ...]
+
+    def __post_init__(self) -> None:
+        if len(self.coordinates) != 1:
+            raise ValueError(f"a polygon has one ring and no holes, not {len(self.coordinates)}")
+        ring = self.coordinates[0]
+        if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
+            raise ValueError("a ring has 4 to 64 positions and ends where it begins")
+        _check_positions(ring)
 
 
 def requests_from_features(text: str) -> list[dict[str, object]]:
-    """Fields of each request, in the features' order.  Raises InvalidMessage."""
+    """Fields of each request of a FeatureCollection, in the features' order.
+
+    A Feature's properties are a request's other fields (mode, name, priority, ...); what comes
+    out is plain data for the request's schema to check.  Raises InvalidMessage.
+    """
     if len(text) > CHARACTERS_MAX:
         raise InvalidMessage(
             f"the GeoJSON has {len(text)} characters; the most is {CHARACTERS_MAX}"

@@ -1,32 +1,54 @@
-"""How do modified Rodrigues parameters and body rates correspond?
+"""Modified Rodrigues parameters of an attitude and the body rates that go with them.
 
 sigma = e tan(theta/4) turns reference axes onto body axes; smooth and free of constraints
-below a full turn, so curves of sigma serve as attitude profiles.
+below a full turn, so curves of sigma serve as attitude profiles.  It is the vector of SciPy's
+`q_reference_from_body.as_mrp()`.
 Source: Schaub, Junkins, Analytical Mechanics of Space Systems, 3.6 (eq. 3.157-3.162).
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 
 
 class BodyMotion(NamedTuple):
-    """Rates of a body in its own axes, each (..., 3): rad/s, rad/s^2, rad/s^3."""
+    """Rates of a body in its own axes, each (..., 3)."""
 
     omega_body_rad_s: Array
     alpha_body_rad_s2: Array
     jerk_body_rad_s3: Array
 
 
+class MrpState(NamedTuple):
+    """sigma and its first two derivatives in time, each (..., 3)."""
+
+    mrp: Array
+    rate_per_s: Array
+    acceleration_per_s2: Array
+
+
+class MrpMotion(NamedTuple):
+    """sigma and its first three derivatives in time, each (..., 3)."""
+
+    mrp: Array
+    rate_per_s: Array
+    acceleration_per_s2: Array
+    jerk_per_s3: Array
+
+
+MrpCurve = Callable[[Array], MrpMotion]  # by instants t_s (n,)
+
+
 def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=-1, keepdims=True))
 
 
-def body_motion(sigma: Array, d1: Array, d2: Array, d3: Array) -> BodyMotion:
-    """Body rates of the curve sigma with time derivatives d1, d2, d3, each (..., 3)."""
+def body_motion(motion: MrpMotion) -> BodyMotion:
+    """Body rates of a motion of sigma."""
+    sigma, d1, d2, d3 = motion
     s, s1 = _dot(sigma, sigma), _dot(sigma, d1)
     s2 = _dot(d1, d1) + _dot(sigma, d2)
     s3 = 3.0 * _dot(d1, d2) + _dot(sigma, d3)
@@ -46,42 +68,36 @@ def body_motion(sigma: Array, d1: Array, d2: Array, d3: Array) -> BodyMotion:
     return BodyMotion(f * a, f1 * a + f * a1, f2 * a + 2.0 * f1 * a1 + f * a2)
 
 
-def mrp_rates(sigma: Array, omega: Array, alpha: Array) -> tuple[Array, Array]:
-    """First and second time derivatives of sigma that give these body rates, each (..., 3)."""
+def mrp_state(mrp: Array, omega_body_rad_s: Array, alpha_body_rad_s2: Array) -> MrpState:
+    """The derivatives of sigma that give these body rates, each (..., 3)."""
+    sigma, omega, alpha = mrp, omega_body_rad_s, alpha_body_rad_s2
     s = _dot(sigma, sigma)
 
-    def undone(v: Array) -> Array:
-        return (1.0 - s) * v + 2.0 * np.cross(sigma, v) + 2.0 * sigma * _dot(sigma, v)
+    def _invert(x: Array) -> Array:
+        return (1.0 - s) * x + 2.0 * np.cross(sigma, x) + 2.0 * sigma * _dot(sigma, x)
 
-    d1 = undone(omega) / 4.0
+    d1 = _invert(omega) / 4.0
     s1 = _dot(sigma, d1)
     a = omega * (1.0 + s) ** 2 / 4.0
     a1 = (alpha + 16.0 * s1 / (1.0 + s) ** 3 * a) * (1.0 + s) ** 2 / 4.0
     rest = a1 - 2.0 * sigma * _dot(d1, d1)
-    return d1, undone(rest) / (1.0 + s) ** 2
+    return MrpState(sigma, d1, _invert(rest) / (1.0 + s) ** 2)
 
 
-def quintic(ends: tuple[Array, ...], span_s: float, u: Array) -> tuple[Array, ...]:
-    """Value and three derivatives of the quintic Hermite at shares u (n,) of the span.
-
-    ends: value, first, second derivative at both ends (six arrays, (n, 3) or (3,)).
-    """
-    p0, v0, a0, p1, v1, a1 = ends
+def quintic(start: MrpState, end: MrpState, span_s: float, shares: Array) -> MrpMotion:
+    """The quintic Hermite at shares (n,) of the span between two states, (n, 3) or (3,)."""
+    p0, v0, a0 = start
+    p1, v1, a1 = end
     h = span_s
     c0, c1, c2 = p0, v0 * h, 0.5 * a0 * h**2
     dp, dv, da = p1 - c0 - c1 - c2, v1 * h - c1 - 2 * c2, a1 * h**2 - 2 * c2
     c3 = 10 * dp - 4 * dv + 0.5 * da
     c4 = -15 * dp + 7 * dv - da
     c5 = 6 * dp - 3 * dv + 0.5 * da
-    x = u[:, None]
-    return (
+    x = shares[:, None]
+    return MrpMotion(
         c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5)))),
         (c1 + x * (2 * c2 + x * (3 * c3 + x * (4 * c4 + x * 5 * c5)))) / h,
         (2 * c2 + x * (6 * c3 + x * (12 * c4 + x * 20 * c5))) / h**2,
         (6 * c3 + x * (24 * c4 + x * 60 * c5)) / h**3,
     )
-
-
-def relative_mrp(eci_from_start: Rotation, eci_from_end: Rotation) -> Array:
-    """sigma of the rotation start axes -> end axes, (..., 3)."""
-    return np.asarray((eci_from_start.inv() * eci_from_end).as_mrp())

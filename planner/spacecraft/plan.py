@@ -1,8 +1,7 @@
-"""Plans an imaging session: candidates, choice and turns, gimbals, judges."""
+"""Plans an imaging session: candidates, choice and turns, gimbals, verification, simulation."""
 
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import timedelta
 from functools import partial
 
 import numpy as np
@@ -18,43 +17,38 @@ from planner.errors import (
     Unreachable,
     VerificationFailed,
 )
-from planner.frames.time_scales import elapsed_s
+from planner.spacecraft.export import SessionTable
 from planner.spacecraft.flight.simulation import fly_many
 from planner.spacecraft.flight.stabilisation import (
     ASSUMPTIONS,
     StabilisationReport,
-    flown_windows,
     stabilisation,
+    window_steadiness,
 )
-from planner.spacecraft.imaging.candidates import ImagingSession
+from planner.spacecraft.imaging.alternatives import refusal_with_alternative
 from planner.spacecraft.imaging.choice_with_turns import LeftOut, choose_and_turn, options_of
 from planner.spacecraft.imaging.choose import Choice
+from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import PlannedTurn, Timeline
-from planner.spacecraft.imaging.way_out import refusal_with_way_out
 from planner.spacecraft.requests import ImagingPlanRequest
-from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.turns.turn_time import turn_time
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.table import AttitudeTable, camera_on
 from planner.spacecraft.vehicle.gimbals import gimbal_rows, total_momentum_eci
 from planner.spacecraft.verification import SpacecraftVerification, verify_table
 
 # Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
 REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
-FLOWN_ROW = 4.5
+SIMULATED_ROW = 4.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImagingPlan:
+class ImagingPlan(SessionTable):
     """The plan of a session.
 
-    table: what is flown.  turns: each beside its eigenaxis baselines.  choice: worth and bound
-    of what was chosen (against the turn times as estimated).  stabilisation: of the dispersed
-    closed-loop runs.  assumptions: what the numbers rest on that the paper doesn't give.
+    turns: each beside its eigenaxis baselines.  choice: worth and bound of what was chosen
+    (against the turn times as estimated).  stabilisation: of the dispersed closed-loop runs.
+    assumptions: what the numbers rest on that the paper doesn't give.
     """
 
-    request: ImagingPlanRequest
-    spacecraft: AgileSpacecraft
-    table: AttitudeTable
     turns: tuple[PlannedTurn, ...]
     choice: Choice
     left_out: tuple[LeftOut, ...]
@@ -73,7 +67,12 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     """
     more = REQUEST_MORE * (len(request.requests) - 1)
     with at_most(min(effort.PLAN + more, SESSION_MOST)):
-        return _planned_or_refused(request)
+        try:
+            return _make_plan(request)
+        except (Unreachable, InfeasibleSlew, InvalidInput) as why:
+            with suppress(EffortSpent):
+                raise refusal_with_alternative(request, why, _works) from why
+            raise
     raise SearchEnded(
         "what is asked of this session takes more work than may be done for it before any plan "
         "is found; ask for fewer or smaller requests at a time",
@@ -81,134 +80,111 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     )
 
 
-def _planned_or_refused(request: ImagingPlanRequest) -> ImagingPlan:
-    try:
-        return _planned(request)
-    except (Unreachable, InfeasibleSlew, InvalidInput) as why:
-        with suppress(EffortSpent):
-            raise refusal_with_way_out(
-                request, why, lambda other: make_session(other, other.definition()), _works
-            ) from why
-        raise
-
-
 def _works(request: ImagingPlanRequest) -> bool:
     try:
-        return bool(_planned(request).table.windows)
+        return bool(_make_plan(request).table.windows)
     except Refusal:
         return False
 
 
-def _planned(request: ImagingPlanRequest) -> ImagingPlan:
-    spacecraft = request.definition()
-    _refuse_momentum(request, spacecraft)
-    session = make_session(request, spacecraft)
-    options, left_out = options_of(request, session)
-    choice, timeline, warnings = choose_and_turn(request, session, options)
-    table = make_table(request, session, timeline)
+def _make_plan(request: ImagingPlanRequest) -> ImagingPlan:
+    _refuse_momentum(request)
+    session = make_session(request)
+    options, unseen = options_of(session)
+    choice, timeline, warnings = choose_and_turn(session, options)
+    table = make_table(session, timeline)
     verification = verify_table(table, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
-    states = session.ephemeris.states(session.instants(table.t_s))
     runs = _affordable_runs(request, len(table.t_s))
-    seeds = range(request.seed, request.seed + runs)
     if runs < request.simulation_runs:
         warnings += (
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
-    keep = partial(flown_windows, spacecraft, table, verification)
     return ImagingPlan(
         request=request,
-        spacecraft=spacecraft,
         table=table,
         turns=timeline.turns,
         choice=choice,
-        left_out=(*left_out, *_not_chosen(request, choice, left_out)),
+        left_out=(*unseen, *_not_chosen(session, choice, unseen)),
         verification=verification,
-        stabilisation=stabilisation(fly_many(spacecraft, table, states, seeds, keep)),
+        stabilisation=_stabilisation(session, table, verification, runs),
         assumptions=ASSUMPTIONS,
         warnings=(*session.ephemeris.warnings, *warnings),
     )
 
 
+def _stabilisation(
+    session: ImagingSession, table: AttitudeTable, verification: SpacecraftVerification, runs: int
+) -> StabilisationReport:
+    spacecraft, seed = session.spacecraft, session.request.seed
+    states = session.ephemeris.states(session.instants(table.t_s))
+    keep = partial(window_steadiness, spacecraft, verification)
+    return stabilisation(fly_many(spacecraft, table, states, range(seed, seed + runs), keep))
+
+
 def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:
-    """As many of the dispersed runs as may still be flown, one at least where any is asked for."""
-    run = FLOWN_ROW * rows
+    """As many of the dispersed runs as may still be made, one at least where any is asked for."""
+    run = SIMULATED_ROW * rows
     runs = min(request.simulation_runs, max(int(effort.remaining() / run), 1))
     effort.count(runs * run)
     return runs
 
 
-def _refuse_momentum(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> None:
-    stored = float(np.linalg.norm(request.settings.momentum_n_m_s))
-    sphere = spacecraft.slew.momentum_sphere_n_m_s
-    if stored > sphere:
+def _refuse_momentum(request: ImagingPlanRequest) -> None:
+    stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
+    sphere_n_m_s = request.definition().slew.momentum_sphere_n_m_s
+    if stored_n_m_s > sphere_n_m_s:
         raise InvalidInput(
-            f"the gyros store {stored:.1f} N m s at the start, beyond the {sphere:.0f} N m s "
-            f"sphere they are steered in; unload at least {stored - sphere:.1f} N m s first",
+            f"the gyros store {stored_n_m_s:.1f} N m s at the start, beyond the "
+            f"{sphere_n_m_s:.0f} N m s sphere they are steered in; unload at least "
+            f"{stored_n_m_s - sphere_n_m_s:.1f} N m s first",
             field="settings.momentum_n_m_s",
             limit="momentum",
         )
 
 
-def make_session(request: ImagingPlanRequest, spacecraft: AgileSpacecraft) -> ImagingSession:
-    """The orbit and the spacecraft of a request, made ready."""
-    margin = timedelta(seconds=200)
-    return ImagingSession(
-        ephemeris=request.orbit.ephemeris(request.start - margin, request.stop + margin),
-        epoch_utc=request.start,
-        duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
-        spacecraft=spacecraft,
-        turn_time=turn_time(spacecraft),
-    )
-
-
-def make_table(
-    request: ImagingPlanRequest, session: ImagingSession, timeline: Timeline
-) -> AttitudeTable:
+def make_table(session: ImagingSession, timeline: Timeline) -> AttitudeTable:
     """Rows of a timeline with the gimbal angles and rates that fly it."""
     spacecraft = session.spacecraft
-    rows = len(timeline.motion.omega_body_rad_s)
-    inertia = np.array(spacecraft.inertia_kg_m2)
-    omega = timeline.motion.omega_body_rad_s
+    inertia_kg_m2 = np.array(spacecraft.inertia_kg_m2)
+    omega_body_rad_s = timeline.motion.omega_body_rad_s
+    rows = len(omega_body_rad_s)
     states = session.ephemeris.states(session.instants(np.arange(rows) / ROWS_PER_S))
-    gyros = np.array(request.settings.momentum_n_m_s)
-    total = total_momentum_eci(
-        timeline.attitude,
-        timeline.attitude[0].apply(inertia * omega[0] + gyros),
+    q_eci_from_body = timeline.q_body_from_eci.inv()
+    gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
+    total_eci_n_m_s = total_momentum_eci(
+        timeline.q_body_from_eci,
+        q_eci_from_body[0].apply(inertia_kg_m2 * omega_body_rad_s[0] + gyros_body_n_m_s),
         states.r_sat_eci_m,
-        inertia,
+        inertia_kg_m2,
     )
-    imaging = np.zeros(rows - 1, dtype=bool)
-    for window in timeline.windows:
-        imaging[window.first_row : window.last_row] = True
-    angles, rates = gimbal_rows(
+    gimbal_rad, gimbal_rate_rad_s = gimbal_rows(
         spacecraft.array,
-        timeline.attitude.inv().apply(total) - inertia * omega,
-        imaging,
+        timeline.q_body_from_eci.apply(total_eci_n_m_s) - inertia_kg_m2 * omega_body_rad_s,
+        camera_on(timeline.windows, rows),
         spacecraft.gains.null_gain_rad_s,
     )
     return AttitudeTable(
-        epoch_utc=request.start,
-        eci_from_body_xyzw=timeline.attitude.as_quat(),
-        omega_body_rad_s=omega,
+        epoch_utc=session.epoch_utc,
+        eci_from_body_xyzw=q_eci_from_body.as_quat(),
+        omega_body_rad_s=omega_body_rad_s,
         alpha_body_rad_s2=timeline.motion.alpha_body_rad_s2,
-        gimbal_rad=angles,
-        gimbal_rate_rad_s=rates,
+        gimbal_rad=gimbal_rad,
+        gimbal_rate_rad_s=gimbal_rate_rad_s,
         windows=timeline.windows,
     )
 
 
 def _not_chosen(
-    request: ImagingPlanRequest, choice: Choice, left_out: tuple[LeftOut, ...]
+    session: ImagingSession, choice: Choice, unseen: tuple[LeftOut, ...]
 ) -> tuple[LeftOut, ...]:
     """Requests with candidates that the best choice has no time for."""
-    done = set(choice.requests)
-    unseen = {one.name for one in left_out}
+    others = {one.name for one in unseen}
     gap = "no better choice exists" if choice.proven_optimal else "the choice is not proven best"
     return tuple(
-        LeftOut(name=one.name, reason=f"no time beside requests worth more ({gap})")
-        for number, one in enumerate(request.requests)
-        if number not in done and one.name not in unseen
+        LeftOut(name=request.name, reason=f"no time beside requests worth more ({gap})")
+        for number, request in enumerate(session.request.requests)
+        if number not in choice.requests and request.name not in others
     )

@@ -1,117 +1,29 @@
-"""What can be asked of the imaging spacecraft?  The request's fields, in degrees and GeoJSON."""
+"""What can be asked of the imaging spacecraft: the request's fields, in degrees and GeoJSON."""
 
 import math
+from dataclasses import replace
 from datetime import datetime
-from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from planner.frames.time_scales import elapsed_s, require_offset, utc_text
 from planner.orbits import Orbit
+from planner.spacecraft.geojson import GeoLineString, GeoPolygon
 from planner.spacecraft.vehicle.definition import (
     OFF_NADIR_DEG,
     SETTLE_S,
     SPACECRAFT,
     SWATH_M,
     AgileSpacecraft,
-    Camera,
     SlewLimits,
     TurnObjective,
 )
 from planner.spec import UnitPart, Within, spec
 
-# Longitude, latitude and, if given, height in metres: no use is made of it.
-Position = tuple[Annotated[float, Within(-1000.0, 100e3)], ...]
 _MomentumPart = Annotated[float, Within(-240.0, 240.0)]  # four gyros of 60 in one direction
 SESSION_MAX_S = 3600.0
-LEG_MAX_KM = 2000.0
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
-
-
-def _check_positions(positions: tuple[Position, ...]) -> None:
-    for position in positions:
-        if len(position) not in (2, 3) or not all(math.isfinite(x) for x in position):
-            raise ValueError(f"a position is [longitude, latitude] in degrees, not {position}")
-        if not (-180.0 <= position[0] <= 360.0 and -89.0 <= position[1] <= 89.0):
-            raise ValueError(
-                f"position {position} is off the map: longitude -180..360, latitude -89..89, "
-                "in this order"
-            )
-
-
-@spec
-class GeoLineString:
-    """A GeoJSON line: positions [longitude, latitude], degrees."""
-
-    type: Literal["LineString"] = "LineString"
-    coordinates: tuple[Position, ...]
-
-    def __post_init__(self) -> None:
-        if not 2 <= len(self.coordinates) <= 64:
-            raise ValueError(f"a line has 2 to 64 positions, not {len(self.coordinates)}")
-        _check_positions(self.coordinates)
-        for number, (a, b) in enumerate(pairwise(self.coordinates)):
-            apart_km = _apart_km(a, b)
-            if apart_km < 1.0:
-                raise ValueError(f"positions {number} and {number + 1} are less than 1 km apart")
-            if apart_km > LEG_MAX_KM:
-                raise ValueError(
-                    f"positions {number} and {number + 1} are {apart_km:.0f} km apart; a leg has "
-                    f"at most {LEG_MAX_KM:.0f} km: put positions between"
-                )
-        self._refuse_crossing()
-
-    def _refuse_crossing(self) -> None:
-        last = len(self.coordinates) - 1
-        legs = list(pairwise(_unwrapped(self.coordinates)))
-        for (i, (a, b)), (j, (c, d)) in combinations(enumerate(legs), 2):
-            if j > i + 1 and _cross(a, b, c, d):
-                raise ValueError(
-                    f"the line crosses itself: leg {i} and leg {j} meet; split it into two "
-                    f"requests, positions 0 to {j} and {j} to {last}"
-                )
-
-
-def _apart_km(a: Position, b: Position) -> float:
-    """Great circle on a sphere of 6371 km."""
-    north = math.radians(b[1] - a[1])
-    east = math.radians(b[0] - a[0])
-    cosines = math.cos(math.radians(a[1])) * math.cos(math.radians(b[1]))
-    half = math.sin(north / 2.0) ** 2 + cosines * math.sin(east / 2.0) ** 2
-    return 2.0 * 6371.0 * math.asin(math.sqrt(min(half, 1.0)))
-
-
-def _unwrapped(line: tuple[Position, ...]) -> list[Position]:
-    """The same positions, none more than half a turn of longitude from the one before."""
-    found = [line[0]]
-    for position in line[1:]:
-        turns = round((position[0] - found[-1][0]) / 360.0)
-        found.append((position[0] - 360.0 * turns, position[1]))
-    return found
-
-
-def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
-    def side(p: Position, q: Position, r: Position) -> float:
-        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-    return side(a, b, c) * side(a, b, d) <= 0.0 and side(c, d, a) * side(c, d, b) <= 0.0
-
-
-@spec
-class GeoPolygon:
-    """A GeoJSON polygon without holes: one closed ring of positions, degrees."""
-
-    type: Literal["Polygon"] = "Polygon"
-    coordinates: tuple[tuple[Position, ...], ...]
-
-    def __post_init__(self) -> None:
-        if len(self.coordinates) != 1:
-            raise ValueError(f"a polygon has one ring and no holes, not {len(self.coordinates)}")
-        ring = self.coordinates[0]
-        if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
-            raise ValueError("a ring has 4 to 64 positions and ends where it begins")
-        _check_positions(ring)
 
 
 @spec
@@ -203,8 +115,6 @@ def _two_positions(line: GeoLineString) -> None:
 Request = Annotated[
     StripRequest | StereoRequest | AreaRequest | CorridorRequest, Field(discriminator="mode")
 ]
-MODES = {"strip": StripRequest, "stereo": StereoRequest, "area": AreaRequest}
-MODES["corridor"] = CorridorRequest
 
 
 @spec
@@ -228,39 +138,23 @@ class SpacecraftSettings:
     along_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 30.0
     momentum_n_m_s: tuple[_MomentumPart, _MomentumPart, _MomentumPart] = (0.0, 0.0, 0.0)
 
-    def __post_init__(self) -> None:
-        self._slew()
-        self._camera(Camera())
-
-    def _slew(self) -> SlewLimits:
-        return SlewLimits(
-            rate_axis_rad_s=math.radians(self.rate_axis_max_deg_s),
-            torque_n_m=self.torque_max_n_m,
-            torque_rate_n_m_s=self.torque_rate_max_n_m_s,
-            settle_s=self.settle_s,
-        )
-
-    def _camera(self, of: Camera) -> Camera:
-        return Camera(
-            pixel_rad=of.pixel_rad,
-            tdi_lines=of.tdi_lines,
-            swath_m=self.swath_m,
-            reversible=self.reversible_scan,
-            across_max_deg=self.across_max_deg,
-            along_max_deg=self.along_max_deg,
-        )
-
     def applied_to(self, spacecraft: AgileSpacecraft) -> AgileSpacecraft:
         """The spacecraft with these settings."""
-        return AgileSpacecraft(
-            name=spacecraft.name,
-            inertia_kg_m2=spacecraft.inertia_kg_m2,
-            array=spacecraft.array,
-            modes=spacecraft.modes,
-            sensors=spacecraft.sensors,
-            gains=spacecraft.gains,
-            slew=self._slew(),
-            camera=self._camera(spacecraft.camera),
+        return replace(
+            spacecraft,
+            slew=SlewLimits(
+                rate_axis_rad_s=math.radians(self.rate_axis_max_deg_s),
+                torque_n_m=self.torque_max_n_m,
+                torque_rate_n_m_s=self.torque_rate_max_n_m_s,
+                settle_s=self.settle_s,
+            ),
+            camera=replace(
+                spacecraft.camera,
+                swath_m=self.swath_m,
+                reversible=self.reversible_scan,
+                across_max_deg=self.across_max_deg,
+                along_max_deg=self.along_max_deg,
+            ),
         )
 
 

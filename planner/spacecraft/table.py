@@ -1,6 +1,6 @@
-"""What does the spacecraft fly?  Attitude and gimbal rows every 0.2 s, and when the camera runs.
+"""The command table: attitude and gimbal rows every 0.2 s, and when the camera runs.
 
-Plain data: made by the planner, judged and flown by parts that never saw it.
+Plain data: made by the planner, judged and simulated by parts that never saw it.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.spacecraft.mrp import BodyMotion, body_motion, mrp_rates, quintic, relative_mrp
+from planner.spacecraft.mrp import BodyMotion, MrpState, body_motion, mrp_state, quintic
 
 TICK_S = COMMAND_STEP_S  # Platonov, Sumarokov 2019: the control cycle
 
@@ -34,8 +34,8 @@ class ImagingWindow:
 class AttitudeTable:
     """Rows k at epoch_utc + 0.2 k s (SI seconds).
 
-    eci_from_body_xyzw: (n, 4), scalar last, turns body vectors into ECI; the exports give its
-    inverse too.  omega_body_rad_s: body relative to ECI in body axes, (n, 3), and its
+    eci_from_body_xyzw: (n, 4), scalar last, turns body vectors into ECI: `q_body_from_eci`
+    inverted.  omega_body_rad_s: body relative to ECI in body axes, (n, 3), and its
     derivative alpha_body_rad_s2.  gimbal_rad, gimbal_rate_rad_s: (n, 4), rate held until the
     next row.  Between rows the attitude is the quintic Hermite of the two rows in Rodrigues
     parameters (attitude, rate and acceleration all meet).
@@ -54,29 +54,39 @@ class AttitudeTable:
         """Seconds since the epoch of each row, (n,)."""
         return np.arange(len(self.omega_body_rad_s)) / ROWS_PER_S
 
-    def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
-        """eci_from_body and body rates at any instants (m,) from the first to the last row."""
+    @property
+    def q_body_from_eci(self) -> Rotation:
+        """Attitudes of the n rows."""
+        return Rotation.from_quat(self.eci_from_body_xyzw).inv()
+
+    def attitude_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
+        """q_body_from_eci and body rates at any instants (m,) from the first to the last row."""
         n = len(self.omega_body_rad_s)
         position = np.clip(np.asarray(t_s) * ROWS_PER_S, 0.0, n - 1.0)
         k = np.minimum(position.astype(int), n - 2)
-        start = Rotation.from_quat(self.eci_from_body_xyzw[k])
-        end = Rotation.from_quat(self.eci_from_body_xyzw[k + 1])
-        sigma = relative_mrp(start, end)
-        v1, a1 = mrp_rates(sigma, self.omega_body_rad_s[k + 1], self.alpha_body_rad_s2[k + 1])
-        ends = (
-            np.zeros_like(sigma),
-            self.omega_body_rad_s[k] / 4.0,
-            self.alpha_body_rad_s2[k] / 4.0,
-            sigma,
-            v1,
-            a1,
+        q_eci_from_start = Rotation.from_quat(self.eci_from_body_xyzw[k])
+        q_eci_from_end = Rotation.from_quat(self.eci_from_body_xyzw[k + 1])
+        sigma = np.asarray((q_eci_from_start.inv() * q_eci_from_end).as_mrp())
+        curve = quintic(
+            MrpState(
+                np.zeros_like(sigma),
+                self.omega_body_rad_s[k] / 4.0,
+                self.alpha_body_rad_s2[k] / 4.0,
+            ),
+            mrp_state(sigma, self.omega_body_rad_s[k + 1], self.alpha_body_rad_s2[k + 1]),
+            TICK_S,
+            position - k,
         )
-        curve = quintic(ends, TICK_S, position - k)
-        return start * Rotation.from_mrp(curve[0]), body_motion(*curve)
+        return (q_eci_from_start * Rotation.from_mrp(curve.mrp)).inv(), body_motion(curve)
 
     def imaging(self) -> NDArray[np.bool_]:
         """Whether the camera runs from row k to k + 1, shape (n - 1,)."""
-        on = np.zeros(len(self.omega_body_rad_s) - 1, dtype=bool)
-        for window in self.windows:
-            on[window.first_row : window.last_row] = True
-        return on
+        return camera_on(self.windows, len(self.omega_body_rad_s))
+
+
+def camera_on(windows: tuple[ImagingWindow, ...], rows: int) -> NDArray[np.bool_]:
+    """Whether the camera runs from row k to k + 1, shape (rows - 1,)."""
+    on = np.zeros(rows - 1, dtype=bool)
+    for window in windows:
+        on[window.first_row : window.last_row] = True
+    return on

@@ -1,15 +1,14 @@
-"""The judgement of a table: does it do what was asked, within the spacecraft's limits.
+"""The judge of a table: does it do what was asked, within the spacecraft's limits?
 
-The judge sees the table and the request: no candidate, no profile, no solver.  Ground points
-come from its own intersection of the optical axis with the ellipsoid.
+It sees the table and the request: no candidate, no profile, no solver.  Ground points come
+from its own intersection of the optical axis with the ellipsoid.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S
@@ -17,12 +16,11 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from_geodetic
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
-from planner.orbits import OrbitStates
+from planner.orbits import Ephemeris
 from planner.spacecraft.requests import AreaRequest, ImagingPlanRequest, Request
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
-StatesAt = Callable[[Instants], OrbitStates]
 GROUND_TOLERANCE_M = 1.0
 SPEED_TOLERANCE = 1e-3
 COVERAGE_TOLERANCE = 1e-3  # of the swath: strips of full width side by side on a round Earth
@@ -33,9 +31,11 @@ LIMIT_TOLERANCE = 2e-3  # relative: planned on rows, the quintic swings between 
 ANGLE_TOLERANCE_DEG = 0.2  # the last part of a tick may scan past the arc's end and its limit
 UNIT_TOLERANCE = 1e-9  # of a quaternion's length, and
 GIMBAL_TOLERANCE_RAD = 1e-9  # of an angle: rounding, summed over a session
-BETWEEN = 5  # instants looked at per row for the limits, and
-ON_GROUND = 4  # for the line scanned
-ENDS = slice(2, -2)  # without the ends, where differences are one-sided
+INSTANTS_PER_ROW = 5  # looked at for the limits, and
+SCANNED_PER_ROW = 4  # for the line scanned
+SCAN_END = 3 * SCANNED_PER_ROW  # instants among which the scan passes the line's end
+INNER = slice(2, -2)  # without the ends, where differences are one-sided
+OPTICAL_AXIS_BODY = (0.0, -1.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,258 +86,280 @@ class SpacecraftVerification(TableExtremes):
 
 def verify_table(table: AttitudeTable, request: ImagingPlanRequest) -> SpacecraftVerification:
     """Judge a table against the request it answers."""
-    spacecraft = request.definition()
-    rows = table.t_s
-    fine_s = np.linspace(rows[0], rows[-1], (len(rows) - 1) * BETWEEN + 1)
-    ephemeris = request.orbit.ephemeris(request.start, request.stop)
-    states = ephemeris.states(Instants(table.epoch_utc, rows))
-    attitude, motion = table.at(fine_s)
-    inertia = np.array(spacecraft.inertia_kg_m2)
-    needed = _needed_momentum(table, states, inertia, np.array(request.settings.momentum_n_m_s))
-    held = spacecraft.array.momentum(table.gimbal_rad)
-    total = Rotation.from_quat(table.eci_from_body_xyzw).apply(
-        needed + inertia * table.omega_body_rad_s
+    session = _Session(
+        table=table,
+        request=request,
+        spacecraft=request.definition(),
+        ephemeris=request.orbit.ephemeris(request.start, request.stop),
     )
-    fine_total = np.stack([np.interp(fine_s, rows, total[:, k]) for k in range(3)], axis=1)
-    in_body = attitude.inv().apply(fine_total)
-    torque = inertia * motion.alpha_body_rad_s2 + np.cross(motion.omega_body_rad_s, in_body)
-    stored = in_body - inertia * motion.omega_body_rad_s
-    windows = tuple(
-        _window(table, window, request, ephemeris.states, spacecraft) for window in table.windows
-    )
-    extremes = TableExtremes(
-        rate_deg_s=np.rad2deg(np.max(np.abs(motion.omega_body_rad_s), axis=0)),
-        torque_n_m=float(np.max(np.linalg.norm(torque, axis=1))),
-        momentum_n_m_s=float(np.max(np.linalg.norm(stored, axis=1))),
-        gimbal_rate_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
-        gimbal_margin=float(np.min(spacecraft.array.singularity_margin(table.gimbal_rad))),
-        momentum_mismatch_n_m_s=float(np.max(np.linalg.norm(held - needed, axis=1))),
-    )
+    extremes = _extremes(session)
+    windows = tuple(_verified_window(session, window) for window in table.windows)
     findings = (
-        *_structure(table),
-        *_limits(extremes, spacecraft),
-        *(text for window in windows for text in _ground(window, spacecraft)),
-        *_coverage(table, request, ephemeris.states),
+        *_structure_findings(table),
+        *_limit_findings(extremes, session.spacecraft),
+        *(finding for window in windows for finding in _ground_findings(window, session)),
+        *_coverage_findings(session),
     )
     return SpacecraftVerification(
         passed=not findings, findings=findings, windows=windows, **vars(extremes)
     )
 
 
-def _needed_momentum(
-    table: AttitudeTable, states: OrbitStates, inertia: Array, start: Array
-) -> Array:
-    """What the gyros must hold at each row, body axes: conservation of momentum, Simpson's rule
-    for the gravity gradient's impulse over pairs of rows, trapezia over the odd one."""
-    attitude = Rotation.from_quat(table.eci_from_body_xyzw)
-    r = states.r_sat_eci_m
-    radius = np.linalg.norm(r, axis=1, keepdims=True)
-    nadir = attitude.inv().apply(r / radius)
-    torque = attitude.apply(3.0 * MU_EARTH_M3_S2 / radius**3 * np.cross(nadir, inertia * nadir))
-    steps = np.cumsum(0.5 * TICK_S * (torque[1:] + torque[:-1]), axis=0)
-    total = attitude[0].apply(inertia * table.omega_body_rad_s[0] + start)
-    total = total + np.vstack([np.zeros(3), steps])
-    return np.asarray(attitude.inv().apply(total) - inertia * table.omega_body_rad_s)
+@dataclass(frozen=True, kw_only=True)
+class _Session:
+    """A table, and what it is judged by."""
+
+    table: AttitudeTable
+    request: ImagingPlanRequest
+    spacecraft: AgileSpacecraft
+    ephemeris: Ephemeris
 
 
-def _columns(table: AttitudeTable) -> tuple[Array, ...]:
-    return (
-        table.eci_from_body_xyzw,
-        table.omega_body_rad_s,
-        table.alpha_body_rad_s2,
-        table.gimbal_rad,
-        table.gimbal_rate_rad_s,
+def _extremes(session: _Session) -> TableExtremes:
+    table, array = session.table, session.spacecraft.array
+    inertia_kg_m2 = np.array(session.spacecraft.inertia_kg_m2)
+    fine_s = np.linspace(table.t_s[0], table.t_s[-1], (len(table.t_s) - 1) * INSTANTS_PER_ROW + 1)
+    q_body_from_eci, motion = table.attitude_at(fine_s)
+    omega_body_rad_s = motion.omega_body_rad_s
+    needed_n_m_s = _needed_momentum_n_m_s(session, inertia_kg_m2)
+    held_n_m_s = array.momentum(table.gimbal_rad)
+    total_eci_n_m_s = table.q_body_from_eci.inv().apply(
+        needed_n_m_s + inertia_kg_m2 * table.omega_body_rad_s
+    )
+    fine_eci_n_m_s = np.stack(
+        [np.interp(fine_s, table.t_s, part_n_m_s) for part_n_m_s in total_eci_n_m_s.T], axis=1
+    )
+    total_body_n_m_s = q_body_from_eci.apply(fine_eci_n_m_s)
+    stored_n_m_s = total_body_n_m_s - inertia_kg_m2 * omega_body_rad_s
+    torque_n_m = inertia_kg_m2 * motion.alpha_body_rad_s2 + np.cross(
+        omega_body_rad_s, total_body_n_m_s
+    )
+    return TableExtremes(
+        rate_deg_s=np.rad2deg(np.max(np.abs(omega_body_rad_s), axis=0)),
+        torque_n_m=float(np.max(np.linalg.norm(torque_n_m, axis=1))),
+        momentum_n_m_s=float(np.max(np.linalg.norm(stored_n_m_s, axis=1))),
+        gimbal_rate_deg_s=float(np.rad2deg(np.max(np.abs(table.gimbal_rate_rad_s)))),
+        gimbal_margin=float(np.min(array.singularity_margin(table.gimbal_rad))),
+        momentum_mismatch_n_m_s=float(np.max(np.linalg.norm(held_n_m_s - needed_n_m_s, axis=1))),
     )
 
 
-def _structure(table: AttitudeTable) -> Sequence[str]:
-    found = []
-    if not all(np.isfinite(column).all() for column in _columns(table)):
-        found.append("a value is not a finite number")
-    if np.max(np.abs(np.linalg.norm(table.eci_from_body_xyzw, axis=1) - 1.0)) > UNIT_TOLERANCE:
-        found.append("a quaternion is not of unit length")
-    attitude = Rotation.from_quat(table.eci_from_body_xyzw)
-    turned = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
+def _needed_momentum_n_m_s(session: _Session, inertia_kg_m2: Array) -> Array:
+    """What the gyros must hold at each row, body axes, (n, 3), by conservation of momentum: the
+    total at the start and the gravity gradient's impulse since (trapezia), less the body's own."""
+    table = session.table
+    states = session.ephemeris.states(Instants(table.epoch_utc, table.t_s))
+    q_body_from_eci = table.q_body_from_eci
+    q_eci_from_body = q_body_from_eci.inv()
+    radius_m = np.linalg.norm(states.r_sat_eci_m, axis=1, keepdims=True)
+    up_body = q_body_from_eci.apply(states.r_sat_eci_m / radius_m)
+    torque_eci_n_m = q_eci_from_body.apply(
+        3.0 * MU_EARTH_M3_S2 / radius_m**3 * np.cross(up_body, inertia_kg_m2 * up_body)
+    )
+    impulse_n_m_s = np.cumsum(0.5 * TICK_S * (torque_eci_n_m[1:] + torque_eci_n_m[:-1]), axis=0)
+    momentum_body_n_m_s = inertia_kg_m2 * table.omega_body_rad_s
+    gyros_body_n_m_s = np.array(session.request.settings.momentum_n_m_s)
+    start_eci_n_m_s = q_eci_from_body[0].apply(momentum_body_n_m_s[0] + gyros_body_n_m_s)
+    total_eci_n_m_s = start_eci_n_m_s + np.vstack([np.zeros(3), impulse_n_m_s])
+    return np.asarray(q_body_from_eci.apply(total_eci_n_m_s) - momentum_body_n_m_s)
+
+
+def _structure_findings(table: AttitudeTable) -> Iterator[str]:
+    q_eci_from_body_xyzw = table.eci_from_body_xyzw
+    columns = (column for column in vars(table).values() if isinstance(column, np.ndarray))
+    if not all(np.isfinite(column).all() for column in columns):
+        yield "a value is not a finite number"
+    if np.max(np.abs(np.linalg.norm(q_eci_from_body_xyzw, axis=1) - 1.0)) > UNIT_TOLERANCE:
+        yield "a quaternion is not of unit length"
+    miss_rad = _kinematic_miss_rad(table)
+    if miss_rad > KINEMATIC_TOLERANCE_RAD:
+        yield f"attitude and rate disagree by {np.rad2deg(miss_rad) * 3600:.3f} arcsec over one row"
+    next_rad = table.gimbal_rad[:-1] + TICK_S * table.gimbal_rate_rad_s[:-1]
+    if np.max(np.abs(next_rad - table.gimbal_rad[1:])) > GIMBAL_TOLERANCE_RAD:
+        yield "gimbal angles and rates disagree"
+    ends = [0, *(window.last_row for window in table.windows)]
+    if any(
+        window.first_row < end or window.last_row <= window.first_row
+        for window, end in zip(table.windows, ends, strict=False)
+    ):
+        yield "imaging intervals overlap or run backwards"
+
+
+def _kinematic_miss_rad(table: AttitudeTable) -> float:
+    """Largest difference of the rotation over a row and that which its ends' rates give."""
+    q_body_from_eci = table.q_body_from_eci
+    turn_rad = (q_body_from_eci[:-1] * q_body_from_eci[1:].inv()).as_rotvec()
     omega, alpha = table.omega_body_rad_s, table.alpha_body_rad_s2
-    mean = 0.5 * (omega[1:] + omega[:-1]) + TICK_S / 12.0 * (alpha[:-1] - alpha[1:])
+    mean_rad_s = 0.5 * (omega[1:] + omega[:-1]) + TICK_S / 12.0 * (alpha[:-1] - alpha[1:])
     # The rotation vector of a short step: the mean rate plus half the rates' coning.
-    expected = TICK_S * mean + TICK_S**2 / 12.0 * np.cross(omega[:-1], omega[1:])
-    miss = float(np.max(np.linalg.norm(turned - expected, axis=1)))
-    if miss > KINEMATIC_TOLERANCE_RAD:
-        found.append(
-            f"attitude and rate disagree by {np.rad2deg(miss) * 3600:.3f} arcsec over one row"
-        )
-    stepped = table.gimbal_rad[:-1] + TICK_S * table.gimbal_rate_rad_s[:-1]
-    if np.max(np.abs(stepped - table.gimbal_rad[1:])) > GIMBAL_TOLERANCE_RAD:
-        found.append("gimbal angles and rates disagree")
-    rows = [(window.first_row, window.last_row) for window in table.windows]
-    ends = [0] + [last for _, last in rows]
-    if any(first < end or last <= first for (first, last), end in zip(rows, ends, strict=False)):
-        found.append("imaging intervals overlap or run backwards")
-    return found
+    expected_rad = TICK_S * mean_rad_s + TICK_S**2 / 12.0 * np.cross(omega[:-1], omega[1:])
+    return float(np.max(np.linalg.norm(turn_rad - expected_rad, axis=1)))
 
 
-def _limits(found: TableExtremes, spacecraft: AgileSpacecraft) -> Sequence[str]:
+def _limit_findings(extremes: TableExtremes, spacecraft: AgileSpacecraft) -> Iterator[str]:
     slew, array = spacecraft.slew, spacecraft.array
-    table = (
-        (float(np.max(found.rate_deg_s)), math.degrees(slew.rate_axis_rad_s), "body rate, deg/s"),
-        (found.torque_n_m, slew.torque_n_m, "control torque, N m"),
-        (found.momentum_n_m_s, slew.momentum_sphere_n_m_s, "gyro momentum, N m s"),
-        (found.gimbal_rate_deg_s, math.degrees(array.rate_max_rad_s), "gimbal rate, deg/s"),
-        (found.momentum_mismatch_n_m_s, MOMENTUM_TOLERANCE_N_M_S, "momentum mismatch, N m s"),
+    rate_deg_s = float(np.max(extremes.rate_deg_s))
+    mismatch_n_m_s = extremes.momentum_mismatch_n_m_s
+    for what, value, limit in (
+        ("body rate, deg/s", rate_deg_s, math.degrees(slew.rate_axis_rad_s)),
+        ("control torque, N m", extremes.torque_n_m, slew.torque_n_m),
+        ("gyro momentum, N m s", extremes.momentum_n_m_s, slew.momentum_sphere_n_m_s),
+        ("gimbal rate, deg/s", extremes.gimbal_rate_deg_s, math.degrees(array.rate_max_rad_s)),
+        ("momentum mismatch, N m s", mismatch_n_m_s, MOMENTUM_TOLERANCE_N_M_S),
+    ):
+        if value > limit * (1.0 + LIMIT_TOLERANCE):
+            yield f"{what}: {value:.4g} exceeds {limit:.4g}"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _View:
+    """The camera at n instants.
+
+    r_sat_itrf_m, r_ground_itrf_m: (n, 3), the satellite, and where the optical axis meets the
+    ellipsoid raised by the ground's height.  x_itrf, y_itrf: body axes.  los_lvlh: the optical
+    axis.
+    """
+
+    r_sat_itrf_m: Array
+    r_ground_itrf_m: Array
+    x_itrf: Array
+    y_itrf: Array
+    los_lvlh: Array
+
+
+def _view(session: _Session, t_s: Array, height_m: float) -> _View:
+    instants = Instants(session.table.epoch_utc, t_s)
+    states = session.ephemeris.states(instants)
+    c_itrf = c_itrf_from_eci(instants)
+    q_eci_from_body = session.table.attitude_at(t_s)[0].inv()
+    q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
+
+    def in_itrf(v_eci: Array) -> Array:
+        return np.asarray(np.einsum("nij,nj->ni", c_itrf, v_eci))
+
+    los_eci = q_eci_from_body.apply(OPTICAL_AXIS_BODY)
+    r_sat_itrf_m = in_itrf(states.r_sat_eci_m)
+    return _View(
+        r_sat_itrf_m=r_sat_itrf_m,
+        r_ground_itrf_m=_footprint_itrf_m(r_sat_itrf_m, in_itrf(los_eci), height_m),
+        x_itrf=in_itrf(q_eci_from_body.apply([1.0, 0.0, 0.0])),
+        y_itrf=in_itrf(q_eci_from_body.apply([0.0, 1.0, 0.0])),
+        los_lvlh=q_lvlh.apply(los_eci),
     )
-    return [
-        f"{what}: {value:.4g} exceeds {limit:.4g}"
-        for value, limit, what in table
-        if value > limit * (1.0 + LIMIT_TOLERANCE)
-    ]
 
 
-def _footprint(attitude: Rotation, r_sat_eci_m: Array, c_itrf: Array, height_m: float) -> Array:
-    """Where the optical axis meets the ellipsoid raised by height_m, ITRF, (n, 3)."""
-    origin = np.einsum("nij,nj->ni", c_itrf, r_sat_eci_m)
-    axis = np.einsum("nij,nj->ni", c_itrf, attitude.apply([0.0, -1.0, 0.0]))
+def _footprint_itrf_m(r_sat_itrf_m: Array, los_itrf: Array, height_m: float) -> Array:
+    """Where lines of sight meet the ellipsoid raised by height_m, (n, 3): scaled to a sphere."""
     a, b = WGS84_A_M + height_m, WGS84_A_M * (1.0 - WGS84_F) + height_m
     scale = 1.0 / np.array([a, a, b])
-    o, d = origin * scale, axis * scale
+    o, d = r_sat_itrf_m * scale, los_itrf * scale
     dd, od = np.sum(d * d, axis=1), np.sum(o * d, axis=1)
-    inside = np.maximum(od**2 - dd * (np.sum(o * o, axis=1) - 1.0), 0.0)
-    reach = (-od - np.sqrt(inside)) / dd
-    return np.asarray(origin + reach[:, None] * axis)
+    discriminant = np.maximum(od**2 - dd * (np.sum(o * o, axis=1) - 1.0), 0.0)
+    range_m = (-od - np.sqrt(discriminant)) / dd
+    return np.asarray(r_sat_itrf_m + range_m[:, None] * los_itrf)
 
 
-def _asked_line(
-    request: Request, window: ImagingWindow, footprint: Array
-) -> tuple[Array, Array] | None:
-    """The two asked end points (ITRF) in the scanned sense; None for areas (see coverage)."""
-    if isinstance(request, AreaRequest):
-        return None
-    points = request.geometry.coordinates
-    leg = window.look if request.mode == "corridor" else 0
-    ends = itrf_from_geodetic(
-        np.deg2rad([points[leg][1], points[leg + 1][1]]),
-        np.deg2rad([points[leg][0], points[leg + 1][0]]),
-        request.height_m,
-    )
-    if np.dot(ends[1] - ends[0], footprint[-1] - footprint[0]) < 0.0:
-        ends = ends[::-1]
-    return ends[0], ends[1]
-
-
-def _window(
-    table: AttitudeTable,
-    window: ImagingWindow,
-    session: ImagingPlanRequest,
-    states_at: StatesAt,
-    spacecraft: AgileSpacecraft,
-) -> VerifiedWindow:
-    request = next(one for one in session.requests if one.name == window.request)
-    count = (window.last_row - window.first_row) * ON_GROUND + 1
-    t_s = (window.first_row * ON_GROUND + np.arange(count)) / (ON_GROUND * ROWS_PER_S)
-    instants = Instants(table.epoch_utc, t_s)
-    states = states_at(instants)
-    attitude, _ = table.at(t_s)
-    c = c_itrf_from_eci(instants)
-    ground = _footprint(attitude, states.r_sat_eci_m, c, request.height_m)
-    velocity = np.gradient(ground, t_s, axis=0, edge_order=2)
-    speed = np.linalg.norm(velocity, axis=1)
-    x_itrf = np.einsum("nij,nj->ni", c, attitude.apply([1.0, 0.0, 0.0]))
-    y_itrf = np.einsum("nij,nj->ni", c, attitude.apply([0.0, 1.0, 0.0]))
-    across = velocity - y_itrf * np.sum(velocity * y_itrf, axis=1, keepdims=True)
-    cosine = np.abs(np.sum(x_itrf * across, axis=1)) / np.linalg.norm(across, axis=1)
-    sine = np.linalg.norm(np.cross(x_itrf, across), axis=1) / np.linalg.norm(across, axis=1)
-    line = _asked_line(request, window, ground)
-    lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-    los = lvlh.apply(attitude.apply([0.0, -1.0, 0.0]))
+def _verified_window(session: _Session, window: ImagingWindow) -> VerifiedWindow:
+    request = next(one for one in session.request.requests if one.name == window.request)
+    instants = np.arange(window.first_row * SCANNED_PER_ROW, window.last_row * SCANNED_PER_ROW + 1)
+    t_s = instants / (SCANNED_PER_ROW * ROWS_PER_S)
+    view = _view(session, t_s, request.height_m)
+    v_ground_m_s = np.gradient(view.r_ground_itrf_m, t_s, axis=0, edge_order=2)
+    speed_m_s = np.linalg.norm(v_ground_m_s, axis=1)
+    range_m = np.linalg.norm(view.r_ground_itrf_m - view.r_sat_itrf_m, axis=1)
+    drift_rad = _drift_rad(view, v_ground_m_s)
+    x, y, z = view.los_lvlh.T
     return VerifiedWindow(
         window=window,
-        scan_speed_m_s=float(np.mean(speed)),
-        speed_spread=float(np.max(np.abs(speed[ENDS] / request.scan_speed_m_s - 1.0))),
-        drift_rad=float(np.max(np.arctan2(sine, cosine)[ENDS])),
-        miss_m=0.0 if line is None else _miss_m(line, ground, request.scan_speed_m_s),
-        along_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(los[:, 0], los[:, 2]))))),
-        across_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(los[:, 1], los[:, 2]))))),
+        scan_speed_m_s=float(np.mean(speed_m_s)),
+        speed_spread=float(np.max(np.abs(speed_m_s[INNER] / request.scan_speed_m_s - 1.0))),
+        drift_rad=float(np.max(drift_rad[INNER])),
+        miss_m=_miss_m(request, window, view.r_ground_itrf_m),
+        along_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(x, z))))),
+        across_deg=float(np.rad2deg(np.max(np.abs(np.arctan2(y, z))))),
         line_time_s=float(
-            spacecraft.camera.pixel_rad
-            * np.mean(np.linalg.norm(ground - np.einsum("nij,nj->ni", c, states.r_sat_eci_m),
-                axis=1)) / np.mean(speed)
+            session.spacecraft.camera.pixel_rad * np.mean(range_m) / np.mean(speed_m_s)
         ),
-    )  # fmt: skip
+    )
 
 
-def _miss_m(line: tuple[Array, Array], ground: Array, speed_m_s: float) -> float:
-    """Largest of: start from P0, P1 from the scanned line, and off the plane of the arc."""
-    p0, p1 = line
-    normal = np.cross(p0, p1)
-    normal /= np.linalg.norm(normal)
+def _drift_rad(view: _View, v_ground_m_s: Array) -> Array:
+    """Angle between X and the image's motion, seen across the optical axis, (n,)."""
+    down = view.y_itrf * np.sum(v_ground_m_s * view.y_itrf, axis=1, keepdims=True)
+    across_m_s = v_ground_m_s - down
+    size_m_s = np.linalg.norm(across_m_s, axis=1)
+    cosine = np.abs(np.sum(view.x_itrf * across_m_s, axis=1)) / size_m_s
+    sine = np.linalg.norm(np.cross(view.x_itrf, across_m_s), axis=1) / size_m_s
+    return np.asarray(np.arctan2(sine, cosine))
+
+
+def _miss_m(request: Request, window: ImagingWindow, scanned_itrf_m: Array) -> float:
+    """Largest of: the scan's start from the line's, the line's end from the scan, and off the
+    plane of the arc.  Nothing for areas, whose coverage is looked at instead."""
+    if isinstance(request, AreaRequest):
+        return 0.0
+    leg = window.look if request.mode == "corridor" else 0
+    longitude_rad, latitude_rad = np.deg2rad(
+        [position[:2] for position in request.geometry.coordinates[leg : leg + 2]]
+    ).T
+    start_itrf_m, end_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
+    if np.dot(end_itrf_m - start_itrf_m, scanned_itrf_m[-1] - scanned_itrf_m[0]) < 0.0:
+        start_itrf_m, end_itrf_m = end_itrf_m, start_itrf_m
+    normal_itrf = np.cross(start_itrf_m, end_itrf_m)
+    normal_itrf /= np.linalg.norm(normal_itrf)
     # The plane through the ellipsoid's centre isn't exactly that of the heights' ends: 0.1 m.
-    off_plane = float(np.max(np.abs(ground @ normal)))
-    end = float(np.min(np.linalg.norm(ground[-12:] - p1, axis=1)))
-    overscan = end - speed_m_s * TICK_S / ON_GROUND
-    return max(float(np.linalg.norm(ground[0] - p0)), off_plane, overscan)
+    off_plane_m = float(np.max(np.abs(scanned_itrf_m @ normal_itrf)))
+    end_m = float(np.min(np.linalg.norm(scanned_itrf_m[-SCAN_END:] - end_itrf_m, axis=1)))
+    spacing_m = request.scan_speed_m_s * TICK_S / SCANNED_PER_ROW
+    start_m = float(np.linalg.norm(scanned_itrf_m[0] - start_itrf_m))
+    return max(start_m, off_plane_m, end_m - spacing_m)
 
 
-def _ground(window: VerifiedWindow, spacecraft: AgileSpacecraft) -> Sequence[str]:
-    camera = spacecraft.camera
-    name = f"{window.window.request!r} look {window.window.look}"
-    found = []
-    if window.speed_spread > SPEED_TOLERANCE:
-        found.append(f"{name}: scan speed off by {100 * window.speed_spread:.3f} %")
-    if window.drift_rad > DRIFT_TOLERANCE_RAD:
-        found.append(f"{name}: the image drifts by {math.degrees(window.drift_rad):.4f} deg")
-    if window.miss_m > GROUND_TOLERANCE_M:
-        found.append(f"{name}: scans {window.miss_m:.2f} m beside the line asked for")
-    if window.along_deg > camera.along_max_deg + ANGLE_TOLERANCE_DEG:
-        found.append(f"{name}: {window.along_deg:.2f} deg along the track")
-    if window.across_deg > camera.across_max_deg + ANGLE_TOLERANCE_DEG:
-        found.append(f"{name}: {window.across_deg:.2f} deg across the track")
-    return found
+def _ground_findings(found: VerifiedWindow, session: _Session) -> Iterator[str]:
+    camera = session.spacecraft.camera
+    look = f"{found.window.request!r} look {found.window.look}"
+    if found.speed_spread > SPEED_TOLERANCE:
+        yield f"{look}: scan speed off by {100 * found.speed_spread:.3f} %"
+    if found.drift_rad > DRIFT_TOLERANCE_RAD:
+        yield f"{look}: the image drifts by {math.degrees(found.drift_rad):.4f} deg"
+    if found.miss_m > GROUND_TOLERANCE_M:
+        yield f"{look}: scans {found.miss_m:.2f} m beside the line asked for"
+    if found.along_deg > camera.along_max_deg + ANGLE_TOLERANCE_DEG:
+        yield f"{look}: {found.along_deg:.2f} deg along the track"
+    if found.across_deg > camera.across_max_deg + ANGLE_TOLERANCE_DEG:
+        yield f"{look}: {found.across_deg:.2f} deg across the track"
 
 
-def _coverage(
-    table: AttitudeTable, session: ImagingPlanRequest, states_at: StatesAt
-) -> Sequence[str]:
+def _coverage_findings(session: _Session) -> Iterator[str]:
     """Every request begun is completed: all legs, both looks, all of an area's corners."""
-    found = []
-    for request in session.requests:
-        looks = [window for window in table.windows if window.request == request.name]
+    for request in session.request.requests:
+        looks = [window for window in session.table.windows if window.request == request.name]
         if not looks:
             continue
-        if request.mode == "area":
-            short_m = _uncovered_m(table, looks, request, states_at, session)
-            if short_m > COVERAGE_TOLERANCE * session.definition().camera.swath_m:
-                found.append(f"{request.name!r}: a corner lies {short_m:.1f} m outside the strips")
+        if isinstance(request, AreaRequest):
+            short_m = _uncovered_m(session, looks, request)
+            if short_m > COVERAGE_TOLERANCE * session.spacecraft.camera.swath_m:
+                yield f"{request.name!r}: a corner lies {short_m:.1f} m outside the strips"
         else:
-            legs = {"strip": 1, "stereo": 2}.get(request.mode, 0)
-            legs = legs or len(request.geometry.coordinates) - 1
-            if len(looks) != legs:
-                found.append(f"{request.name!r}: {len(looks)} looks instead of {legs}")
-    return found
+            count = 2 if request.mode == "stereo" else len(request.geometry.coordinates) - 1
+            if len(looks) != count:
+                yield f"{request.name!r}: {len(looks)} looks instead of {count}"
 
 
-def _uncovered_m(
-    table: AttitudeTable,
-    looks: Sequence[ImagingWindow],
-    request: AreaRequest,
-    states_at: StatesAt,
-    session: ImagingPlanRequest,
-) -> float:
+def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: AreaRequest) -> float:
     """How far outside the scanned strips the worst corner of an area lies."""
-    ring = np.deg2rad([p[:2] for p in request.geometry.coordinates[0]])
-    corners = itrf_from_geodetic(ring[:, 1], ring[:, 0], request.height_m)
-    half_m = 0.5 * session.definition().camera.swath_m
-    worst = np.full(len(corners), np.inf)
+    longitude_rad, latitude_rad = np.deg2rad([p[:2] for p in request.geometry.coordinates[0]]).T
+    corners_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, request.height_m)
+    half_m = 0.5 * session.spacecraft.camera.swath_m
+    outside_m = np.full(len(corners_itrf_m), np.inf)
     for look in looks:
         t_s = np.array([look.first_row, look.last_row]) / ROWS_PER_S
-        instants = Instants(table.epoch_utc, t_s)
-        states = states_at(instants)
-        attitude, _ = table.at(t_s)
-        a, b = _footprint(attitude, states.r_sat_eci_m, c_itrf_from_eci(instants), request.height_m)
-        along = (b - a) / np.linalg.norm(b - a)
-        up = a / np.linalg.norm(a)
-        side = np.cross(up, along)
-        position = (corners - a) @ along
-        beyond = np.maximum(np.maximum(-position, position - np.linalg.norm(b - a)), 0.0)
-        aside = np.maximum(np.abs((corners - a) @ side) - half_m, 0.0)
-        worst = np.minimum(worst, np.maximum(beyond, aside))
-    return float(np.max(worst))
+        start_itrf_m, end_itrf_m = _view(session, t_s, request.height_m).r_ground_itrf_m
+        length_m = np.linalg.norm(end_itrf_m - start_itrf_m)
+        along_itrf = (end_itrf_m - start_itrf_m) / length_m
+        side_itrf = np.cross(start_itrf_m / np.linalg.norm(start_itrf_m), along_itrf)
+        along_m = (corners_itrf_m - start_itrf_m) @ along_itrf
+        beyond_m = np.maximum(np.maximum(-along_m, along_m - length_m), 0.0)
+        aside_m = np.maximum(np.abs((corners_itrf_m - start_itrf_m) @ side_itrf) - half_m, 0.0)
+        outside_m = np.minimum(outside_m, np.maximum(beyond_m, aside_m))
+    return float(np.max(outside_m))

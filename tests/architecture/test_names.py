@@ -13,7 +13,7 @@ FILES = sorted(
 UNIT = re.compile(
     r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px|kg"
     r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|m3_s2|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|deg2_s5"
-    r"|per_s2?|ticks|rows)$"
+    r"|per_s[23]?|ticks|rows)$"
 )
 # What has no unit, by the word a name holds.
 PURE = re.compile(
@@ -29,9 +29,10 @@ PURE = re.compile(
 DIRECTION = re.compile(
     r"_(itrf|gcrf|eci|lvlh|body|platform|payload|camera|sensor|enu|wheel|gyro|orbit|mean)$|(^|_)\w+_from_"
 )
+# The parts of a state have several units, which stand beside it.
 PURE_ARRAY = re.compile(
     r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
-    r"|mrp|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?)(_|$)"
+    r"|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?)(_|$)"
 )
 NUMBER = ("float", "float | None")
 ARRAY = re.compile(
@@ -46,7 +47,7 @@ STILL_TO_BE_NAMED = (
     "planner/opportunities/",
     "planner/pointing/",
     "planner/slew/",
-    "planner/spacecraft/",
+    "planner/spacecraft/imaging/path_labels.py",
 )
 # A textbook's letter inside a cited formula.
 SYMBOL = re.compile(r"[a-zA-Z]\d?")

@@ -26,7 +26,8 @@ def candidate(request, part, start_s, pitch_rad, rate_rad_s=0.0):
         duration_s=6.0,
     )
     tilted = MovingEnds(
-        Rotation.from_rotvec([[0.0, 0.0, pitch_rad]]).as_quat(), np.array([[0.0, 0.0, rate_rad_s]])
+        q_body_from_eci_xyzw=Rotation.from_rotvec([[0.0, 0.0, -pitch_rad]]).as_quat(),
+        rate_eci_rad_s=np.array([[0.0, 0.0, rate_rad_s]]),
     )
     return Candidate(
         request=request, part=part, arcs=(arc,), entry=tilted, exit=tilted, tilt_rad=0.0
@@ -89,7 +90,10 @@ def test_estimated_turn_times_are_a_little_above_the_least_ones(angle_deg, rates
     3 % for turns without corners, and one tick is lost by rounding."""
     rates = [np.array([0.0, 0.0, math.radians(rate)]) for rate in rates_deg_s]
     ends = [Rotation.identity(), Rotation.from_rotvec([0.0, 0.0, math.radians(angle_deg)])]
-    moving = [MovingEnds(e.as_quat()[None], r[None]) for e, r in zip(ends, rates, strict=True)]
+    moving = [
+        MovingEnds(q_body_from_eci_xyzw=e.inv().as_quat()[None], rate_eci_rad_s=r[None])
+        for e, r in zip(ends, rates, strict=True)
+    ]
     slew, inertia = AGILE_CMG.slew, max(AGILE_CMG.inertia_kg_m2)
     asked = InputParameter(1)
     asked.current_position, asked.target_position = [0.0], [math.radians(angle_deg)]

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation, RotationSpline
 
 from planner.errors import InfeasibleSlew
-from planner.spacecraft.mrp import body_motion, mrp_rates
+from planner.spacecraft.mrp import MrpMotion, body_motion, mrp_state
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_choice import compare, quickest_turn, smooth_turn
 from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
@@ -22,9 +22,11 @@ def problem(angle_deg, axis, momentum=STILL, limits=None, omega=STILL, omega_end
     begin = Rotation.from_euler("XYZ", [0.4, -1.0, 2.0])
     vector = math.radians(angle_deg) * np.array(axis) / np.linalg.norm(axis)
     return TurnProblem(
-        start=EndState(attitude=begin, omega_body_rad_s=omega, alpha_body_rad_s2=STILL),
+        start=EndState(
+            q_body_from_eci=begin.inv(), omega_body_rad_s=omega, alpha_body_rad_s2=STILL
+        ),
         end=EndState(
-            attitude=begin * Rotation.from_rotvec(vector),
+            q_body_from_eci=(begin * Rotation.from_rotvec(vector)).inv(),
             omega_body_rad_s=omega_end,
             alpha_body_rad_s2=STILL,
         ),
@@ -63,7 +65,7 @@ def test_rates_of_a_rodrigues_curve_are_scipys():
 
     d1 = (sigma(fine + step) - sigma(fine - step)) / (2 * step)
     d2 = (sigma(fine + step) - 2 * sigma(fine) + sigma(fine - step)) / step**2
-    motion = body_motion(sigma(fine), d1, d2, np.zeros_like(d1))
+    motion = body_motion(MrpMotion(sigma(fine), d1, d2, np.zeros_like(d1)))
     # SciPy's rates are in body axes too; differences over 1 ms are good to 1e-5
     np.testing.assert_allclose(motion.omega_body_rad_s, spline(fine, 1), atol=1e-5)
     np.testing.assert_allclose(motion.alpha_body_rad_s2, spline(fine, 2), atol=1e-4)
@@ -72,7 +74,7 @@ def test_rates_of_a_rodrigues_curve_are_scipys():
 def test_rodrigues_rates_invert():
     random = np.random.default_rng(3)
     sigma, omega, alpha = random.uniform(-0.4, 0.4, (3, 50, 3))
-    motion = body_motion(sigma, *mrp_rates(sigma, omega, alpha), np.zeros_like(sigma))
+    motion = body_motion(MrpMotion(*mrp_state(sigma, omega, alpha), np.zeros_like(sigma)))
     np.testing.assert_allclose(motion.omega_body_rad_s, omega, atol=1e-13)
     np.testing.assert_allclose(motion.alpha_body_rad_s2, alpha, atol=1e-13)
 
@@ -88,8 +90,8 @@ def test_eigenaxis_bang_coast_bang_takes_the_textbook_time():
 def test_eigenaxis_turn_is_a_rotation_about_one_axis():
     asked = problem(40.0, [1, 2, -1])
     turn = eigenaxis_turn(asked)
-    attitude, _ = turn.at(np.linspace(0.0, turn.duration_s, 20))
-    vectors = (asked.start.attitude.inv() * attitude).as_rotvec()
+    q_body_from_eci, _ = turn.attitude_at(np.linspace(0.0, turn.duration_s, 20))
+    vectors = (asked.start.q_body_from_eci * q_body_from_eci.inv()).as_rotvec()
     across = np.cross(vectors, np.array([1, 2, -1]) / math.sqrt(6.0))
     assert np.abs(across).max() < 1e-9
 
@@ -110,17 +112,17 @@ def test_smooth_turn_meets_both_ends_and_every_limit(seed):
     seconds = 1.2 * eigenaxis_turn(asked).duration_s
     turn = smooth_turn(asked, seconds)
     assert turn.method == "ocp"
-    attitude, motion = turn.at(np.array([0.0, seconds]))
+    q_body_from_eci, motion = turn.attitude_at(np.array([0.0, seconds]))
     for k, end in enumerate((asked.start, asked.end)):
-        assert (attitude[k].inv() * end.attitude).magnitude() < 1e-7
+        assert (q_body_from_eci[k] * end.q_body_from_eci.inv()).magnitude() < 1e-7
         np.testing.assert_allclose(motion.omega_body_rad_s[k], end.omega_body_rad_s, atol=1e-7)
         np.testing.assert_allclose(motion.alpha_body_rad_s2[k], end.alpha_body_rad_s2, atol=1e-6)
     # Limits by differences of the attitudes alone, none of the solver's formulas.
     t = np.linspace(0.0, seconds, 4001)
-    fine, _ = turn.at(t)
-    omega = (fine[:-1].inv() * fine[1:]).as_rotvec() / t[1]
+    fine, _ = turn.attitude_at(t)
+    omega = (fine[:-1] * fine[1:].inv()).as_rotvec() / t[1]
     alpha = np.diff(omega, axis=0) / t[1]
-    total = fine[1:-1].inv().apply(asked.momentum_eci_n_m_s)
+    total = fine[1:-1].apply(asked.momentum_eci_n_m_s)
     middle = 0.5 * (omega[:-1] + omega[1:])
     torque = np.linalg.norm(J * alpha + np.cross(middle, total), axis=1)
     stored = np.linalg.norm(total - J * middle, axis=1)
@@ -134,7 +136,7 @@ def test_smooth_turn_meets_both_ends_and_every_limit(seed):
 def test_momentum_sphere_binds():
     """With 45 N m s along Z stored, turning about Z at 1.5 deg/s would need 66."""
     inside = problem(30.0, [0, 0, 1])
-    total = inside.start.attitude.apply([0.0, 0.0, -45.0])
+    total = inside.start.q_body_from_eci.inv().apply([0.0, 0.0, -45.0])
     loaded = dataclasses.replace(inside, momentum_eci_n_m_s=total)
     turn = quickest_turn(loaded)
     assert turn.loads.momentum_n_m_s <= 60.06

@@ -66,11 +66,7 @@ def test_at_least_30_n_m_anywhere_in_the_60_n_m_s_sphere():
 
 def steered(angles, wanted, null_gain):
     rates = np.zeros(4)
-    steer(
-        angles, wanted, H,
-        np.ascontiguousarray(ARRAY.rotor_axes), np.ascontiguousarray(ARRAY.torque_axes),
-        1.0, null_gain, rates,
-    )  # fmt: skip
+    steer(ARRAY.gyros()._replace(rate_max_rad_s=1.0), angles, wanted, null_gain, rates)
     return rates
 
 
@@ -103,8 +99,5 @@ def test_rates_are_limited_and_the_inverse_guarded_at_a_singularity():
 def test_kernel_and_definition_agree():
     angles, out = np.array([0.1, 0.9, -2.0, 1.4]), np.zeros(3)
     for array in (ARRAY, PYRAMID):
-        rotor_momentum(
-            angles, H, np.ascontiguousarray(array.rotor_axes),
-            np.ascontiguousarray(array.torque_axes), out,
-        )  # fmt: skip
+        rotor_momentum(array.gyros(), angles, out)
         np.testing.assert_allclose(out, array.momentum(angles), atol=1e-12)

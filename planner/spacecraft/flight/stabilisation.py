@@ -1,4 +1,4 @@
-"""How steady was the spacecraft while imaging?  From closed-loop runs, per interval."""
+"""Steadiness of the spacecraft in each imaging interval of closed-loop runs."""
 
 import math
 from collections.abc import Sequence
@@ -8,11 +8,12 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
-from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
+from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
-from planner.spacecraft.verification import SpacecraftVerification
+from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
 RATE_ERROR_MAX_RAD_S = math.radians(0.001)  # Platonov, Sumarokov 2019
+ACROSS_AXES = [0, 2]  # of the body, across the optical axis
 ASSUMPTIONS = (
     "gimbal servo 50 rad/s, damping 0.7 (the paper gives the form, no numbers)",
     "flexible modes 2.0, 2.1, 3.4, 5.5, 9.5 Hz with 5, 5, 3, 1, 0.5 % of the inertia, damping "
@@ -32,12 +33,12 @@ ASSUMPTIONS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class FlownWindow:
+class WindowSteadiness:
     """One imaging interval of one run, or the worst of it over all runs.
 
     rate_error_rad_s: (3,), largest magnitude per body axis at 5 ms steps; rms_rad_s: root mean
     square of the vector.  steady: within 0.001 deg/s on every axis (in every run).
-    pointing_error_rad: largest angle between flown and commanded optical axis, what the
+    pointing_error_rad: largest angle between actual and commanded optical axis, what the
     computer can't know included.  settled_s: from the end of the interval before (the
     session's start) until the rate error is within 0.001 deg/s for good; spare_s: from then
     to the interval's start, negative when it began too early.
@@ -65,32 +66,24 @@ class StabilisationReport:
     """All intervals; share_steady: of intervals x runs within 0.001 deg/s (None: no runs)."""
 
     runs: int
-    windows: tuple[FlownWindow, ...]
+    windows: tuple[WindowSteadiness, ...]
     share_steady: float | None
     worst_rad_s: float | None
 
 
-def flown_windows(
-    spacecraft: AgileSpacecraft,
-    table: AttitudeTable,
-    verification: SpacecraftVerification,
-    log: Log,
-) -> tuple[FlownWindow, ...]:
+def window_steadiness(
+    spacecraft: AgileSpacecraft, verification: SpacecraftVerification, log: Log
+) -> tuple[WindowSteadiness, ...]:
     """Every imaging interval of one closed-loop run."""
-    before = [0, *(window.last_row for window in table.windows)]
+    verified = verification.windows
+    before_rows = [0, *(one.window.last_row for one in verified)]
     return tuple(
-        _flown(
-            spacecraft,
-            log,
-            window,
-            before[number],
-            verification.windows[number].line_time_s * spacecraft.camera.tdi_lines,
-        )
-        for number, window in enumerate(table.windows)
+        _steadiness(spacecraft, log, one, before_row)
+        for one, before_row in zip(verified, before_rows, strict=False)
     )
 
 
-def stabilisation(runs: Sequence[tuple[FlownWindow, ...]]) -> StabilisationReport:
+def stabilisation(runs: Sequence[tuple[WindowSteadiness, ...]]) -> StabilisationReport:
     """Summarise closed-loop runs of one table."""
     windows = tuple(_worst(same) for same in zip(*runs, strict=True))
     if not windows:
@@ -98,14 +91,14 @@ def stabilisation(runs: Sequence[tuple[FlownWindow, ...]]) -> StabilisationRepor
     return StabilisationReport(
         runs=len(runs),
         windows=windows,
-        share_steady=float(np.mean([[flown.steady for flown in run] for run in runs])),
+        share_steady=float(np.mean([[window.steady for window in run] for run in runs])),
         worst_rad_s=float(max(np.max(w.rate_error_rad_s) for w in windows)),
     )
 
 
-def _worst(same: Sequence[FlownWindow]) -> FlownWindow:
+def _worst(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
     """One interval over all runs."""
-    return FlownWindow(
+    return WindowSteadiness(
         window=same[0].window,
         rate_error_rad_s=np.max([one.rate_error_rad_s for one in same], axis=0),
         rms_rad_s=math.sqrt(float(np.mean([one.rms_rad_s**2 for one in same]))),
@@ -122,43 +115,39 @@ def _worst(same: Sequence[FlownWindow]) -> FlownWindow:
 
 def rate_errors(log: Log, first_row: int, last_row: int) -> Array:
     """Rate error at every simulation step between two rows, (m, 3), rad/s."""
-    per_tick = len(log.rate_error) // len(log.rate)
-    return np.asarray(log.rate_error[first_row * per_tick : last_row * per_tick])
+    return log.rate_error_rad_s[first_row:last_row].reshape(-1, 3)
 
 
 def settled_after_s(log: Log, first_row: int, last_row: int) -> float:
     """Seconds from first_row until the rate error stays within 0.001 deg/s up to last_row."""
-    over = np.any(np.abs(rate_errors(log, first_row, last_row)) > RATE_ERROR_MAX_RAD_S, axis=1)
-    if not over.any():
-        return 0.0
-    per_tick = len(log.rate_error) // len(log.rate)
-    return float((np.flatnonzero(over)[-1] + 1) * TICK_S / per_tick)
+    errors_rad_s = rate_errors(log, first_row, last_row)
+    over = np.flatnonzero(np.any(np.abs(errors_rad_s) > RATE_ERROR_MAX_RAD_S, axis=1))
+    steps_per_tick = log.rate_error_rad_s.shape[1]
+    return float((over[-1] + 1) * TICK_S / steps_per_tick) if len(over) else 0.0
 
 
-def _flown(
-    spacecraft: AgileSpacecraft,
-    log: Log,
-    window: ImagingWindow,
-    before_row: int,
-    exposure_s: float,
-) -> FlownWindow:
+def _steadiness(
+    spacecraft: AgileSpacecraft, log: Log, verified: VerifiedWindow, before_row: int
+) -> WindowSteadiness:
+    window, camera = verified.window, spacecraft.camera
+    exposure_s = verified.line_time_s * camera.tdi_lines
     since = slice(before_row, window.last_row)
-    errors = rate_errors(log, window.first_row, window.last_row)
-    worst = np.max(np.abs(errors), axis=0)
-    aside = log.attitude_error[window.first_row : window.last_row, [0, 2]]
+    errors_rad_s = rate_errors(log, window.first_row, window.last_row)
+    worst_rad_s = np.max(np.abs(errors_rad_s), axis=0)
+    aside_rad = log.attitude_error_rad[window.first_row : window.last_row, ACROSS_AXES]
     settled_s = settled_after_s(log, before_row, window.last_row)
-    across = np.max(np.linalg.norm(errors[:, [0, 2]], axis=1))
-    stored = np.max(np.linalg.norm(log.momentum[since], axis=1))
-    return FlownWindow(
+    across_rad_s = np.max(np.linalg.norm(errors_rad_s[:, ACROSS_AXES], axis=1))
+    stored_n_m_s = np.max(np.linalg.norm(log.h_body_n_m_s[since], axis=1))
+    return WindowSteadiness(
         window=window,
-        rate_error_rad_s=worst,
-        rms_rad_s=float(np.sqrt(np.mean(np.sum(errors**2, axis=1)))),
-        steady=bool(np.max(worst) <= RATE_ERROR_MAX_RAD_S),
-        pointing_error_rad=float(np.max(np.linalg.norm(aside, axis=1))),
+        rate_error_rad_s=worst_rad_s,
+        rms_rad_s=float(np.sqrt(np.mean(np.sum(errors_rad_s**2, axis=1)))),
+        steady=bool(np.max(worst_rad_s) <= RATE_ERROR_MAX_RAD_S),
+        pointing_error_rad=float(np.max(np.linalg.norm(aside_rad, axis=1))),
         settled_s=settled_s,
         spare_s=(window.first_row - before_row) * TICK_S - settled_s,
-        smear_px=float(across * exposure_s / spacecraft.camera.pixel_rad),
-        momentum_margin_n_m_s=float(spacecraft.slew.momentum_sphere_n_m_s - stored),
-        gimbal_margin=float(np.min(spacecraft.array.singularity_margin(log.gimbal[since]))),
-        gimbal_rate_rad_s=float(np.max(np.abs(log.gimbal_rate[since]))),
+        smear_px=float(across_rad_s * exposure_s / camera.pixel_rad),
+        momentum_margin_n_m_s=float(spacecraft.slew.momentum_sphere_n_m_s - stored_n_m_s),
+        gimbal_margin=float(np.min(spacecraft.array.singularity_margin(log.gimbal_rad[since]))),
+        gimbal_rate_rad_s=float(np.max(np.abs(log.gimbal_rate_rad_s[since]))),
     )

@@ -1,4 +1,4 @@
-"""Which requests are imaged, when and in what order?  Exact, with a bound.
+"""Which requests are imaged, when and in what order: the best choice, with a bound.
 
 A path through candidates in order of time, worth the priorities of the requests it fulfils.
 Repeats are first allowed and then forbidden where they occur (decremental state-space
@@ -9,7 +9,6 @@ Source: Righini, Salani 2008, Networks 51(3); Baldacci, Mingozzi, Roberti 2011, 
 Research 59(5) (ng-routes); Peng et al. 2020 (agile satellites).
 """
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,7 +20,7 @@ from planner.arrays import Array
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.path_labels import WAIT_TICKS, label_paths
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime, joined
+from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
 
 Ints = NDArray[np.int64]
 LABELS_MAX = 4_000_000
@@ -32,7 +31,7 @@ LABEL, PAIR = 0.1, 0.06  # of `planner.effort`
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """Chosen candidates in order of time, and how good the choice is.
+    """Candidates in order of time, and how good the choice of them is.
 
     chosen: indices into the candidates; requests: theirs.  value: sum of priorities
     fulfilled.  bound: no choice from these candidates and turn times is worth more.
@@ -46,7 +45,6 @@ class Choice:
     bound: float
     greedy_value: float
     rounds: int
-    seconds: float
 
     @property
     def proven_optimal(self) -> bool:
@@ -55,16 +53,32 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """Candidates sorted by start, in whole ticks; the attitudes they begin and end in."""
+    """Candidates sorted by start, (n,) each, and the turns between them.
 
-    order: Ints
+    candidate: index in the order given.  start, stop: whole ticks.  priority: what imaging it
+    adds to the choice's value, nothing for the first of a stereo pair.  extra_ticks: (node,
+    node) -> turn time known to be needed, where it was estimated too short.
+    """
+
+    candidate: Ints
     start: Ints
     stop: Ints
     request: Ints
     part: Ints
+    priority: Array
     entry: MovingEnds
     exit: MovingEnds
-    tilt: Array
+    tilt_rad: Array
+    turn_time: TurnTime
+    extra_ticks: dict[tuple[int, int], int]
+
+    def turn_ticks(self, before: Ints, after: int) -> Ints:
+        """Turn time from each of some nodes to one."""
+        ticks = self.turn_time.ticks(self.exit[before], self.entry[after : after + 1])
+        if not self.extra_ticks:
+            return ticks
+        known = [self.extra_ticks.get((int(k), after), 0) for k in before]
+        return np.maximum(ticks, np.array(known, dtype=np.int64))
 
 
 def choose(
@@ -74,58 +88,59 @@ def choose(
     extra_ticks: dict[tuple[int, int], int],
 ) -> Choice:
     """The best choice.  extra_ticks: (candidate, candidate) -> turn time known to be needed."""
-    begun = time.perf_counter()
-    nodes = _nodes(candidates)
-    earn = np.array([0.0 if p == 1 else priorities[r] for r, p in zip(nodes.request, nodes.part,
-        strict=True)])  # fmt: skip
-    pairs = _pairs(nodes, turn_time, extra_ticks)
-    stereo = sorted({int(r) for r, p in zip(nodes.request, nodes.part, strict=True) if p})
+    nodes = _nodes(candidates, priorities, turn_time, extra_ticks)
+    pairs = _pairs(nodes)
+    stereo = sorted({int(r) for r in nodes.request[nodes.part > 0]})
     hop_ticks = int(np.max(nodes.stop - nodes.start) + np.max(pairs.reach)) + 2 * WAIT_TICKS
     memory = _Memory(nodes, len(priorities), stereo, hop_ticks)
     bound, rounds, searched = np.inf, 0, 0
     best: tuple[float, list[int]] = (-1.0, [])
     while True:
         rounds += 1
-        value, path, labels = _relaxed(nodes, earn, pairs, memory)
+        value, path, labels = _relaxed(nodes, pairs, memory)
         effort.count(LABEL * labels)
         searched += labels
         complete = labels < LABELS_MAX
         if complete:
             bound = min(bound, value)
-        best = max(best, _without_repeats(nodes, path, earn), key=lambda item: item[0])
+        best = max(best, _without_repeats(nodes, path), key=lambda item: item[0])
         ended = not complete or searched > SEARCHED_MAX
         if ended or not _remember_repeats(nodes, path, memory):
             break
-    greedy = _greedy(nodes, priorities, turn_time, extra_ticks)
-    best = max(best, greedy, key=lambda item: item[0])
-    path = _less_tilted(nodes, best[1], turn_time, extra_ticks)
+    greedy = _greedy(nodes, priorities)
+    value, path = max(best, greedy, key=lambda item: item[0])
+    path = _less_tilted(nodes, path)
     return Choice(
-        chosen=tuple(int(nodes.order[k]) for k in path),
+        chosen=tuple(int(nodes.candidate[k]) for k in path),
         requests=tuple(int(nodes.request[k]) for k in path),
-        value=best[0],
+        value=value,
         bound=float(bound),
         greedy_value=greedy[0],
         rounds=rounds,
-        seconds=time.perf_counter() - begun,
     )
 
 
-def _nodes(candidates: Sequence[Candidate]) -> _Nodes:
-    start = np.array([round(c.start_s / TICK_S) for c in candidates], dtype=np.int64)
-    order = np.argsort(start, kind="stable")
-
-    def column(values: list[int]) -> Ints:
-        return np.array(values, dtype=np.int64)[order]
-
+def _nodes(
+    candidates: Sequence[Candidate],
+    priorities: Sequence[float],
+    turn_time: TurnTime,
+    extra_ticks: dict[tuple[int, int], int],
+) -> _Nodes:
+    order = np.argsort([round(c.start_s / TICK_S) for c in candidates], kind="stable")
+    node = {int(k): place for place, k in enumerate(order)}
+    ordered = [candidates[k] for k in order]
     return _Nodes(
-        order=np.asarray(order, dtype=np.int64),
-        start=start[order],
-        stop=column([round(c.stop_s / TICK_S) for c in candidates]),
-        request=column([c.request for c in candidates]),
-        part=column([c.part for c in candidates]),
-        entry=joined([c.entry for c in candidates])[order],
-        exit=joined([c.exit for c in candidates])[order],
-        tilt=np.array([c.tilt_rad for c in candidates])[order],
+        candidate=np.asarray(order, dtype=np.int64),
+        start=np.array([round(c.start_s / TICK_S) for c in ordered], dtype=np.int64),
+        stop=np.array([round(c.stop_s / TICK_S) for c in ordered], dtype=np.int64),
+        request=np.array([c.request for c in ordered], dtype=np.int64),
+        part=np.array([c.part for c in ordered], dtype=np.int64),
+        priority=np.array([0.0 if c.part == 1 else priorities[c.request] for c in ordered]),
+        entry=MovingEnds.concatenate([c.entry for c in ordered]),
+        exit=MovingEnds.concatenate([c.exit for c in ordered]),
+        tilt_rad=np.array([c.tilt_rad for c in ordered]),
+        turn_time=turn_time,
+        extra_ticks={(node[a], node[b]): ticks for (a, b), ticks in extra_ticks.items()},
     )
 
 
@@ -139,23 +154,17 @@ class _Pairs:
     reach: Ints
 
 
-def _pairs(nodes: _Nodes, turn_time: TurnTime, extra_ticks: dict[tuple[int, int], int]) -> _Pairs:
+def _pairs(nodes: _Nodes) -> _Pairs:
     n = len(nodes.start)
-    widest = turn_time.widest_ticks
-    widest = max([widest, *extra_ticks.values()], default=widest)
+    widest = max([nodes.turn_time.widest_ticks, *nodes.extra_ticks.values()])
     reach = np.zeros(n, dtype=np.int64)
     before: list[Ints] = []
     first = np.zeros(n + 1, dtype=np.int64)
-    position = {int(k): place for place, k in enumerate(nodes.order)}
-    extra = {(position[a], position[b]): ticks for (a, b), ticks in extra_ticks.items()}
     for j in range(n):
         gap = nodes.start[j] - nodes.stop
         i = np.flatnonzero((gap > 0) & (gap <= widest))
         effort.spend(PAIR * len(i))
-        needed = turn_time.ticks(nodes.exit[i], nodes.entry[j : j + 1])
-        if extra:
-            needed = np.array([max(t, extra.get((int(a), j), 0)) for a, t in zip(i, needed,
-                strict=True)], dtype=np.int64)  # fmt: skip
+        needed = nodes.turn_ticks(i, j)
         np.maximum.at(reach, i, needed)
         before.append(np.asarray(i[needed <= gap[i]], dtype=np.int64))
         first[j + 1] = first[j] + len(before[-1])
@@ -215,9 +224,7 @@ def _remember_repeats(nodes: _Nodes, path: list[int], memory: _Memory) -> bool:
     return learnt
 
 
-def _relaxed(
-    nodes: _Nodes, earn: Array, pairs: _Pairs, memory: _Memory
-) -> tuple[float, list[int], int]:
+def _relaxed(nodes: _Nodes, pairs: _Pairs, memory: _Memory) -> tuple[float, list[int], int]:
     """Best path as far as repeats are remembered; (value, node indices, labels made)."""
     n = len(nodes.start)
     bit = np.full(len(memory.kept), -1, dtype=np.int64)
@@ -228,7 +235,7 @@ def _relaxed(
         nodes.stop,
         nodes.request,
         nodes.part,
-        earn,
+        nodes.priority,
         pairs.first,
         pairs.before,
         pairs.reach,
@@ -247,7 +254,7 @@ def _relaxed(
     return float(value[best]) if best >= 0 else 0.0, path[::-1], count
 
 
-def _without_repeats(nodes: _Nodes, path: list[int], earn: Array) -> tuple[float, list[int]]:
+def _without_repeats(nodes: _Nodes, path: list[int]) -> tuple[float, list[int]]:
     """The path with later repeats left out: what remains stays flyable, the gaps only grow."""
     seen: set[tuple[int, int]] = set()
     kept = []
@@ -256,15 +263,10 @@ def _without_repeats(nodes: _Nodes, path: list[int], earn: Array) -> tuple[float
         if what not in seen:
             seen.add(what)
             kept.append(k)
-    return float(sum(earn[k] for k in kept)), kept
+    return float(sum(nodes.priority[k] for k in kept)), kept
 
 
-def _greedy(
-    nodes: _Nodes,
-    priorities: Sequence[float],
-    turn_time: TurnTime,
-    extra_ticks: dict[tuple[int, int], int],
-) -> tuple[float, list[int]]:
+def _greedy(nodes: _Nodes, priorities: Sequence[float]) -> tuple[float, list[int]]:
     """Requests by falling priority, each at the first time that fits between those placed."""
     placed: list[int] = []
     total = 0.0
@@ -272,53 +274,39 @@ def _greedy(
         parts = sorted({int(p) for p in nodes.part[nodes.request == request]})
         trial = placed
         for part in parts:
-            options = np.flatnonzero((nodes.request == request) & (nodes.part == part))
-            spot = next(
-                (int(k) for k in options if _fits(nodes, trial, int(k), turn_time, extra_ticks)),
-                None,
-            )
-            if spot is None:
+            options = np.flatnonzero((nodes.request == request) & (nodes.part == part)).tolist()
+            first = next((k for k in options if _fits(nodes, trial, k)), None)
+            if first is None:
                 break
-            trial = sorted([*trial, spot], key=lambda k: int(nodes.start[k]))
+            trial = sorted([*trial, first], key=lambda k: int(nodes.start[k]))
         else:
             if parts:
                 placed, total = trial, total + priorities[request]
     return total, placed
 
 
-def _less_tilted(
-    nodes: _Nodes, path: list[int], turn_time: TurnTime, extra_ticks: dict[tuple[int, int], int]
-) -> list[int]:
+def _less_tilted(nodes: _Nodes, path: list[int]) -> list[int]:
     """The same requests, each moved to where it is seen from nearest overhead among its free
     neighbours; stereo looks stay."""
     for k in list(path):
         if nodes.part[k] != 0:
             continue
         others = [other for other in path if other != k]
-        options = np.flatnonzero((nodes.request == nodes.request[k]) & (nodes.tilt < nodes.tilt[k]))
-        for option in options[np.argsort(nodes.tilt[options], kind="stable")].tolist():
-            if _fits(nodes, others, option, turn_time, extra_ticks):
+        options = np.flatnonzero(
+            (nodes.request == nodes.request[k]) & (nodes.tilt_rad < nodes.tilt_rad[k])
+        )
+        for option in options[np.argsort(nodes.tilt_rad[options], kind="stable")].tolist():
+            if _fits(nodes, others, option):
                 path = sorted([*others, option])
                 break
     return path
 
 
-def _fits(
-    nodes: _Nodes,
-    placed: list[int],
-    k: int,
-    turn_time: TurnTime,
-    extra_ticks: dict[tuple[int, int], int],
-) -> bool:
+def _fits(nodes: _Nodes, placed: list[int], k: int) -> bool:
+    """Whether a node's turns from and to its neighbours among those placed have their time."""
     before = [i for i in placed if nodes.start[i] <= nodes.start[k]]
     after = [i for i in placed if nodes.start[i] > nodes.start[k]]
-    neighbours = [(before[-1], k)] if before else []
-    if after:
-        neighbours.append((k, after[0]))
-    for i, j in neighbours:
-        gap = nodes.start[j] - nodes.stop[i]
-        needed = int(turn_time.ticks(nodes.exit[i : i + 1], nodes.entry[j : j + 1])[0])
-        needed = max(needed, extra_ticks.get((int(nodes.order[i]), int(nodes.order[j])), 0))
-        if gap < needed:
-            return False
-    return True
+    return all(
+        nodes.turn_ticks(np.array([i]), j)[0] <= nodes.start[j] - nodes.stop[i]
+        for i, j in (*((i, k) for i in before[-1:]), *((k, j) for j in after[:1]))
+    )

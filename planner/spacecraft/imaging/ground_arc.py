@@ -1,4 +1,4 @@
-"""What attitude scans a stretch of ground?  The one primitive of every imaging mode.
+"""Ground arcs and the attitudes that scan them: the one primitive of every imaging mode.
 
 A ground arc P0 -> P1 is scanned in a given time.  The optical axis (-Y) points at the moving
 point, X lies along its motion over the Earth's surface as seen across the line of sight, so
@@ -6,7 +6,8 @@ that the image runs along the detector's columns: yaw steering against Earth rot
 azimuth follow by themselves.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -19,11 +20,13 @@ from planner.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
-from planner.spacecraft.mrp import BodyMotion, body_motion
+from planner.spacecraft.mrp import BodyMotion, MrpMotion, body_motion
+from planner.spacecraft.table import TICK_S
 
 DEGREE = 28  # of the Chebyshev fit: attitudes of a 200 s span to 1e-12 rad
-# X along flight, Y up, Z = X x Y, in LVLH axes (X forward, Y against the orbit normal, Z nadir).
-_ORBITAL_FROM_LVLH = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+# In orbital orientation: X along flight, Y up, Z = X x Y, in LVLH axes (X forward, Y against the
+# orbit normal, Z nadir).
+_Q_BODY_FROM_LVLH = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +44,17 @@ class GroundArc:
     start_s: float
     duration_s: float
     backwards: bool = False
+
+    @property
+    def ticks(self) -> int:
+        """Whole ticks that cover its scan."""
+        return math.ceil(self.duration_s / TICK_S - 1e-6)
+
+    def turned_round(self) -> "GroundArc":
+        """From P1 to P0."""
+        return replace(
+            self, latitude_rad=self.latitude_rad[::-1], longitude_rad=self.longitude_rad[::-1]
+        )
 
     def length_m(self) -> float:
         """Along the ground from P0 to P1."""
@@ -77,87 +91,80 @@ class GroundArc:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
-    """An attitude for every instant from start_s to stop_s, as a Chebyshev series of sigma."""
+class ChebyshevProfile:
+    """An attitude for every instant from start_s to stop_s.
 
-    middle: Rotation
+    coefficients: of the series of sigma, the rotation of the body's axes since `middle`.
+    """
+
+    q_eci_from_middle: Rotation
     start_s: float
     stop_s: float
     coefficients: Array
 
-    def at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
-        """eci_from_body and body rates, analytic derivatives of the series, at (m,) instants."""
-        half = 0.5 * (self.stop_s - self.start_s)
-        x = (np.asarray(t_s) - self.start_s) / half - 1.0
-        curve = [
-            np.asarray(
-                chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half**d,
-                dtype=np.float64,
+    def attitude_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
+        """q_body_from_eci and body rates, the series' own derivatives, at instants (m,)."""
+        half_s = 0.5 * (self.stop_s - self.start_s)
+        x = (np.asarray(t_s) - self.start_s) / half_s - 1.0
+        motion = MrpMotion(
+            *(
+                np.asarray(
+                    chebyshev.chebval(x, chebyshev.chebder(self.coefficients, d)).T / half_s**d,
+                    dtype=np.float64,
+                )
+                for d in range(4)
             )
-            for d in range(4)
-        ]
-        return self.middle * Rotation.from_mrp(curve[0]), body_motion(*curve)
+        )
+        q_eci_from_body = self.q_eci_from_middle * Rotation.from_mrp(motion.mrp)
+        return q_eci_from_body.inv(), body_motion(motion)
 
 
-def arc_attitude(
+def scan_q_body_from_eci(
     arc: GroundArc, share: Array, ephemeris: Ephemeris, instants: Instants
 ) -> Rotation:
-    """eci_from_body with the arc's point at `share` (n,) under the slit at n instants.
+    """Attitudes with the arc's point at `share` (n,) under the slit at n instants.
 
     Geometric: light time and aberration shift the image by 16 m along the track, alike for
     every point, and refraction by less than 5 m at 45 deg; both are left out.
     """
     r_sat_eci_m = ephemeris.states(instants).r_sat_eci_m
-    c = c_itrf_from_eci(instants)
-    r_itrf_m, motion_itrf = arc.point_itrf(share)
-    r_eci_m = np.einsum("nji,nj->ni", c, r_itrf_m)
-    motion_eci = np.einsum("nji,nj->ni", c, motion_itrf)
-    y = r_sat_eci_m - r_eci_m
-    y /= np.linalg.norm(y, axis=1, keepdims=True)
-    x = motion_eci - y * np.sum(motion_eci * y, axis=1, keepdims=True)
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    c_itrf = c_itrf_from_eci(instants)
+    r_point_itrf_m, motion_itrf = arc.point_itrf(share)
+    r_point_eci_m = np.einsum("nji,nj->ni", c_itrf, r_point_itrf_m)
+    motion_eci = np.einsum("nji,nj->ni", c_itrf, motion_itrf)
+    y_eci = r_sat_eci_m - r_point_eci_m
+    y_eci /= np.linalg.norm(y_eci, axis=1, keepdims=True)
+    x_eci = motion_eci - y_eci * np.sum(motion_eci * y_eci, axis=1, keepdims=True)
+    x_eci /= np.linalg.norm(x_eci, axis=1, keepdims=True)
     if arc.backwards:
-        x = -x
-    return Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=-1))
+        x_eci = -x_eci
+    c_eci_from_body = np.stack([x_eci, y_eci, np.cross(x_eci, y_eci)], axis=-1)
+    return Rotation.from_matrix(c_eci_from_body).inv()
 
 
-def orbital_attitude(ephemeris: Ephemeris, instants: Instants) -> Rotation:
-    """eci_from_body with X along flight and Y up, no tilt."""
+def orbital_q_body_from_eci(ephemeris: Ephemeris, instants: Instants) -> Rotation:
+    """Attitudes with X along flight and Y up, no tilt."""
     states = ephemeris.states(instants)
-    lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-    return (_ORBITAL_FROM_LVLH * lvlh).inv()
+    return _Q_BODY_FROM_LVLH * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
 
 def fitted_profile(
     arc: GroundArc | None, ephemeris: Ephemeris, epoch_utc: datetime, span_s: tuple[float, float]
-) -> Profile:
+) -> ChebyshevProfile:
     """The attitude of an arc (None: orbital orientation) over a span, made differentiable."""
     start_s, stop_s = span_s
     x = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
     t_s = start_s + (x + 1.0) * 0.5 * (stop_s - start_s)
     instants = Instants(epoch_utc, t_s)
     if arc is None:
-        attitude = orbital_attitude(ephemeris, instants)
+        q_body_from_eci = orbital_q_body_from_eci(ephemeris, instants)
     else:
-        attitude = arc_attitude(arc, (t_s - arc.start_s) / arc.duration_s, ephemeris, instants)
-    middle = attitude[DEGREE // 2]
-    sigma = (middle.inv() * attitude).as_mrp()
+        share = (t_s - arc.start_s) / arc.duration_s
+        q_body_from_eci = scan_q_body_from_eci(arc, share, ephemeris, instants)
+    q_eci_from_body = q_body_from_eci.inv()
+    q_eci_from_middle = q_eci_from_body[DEGREE // 2]
+    sigma = np.asarray((q_eci_from_middle.inv() * q_eci_from_body).as_mrp())
     basis = chebyshev.chebvander(x, DEGREE)
     scale = np.full(DEGREE + 1, 2.0 / (DEGREE + 1))
     scale[0] /= 2.0
-    return Profile(middle, start_s, stop_s, scale[:, None] * (basis.T @ sigma))
-
-
-def look_angles(
-    r_target_itrf_m: Array, ephemeris: Ephemeris, instants: Instants
-) -> tuple[Array, Array]:
-    """Angles of the direction to ITRF points (n, 3) along and across the track, rad, (n,) each.
-
-    along: positive ahead; across: positive to the right of flight, both from geocentric
-    nadir in LVLH (atan2 of the component and the downward one).
-    """
-    states = ephemeris.states(instants)
-    r_eci_m = np.einsum("nji,nj->ni", c_itrf_from_eci(instants), r_target_itrf_m)
-    lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-    los = lvlh.apply(r_eci_m - states.r_sat_eci_m)
-    return np.arctan2(los[:, 0], los[:, 2]), np.arctan2(los[:, 1], los[:, 2])
+    return ChebyshevProfile(q_eci_from_middle, start_s, stop_s, scale[:, None] * (basis.T @ sigma))

@@ -1,4 +1,4 @@
-"""Which turn is flown?  The OCP's if it is better, the eigenaxis's if not, a refusal if neither."""
+"""The turn to take: the OCP's if it is better, the eigenaxis's if not, a refusal if neither."""
 
 import math
 from collections.abc import Callable
@@ -51,10 +51,10 @@ class GyrosTooFull(TurnNeedsTime):
 class TurnComparison:
     """One turn beside its baselines at the same limits.
 
-     angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
-     with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
-    *_torque_rate_peak: of this turn and of the eigenaxis one of the same duration (what shakes
-     the modes).
+    angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
+    with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
+    The torque rate's peak, of this turn and of the eigenaxis one of the same duration, is what
+    shakes the modes.
     """
 
     angle_rad: float

@@ -1,4 +1,4 @@
-"""What is the best turn?  An optimal control problem over attitude splines (CasADi + Ipopt).
+"""The best turn: an optimal control problem over attitude splines (CasADi + Ipopt).
 
 The attitude itself is the flat output: sigma(t) is a B-spline in t/T, from which rate, control
 torque and torque rate follow exactly, so the rigid body's equations need no integration and
@@ -18,15 +18,9 @@ from scipy.interpolate import BSpline
 
 from planner import effort
 from planner.arrays import Array
-from planner.spacecraft.turns.turn_problem import (
-    LIMIT_TOLERANCE,
-    Turn,
-    TurnProblem,
-    loads,
-)
+from planner.spacecraft.mrp import MrpMotion
+from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 from planner.spacecraft.vehicle.definition import TurnObjective
-
-PER_POINT = 7  # |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2
 
 
 class Shape(NamedTuple):
@@ -46,15 +40,16 @@ HOPELESS = 1.05  # no pass mends a failure that far out
 OVERCORRECTED = 1.5  # tightened by just the bulge, the next pass bulges again
 SOLVE, ITERATION = 500.0, 350.0  # of `planner.effort`
 END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
-TIGHTENED = 0.997  # limits at the collocation points; between them the loads bulge by up to 0.3 %
+LIMIT_FACTOR = 0.997  # at the collocation points; between them the loads bulge by up to 0.3 %
+# Lower bounds at a collocation point: of |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2 by limits.
+LOWER_LIMITS = (-np.inf, -1.0, -1.0, -1.0, -np.inf, -np.inf, -np.inf)
+END_CONDITIONS = 18  # sigma, d1, d2 at start and at end, three parts each
 
 
 class Transcription(NamedTuple):
-    """A kept solver with the constant matrices of its spline."""
+    """A kept solver and what its spline is made of."""
 
     shape: Shape
-    knots: Array
-    rows: tuple[Array, ...]
     solver: casadi.Function
 
 
@@ -69,7 +64,7 @@ def _points(shape: Shape) -> Array:
 
 
 def _design(shape: Shape, u: Array) -> tuple[Array, ...]:
-    """Matrices from coefficients to value and up to four derivatives at u, each (m, k)."""
+    """Matrices from coefficients to value and up to four derivatives at u = t/T, each (m, k)."""
     knots = _knots(shape)
     basis = BSpline(knots, np.eye(len(knots) - shape.degree - 1), shape.degree)
     return tuple(np.asarray(basis(u, nu)) for nu in range(5))
@@ -110,41 +105,42 @@ def _transcription(objective: TurnObjective) -> Transcription:
     """Build the kept solver of an objective (0.5-1 s, once a process)."""
     shape = SHAPES[objective]
     u = _points(shape)
-    rows = _design(shape, u)
+    design = _design(shape, u)
     ends = _design(shape, np.array([0.0, 1.0]))
-    size = rows[0].shape[1]
+    size = design[0].shape[1]
     c = casadi.SX.sym("c", size, 3)
     span = casadi.SX.sym("T")
     boundary = casadi.SX.sym("b", 6, 3)  # sigma, d1, d2 at start and at end
     total, j = casadi.SX.sym("G", len(u), 3), casadi.SX.sym("J", 3)
-    scale = casadi.SX.sym("limits", 5)  # rate, axis rate, torque, torque rate, momentum
-    values = [casadi.mtimes(casadi.DM(m), c) for m in rows]
+    limits = casadi.SX.sym("limits", 5)
+    rate, rate_axis, torque_most, torque_rate_most, sphere = casadi.vertsplit(limits)
+    values = [casadi.mtimes(casadi.DM(m), c) for m in design]
     point = _point_loads()
     g: list[casadi.SX] = []
-    effort = casadi.SX(0)
+    shaking = casadi.SX(0)
     for k in range(len(u)):
         here = [values[d][k, :].T / span**d for d in range(4)]
         omega, torque, torque_rate, stored = point(*here, total[k, :].T, j)
         g += [
-            casadi.dot(omega, omega) / scale[0] ** 2,
-            omega / scale[1],
-            casadi.dot(torque, torque) / scale[2] ** 2,
-            casadi.dot(torque_rate, torque_rate) / scale[3] ** 2,
-            casadi.dot(stored, stored) / scale[4] ** 2,
+            casadi.dot(omega, omega) / rate**2,
+            omega / rate_axis,
+            casadi.dot(torque, torque) / torque_most**2,
+            casadi.dot(torque_rate, torque_rate) / torque_rate_most**2,
+            casadi.dot(stored, stored) / sphere**2,
         ]
-        effort += casadi.dot(torque_rate, torque_rate) / scale[3] ** 2
+        shaking += casadi.dot(torque_rate, torque_rate) / torque_rate_most**2
         if objective == "smooth":
             snap = 4.0 * j * values[4][k, :].T / span**4
-            effort += 0.1 * casadi.dot(snap, snap) / scale[3] ** 2
-    effort = effort / len(u)
+            shaking += 0.1 * casadi.dot(snap, snap) / torque_rate_most**2
+    shaking = shaking / len(u)
     for end in range(2):
         for d in range(3):
             made = casadi.mtimes(casadi.DM(ends[d][end : end + 1]), c)
             g.append((made - boundary[3 * end + d, :] * span**d).T)
-    cost = span + 1e-3 * effort if objective == "minimum_time" else 100.0 * effort
+    cost = span + 1e-3 * shaking if objective == "minimum_time" else 100.0 * shaking
     nlp: dict[str, casadi.SX] = {
         "x": casadi.vertcat(casadi.vec(c), span),
-        "p": casadi.vertcat(casadi.vec(boundary), casadi.vec(total), j, scale),
+        "p": casadi.vertcat(casadi.vec(boundary), casadi.vec(total), j, limits),
         "f": cost,
         "g": casadi.vertcat(*g),
     }
@@ -161,7 +157,7 @@ def _transcription(objective: TurnObjective) -> Transcription:
         },
         "print_time": False,
     }
-    return Transcription(shape, _knots(shape), rows, casadi.nlpsol("turn", "ipopt", nlp, options))
+    return Transcription(shape, casadi.nlpsol("turn", "ipopt", nlp, options))
 
 
 def solve_turn(
@@ -175,20 +171,21 @@ def solve_turn(
     """
     begun = time.perf_counter()
     kept = _transcription(objective)
-    low, high = 0.3 * guess.duration_s, 1.05 * guess.duration_s
+    low_s, high_s = 0.3 * guess.duration_s, 1.05 * guess.duration_s
     if duration_s is not None:
-        low = high = duration_s
-    x = np.append(_coefficients(kept, guess).ravel(order="F"), np.clip(guess.duration_s, low, high))
-    tightened = TIGHTENED
+        low_s = high_s = duration_s
+    coefficients = _coefficients(kept.shape, guess).ravel(order="F")
+    x = np.append(coefficients, np.clip(guess.duration_s, low_s, high_s))
+    limit_factor = LIMIT_FACTOR
     for _ in range(PASSES):
-        x = _solve(kept, problem, guess, x, (low, high), tightened)
-        turn = _checked(kept, problem, x, time.perf_counter() - begun)
+        x = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
+        turn = _turn(kept, problem, x, time.perf_counter() - begun)
         over = turn.loads.share_of(problem.limits)
         if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < END_TOLERANCE:
             return turn
         if over > HOPELESS and turn.status != "Solve_Succeeded":
             break
-        tightened /= 1.0 + OVERCORRECTED * (min(over, 1.1) - 1.0)
+        limit_factor /= 1.0 + OVERCORRECTED * (min(over, 1.1) - 1.0)
     return None
 
 
@@ -198,12 +195,13 @@ def _solve(
     guess: Turn,
     x0: Array,
     span_s: tuple[float, float],
-    tightened: float,
+    limit_factor: float,
 ) -> Array:
     """Ipopt's answer: coefficients, column by column, then T."""
     limits = problem.limits
-    on_guess = guess.at(_points(kept.shape) * guess.duration_s)[0]
-    total = on_guess.inv().apply(problem.momentum_eci_n_m_s)
+    u = _points(kept.shape)
+    q_body_from_eci, _ = guess.attitude_at(u * guess.duration_s)
+    total_n_m_s = q_body_from_eci.apply(problem.momentum_eci_n_m_s)
     scale = [
         limits.rate_rad_s,
         limits.rate_axis_rad_s,
@@ -211,36 +209,36 @@ def _solve(
         limits.torque_rate_n_m_s,
         limits.momentum_sphere_n_m_s,
     ]
-    points = len(kept.rows[0])
-    lower = np.tile([-np.inf, -1.0, -1.0, -1.0, -np.inf, -np.inf, -np.inf], points)
+    lower = np.tile(LOWER_LIMITS, len(u))
+    ends = np.zeros(END_CONDITIONS)
     effort.spend(SOLVE)
     free = np.full(len(x0) - 1, 2.0)  # |sigma| < 1 up to half a turn to each side
     found = kept.solver(
         x0=x0,
         p=np.concatenate(
             [
-                np.array(problem.ends_mrp()).ravel(order="F"),
-                total.ravel(order="F"),
+                np.vstack(problem.ends_mrp()).ravel(order="F"),
+                total_n_m_s.ravel(order="F"),
                 problem.inertia_kg_m2,
-                tightened * np.array(scale),
+                limit_factor * np.array(scale),
             ]
         ),
         lbx=np.append(-free, span_s[0]),
         ubx=np.append(free, span_s[1]),
-        lbg=np.concatenate([lower, np.zeros(18)]),
-        ubg=np.concatenate([np.ones(PER_POINT * points), np.zeros(18)]),
+        lbg=np.concatenate([lower, ends]),
+        ubg=np.concatenate([np.ones_like(lower), ends]),
     )
     effort.count(ITERATION * kept.solver.stats()["iter_count"])
     return np.array(found["x"]).ravel()
 
 
-def _checked(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float) -> Turn:
+def _turn(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float) -> Turn:
     span_s = float(x[-1])
-    spline = BSpline(kept.knots, x[:-1].reshape(3, -1).T, kept.shape.degree)
+    spline = BSpline(_knots(kept.shape), x[:-1].reshape(3, -1).T, kept.shape.degree)
 
-    def sigma(t_s: Array) -> tuple[Array, Array, Array, Array]:
+    def mrp_at(t_s: Array) -> MrpMotion:
         u = np.clip(np.asarray(t_s) / span_s, 0.0, 1.0)
-        return (
+        return MrpMotion(
             spline(u),
             spline(u, 1) / span_s,
             spline(u, 2) / span_s**2,
@@ -248,29 +246,24 @@ def _checked(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float
         )
 
     return Turn(
-        middle=problem.middle(),
-        sigma=sigma,
+        q_middle_from_eci=problem.q_middle_from_eci,
+        mrp_at=mrp_at,
         duration_s=span_s,
         method="ocp",
         status=str(kept.solver.stats()["return_status"]),
         solve_s=solve_s,
-        loads=loads(problem, sigma, span_s),
+        loads=loads(problem, mrp_at, span_s),
     )
 
 
 def _miss(problem: TurnProblem, turn: Turn) -> float:
     """Largest difference in sigma or its derivatives from what the two ends ask for."""
-    made = turn.sigma(np.array([0.0, turn.duration_s]))[:3]
-    asked = problem.ends_mrp()
-    return max(
-        float(np.max(np.abs(made[d][end] - asked[3 * end + d])))
-        for end in range(2)
-        for d in range(3)
-    )
+    made = np.array(turn.mrp_at(np.array([0.0, turn.duration_s]))[:3])
+    return float(np.max(np.abs(made.swapaxes(0, 1) - np.array(problem.ends_mrp()))))
 
 
-def _coefficients(kept: Transcription, guess: Turn) -> Array:
+def _coefficients(shape: Shape, guess: Turn) -> Array:
     """Least-squares spline through a turn, shape (k, 3)."""
-    u = np.linspace(0.0, 1.0, 8 * kept.shape.spans + 1)
-    design = _design(kept.shape, u)[0]
-    return np.asarray(np.linalg.lstsq(design, guess.sigma(u * guess.duration_s)[0], rcond=None)[0])
+    u = np.linspace(0.0, 1.0, 8 * shape.spans + 1)
+    through = guess.mrp_at(u * guess.duration_s).mrp
+    return np.asarray(np.linalg.lstsq(_design(shape, u)[0], through, rcond=None)[0])

@@ -1,4 +1,4 @@
-"""How long does a turn take, at a guess good enough to choose by?
+"""Estimates of a turn's duration, good enough to choose by.
 
 Least time about the hardest axis for the angle, from rest to rest; what ends that move with
 the turn save and ends that move against it cost; an allowance for ends that move aside, the
@@ -26,23 +26,26 @@ ANGLES_DEG = np.array(
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class MovingEnds:
-    """Attitudes with how they turn: eci_from_body_xyzw (n, 4), rate_eci_rad_s (n, 3)."""
+    """Attitudes with how they turn: q_body_from_eci_xyzw (n, 4), rate_eci_rad_s (n, 3)."""
 
-    eci_from_body_xyzw: Array
+    q_body_from_eci_xyzw: Array
     rate_eci_rad_s: Array
 
+    @classmethod
+    def concatenate(cls, parts: "Sequence[MovingEnds]") -> "MovingEnds":
+        """All of them in one."""
+        return cls(
+            q_body_from_eci_xyzw=np.concatenate([part.q_body_from_eci_xyzw for part in parts]),
+            rate_eci_rad_s=np.concatenate([part.rate_eci_rad_s for part in parts]),
+        )
+
     def __getitem__(self, k: NDArray[np.int64] | slice) -> "MovingEnds":
-        return MovingEnds(self.eci_from_body_xyzw[k], self.rate_eci_rad_s[k])
-
-
-def joined(parts: Sequence[MovingEnds]) -> MovingEnds:
-    """All of them in one."""
-    return MovingEnds(
-        np.concatenate([part.eci_from_body_xyzw for part in parts]),
-        np.concatenate([part.rate_eci_rad_s for part in parts]),
-    )
+        return MovingEnds(
+            q_body_from_eci_xyzw=self.q_body_from_eci_xyzw[k],
+            rate_eci_rad_s=self.rate_eci_rad_s[k],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,7 @@ class TurnTime:
     rate_rad_s: float
     acceleration_rad_s2: float
 
-    def eased(self, more_s: float) -> "TurnTime":
+    def plus(self, more_s: float) -> "TurnTime":
         """With so much more for every turn."""
         return replace(self, seconds=self.seconds + more_s)
 
@@ -70,22 +73,23 @@ class TurnTime:
 
     def ticks(self, begin: MovingEnds, end: MovingEnds) -> NDArray[np.int64]:
         """Whole 0.2 s ticks from each of n ends to its counterpart (or all from one)."""
-        x, y = begin.eci_from_body_xyzw.T, end.eci_from_body_xyzw.T
+        x, y = begin.q_body_from_eci_xyzw.T, end.q_body_from_eci_xyzw.T
         cosine = np.sum(x * y, axis=0)
         sine = np.stack(
             [
-                x[3] * y[0] - y[3] * x[0] - y[1] * x[2] + y[2] * x[1],
-                x[3] * y[1] - y[3] * x[1] - y[2] * x[0] + y[0] * x[2],
-                x[3] * y[2] - y[3] * x[2] - y[0] * x[1] + y[1] * x[0],
+                y[3] * x[0] - x[3] * y[0] - y[1] * x[2] + y[2] * x[1],
+                y[3] * x[1] - x[3] * y[1] - y[2] * x[0] + y[0] * x[2],
+                y[3] * x[2] - x[3] * y[2] - y[0] * x[1] + y[1] * x[0],
             ],
             axis=-1,
         )
         size = np.linalg.norm(sine, axis=-1)
         axis_eci = sine * (np.where(cosine < 0.0, -1.0, 1.0) / np.maximum(size, 1e-12))[:, None]
-        angle = 2.0 * np.arctan2(size, np.abs(cosine))
-        seconds = np.interp(angle, self.angles_rad, self.seconds)
+        angle_rad = 2.0 * np.arctan2(size, np.abs(cosine))
+        seconds = np.interp(angle_rad, self.angles_rad, self.seconds)
         for moving in (begin, end):
-            seconds += self._gained_s(np.sum(axis_eci * moving.rate_eci_rad_s, axis=-1), angle)
+            along_rad_s = np.sum(axis_eci * moving.rate_eci_rad_s, axis=-1)
+            seconds += self._gained_s(along_rad_s, angle_rad)
         return np.asarray(np.ceil(seconds / TICK_S - 1e-6), dtype=np.int64)
 
     def _gained_s(self, along_rad_s: Array, angle_rad: Array) -> Array:
@@ -98,29 +102,23 @@ class TurnTime:
 
 def turn_time(spacecraft: AgileSpacecraft) -> TurnTime:
     """The table for a spacecraft's limits."""
-    angles = np.deg2rad(ANGLES_DEG)
-    still = np.zeros(3)
-    axis = np.eye(3)[int(np.argmax(spacecraft.inertia_kg_m2))]
-    seconds = []
-    for angle in angles:
-        problem = TurnProblem(
-            start=EndState(
-                attitude=Rotation.identity(), omega_body_rad_s=still, alpha_body_rad_s2=still
-            ),
-            end=EndState(
-                attitude=Rotation.from_rotvec(angle * axis),
-                omega_body_rad_s=still,
-                alpha_body_rad_s2=still,
-            ),
-            momentum_eci_n_m_s=still,
+    angles_rad = np.deg2rad(ANGLES_DEG)
+    axis_body = np.eye(3)[int(np.argmax(spacecraft.inertia_kg_m2))]
+    problems = [
+        TurnProblem(
+            start=EndState.at_rest(Rotation.identity()),
+            end=EndState.at_rest(Rotation.from_rotvec(-angle_rad * axis_body)),
+            momentum_eci_n_m_s=np.zeros(3),
             inertia_kg_m2=np.array(spacecraft.inertia_kg_m2),
             limits=spacecraft.slew,
         )
-        seconds.append(eigenaxis_turn(problem).duration_s)
+        for angle_rad in angles_rad
+    ]
+    durations_s = np.array([eigenaxis_turn(problem).duration_s for problem in problems])
     extra_s = ALLOWANCE_S + TICK_S + spacecraft.slew.settle_s
     return TurnTime(
-        angles_rad=angles,
-        seconds=SMOOTH * np.array(seconds) + extra_s,
+        angles_rad=angles_rad,
+        seconds=SMOOTH * durations_s + extra_s,
         rate_rad_s=spacecraft.slew.rate_axis_rad_s,
         acceleration_rad_s2=spacecraft.slew.torque_n_m / max(spacecraft.inertia_kg_m2),
     )

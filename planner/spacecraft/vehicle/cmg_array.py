@@ -1,12 +1,12 @@
-"""What can a set of single-gimbal control moment gyros do, and how are they steered?
+"""Four single-gimbal control moment gyros: their momentum, envelope and steering law.
 
-Angular momentum, Jacobian, envelope, the closed-form inverse of two scissor pairs, and the
-steering law with null motion, guarded inverse and rate limit.
+The envelope of two scissor pairs is inverted in closed form; the steering law has null motion, a
+guarded inverse and a rate limit.
 Source: Platonov, Sumarokov 2019, eq. 1 and the definitions below it.
 """
 
 import math
-from typing import Any, Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,16 @@ from planner.arrays import Array
 from planner.compiled import compiled
 from planner.spec import spec
 
-SINGULARITY_GUARD = 1e-3  # of D D^T's scale: below it the inverse is damped
+SINGULARITY_GUARD = 0.02  # of det(D D^T): below it the inverse is damped
+
+
+class Gyros(NamedTuple):
+    """A `CmgArray` as compiled code takes it; axes (4, 3), at zero gimbal angle."""
+
+    momentum_n_m_s: float
+    rotor_axes_body: Array
+    torque_axes_body: Array
+    rate_max_rad_s: float
 
 
 @spec
@@ -58,36 +67,45 @@ class CmgArray:
             raise ValueError(f"skew_rad must lie in 0..pi/2, not {self.skew_rad}")
 
     @property
-    def gimbal_axes(self) -> Array:
-        """Unit vectors in body axes, shape (4, 3)."""
+    def gimbal_axes_body(self) -> Array:
+        """Directions the gimbals turn about, shape (4, 3)."""
         if self.arrangement == "paired":
             return np.array([[-1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 1, 0]])
         c, s = math.cos(self.skew_rad), math.sin(self.skew_rad)
         return np.array([[s, 0, c], [0, s, c], [-s, 0, c], [0, -s, c]])
 
     @property
-    def rotor_axes(self) -> Array:
-        """Rotor directions at zero gimbal angle in body axes, shape (4, 3)."""
+    def rotor_axes_body(self) -> Array:
+        """Directions of the rotors' momentum at zero gimbal angle, shape (4, 3)."""
         if self.arrangement == "paired":
             return np.tile([0.0, 0.0, 1.0], (4, 1))
         return np.array([[0, 1.0, 0], [-1, 0, 0], [0, -1, 0], [1, 0, 0]])
 
     @property
-    def torque_axes(self) -> Array:
+    def torque_axes_body(self) -> Array:
         """Directions the rotors turn towards at zero gimbal angle, shape (4, 3)."""
-        return np.cross(self.gimbal_axes, self.rotor_axes)
+        return np.cross(self.gimbal_axes_body, self.rotor_axes_body)
+
+    def gyros(self) -> Gyros:
+        """The array for compiled code."""
+        return Gyros(
+            self.momentum_n_m_s,
+            np.ascontiguousarray(self.rotor_axes_body),
+            np.ascontiguousarray(self.torque_axes_body),
+            self.rate_max_rad_s,
+        )
 
     def momentum(self, gimbal_rad: Array) -> Array:
         """Momentum of the rotors in body axes, N m s; gimbal_rad (..., 4) -> (..., 3)."""
         return self.momentum_n_m_s * np.asarray(
-            np.cos(gimbal_rad) @ self.rotor_axes + np.sin(gimbal_rad) @ self.torque_axes
+            np.cos(gimbal_rad) @ self.rotor_axes_body + np.sin(gimbal_rad) @ self.torque_axes_body
         )
 
     def jacobian(self, gimbal_rad: Array) -> Array:
         """D = (1/h) dH/d(gimbal angle), shape (..., 3, 4)."""
         columns = (
-            np.cos(gimbal_rad)[..., None] * self.torque_axes
-            - np.sin(gimbal_rad)[..., None] * self.rotor_axes
+            np.cos(gimbal_rad)[..., None] * self.torque_axes_body
+            - np.sin(gimbal_rad)[..., None] * self.rotor_axes_body
         )
         return np.asarray(np.swapaxes(columns, -1, -2))
 
@@ -106,8 +124,8 @@ class CmgArray:
         """
         h = self.momentum_n_m_s
         if self.arrangement == "pyramid":
-            radius = 4.0 * h * min(math.cos(self.skew_rad), math.sin(self.skew_rad))
-            return np.asarray(np.linalg.norm(momentum_n_m_s, axis=-1) <= radius)
+            radius_n_m_s = 4.0 * h * min(math.cos(self.skew_rad), math.sin(self.skew_rad))
+            return np.asarray(np.linalg.norm(momentum_n_m_s, axis=-1) <= radius_n_m_s)
         hx, hy, hz = np.moveaxis(np.asarray(momentum_n_m_s), -1, 0)
         room_x, room_y = 4 * h**2 - hx**2, 4 * h**2 - hy**2
         reach = np.sqrt(np.maximum(room_x, 0.0)) + np.sqrt(np.maximum(room_y, 0.0))
@@ -144,13 +162,13 @@ class CmgArray:
         return np.asarray(angles[np.argmax(np.where(ok, self.singularity_margin(angles), -1.0))])
 
     def _pyramid_angles(self, momentum_n_m_s: Array) -> Array:
-        gimbal = np.zeros(4)
+        gimbal_rad = np.zeros(4)
         for _ in range(50):
-            miss = momentum_n_m_s - self.momentum(gimbal)
-            if np.linalg.norm(miss) < 1e-12 * self.momentum_n_m_s:
-                return gimbal
-            step = np.linalg.pinv(self.jacobian(gimbal), rcond=1e-2) @ miss / self.momentum_n_m_s
-            gimbal = gimbal + np.clip(step, -0.3, 0.3)
+            miss_n_m_s = momentum_n_m_s - self.momentum(gimbal_rad)
+            if np.linalg.norm(miss_n_m_s) < 1e-12 * self.momentum_n_m_s:
+                return gimbal_rad
+            inverse = np.linalg.pinv(self.jacobian(gimbal_rad), rcond=1e-2)
+            gimbal_rad = gimbal_rad + np.clip(inverse @ miss_n_m_s / self.momentum_n_m_s, -0.3, 0.3)
         raise ValueError(
             f"found no gimbal angles for {np.round(momentum_n_m_s, 1).tolist()} N m s; unload "
             "some momentum first"
@@ -158,68 +176,62 @@ class CmgArray:
 
 
 @compiled
-def rotor_momentum(
-    gimbal: Array, momentum_n_m_s: float, rotor: Array, torque: Array, out: Array
-) -> None:
-    """H of four gyros in body axes into out (3,)."""
+def rotor_momentum(gyros: Gyros, gimbal_rad: Array, h_body_n_m_s: Array) -> None:
+    """H of the rotors into h_body_n_m_s (3,)."""
+    rotor, torque = gyros.rotor_axes_body, gyros.torque_axes_body
     for k in range(3):
-        out[k] = 0.0
+        h_body_n_m_s[k] = 0.0
     for i in range(4):
-        c, s = momentum_n_m_s * math.cos(gimbal[i]), momentum_n_m_s * math.sin(gimbal[i])
+        c = gyros.momentum_n_m_s * math.cos(gimbal_rad[i])
+        s = gyros.momentum_n_m_s * math.sin(gimbal_rad[i])
         for k in range(3):
-            out[k] += c * rotor[i, k] + s * torque[i, k]
+            h_body_n_m_s[k] += c * rotor[i, k] + s * torque[i, k]
 
 
 @compiled
-def _gradient(inverse: NDArray[np.floating[Any]], d: Array, turn: Array, det: float) -> Array:
-    """Gradient (4,) of det(D D^T) by the gimbal angles; turn: columns' derivatives."""
-    weighted = inverse @ d
-    gradient = np.empty(4)
+def _column_products(a: Array, b: Array) -> Array:
+    """Of each of four columns with its counterpart."""
+    products = np.zeros(4)
     for i in range(4):
-        total = 0.0
         for k in range(3):
-            total += weighted[k, i] * turn[k, i]
-        gradient[i] = 2.0 * det * total
-    return gradient
+            products[i] += a[k, i] * b[k, i]
+    return products
 
 
 @compiled
 def steer(
-    gimbal: Array,
-    momentum_rate: Array,
-    momentum_n_m_s: float,
-    rotor: Array,
-    torque: Array,
-    rate_max_rad_s: float,
-    null_gain: float,
-    out: Array,
-) -> float:
-    """Gimbal rates (4,), into out, that change H by momentum_rate (3,), N m.
+    gyros: Gyros,
+    gimbal_rad: Array,
+    torque_body_n_m: Array,
+    null_gain_rad_s: float,
+    rate_rad_s: Array,
+) -> None:
+    """Gimbal rates (4,), into rate_rad_s, that change H by torque_body_n_m (3,).
 
     d' = D^T (D D^T)^-1 M/h + rho (E - D^T (D D^T)^-1 D) dPsi/dd, all rates scaled down
-    together to rate_max_rad_s.  Psi = det(D D^T) grows away from singularity for any arrangement;
-    the paper's (m1 x m2)^2 + (m3 x m4)^2 is its part for parallel pairs.  The sign is the
-    one that leaves singularities: taken literally, the printed xi = -dPhi/dd under its
-    projector drives into them.  Near one (det below the guard) the inverse is damped.
-    Returns det(D D^T).
+    together to gyros.rate_max_rad_s; rho is null_gain_rad_s.  Psi = det(D D^T) grows away from
+    singularity for any arrangement; the paper's (m1 x m2)^2 + (m3 x m4)^2 is its part for
+    parallel pairs.  The sign is the one that leaves singularities: taken literally, the printed
+    xi = -dPhi/dd under its projector drives into them.  Near one (det below the guard) the
+    inverse is damped.
     """
-    d = np.empty((3, 4))
-    turn = np.empty((3, 4))
+    rotor, torque = gyros.rotor_axes_body, gyros.torque_axes_body
+    d, d_turned = np.empty((3, 4)), np.empty((3, 4))
     for i in range(4):
-        c, s = math.cos(gimbal[i]), math.sin(gimbal[i])
+        c, s = math.cos(gimbal_rad[i]), math.sin(gimbal_rad[i])
         for k in range(3):
             d[k, i] = c * torque[i, k] - s * rotor[i, k]
-            turn[k, i] = -c * rotor[i, k] - s * torque[i, k]
+            d_turned[k, i] = -c * rotor[i, k] - s * torque[i, k]
     a = d @ d.T
-    det = np.linalg.det(a)
+    psi = np.linalg.det(a)
     damping = 0.0
-    if det < SINGULARITY_GUARD * 20.0:
-        damping = 0.01 * (1.0 - det / (SINGULARITY_GUARD * 20.0)) + 1e-9
+    if psi < SINGULARITY_GUARD:
+        damping = 0.01 * (1.0 - psi / SINGULARITY_GUARD) + 1e-9
     for k in range(3):
         a[k, k] += damping
     inverse = np.linalg.inv(a)
-    y = inverse @ (momentum_rate / momentum_n_m_s)
-    gradient = _gradient(inverse, d, turn, det)
+    y = inverse @ (torque_body_n_m / gyros.momentum_n_m_s)
+    gradient = 2.0 * psi * _column_products(inverse @ d, d_turned)
     projected = inverse @ (d @ gradient)
     largest = 0.0
     for i in range(4):
@@ -227,9 +239,8 @@ def steer(
         for k in range(3):
             pseudo += d[k, i] * y[k]
             seen += d[k, i] * projected[k]
-        out[i] = pseudo + null_gain * (gradient[i] - seen)
-        largest = max(largest, abs(out[i]))
-    if largest > rate_max_rad_s:
+        rate_rad_s[i] = pseudo + null_gain_rad_s * (gradient[i] - seen)
+        largest = max(largest, abs(rate_rad_s[i]))
+    if largest > gyros.rate_max_rad_s:
         for i in range(4):
-            out[i] *= rate_max_rad_s / largest
-    return float(det)
+            rate_rad_s[i] *= gyros.rate_max_rad_s / largest

@@ -1,4 +1,4 @@
-"""What is the agile spacecraft made of?  Mass, modes, sensors, limits, control gains.
+"""The agile spacecraft: its inertia, modes, sensors, limits and control gains.
 
 Numbers of Platonov, Sumarokov 2019 where the paper gives them; every other default is an
 assumption, named as such here and repeated in `ASSUMPTIONS` of the stabilisation report.
@@ -8,8 +8,8 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spec import Within, spec
 
@@ -185,24 +185,15 @@ class AgileSpacecraft:
                 f"inertia_kg_m2 {self.inertia_kg_m2}: no body has these moments (each must be "
                 "positive and at most the sum of the others)"
             )
-        if np.linalg.eigvalsh(self.rigid_inertia())[0] <= 0.0:
+        d = self.couplings_sqrt_kg_m()
+        if np.linalg.eigvalsh(np.diag(self.inertia_kg_m2) - d.T @ d)[0] <= 0.0:
             raise ValueError("the modes' inertia shares leave no rigid body; make them smaller")
 
-    @property
-    def inertia(self) -> NDArray[np.float64]:
-        """Matrix (3, 3), kg m^2."""
-        return np.diag(self.inertia_kg_m2)
-
-    def couplings(self) -> NDArray[np.float64]:
-        """Modal coupling vectors, shape (m, 3), sqrt(kg) m."""
+    def couplings_sqrt_kg_m(self) -> Array:
+        """Modal coupling vectors d, shape (m, 3): J - sum d d^T is the rigid body's inertia."""
         root_j = np.sqrt(np.array(self.inertia_kg_m2))
         rows = [math.sqrt(m.inertia_share) * root_j * np.array(m.axis_body) for m in self.modes]
         return np.array(rows).reshape(-1, 3)
-
-    def rigid_inertia(self) -> NDArray[np.float64]:
-        """J minus the swinging parts, shape (3, 3)."""
-        d = self.couplings()
-        return np.asarray(self.inertia - d.T @ d)
 
 
 AGILE_CMG = AgileSpacecraft()

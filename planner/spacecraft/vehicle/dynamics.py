@@ -1,4 +1,4 @@
-"""How does the body move when its gyros turn?  Rigid body, flexible modes, gimbal servos.
+"""Motion of the body while its gyros turn: rigid body, flexible modes, gimbal servos.
 
 The body is integrated in momentum form: the state is the attitude, the total angular momentum
 G in inertial axes, modal coordinates eta and modal momenta p = eta' + d.omega, so that
@@ -18,59 +18,90 @@ from scipy.linalg import expm
 
 from planner.arrays import Array
 from planner.compiled import compiled
+from planner.spacecraft.vehicle.cmg_array import Gyros
+
+G, ETA = 4, 7  # where G and eta begin in a state: q_eci_from_body_xyzw, G (N m s), eta, p
+
+
+class Ripple(NamedTuple):
+    """Disturbance torque of each rotor's drive, a cos(w t + phase): (4,) each."""
+
+    torque_n_m: Array
+    rate_rad_s: Array
+    phase_rad: Array
+
+
+class ServoStep(NamedTuple):
+    """Exact step of a servo's angle, rate and acceleration (rad, s) under a constant command."""
+
+    transition_matrix: Array  # (3, 3)
+    input_gain: Array  # (3,), by the commanded rate
 
 
 class Plant(NamedTuple):
-    """The body as it really is: dispersions applied.  Shapes as in the fields' comments."""
+    """The body as it really is: dispersions applied.  m modes."""
 
-    inertia: Array  # (3, 3), swinging parts included
-    rigid_inverse: Array  # (3, 3), (J - sum d d^T)^-1
-    couplings: Array  # (m, 3)
-    stiffness: Array  # (m,), w^2
-    damping: Array  # (m,), 2 zeta w
-    rotor: Array  # (4, 3)
-    torque: Array  # (4, 3)
-    gimbal_axes: Array  # (4, 3)
-    momentum_n_m_s: float
+    inertia_kg_m2: Array  # (3, 3), swinging parts included
+    rigid_inverse_per_kg_m2: Array  # (3, 3), (J - sum d d^T)^-1
+    couplings_sqrt_kg_m: Array  # (m, 3)
+    stiffness_per_s2: Array  # (m,), w^2
+    damping_per_s: Array  # (m,), 2 zeta w
+    gyros: Gyros
+    gimbal_axes_body: Array  # (4, 3)
     gimbal_inertia_kg_m2: float
-    servo_half: Array  # (3, 3), transition of gimbal angle, rate, acceleration over half a step
-    servo_input: Array  # (3,)
+    servo_half_step: ServoStep
     step_s: float
     rate_scale: Array  # (4,), executed over commanded gimbal rate
-    ripple: Array  # (4, 3): N m, rad/s, phase of each rotor drive's disturbance torque
-    gravity_per_s2: float  # 3 mu / r^3, 1/s^2
+    ripple: Ripple
+    gravity_per_s2: float  # 3 mu / r^3
+
+
+class Body(NamedTuple):
+    """The moving body, changed in place; the last four are arrays that a step reuses."""
+
+    state: Array  # (7 + 2 m,)
+    servo_states: Array  # (4, 3): gimbal angle rad, rate rad/s, acceleration rad/s^2
+    h_body_n_m_s: Array  # (3,), momentum of rotors and gimbal frames
+    omega_body_rad_s: Array  # (3,)
+    h_start_body_n_m_s: Array
+    h_middle_body_n_m_s: Array
+    trial_state: Array
+    state_slopes: Array  # (4, 7 + 2 m)
 
 
 @compiled
-def rotate(q: Array, v: Array, out: Array) -> None:
-    """out = v turned by the scalar-last unit quaternion q (3,)."""
+def rotate(q_eci_from_body_xyzw: Array, v_body: Array, v_eci: Array) -> None:
+    """v_eci = v_body turned by a unit quaternion, (3,)."""
+    q, v = q_eci_from_body_xyzw, v_body
     tx = 2.0 * (q[1] * v[2] - q[2] * v[1])
     ty = 2.0 * (q[2] * v[0] - q[0] * v[2])
     tz = 2.0 * (q[0] * v[1] - q[1] * v[0])
     x, y, z = v[0], v[1], v[2]
-    out[0] = x + q[3] * tx + q[1] * tz - q[2] * ty
-    out[1] = y + q[3] * ty + q[2] * tx - q[0] * tz
-    out[2] = z + q[3] * tz + q[0] * ty - q[1] * tx
+    v_eci[0] = x + q[3] * tx + q[1] * tz - q[2] * ty
+    v_eci[1] = y + q[3] * ty + q[2] * tx - q[0] * tz
+    v_eci[2] = z + q[3] * tz + q[0] * ty - q[1] * tx
 
 
 @compiled
-def unrotate(q: Array, v: Array, out: Array) -> None:
-    """out = v turned by the inverse of q."""
+def unrotate(q_eci_from_body_xyzw: Array, v_eci: Array, v_body: Array) -> None:
+    """v_body = v_eci turned by the inverse of a unit quaternion, (3,)."""
+    q, v = q_eci_from_body_xyzw, v_eci
     tx = 2.0 * (q[2] * v[1] - q[1] * v[2])
     ty = 2.0 * (q[0] * v[2] - q[2] * v[0])
     tz = 2.0 * (q[1] * v[0] - q[0] * v[1])
     x, y, z = v[0], v[1], v[2]
-    out[0] = x + q[3] * tx - q[1] * tz + q[2] * ty
-    out[1] = y + q[3] * ty - q[2] * tx + q[0] * tz
-    out[2] = z + q[3] * tz - q[0] * ty + q[1] * tx
+    v_body[0] = x + q[3] * tx - q[1] * tz + q[2] * ty
+    v_body[1] = y + q[3] * ty - q[2] * tx + q[0] * tz
+    v_body[2] = z + q[3] * tz - q[0] * ty + q[1] * tx
 
 
 Row = tuple[float, float, float]
 
 
 @compiled
-def _matrix(q: Array) -> tuple[Row, Row, Row]:
-    """Rows of the matrix that turns like the scalar-last unit quaternion q (4,)."""
+def _matrix(q_eci_from_body_xyzw: Array) -> tuple[Row, Row, Row]:
+    """Rows of c_eci_from_body."""
+    q = q_eci_from_body_xyzw
     x, y, z, w = q[0], q[1], q[2], q[3]
     return (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)),
@@ -100,141 +131,150 @@ def _rows_times(matrix: Array, x: float, y: float, z: float) -> Row:
 
 
 @compiled
-def _rate(plant: Plant, c: tuple[Row, Row, Row], state: Array, momentum: Array) -> Row:
-    x, y, z = _columns_times(c, state[4], state[5], state[6])
-    x, y, z = x - momentum[0], y - momentum[1], z - momentum[2]
-    m = len(plant.stiffness)
+def _rate(plant: Plant, c: tuple[Row, Row, Row], state: Array, h_body_n_m_s: Array) -> Row:
+    x, y, z = _columns_times(c, state[G], state[G + 1], state[G + 2])
+    x, y, z = x - h_body_n_m_s[0], y - h_body_n_m_s[1], z - h_body_n_m_s[2]
+    m, d = len(plant.stiffness_per_s2), plant.couplings_sqrt_kg_m
     for i in range(m):
-        p = state[7 + m + i]
-        x -= plant.couplings[i, 0] * p
-        y -= plant.couplings[i, 1] * p
-        z -= plant.couplings[i, 2] * p
-    return _rows_times(plant.rigid_inverse, x, y, z)
+        p = state[ETA + m + i]
+        x -= d[i, 0] * p
+        y -= d[i, 1] * p
+        z -= d[i, 2] * p
+    return _rows_times(plant.rigid_inverse_per_kg_m2, x, y, z)
 
 
 @compiled
-def body_rate(plant: Plant, state: Array, momentum: Array, out: Array) -> None:
-    """omega_body (3,) from the state and the gyros' momentum in body axes."""
-    out[0], out[1], out[2] = _rate(plant, _matrix(state), state, momentum)
+def body_rate(plant: Plant, state: Array, h_body_n_m_s: Array, omega_body_rad_s: Array) -> None:
+    """omega_body_rad_s (3,) from the state and the momentum of the gyros."""
+    x, y, z = _rate(plant, _matrix(state), state, h_body_n_m_s)
+    omega_body_rad_s[0], omega_body_rad_s[1], omega_body_rad_s[2] = x, y, z
 
 
 @compiled
-def _derivative(plant: Plant, state: Array, momentum: Array, nadir: Array, out: Array) -> None:
+def _derivative(
+    plant: Plant, state: Array, h_body_n_m_s: Array, nadir_eci: Array, state_slope: Array
+) -> None:
     c = _matrix(state)
-    x, y, z = _rate(plant, c, state, momentum)
+    x, y, z = _rate(plant, c, state, h_body_n_m_s)
     q0, q1, q2, q3 = state[0], state[1], state[2], state[3]
-    out[0] = 0.5 * (q3 * x + q1 * z - q2 * y)
-    out[1] = 0.5 * (q3 * y + q2 * x - q0 * z)
-    out[2] = 0.5 * (q3 * z + q0 * y - q1 * x)
-    out[3] = -0.5 * (q0 * x + q1 * y + q2 * z)
+    state_slope[0] = 0.5 * (q3 * x + q1 * z - q2 * y)
+    state_slope[1] = 0.5 * (q3 * y + q2 * x - q0 * z)
+    state_slope[2] = 0.5 * (q3 * z + q0 * y - q1 * x)
+    state_slope[3] = -0.5 * (q0 * x + q1 * y + q2 * z)
     k = plant.gravity_per_s2
-    n0, n1, n2 = _columns_times(c, nadir[0], nadir[1], nadir[2])
-    j0, j1, j2 = _rows_times(plant.inertia, n0, n1, n2)
+    n0, n1, n2 = _columns_times(c, nadir_eci[0], nadir_eci[1], nadir_eci[2])
+    j0, j1, j2 = _rows_times(plant.inertia_kg_m2, n0, n1, n2)
     t0, t1, t2 = k * (n1 * j2 - n2 * j1), k * (n2 * j0 - n0 * j2), k * (n0 * j1 - n1 * j0)
     for i in range(3):
-        out[4 + i] = c[i][0] * t0 + c[i][1] * t1 + c[i][2] * t2
-    m = len(plant.stiffness)
+        state_slope[G + i] = c[i][0] * t0 + c[i][1] * t1 + c[i][2] * t2
+    m, d = len(plant.stiffness_per_s2), plant.couplings_sqrt_kg_m
     for i in range(m):
-        d0, d1, d2 = plant.couplings[i, 0], plant.couplings[i, 1], plant.couplings[i, 2]
-        swing = state[7 + m + i] - d0 * x - d1 * y - d2 * z
-        out[7 + i] = swing
-        out[7 + m + i] = -plant.stiffness[i] * state[7 + i] - plant.damping[i] * swing
+        eta, p = state[ETA + i], state[ETA + m + i]
+        swing = p - d[i, 0] * x - d[i, 1] * y - d[i, 2] * z
+        state_slope[ETA + i] = swing
+        state_slope[ETA + m + i] = -plant.stiffness_per_s2[i] * eta - plant.damping_per_s[i] * swing
 
 
 @compiled
-def array_momentum(plant: Plant, servo: Array, t_s: float, out: Array) -> None:
-    """Momentum of rotors and gimbal frames in body axes; servo (4, 3): angle, rate, acceleration.
+def array_momentum(plant: Plant, servo_states: Array, t_s: float, h_body_n_m_s: Array) -> None:
+    """Momentum of rotors and gimbal frames, (3,).
 
     Each rotor's speed loop ripples: its torque a cos(w t + phase) stores a/w sin in h.
     """
-    out[0] = out[1] = out[2] = 0.0
+    gyros, ripple = plant.gyros, plant.ripple
+    h_body_n_m_s[0] = h_body_n_m_s[1] = h_body_n_m_s[2] = 0.0
     for i in range(4):
-        a, w, phase = plant.ripple[i, 0], plant.ripple[i, 1], plant.ripple[i, 2]
-        along_spin = plant.momentum_n_m_s + a / w * math.sin(w * t_s + phase)
-        along_gimbal = plant.gimbal_inertia_kg_m2 * servo[i, 1]
-        c, s = along_spin * math.cos(servo[i, 0]), along_spin * math.sin(servo[i, 0])
+        a, w, phase = ripple.torque_n_m[i], ripple.rate_rad_s[i], ripple.phase_rad[i]
+        angle, rate = servo_states[i, 0], servo_states[i, 1]
+        along_spin = gyros.momentum_n_m_s + a / w * math.sin(w * t_s + phase)
+        along_gimbal = plant.gimbal_inertia_kg_m2 * rate
+        c, s = along_spin * math.cos(angle), along_spin * math.sin(angle)
         for k in range(3):
-            out[k] += (
-                c * plant.rotor[i, k]
-                + s * plant.torque[i, k]
-                + along_gimbal * plant.gimbal_axes[i, k]
+            h_body_n_m_s[k] += (
+                c * gyros.rotor_axes_body[i, k]
+                + s * gyros.torque_axes_body[i, k]
+                + along_gimbal * plant.gimbal_axes_body[i, k]
             )
 
 
 @compiled
-def servo_half_step(plant: Plant, command: Array, servo: Array) -> None:
-    """Advance the gimbals by half a step under constant commanded rates (4,), exactly."""
-    t = plant.servo_half
+def advance_servos(step: ServoStep, command_rad_s: Array, servo_states: Array) -> None:
+    """Advance the gimbals under constant commanded rates (4,)."""
+    t, b = step.transition_matrix, step.input_gain
     for i in range(4):
-        angle, rate, acceleration = servo[i, 0], servo[i, 1], servo[i, 2]
-        servo[i, 0] = angle + t[0, 1] * rate + t[0, 2] * acceleration
-        servo[i, 0] += plant.servo_input[0] * command[i]
-        servo[i, 1] = t[1, 1] * rate + t[1, 2] * acceleration + plant.servo_input[1] * command[i]
-        servo[i, 2] = t[2, 1] * rate + t[2, 2] * acceleration + plant.servo_input[2] * command[i]
-
-
-class Scratch(NamedTuple):
-    """Arrays a step reuses; `scratch` makes them."""
-
-    slopes: Array  # (4, s)
-    trial: Array  # (s,)
-    momenta: Array  # (3, 3): at the start, middle and end of the step
+        angle, rate, acceleration = servo_states[i, 0], servo_states[i, 1], servo_states[i, 2]
+        servo_states[i, 0] = angle + t[0, 1] * rate + t[0, 2] * acceleration
+        servo_states[i, 0] += b[0] * command_rad_s[i]
+        servo_states[i, 1] = t[1, 1] * rate + t[1, 2] * acceleration + b[1] * command_rad_s[i]
+        servo_states[i, 2] = t[2, 1] * rate + t[2, 2] * acceleration + b[2] * command_rad_s[i]
 
 
 @compiled
-def scratch(size: int) -> Scratch:
-    """Scratch for states of this size."""
-    return Scratch(np.empty((4, size)), np.empty(size), np.empty((3, 3)))
+def body_at(
+    plant: Plant, q_eci_from_body_xyzw: Array, omega_body_rad_s: Array, gimbal_rad: Array
+) -> Body:
+    """The body at t = 0 with modes and gimbals (4,) at rest."""
+    m = len(plant.stiffness_per_s2)
+    size = ETA + 2 * m
+    body = Body(
+        np.zeros(size), np.zeros((4, 3)), np.empty(3), np.empty(3), np.empty(3), np.empty(3),
+        np.empty(size), np.empty((4, size)),
+    )  # fmt: skip
+    body.servo_states[:, 0] = gimbal_rad
+    array_momentum(plant, body.servo_states, 0.0, body.h_body_n_m_s)
+    total_body_n_m_s = body.h_body_n_m_s.copy()
+    for k in range(3):
+        for j in range(3):
+            total_body_n_m_s[k] += plant.inertia_kg_m2[k, j] * omega_body_rad_s[j]
+    for i in range(m):
+        for k in range(3):
+            p = plant.couplings_sqrt_kg_m[i, k] * omega_body_rad_s[k]
+            body.state[ETA + m + i] += p
+    body.state[:G] = q_eci_from_body_xyzw
+    rotate(q_eci_from_body_xyzw, total_body_n_m_s, body.state[G:ETA])
+    body_rate(plant, body.state, body.h_body_n_m_s, body.omega_body_rad_s)
+    return body
 
 
 @compiled
-def advance(
-    plant: Plant,
-    state: Array,
-    servo: Array,
-    command: Array,
-    nadir: Array,
-    t_s: float,
-    memory: Scratch,
-) -> None:
-    """One RK4 step of body and modes under constant gimbal rate commands, in place.
-
-    memory.momenta[2] must hold H at the start; it holds H at the end afterwards.
-    """
+def advance(plant: Plant, body: Body, command_rad_s: Array, nadir_eci: Array, t_s: float) -> None:
+    """One RK4 step of body and modes from t_s under constant gimbal rate commands (4,)."""
     h = plant.step_s
-    k, trial = memory.slopes, memory.trial
-    memory.momenta[0, :] = memory.momenta[2]
-    servo_half_step(plant, command, servo)
-    array_momentum(plant, servo, t_s + 0.5 * h, memory.momenta[1])
-    servo_half_step(plant, command, servo)
-    array_momentum(plant, servo, t_s + h, memory.momenta[2])
+    k, state, trial = body.state_slopes, body.state, body.trial_state
+    body.h_start_body_n_m_s[:] = body.h_body_n_m_s
+    advance_servos(plant.servo_half_step, command_rad_s, body.servo_states)
+    array_momentum(plant, body.servo_states, t_s + 0.5 * h, body.h_middle_body_n_m_s)
+    advance_servos(plant.servo_half_step, command_rad_s, body.servo_states)
+    array_momentum(plant, body.servo_states, t_s + h, body.h_body_n_m_s)
     size = len(state)
-    _derivative(plant, state, memory.momenta[0], nadir, k[0])
+    _derivative(plant, state, body.h_start_body_n_m_s, nadir_eci, k[0])
     for j in range(size):
         trial[j] = state[j] + 0.5 * h * k[0, j]
-    _derivative(plant, trial, memory.momenta[1], nadir, k[1])
+    _derivative(plant, trial, body.h_middle_body_n_m_s, nadir_eci, k[1])
     for j in range(size):
         trial[j] = state[j] + 0.5 * h * k[1, j]
-    _derivative(plant, trial, memory.momenta[1], nadir, k[2])
+    _derivative(plant, trial, body.h_middle_body_n_m_s, nadir_eci, k[2])
     for j in range(size):
         trial[j] = state[j] + h * k[2, j]
-    _derivative(plant, trial, memory.momenta[2], nadir, k[3])
+    _derivative(plant, trial, body.h_body_n_m_s, nadir_eci, k[3])
     for j in range(size):
         state[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
     norm = math.sqrt(state[0] ** 2 + state[1] ** 2 + state[2] ** 2 + state[3] ** 2)
-    for j in range(4):
+    for j in range(G):
         state[j] /= norm
+    body_rate(plant, state, body.h_body_n_m_s, body.omega_body_rad_s)
 
 
-def servo_transition(bandwidth_rad_s: float, damping: float, span_s: float) -> tuple[Array, Array]:
-    """Exact transition (3, 3) and input vector (3,) of angle, rate, acceleration over span_s.
+def servo_step(bandwidth_rad_s: float, damping: float, span_s: float) -> ServoStep:
+    """The step over span_s of W(s) = 1/(T^2 s^2 + 2 xi T s + 1), T = 1/bandwidth.
 
-    W(s) = 1/(T^2 s^2 + 2 xi T s + 1) from commanded to executed rate, T = 1/bandwidth.
-    Source: Platonov, Sumarokov 2019, eq. 2.
+    W leads from commanded to executed rate.  Source: Platonov, Sumarokov 2019, eq. 2.
     """
     w2 = bandwidth_rad_s**2
     system = np.zeros((4, 4))
     system[0, 1] = system[1, 2] = 1.0
     system[2, 1:] = [-w2, -2.0 * damping * bandwidth_rad_s, w2]
     transition = expm(system * span_s)
-    return np.ascontiguousarray(transition[:3, :3]), np.ascontiguousarray(transition[:3, 3])
+    return ServoStep(
+        np.ascontiguousarray(transition[:3, :3]), np.ascontiguousarray(transition[:3, 3])
+    )

@@ -1,7 +1,7 @@
-"""What does the on-board computer do every 0.2 s?  Estimate, filter, steer.
+"""The on-board computer: every 0.2 s it estimates, filters and steers.
 
-Two ways to fly: `TABLE` follows the command table with feed-forward; `PAPER` runs the
-published pair of laws (turn about the Euler axis, then hold) on the goal attitude alone.
+`TABLE` follows the command table with feed-forward; `PAPER` runs the published pair of laws
+(turn about the Euler axis, then hold) on the goal attitude alone.
 Source: Platonov, Sumarokov 2019, "Control law of the gyro system"; the feed-forward is ours.
 """
 
@@ -9,56 +9,96 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.arrays import Array
 from planner.compiled import compiled
-from planner.spacecraft.vehicle.cmg_array import rotor_momentum, steer
-from planner.spacecraft.vehicle.dynamics import rotate, unrotate
+from planner.spacecraft.table import TICK_S
+from planner.spacecraft.vehicle.cmg_array import Gyros, rotor_momentum, steer
+from planner.spacecraft.vehicle.dynamics import ServoStep, rotate, unrotate
 
 TABLE = 0
 PAPER = 1
 LEARNING_RATE_RAD_S = math.radians(0.5)
-PRIOR = 1e-3  # rad^2/s^2: three cycles at 1 deg/s weigh as much as the design's inertia
+PRIOR_PER_S2 = 1e-3  # three cycles at 1 deg/s weigh as much as the design's inertia
+MOMENTUM_GAIN = 0.02  # per tick; 10 s, long against the modes, short against an orbit
 
 
 class Computer(NamedTuple):
     """What the on-board computer believes and how it is tuned."""
 
-    inertia: Array  # (3,)
-    rotor: Array  # (4, 3)
-    torque: Array  # (4, 3)
-    momentum_n_m_s: float
-    rate_max_rad_s: float  # gimbal
-    rate_step: float
+    inertia_kg_m2: Array  # (3,)
+    gyros: Gyros
+    rate_step_rad_s: float
     k1_per_s: float
     k2_per_s2: float
-    butterworth: Array  # (5,): b0 b1 b2 a1 a2
-    null_gain: float
+    butterworth_coefficients: Array  # (5,): b0 b1 b2 a1 a2
+    null_gain_rad_s: float
     gyro_range_rad_s: float
     law: int
     turn_acceleration_rad_s2: float  # a1 of the paper's laws
     turn_rate_rad_s: float
-    tick_s: float
-    servo_tick: Array  # (3, 3), transition of gimbal angle, rate, acceleration over a tick
-    servo_input: Array  # (3,)
+    servo_tick: ServoStep
     gimbal_gain: float
+    delay_ticks: int
+
+
+class Reference(NamedTuple):
+    """The table made ready for the loop, n ticks; `ahead`: one servo lag later."""
+
+    q_eci_from_body_xyzw: Array  # (n + 1, 4)
+    omega_body_rad_s: Array  # (n + 1, 3)
+    alpha_body_rad_s2: Array  # (n + 1, 3)
+    ahead_q_eci_from_body_xyzw: Array  # (n + 1, 4)
+    ahead_omega_body_rad_s: Array  # (n + 1, 3)
+    imaging: NDArray[np.bool_]  # (n,)
+    commanded: NDArray[np.bool_]  # (n,): a new goal is given at this tick (the paper's laws)
+
+
+class Estimate(NamedTuple):
+    """What the sensors make the computer believe at a tick."""
+
+    q_eci_from_body_xyzw: Array  # (4,)
+    omega_body_rad_s: Array  # (3,)
+    gimbal_rad: Array  # (4,)
 
 
 class Memory(NamedTuple):
     """What it remembers from tick to tick."""
 
-    filter: Array  # (2, 3)
-    total_momentum: Array  # (3,), inertial
-    wanted: Array  # (2, 4), gimbal rates the steering law wants: now, a tick ago
-    command: Array  # (2, 4), the same with gimbal feedback, as sent
-    servo: Array  # (4, 3), where the gimbals would be had they executed what was wanted
-    turn: Array  # (1,): time since the turn was commanded
-    inertia: Array  # (3, 3): believed inertia; sums of rate x momentum and of rate^2 behind it
+    filter_rad_s: Array  # (2, 3), of the Butterworth
+    momentum_eci_n_m_s: Array  # (3,), total
+    wanted_rad_s: Array  # (2, 4), gimbal rates the steering law wants: now, a tick ago
+    command_rad_s: Array  # (2, 4), the same with gimbal feedback, as sent
+    servo_states: Array  # (4, 3), where the gimbals would be had they executed what was wanted
+    turn_s: Array  # (1,): time since the turn was commanded
+    inertia_kg_m2: Array  # (3,), as learned: the quotient of the two sums
+    rate_momentum_sum_n_m: Array  # (3,)
+    rate_square_sum_per_s2: Array  # (3,)
 
 
 @compiled
-def multiply_inverse(a: Array, b: Array, out: Array) -> None:
-    """out = a^-1 o b, scalar-last, with the shorter sense (w >= 0)."""
+def memory_at(computer: Computer, momentum_eci_n_m_s: Array, servo_states: Array) -> Memory:
+    """The memory at the start of a run."""
+    return Memory(
+        np.zeros((2, 3)),
+        momentum_eci_n_m_s.copy(),
+        np.zeros((2, 4)),
+        np.zeros((2, 4)),
+        servo_states.copy(),
+        np.zeros(1),
+        computer.inertia_kg_m2.copy(),
+        PRIOR_PER_S2 * computer.inertia_kg_m2,
+        np.full(3, PRIOR_PER_S2),
+    )
+
+
+@compiled
+def rotation_between(
+    q_eci_from_a_xyzw: Array, q_eci_from_b_xyzw: Array, q_a_from_b_xyzw: Array
+) -> None:
+    """The third from the first two, in the shorter sense (w >= 0)."""
+    a, b, out = q_eci_from_a_xyzw, q_eci_from_b_xyzw, q_a_from_b_xyzw
     out[3] = a[3] * b[3] + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     out[0] = a[3] * b[0] - a[0] * b[3] - a[1] * b[2] + a[2] * b[1]
     out[1] = a[3] * b[1] - a[1] * b[3] - a[2] * b[0] + a[0] * b[2]
@@ -69,176 +109,170 @@ def multiply_inverse(a: Array, b: Array, out: Array) -> None:
 
 
 @compiled
-def sensed_rate(
-    computer: Computer, memory: Memory, attitude: Array, gimbal: Array, gyro: Array, out: Array
+def estimate_rate(
+    computer: Computer, memory: Memory, estimate: Estimate, gyro_rad_s: Array
 ) -> bool:
     """Rate from the gyro's channels, or from the momentum model when two saturate.
 
-    gyro: (4,), X, Y, Z and the diagonal.  Returns whether the gyro gave it.
+    gyro_rad_s: (4,), X, Y, Z and the diagonal.  Returns whether the gyro gave it.
     """
-    bad, which = 0, 0
+    saturated, which = 0, 0
     for k in range(3):
-        out[k] = gyro[k]
-        if abs(gyro[k]) >= computer.gyro_range_rad_s:
-            bad += 1
+        estimate.omega_body_rad_s[k] = gyro_rad_s[k]
+        if abs(gyro_rad_s[k]) >= computer.gyro_range_rad_s:
+            saturated += 1
             which = k
-    if bad == 0:
+    if saturated == 0:
         return True
-    if bad == 1 and abs(gyro[3]) < computer.gyro_range_rad_s:
-        out[which] = math.sqrt(3.0) * gyro[3] - gyro[0] - gyro[1] - gyro[2] + gyro[which]
+    x, y, z, diagonal = gyro_rad_s
+    if saturated == 1 and abs(diagonal) < computer.gyro_range_rad_s:
+        estimate.omega_body_rad_s[which] = math.sqrt(3.0) * diagonal - x - y - z + gyro_rad_s[which]
         return True
-    total, rotors = np.empty(3), np.empty(3)
-    unrotate(attitude, memory.total_momentum, total)
-    rotor_momentum(gimbal, computer.momentum_n_m_s, computer.rotor, computer.torque, rotors)
+    total_n_m_s, rotors_n_m_s = np.empty(3), np.empty(3)
+    unrotate(estimate.q_eci_from_body_xyzw, memory.momentum_eci_n_m_s, total_n_m_s)
+    rotor_momentum(computer.gyros, estimate.gimbal_rad, rotors_n_m_s)
     for k in range(3):
-        out[k] = (total[k] - rotors[k]) / memory.inertia[0, k]
+        body_n_m_s = total_n_m_s[k] - rotors_n_m_s[k]
+        estimate.omega_body_rad_s[k] = body_n_m_s / memory.inertia_kg_m2[k]
     return False
 
 
 @compiled
-def update_total_momentum(
-    computer: Computer, memory: Memory, attitude: Array, gimbal: Array, rate: Array, gain: float
-) -> None:
-    """Low-pass the total momentum seen through gyro and gimbal angles."""
-    rotors, seen = np.empty(3), np.empty(3)
-    rotor_momentum(gimbal, computer.momentum_n_m_s, computer.rotor, computer.torque, rotors)
+def learn(computer: Computer, memory: Memory, estimate: Estimate) -> None:
+    """Learn inertia and total momentum from the gyro's rate and the gimbal angles.
+
+    The inertia by least squares: in a turn, momentum the gyros gave over rate.  The total
+    momentum by a low-pass.
+    """
+    seen_body_n_m_s, seen_eci_n_m_s, total_n_m_s = np.empty(3), np.empty(3), np.empty(3)
+    rotor_momentum(computer.gyros, estimate.gimbal_rad, seen_body_n_m_s)
+    unrotate(estimate.q_eci_from_body_xyzw, memory.momentum_eci_n_m_s, total_n_m_s)
+    products, squares = memory.rate_momentum_sum_n_m, memory.rate_square_sum_per_s2
     for k in range(3):
-        rotors[k] += memory.inertia[0, k] * rate[k]
-    rotate(attitude, rotors, seen)
+        rate_rad_s = estimate.omega_body_rad_s[k]
+        if abs(rate_rad_s) > LEARNING_RATE_RAD_S:
+            products[k] += rate_rad_s * (total_n_m_s[k] - seen_body_n_m_s[k])
+            squares[k] += rate_rad_s * rate_rad_s
+        memory.inertia_kg_m2[k] = products[k] / squares[k]
+        seen_body_n_m_s[k] += memory.inertia_kg_m2[k] * rate_rad_s
+    rotate(estimate.q_eci_from_body_xyzw, seen_body_n_m_s, seen_eci_n_m_s)
+    kept_n_m_s = memory.momentum_eci_n_m_s
     for k in range(3):
-        memory.total_momentum[k] += gain * (seen[k] - memory.total_momentum[k])
+        kept_n_m_s[k] += MOMENTUM_GAIN * (seen_eci_n_m_s[k] - kept_n_m_s[k])
 
 
 @compiled
-def learn_inertia(
-    computer: Computer, memory: Memory, attitude: Array, gimbal: Array, rate: Array
-) -> None:
-    """Least squares of the moments of inertia: in a turn, momentum the gyros gave over rate."""
-    rotors, total = np.empty(3), np.empty(3)
-    rotor_momentum(gimbal, computer.momentum_n_m_s, computer.rotor, computer.torque, rotors)
-    unrotate(attitude, memory.total_momentum, total)
+def _low_pass(computer: Computer, memory: Memory, rate_error_rad_s: Array) -> None:
+    """The Butterworth's output in place of its input (3,)."""
+    b0, b1, b2, a1, a2 = computer.butterworth_coefficients
+    state = memory.filter_rad_s
     for k in range(3):
-        if abs(rate[k]) > LEARNING_RATE_RAD_S:
-            memory.inertia[1, k] += rate[k] * (total[k] - rotors[k])
-            memory.inertia[2, k] += rate[k] * rate[k]
-        memory.inertia[0, k] = memory.inertia[1, k] / memory.inertia[2, k]
-
-
-@compiled
-def _filtered(computer: Computer, memory: Memory, value: Array, out: Array) -> None:
-    b, state = computer.butterworth, memory.filter
-    for k in range(3):
-        y = b[0] * value[k] + state[0, k]
-        state[0, k] = b[1] * value[k] - b[3] * y + state[1, k]
-        state[1, k] = b[2] * value[k] - b[4] * y
-        out[k] = y
+        x = rate_error_rad_s[k]
+        y = b0 * x + state[0, k]
+        state[0, k] = b1 * x - a1 * y + state[1, k]
+        state[1, k] = b2 * x - a2 * y
+        rate_error_rad_s[k] = y
 
 
 @compiled
 def _paper_acceleration(
-    computer: Computer, memory: Memory, error: Array, rate_error: Array, out: Array
+    computer: Computer,
+    memory: Memory,
+    q_table_from_body_xyzw: Array,
+    rate_error_rad_s: Array,
+    acceleration_body_rad_s2: Array,
 ) -> None:
-    """Body acceleration by the two published laws; error: (4,), ref^-1 o attitude."""
-    size = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
-    angle = 2.0 * math.atan2(size, error[3])
-    brake = math.sqrt(2.0 * computer.turn_acceleration_rad_s2 * angle)
-    near = angle * computer.k2_per_s2 / computer.k1_per_s <= min(brake, computer.turn_rate_rad_s)
-    speed = min(brake, computer.turn_rate_rad_s, computer.turn_acceleration_rad_s2 * memory.turn[0])
+    """Body acceleration by the two published laws."""
+    k1, k2, e = computer.k1_per_s, computer.k2_per_s2, q_table_from_body_xyzw
+    sine = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
+    angle_rad = 2.0 * math.atan2(sine, e[3])
+    brake_rad_s = math.sqrt(2.0 * computer.turn_acceleration_rad_s2 * angle_rad)
+    limit_rad_s = min(brake_rad_s, computer.turn_rate_rad_s)
+    near = angle_rad * k2 / k1 <= limit_rad_s
+    speed_rad_s = min(limit_rad_s, computer.turn_acceleration_rad_s2 * memory.turn_s[0])
     for k in range(3):
         if near:
-            out[k] = -computer.k2_per_s2 * 2.0 * error[k] - computer.k1_per_s * rate_error[k]
+            acceleration_body_rad_s2[k] = -k2 * 2.0 * e[k] - k1 * rate_error_rad_s[k]
         else:
-            out[k] = -computer.k1_per_s * (rate_error[k] + speed * error[k] / size)
+            wanted_rad_s = rate_error_rad_s[k] + speed_rad_s * e[k] / sine
+            acceleration_body_rad_s2[k] = -k1 * wanted_rad_s
 
 
 @compiled
 def decide(
-    computer: Computer,
-    memory: Memory,
-    attitude: Array,
-    rate: Array,
-    gimbal: Array,
-    q_ref: Array,
-    w_ref: Array,
-    ahead: Array,
-    imaging: bool,
-) -> float:
-    """Gimbal rates for the next tick, into memory.wanted[0]; returns det(D D^T).
+    computer: Computer, memory: Memory, estimate: Estimate, reference: Reference, tick: int
+) -> None:
+    """Gimbal rates for the next tick, into memory.wanted_rad_s[0].
 
-    q_ref (4,), w_ref (3,): the table's row.  ahead: (2, 7), attitude and rate of the table one
-    servo lag later, now and a tick on: their reference momenta's difference is fed forward.
+    Fed forward is the difference of the momenta that the attitudes and rates `ahead` need,
+    from the tick at which the command acts to the next.
     """
-    error, turned, difference = np.empty(4), np.empty(3), np.empty(3)
-    smooth, acceleration = np.empty(3), np.empty(3)
-    multiply_inverse(q_ref, attitude, error)
-    unrotate(error, w_ref, turned)
+    q_body, omega = estimate.q_eci_from_body_xyzw, estimate.omega_body_rad_s
+    q_table_from_body_xyzw, table_rad_s = np.empty(4), np.empty(3)
+    error_rad_s, acceleration_rad_s2 = np.empty(3), np.empty(3)
+    rotation_between(reference.q_eci_from_body_xyzw[tick], q_body, q_table_from_body_xyzw)
+    unrotate(q_table_from_body_xyzw, reference.omega_body_rad_s[tick], table_rad_s)
     for k in range(3):
-        difference[k] = rate[k] - turned[k]
-    _filtered(computer, memory, difference, smooth)
+        error_rad_s[k] = omega[k] - table_rad_s[k]
+    _low_pass(computer, memory, error_rad_s)
+    total_n_m_s, torque_n_m = np.empty(3), np.empty(3)
+    unrotate(q_body, memory.momentum_eci_n_m_s, total_n_m_s)
     if computer.law == PAPER:
-        _paper_acceleration(computer, memory, error, smooth, acceleration)
-    else:
-        for k in range(3):
-            acceleration[k] = -computer.k2_per_s2 * 2.0 * error[k] - computer.k1_per_s * smooth[k]
-    total, now, later = np.empty(3), np.empty(3), np.empty(3)
-    unrotate(attitude, memory.total_momentum, total)
-    wanted = np.empty(3)
-    if computer.law == PAPER:
-        wanted[0] = -(rate[1] * total[2] - rate[2] * total[1])
-        wanted[1] = -(rate[2] * total[0] - rate[0] * total[2])
-        wanted[2] = -(rate[0] * total[1] - rate[1] * total[0])
-    else:
-        unrotate(ahead[0, :4], memory.total_momentum, now)
-        unrotate(ahead[1, :4], memory.total_momentum, later)
-        for k in range(3):
-            step = later[k] - now[k] - memory.inertia[0, k] * (ahead[1, 4 + k] - ahead[0, 4 + k])
-            wanted[k] = step / computer.tick_s
-        wanted[0] -= smooth[1] * total[2] - smooth[2] * total[1]
-        wanted[1] -= smooth[2] * total[0] - smooth[0] * total[2]
-        wanted[2] -= smooth[0] * total[1] - smooth[1] * total[0]
-    for k in range(3):
-        wanted[k] -= memory.inertia[0, k] * acceleration[k]
-    null_gain = 0.0 if imaging else computer.null_gain
-    middle, command = gimbal.copy(), memory.wanted[0]
-    det = 0.0
-    for _ in range(2):
-        det = steer(
-            middle,
-            wanted,
-            computer.momentum_n_m_s,
-            computer.rotor,
-            computer.torque,
-            computer.rate_max_rad_s,
-            null_gain,
-            command,
+        _paper_acceleration(
+            computer, memory, q_table_from_body_xyzw, error_rad_s, acceleration_rad_s2
         )
+        torque_n_m[0] = -(omega[1] * total_n_m_s[2] - omega[2] * total_n_m_s[1])
+        torque_n_m[1] = -(omega[2] * total_n_m_s[0] - omega[0] * total_n_m_s[2])
+        torque_n_m[2] = -(omega[0] * total_n_m_s[1] - omega[1] * total_n_m_s[0])
+    else:
+        now = min(tick + computer.delay_ticks, len(reference.imaging) - 1)
+        q_ahead = reference.ahead_q_eci_from_body_xyzw[now : now + 2]
+        omega_ahead = reference.ahead_omega_body_rad_s[now : now + 2]
+        now_n_m_s, later_n_m_s = np.empty(3), np.empty(3)
+        unrotate(q_ahead[0], memory.momentum_eci_n_m_s, now_n_m_s)
+        unrotate(q_ahead[1], memory.momentum_eci_n_m_s, later_n_m_s)
+        for k in range(3):
+            acceleration_rad_s2[k] = (
+                -computer.k2_per_s2 * 2.0 * q_table_from_body_xyzw[k]
+                - computer.k1_per_s * error_rad_s[k]
+            )
+            faster_rad_s = omega_ahead[1, k] - omega_ahead[0, k]
+            step_n_m_s = later_n_m_s[k] - now_n_m_s[k] - memory.inertia_kg_m2[k] * faster_rad_s
+            torque_n_m[k] = step_n_m_s / TICK_S
+        torque_n_m[0] -= error_rad_s[1] * total_n_m_s[2] - error_rad_s[2] * total_n_m_s[1]
+        torque_n_m[1] -= error_rad_s[2] * total_n_m_s[0] - error_rad_s[0] * total_n_m_s[2]
+        torque_n_m[2] -= error_rad_s[0] * total_n_m_s[1] - error_rad_s[1] * total_n_m_s[0]
+    for k in range(3):
+        torque_n_m[k] -= memory.inertia_kg_m2[k] * acceleration_rad_s2[k]
+    null_gain_rad_s = 0.0 if reference.imaging[tick] else computer.null_gain_rad_s
+    middle_rad, rate_rad_s = estimate.gimbal_rad.copy(), memory.wanted_rad_s[0]
+    for _ in range(2):
+        steer(computer.gyros, middle_rad, torque_n_m, null_gain_rad_s, rate_rad_s)
         for i in range(4):
-            middle[i] = gimbal[i] + 0.5 * computer.tick_s * command[i]
-    return det
+            middle_rad[i] = estimate.gimbal_rad[i] + 0.5 * TICK_S * rate_rad_s[i]
 
 
 @compiled
-def send(computer: Computer, memory: Memory, gimbal: Array, delay: int) -> None:
-    """Turn wanted into sent gimbal rates, memory.command[0]: feedback on the gimbal angles.
+def send(computer: Computer, memory: Memory, gimbal_rad: Array) -> None:
+    """Turn wanted into sent gimbal rates, memory.command_rad_s[0]: feedback on the gimbal angles.
 
     The angles are compared with where the wanted rates would have brought them, and the
     difference is made good: execution errors and the rate step then leave a bounded error of
     momentum instead of a growing one.  Call once a tick, after `decide`.
     """
-    t = computer.servo_tick
+    gyros, servo_states = computer.gyros, memory.servo_states
+    t, b = computer.servo_tick.transition_matrix, computer.servo_tick.input_gain
     for i in range(4):
-        lag = memory.servo[i, 0] - gimbal[i]
-        if delay == 1:
-            lag -= (memory.command[1, i] - memory.wanted[1, i]) * computer.tick_s
-        rate = memory.wanted[0, i] + computer.gimbal_gain * lag / computer.tick_s
-        rate = min(max(rate, -computer.rate_max_rad_s), computer.rate_max_rad_s)
-        if computer.rate_step > 0.0:
-            rate = computer.rate_step * round(rate / computer.rate_step)
-        memory.command[0, i] = rate
-        given = memory.wanted[delay, i]
-        angle, speed, acceleration = memory.servo[i]
+        lag_rad = servo_states[i, 0] - gimbal_rad[i]
+        if computer.delay_ticks == 1:
+            lag_rad -= (memory.command_rad_s[1, i] - memory.wanted_rad_s[1, i]) * TICK_S
+        rate_rad_s = memory.wanted_rad_s[0, i] + computer.gimbal_gain * lag_rad / TICK_S
+        rate_rad_s = min(max(rate_rad_s, -gyros.rate_max_rad_s), gyros.rate_max_rad_s)
+        if computer.rate_step_rad_s > 0.0:
+            rate_rad_s = computer.rate_step_rad_s * round(rate_rad_s / computer.rate_step_rad_s)
+        memory.command_rad_s[0, i] = rate_rad_s
+        wanted_rad_s = memory.wanted_rad_s[computer.delay_ticks, i]
+        angle, rate, acceleration = servo_states[i]
         for k in range(3):
-            memory.servo[i, k] = (
-                t[k, 1] * speed + t[k, 2] * acceleration + computer.servo_input[k] * given
-            )
-        memory.servo[i, 0] += angle
+            servo_states[i, k] = t[k, 1] * rate + t[k, 2] * acceleration + b[k] * wanted_rad_s
+        servo_states[i, 0] += angle

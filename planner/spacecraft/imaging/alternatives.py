@@ -1,0 +1,255 @@
+"""Alternatives to a refused session, nearest first, each tried by planning it.
+
+Another time, another session, the same lines moved towards the track, less momentum in the
+gyros.  An alternative that is named has been planned and verified.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+import numpy as np
+
+from planner.arrays import Array
+from planner.errors import InfeasibleSlew, InvalidInput, OutsideCoverage, Refusal, Unreachable
+from planner.frames.earth_orientation import itrf_from_eci_state
+from planner.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itrf
+from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.spacecraft.geojson import GeoLineString, GeoPolygon, Position
+from planner.spacecraft.imaging.candidates import PASSING_RAD, Candidate, candidates, middle_of
+from planner.spacecraft.imaging.session import ImagingSession, make_session
+from planner.spacecraft.requests import SESSION_MAX_S, ImagingPlanRequest, Request
+from planner.spacecraft.table import TICK_S
+
+TRIED_MAX = 4
+BEFORE_S, AFTER_S = 90.0, 60.0  # to turn onto the first look and back after the last
+LONGER_S = (0.0, 600.0, 6000.0)  # tried before and after the session: up to an orbit
+MUCH_SHARE = 0.6  # of the sphere: then it is the momentum that makes turns slow
+MOMENTUM_SHARES = (0.9, 0.75, 0.5, 0.25, 0.0)
+MOVED_MORE_KM = (5.0, 25.0, 75.0)  # the line's ends stand further out than its middle
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alternative:
+    """A request worth trying, and how to say so.  start, stop: of its imaging."""
+
+    request: ImagingPlanRequest
+    text: str
+    start_utc: datetime | None = None
+    stop_utc: datetime | None = None
+
+
+def refusal_with_alternative(
+    request: ImagingPlanRequest, why: Refusal, works: Callable[[ImagingPlanRequest], bool]
+) -> Refusal:
+    """The refusal with the nearest alternative that works; as it is when none of those tried
+    does."""
+    stored_n_m_s = float(np.linalg.norm(request.settings.momentum_n_m_s))
+    much_n_m_s = MUCH_SHARE * request.definition().slew.momentum_sphere_n_m_s
+    if why.limit == "momentum" or (isinstance(why, InfeasibleSlew) and stored_n_m_s > much_n_m_s):
+        alternatives = _less_momentum(request)
+    elif isinstance(why, InvalidInput):
+        return why
+    else:
+        alternatives = _of_one_request(request, _number(why))
+    found = next((one for one in alternatives if works(one.request)), None)
+    if found is None:
+        return why
+    kind = next(k for k in (Unreachable, InfeasibleSlew, InvalidInput) if isinstance(why, k))
+    return kind(
+        f"{why.detail}; nearest that was tried and works: {found.text}",
+        field=why.field,
+        limit=why.limit,
+        at_utc=why.at_utc,
+        earliest_feasible_start_utc=found.start_utc,
+        feasible_stop_utc=found.stop_utc,
+    )
+
+
+def _number(why: Refusal) -> int:
+    """Of the request at fault; the first when the refusal is about all of them."""
+    last = (why.field or "").rpartition(".")[2]
+    return int(last) if last.isdigit() else 0
+
+
+def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
+    momentum_n_m_s = np.array(request.settings.momentum_n_m_s)
+    stored_n_m_s = float(np.linalg.norm(momentum_n_m_s))
+    sphere_n_m_s = request.definition().slew.momentum_sphere_n_m_s
+    for share in MOMENTUM_SHARES:
+        left_n_m_s = share * sphere_n_m_s
+        if left_n_m_s >= stored_n_m_s:
+            continue
+        x, y, z = (momentum_n_m_s * (left_n_m_s / stored_n_m_s)).tolist()
+        settings = replace(request.settings, momentum_n_m_s=(x, y, z))
+        yield Alternative(
+            request=replace(request, settings=settings, simulation_runs=0),
+            text=f"{left_n_m_s:.0f} N m s in the same direction",
+        )
+
+
+def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Alternative]:
+    """The number-th request by itself, at another time or moved."""
+    bound = request.requests[number]
+    free = replace(bound, start=None, window_start=None, window_stop=None)
+    session = make_session(request)
+    if middle_of(free, session)[1] > SESSION_MAX_S:
+        return
+    for longer_s in LONGER_S:
+        times = _other_times(request, bound, free, longer_s)
+        if times:
+            yield from times
+            return
+    yield from _moves(request, free, session)
+
+
+def _other_times(
+    request: ImagingPlanRequest, bound: Request, free: Request, longer_s: float
+) -> list[Alternative]:
+    """The times nearest to those asked for, each as a window that holds nothing else.
+
+    bound, free: the request with and without its start and window.
+    """
+    spans: list[tuple[datetime, datetime]] = []
+    for piece in _longer(request, longer_s):
+        try:
+            options = candidates(free, 0, make_session(piece))
+        except (Unreachable, OutsideCoverage):
+            continue
+        spans += [
+            (shifted_utc(piece.start, start_s), shifted_utc(piece.start, stop_s))
+            for start_s, stop_s in _spans_s(options)
+        ]
+    spans.sort(key=lambda span: _shift_s(request, bound, *span))
+    return [_at_time(request, free, *span) for span in spans[:TRIED_MAX]]
+
+
+def _longer(request: ImagingPlanRequest, longer_s: float) -> Iterator[ImagingPlanRequest]:
+    """The session with so much more before and behind it, in pieces no longer than allowed."""
+    begin_s, end_s = -longer_s, elapsed_s(request.stop, request.start) + longer_s
+    count = int(np.ceil((end_s - begin_s) / SESSION_MAX_S))
+    piece_s = np.floor((end_s - begin_s) / count)
+    for k in range(count):
+        start = shifted_utc(request.start, begin_s + k * piece_s)
+        yield replace(request, start=start, stop=shifted_utc(start, piece_s))
+
+
+def _spans_s(options: list[Candidate]) -> list[tuple[float, float]]:
+    """Start and stop of every candidate; of a stereo pair, from look to look."""
+    first = [c for c in options if c.part == 1]
+    if not first:
+        return [(c.start_s, c.stop_s) for c in options]
+    second = [c for c in options if c.part == 2]
+    return [(a.start_s, b.stop_s) for a in first for b in second if b.start_s > a.stop_s]
+
+
+def _shift_s(request: ImagingPlanRequest, bound: Request, start: datetime, stop: datetime) -> float:
+    """By how much what was asked would have to give: its start, or its window or session."""
+    if bound.start is not None:
+        return abs(elapsed_s(start, bound.start))
+    first = bound.window_start or shifted_utc(request.start, BEFORE_S)
+    last = bound.window_stop or shifted_utc(request.stop, -AFTER_S)
+    return max(elapsed_s(first, start), 0.0) + max(elapsed_s(stop, last), 0.0)
+
+
+def _at_time(
+    request: ImagingPlanRequest, free: Request, start: datetime, stop: datetime
+) -> Alternative:
+    """In a window from start to stop, in a session that leaves time to turn there and back."""
+    early_s = max(0.0, BEFORE_S - elapsed_s(start, request.start))
+    late_s = max(0.0, AFTER_S - elapsed_s(request.stop, stop))
+    session_start = shifted_utc(request.start, -TICK_S * np.ceil(early_s / TICK_S))
+    session_stop = shifted_utc(request.stop, late_s)
+    if elapsed_s(session_stop, session_start) > SESSION_MAX_S:
+        session_start = shifted_utc(start, -BEFORE_S)
+        session_stop = shifted_utc(stop, AFTER_S)
+    text = (
+        f"{free.name!r} in a window from {utc_text(start, 1)} to {utc_text(stop, 1)} "
+        f"({elapsed_s(stop, start):.1f} s)"
+    )
+    if (session_start, session_stop) != (request.start, request.stop):
+        text += f" in a session from {utc_text(session_start, 1)} to {utc_text(session_stop, 1)}"
+    return Alternative(
+        request=replace(
+            request,
+            start=session_start,
+            stop=session_stop,
+            requests=(replace(free, window_start=start, window_stop=stop),),
+            simulation_runs=0,
+        ),
+        text=text,
+        start_utc=start,
+        stop_utc=stop,
+    )
+
+
+def _moves(
+    request: ImagingPlanRequest, free: Request, session: ImagingSession
+) -> Iterator[Alternative]:
+    """The same lines shifted over the ground, straight towards the track."""
+    approach = _closest_approach(free, session)
+    if approach is None:
+        return
+    for more_km in MOVED_MORE_KM:
+        shift_km = approach.outside_m / 1e3 + more_km
+        moved = _shift(free, shift_km * approach.towards_enu)
+        geometry = moved.geometry
+        line = geometry.coordinates[0] if isinstance(geometry, GeoPolygon) else geometry.coordinates
+        yield Alternative(
+            request=replace(request, requests=(moved,), simulation_runs=0),
+            text=f"{free.name!r} moved {shift_km:.0f} km towards the ground track, its first "
+            f"position at [{line[0][0]:.4f}, {line[0][1]:.4f}]",
+        )
+
+
+def _shift(free: Request, shift_enu_km: Array) -> Request:
+    east_km, north_km, _ = shift_enu_km.tolist()
+    north_deg = math.degrees(1e3 * north_km / WGS84_A_M)
+
+    def position(p: Position) -> Position:
+        latitude_rad = math.radians(p[1] + 0.5 * north_deg)
+        east_deg = math.degrees(1e3 * east_km / WGS84_A_M / math.cos(latitude_rad))
+        longitude_deg = (p[0] + east_deg + 180.0) % 360.0 - 180.0
+        return (longitude_deg, min(max(p[1] + north_deg, -89.0), 89.0))
+
+    if isinstance(free.geometry, GeoPolygon):
+        ring = tuple(position(p) for p in free.geometry.coordinates[0])
+        return replace(free, geometry=GeoPolygon(coordinates=(ring,)))
+    line = tuple(position(p) for p in free.geometry.coordinates)
+    return replace(free, geometry=GeoLineString(coordinates=line))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Approach:
+    """How far over the ground a point lies outside the camera's reach when the track passes it,
+    and the horizontal unit vector from it to the track there."""
+
+    outside_m: float
+    towards_enu: Array
+
+
+def _closest_approach(request: Request, session: ImagingSession) -> _Approach | None:
+    """Of the request's middle; None when the track doesn't pass it."""
+    middle_itrf_m, _ = middle_of(request, session)
+    grid_s = np.arange(0.0, session.duration_s, 1.0)
+    along_rad, _ = session.look_angles(middle_itrf_m, grid_s)
+    abeam = int(np.argmin(np.abs(along_rad)))
+    if abs(along_rad[abeam]) > PASSING_RAD:
+        return None
+    instants = session.instants(grid_s[abeam : abeam + 1])
+    states = session.ephemeris.states(instants)
+    [r_sat_itrf_m], _ = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
+    orbit_m, earth_m = float(np.linalg.norm(r_sat_itrf_m)), float(np.linalg.norm(middle_itrf_m))
+    up_itrf = r_sat_itrf_m / orbit_m
+    # On a sphere under the satellite: sin(angle at it) r = sin(angle at the ground point) R.
+    limit_rad = math.radians(session.spacecraft.camera.across_max_deg)
+    reach_rad = math.asin(min(math.sin(limit_rad) * orbit_m / earth_m, 1.0)) - limit_rad
+    away_rad = math.acos(float(np.clip(up_itrf @ middle_itrf_m / earth_m, -1.0, 1.0)))
+    latitude_rad, longitude_rad, _ = geodetic_from_itrf(middle_itrf_m)
+    c_enu = c_enu_from_itrf(float(latitude_rad), float(longitude_rad))
+    east_m, north_m, _ = c_enu @ (up_itrf * earth_m - middle_itrf_m)
+    return _Approach(
+        outside_m=max((away_rad - reach_rad) * earth_m, 0.0),
+        towards_enu=np.array([east_m, north_m, 0.0]) / math.hypot(east_m, north_m),
+    )
