@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from planner import effort
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S
-from planner.detour.ocp import ITERATION_ROW, cosine_coefficients
+from planner.detour.ocp import ITERATION_ROW
 from planner.platforms import AxisLimits, TwoAxisPlatform
-from planner.slew.backends.spline_ocp import SOLVE
+from planner.pointing.angles import cosine_coefficients
 from planner.slew.solution import bounds
+from planner.slew.spline_ocp import SOLVE
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles

@@ -106,8 +106,8 @@ def track_candidates(
             platform,
             angles[branch][here],
             los.los_platform[here],
-            los.los_rate_platform_s[here],
-            los.los_acceleration_platform_s2[here],
+            los.los_rate_platform_per_s[here],
+            los.los_acceleration_platform_per_s2[here],
         )
         session = slice(first - here.start, last - here.start)
         nearest = first + int(np.argmin(margin[first:last]))
