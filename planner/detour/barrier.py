@@ -29,7 +29,7 @@ from planner.slew.problem import AxisState, SlewProblem
 Mask = NDArray[np.bool_]
 CELLS_RAD = (math.radians(1.2), math.radians(0.6))
 FINE_CELLS_RAD = (math.radians(0.3), math.radians(0.15))
-LOOKED_AT_MAX = 1_000_000_000  # cells in one flood: 3 s
+FLOOD_CELLS_MAX = 1_000_000_000  # 3 s
 LAYER_MAX = 10_000_000  # cells: 90 MB
 LAYERS_MIN = 60
 LAYER, CELLS_A_ROW = 5, 3_000  # of `planner.effort`
@@ -65,16 +65,16 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
     ]
     cones = cones_over(view, t_s, axes[0].edges_rad, axes[1].edges_rad)
-    wet, corner, looked_at = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
+    wet, corner, cells = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
     for layer in range(1, layers + 1):
         spans = [
             axis.near(layer, at, count)
             for axis, at, count in zip(axes, corner, wet.shape, strict=True)
         ]
         size = math.prod(max(span.stop - span.start, 0) for span in spans)
-        looked_at += size
+        cells += size
         effort.spend(LAYER + size / CELLS_A_ROW)
-        if size > LAYER_MAX or looked_at > LOOKED_AT_MAX:
+        if size > LAYER_MAX or cells > FLOOD_CELLS_MAX:
             return False
         wet = _with_neighbours(wet)[_within(spans, corner)]
         for cone in cones:

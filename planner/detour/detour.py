@@ -22,7 +22,7 @@ from planner.slew.spline_ocp import SplineOcp
 
 SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
 FINER_SPANS = 64
-LOOKED_AT = 60  # instants of the straight slew, for a side step
+SIDE_INSTANTS = 60  # of the straight slew, at which a side step must be outside
 ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
 NEAR_ENDS = 0.15
 ROWS_ALL_FREE_MAX = 200
@@ -229,7 +229,7 @@ def _aside_along(straight: SlewSolution, spline: SplineOcp, t_s: Array, path_rad
 def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) -> tuple[Array, ...]:
     """How far to step aside at the spline's `greville_tau` instants, (2, k), to either side."""
     T = straight.duration_s
-    tau = (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
+    tau = (np.arange(SIDE_INSTANTS) + 0.5) / SIDE_INSTANTS
     angle, rate, _, _ = straight.motion(tau * T)
     depth = view.depths_rad(tau * T, angle).max(axis=0)
     worst = int(np.argmax(depth))

@@ -26,7 +26,8 @@ MARGIN_GROWTHS_RAD = np.radians([0.002, 0.01, 0.05, 0.1])  # in a gap 0.02 at on
 MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
 SINKING = 8  # looks between two instants of few
 HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
-DEARER, PLAYS = 1.01, 4.0  # than the best one found, and its plays: not worth a second look
+# Times the cost of a path, and of its play: where that path was good, a dearer one isn't refined.
+WORTH_SHARE, WORTH_PLAYS = 1.01, 4.0
 ALIKE = 1e-3  # in cost: the same optimum again
 REFINED_MAX = 4  # of the guesses tried at once
 SHALLOW_RAD = math.radians(0.02)  # may need a wider margin only near an end, where it is cut
@@ -79,31 +80,33 @@ class DetourSearch:
         self._gap_rad = -view.depths_rad(np.array([0.0, T]), angle) / 2.0
 
     def near(self, asides_rad: tuple[Array, ...], *, start: Start = "far") -> list[Detour]:
-        """The best of those that guesses lead to, and what else was refined, not in order.
+        """The best of those that guesses lead to, and what else was tried, not in order.
 
         asides_rad: (2, k) each, how far a guess lies off the straight slew at the
         `greville_tau` instants.
         """
         rough = sorted(
-            (self._rough(aside, start) for aside in asides_rad), key=lambda one: one.cost
+            (self._solve_roughly(aside, start) for aside in asides_rad), key=lambda one: one.cost
         )
-        refined: list[float] = []
+        costs: list[float] = []
         found: list[Detour] = []
         dearest = math.inf
         for one in rough:
-            again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in refined)
+            again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in costs)
             good = sum(math.isfinite(detour.cost) for detour in found)
             enough = good == REFINED_MAX or one.cost > dearest
             if not math.isfinite(one.cost) or enough or again:
                 found.append(one._replace(cost=math.inf))
                 continue
-            refined.append(one.cost)
-            found.append(self._refined(one))
+            costs.append(one.cost)
+            found.append(self._refine(one))
             if math.isfinite(found[-1].cost):
-                dearest = min(dearest, one.cost * (DEARER + PLAYS * found[-1].play_share))
+                dearest = min(
+                    dearest, one.cost * (WORTH_SHARE + WORTH_PLAYS * found[-1].play_share)
+                )
         return found
 
-    def _rough(self, aside_rad: Array, start: Start) -> Detour:
+    def _solve_roughly(self, aside_rad: Array, start: Start) -> Detour:
         ocp = self._ocp(start)
         guess = self._guess(self._straight.profiles, aside_rad)
         profiles, iterations = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
@@ -118,7 +121,7 @@ class DetourSearch:
             sunk_rad=depth_rad + ROUGH_MARGIN_RAD,
         )
 
-    def _refined(self, rough: Detour) -> Detour:
+    def _refine(self, rough: Detour) -> Detour:
         ocp = self._ocp("near")
         profiles, iterations = rough.profiles, rough.iterations
         # Between instants so much nearer a path that curves alike sinks less by the square.

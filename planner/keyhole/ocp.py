@@ -19,7 +19,6 @@ from planner.commands import ROWS_PER_S
 from planner.detour.ocp import ITERATION_ROW
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
-from planner.slew.solution import bounds
 from planner.slew.spline_ocp import SOLVE
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
@@ -163,9 +162,7 @@ class NearestOcp:
         x0 = np.hstack([guess.angle_rad, guess.rate_rad_s, guess.acceleration_rad_s2]) * scale
         units = TIME_UNIT_S ** np.arange(4.0)[:, None]
         low, high = (
-            INSIDE
-            * units
-            * np.array([[bound[side] for bound in bounds(axis)] for axis in limits]).T
+            INSIDE * units * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
             for side in (0, 1)
         )
         lbx = np.tile(low[:3].ravel(), (len(x0), 1))

@@ -12,7 +12,7 @@ from planner.simulation.structure import residual_vibration_rad
 from planner.slew.feasibility import next_duration_s
 from planner.slew.paper_cubic import paper_duration_s, paper_slew
 from planner.slew.problem import LIMIT_TOLERANCE
-from planner.slew.solution import LimitViolation, SlewSolution, bounds
+from planner.slew.solution import LimitViolation, SlewSolution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,7 @@ def _figures(solution: SlewSolution) -> SlewFigures:
 
 def _acceleration_jumps(solution: SlewSolution, axis: int) -> bool:
     problem, profile = solution.problem, solution.profiles[axis]
-    _, high = bounds(problem.limits[axis])[2]
+    _, high = problem.limits[axis].bounds[2]
     first, last = profile.end_values[:, 2].tolist()
     steps = (
         first - problem.start[axis].acceleration_rad_s2,

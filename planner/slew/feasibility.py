@@ -88,9 +88,9 @@ def fits_without_jerk(
 
 def _farthest_rad(v0: float, v1: Array, a: float, v: float, t: Array) -> Array:
     peak = (a * t + v0 + v1) / 2.0
-    gathered = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
-    coasted = (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
-    return np.where(peak <= v, gathered, coasted)
+    without_coast = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
+    with_coast = (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
+    return np.where(peak <= v, without_coast, with_coast)
 
 
 def dead_end(start: AxisState, end: AxisState, limits: AxisLimits) -> str | None:
@@ -112,18 +112,18 @@ def require_brakable(
     Braked in rows of the command table, as it is flown: that costs up to 0.1 deg, or in rate
     nothing, beside braking whose jerk changes at any time.
     """
-    doomed = [
+    failing = [
         (name, limit, _unbrakable_because(name, limit, motion, bound))
         for name, motion, bound in zip(axis_names, state, limits, strict=True)
         if (limit := _broken_on_rows(motion, bound)) is not None
     ]
-    if doomed:
+    if failing:
         raise InfeasibleSlew(
-            "; ".join(why for _, _, why in doomed)
+            "; ".join(why for _, _, why in failing)
             + "; begin with less rate or acceleration, or farther from the limit",
             field="initial_state",
-            axis=doomed[0][0],
-            limit=doomed[0][1],
+            axis=failing[0][0],
+            limit=failing[0][1],
         )
 
 

@@ -16,7 +16,7 @@ from planner.slew.braking import braked_ends
 from planner.slew.closed_forms import quickest_profile
 from planner.slew.optimal import SPANS, graded_ocp, smoothest_motion
 from planner.slew.problem import LIMIT_TOLERANCE, AxisSlew
-from planner.slew.solution import AxisProfile, SlewSolution, bounds, obeys
+from planner.slew.solution import AxisProfile, SlewSolution, obeys
 from planner.slew.spline_ocp import SplineOcp
 
 REPRODUCTION_RAD = np.deg2rad(0.1 / 3600.0)  # how far the flown Hermite may leave the plan
@@ -92,7 +92,7 @@ def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
     angle, rate, _, _ = profile.evaluate(np.linspace(0.0, profile.duration_s, rows + 1))
     ranges = cubic_range(profile.duration_s / rows, angle[:, None], rate[:, None])
     excess = -np.inf
-    for (least, greatest), (low, high) in zip(ranges[:3], bounds(limits)[:3], strict=True):
+    for (least, greatest), (low, high) in zip(ranges[:3], limits.bounds[:3], strict=True):
         span = high - low
         worst = max(float(greatest.max()) - high, low - float(least.min()))
         excess = max(excess, worst / span - LIMIT_TOLERANCE)

@@ -124,12 +124,9 @@ def _require_within(where: str, state: AxisState, limits: AxisLimits) -> None:
 
 
 def _first_outside(state: AxisState, limits: AxisLimits) -> tuple[str, float, float, float] | None:
-    rate, acceleration = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
-    for name, value, low, high in (
-        ("angle_rad", state.angle_rad, limits.angle_min_rad, limits.angle_max_rad),
-        ("rate_rad_s", state.rate_rad_s, -rate, rate),
-        ("acceleration_rad_s2", state.acceleration_rad_s2, -acceleration, acceleration),
-    ):
+    orders = ("angle_rad", "rate_rad_s", "acceleration_rad_s2")
+    for name, (low, high) in zip(orders, limits.bounds[:3], strict=True):
+        value = getattr(state, name)
         slack = LIMIT_TOLERANCE * (high - low)
         if not low - slack <= value <= high + slack:
             return name, value, low, high

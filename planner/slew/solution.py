@@ -115,7 +115,7 @@ class AxisProfile:
 
     def _all_within(self, limits: AxisLimits, values_from_power: Callable[[int], Array]) -> bool:
         width = np.diff(self.breakpoints_s)[:, None]
-        for derivative, (low, high) in zip(self._derivatives, bounds(limits), strict=True):
+        for derivative, (low, high) in zip(self._derivatives, limits.bounds, strict=True):
             count = derivative.shape[1]
             values = (derivative * width ** np.arange(count)) @ values_from_power(count).T
             slack = LIMIT_TOLERANCE * (high - low)
@@ -208,7 +208,7 @@ def chain_profiles(parts: list[AxisProfile]) -> AxisProfile:
 def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[LimitViolation, ...]:
     """Limits that the profile breaks anywhere, the worst value of each."""
     found = []
-    for name, extreme, (low, high) in zip(ORDERS, profile.extremes, bounds(limits), strict=True):
+    for name, extreme, (low, high) in zip(ORDERS, profile.extremes, limits.bounds, strict=True):
         slack = LIMIT_TOLERANCE * (high - low)
         if extreme.greatest > high + slack and extreme.greatest - high >= low - extreme.least:
             found.append(LimitViolation(axis, name, extreme.greatest, high, extreme.greatest_at_s))
@@ -230,19 +230,10 @@ def _meets_ends(profile: AxisProfile, start: AxisState, end: AxisState, limits: 
     """Whether the profile begins and ends in the given states, to 1e-9 of the limits."""
     for values, state in zip(profile.end_values, (start, end), strict=True):
         wanted = (state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2)
-        for value, target, (low, high) in zip(values[:3], wanted, bounds(limits)[:3], strict=True):
+        for value, target, (low, high) in zip(values[:3], wanted, limits.bounds[:3], strict=True):
             if abs(value - target) > LIMIT_TOLERANCE * (high - low):
                 return False
     return True
-
-
-def bounds(limits: AxisLimits) -> tuple[tuple[float, float], ...]:
-    """(least, greatest) of angle, rate, acceleration and jerk."""
-    symmetric = (limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3)
-    return (
-        (limits.angle_min_rad, limits.angle_max_rad),
-        *((-bound, bound) for bound in symmetric),
-    )
 
 
 def _value(coefficients: Array, x: Array) -> Array:

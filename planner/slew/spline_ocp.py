@@ -16,7 +16,7 @@ import numpy as np
 from planner import effort
 from planner.arrays import Array
 from planner.slew.problem import AxisSlew
-from planner.slew.solution import AxisProfile, bounds, obeys
+from planner.slew.solution import AxisProfile, obeys
 from planner.slew.spline_basis import derivative_matrices, jerk_cost, spline_basis
 from planner.slew.vibration import modal_cost, modal_rows, wanted_residuals
 
@@ -283,7 +283,7 @@ class SplineOcp:
         basis, T = self._basis, slew.duration_s
         scale = _distance_scale_rad(slew) if scale_rad is None else scale_rad
         fixed = basis.fixed_from_ends @ _ends_over_scale(slew, scale)
-        limit = bounds(slew.limits)
+        limit = slew.limits.bounds
         reach = (
             INSIDE
             * self._row_scale

@@ -20,7 +20,7 @@ PURE = re.compile(
     r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|cost|factor|scale"
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
     r"|ozone|airglow|moonlight|glare|land|up|default|bstar|eccentricity|error|integral|spread"
-    r"|objective|level|size|inclusive|threshold|least|greatest)(_|$)"
+    r"|objective|level|size|inclusive|threshold|least|greatest|tau)(_|$)"
 )
 
 
@@ -30,7 +30,7 @@ DIRECTION = re.compile(
 )
 PURE_ARRAY = re.compile(
     r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
-    r"|mrp|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?)(_|$)"
+    r"|mrp|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
 )
 NUMBER = ("float", "float | None")
 ARRAY = re.compile(
@@ -42,10 +42,7 @@ STILL_TO_BE_NAMED = (
     "app/",
     "estimator/",
     "planner/campaigns/",
-    "planner/detour/",
     "planner/opportunities/",
-    "planner/pointing/",
-    "planner/slew/",
     "planner/spacecraft/",
 )
 # A textbook's letter inside a cited formula.

@@ -8,7 +8,6 @@ from slew_cases import LIMITS, deg_state, sampled
 
 from planner.errors import InfeasibleSlew
 from planner.slew import SlewProblem, fit_to_rows, optimal_slew, require_brakable
-from planner.slew.solution import bounds
 from planner.slew.stops import margins_on_rows
 
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
@@ -38,7 +37,7 @@ def test_found_at_either_end(spare_deg_s, jerk_deg_s3, acceleration_deg_s2, dura
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=duration_s
     )
     [profile] = fit_to_rows(optimal_slew(problem)).profiles
-    for values, (low, high) in zip(sampled(profile), bounds(limits), strict=True):
+    for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
         assert values.min() >= low - ROUNDING * (high - low)
         assert values.max() <= high + ROUNDING * (high - low)
     wanted = np.array(
@@ -79,7 +78,7 @@ def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, l
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=140.0
     )
     [profile] = fit_to_rows(optimal_slew(problem)).profiles
-    for values, (low, high) in zip(sampled(profile), bounds(limits), strict=True):
+    for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
         assert values.min() >= low - ROUNDING * (high - low)
         assert values.max() <= high + ROUNDING * (high - low)
 

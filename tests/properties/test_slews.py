@@ -11,7 +11,6 @@ from planner.pointing.hermite import cubic_range
 from planner.slew.feasibility import next_duration_s
 from planner.slew.on_rows import fit_to_rows
 from planner.slew.optimal import optimal_slew
-from planner.slew.solution import bounds
 
 SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
@@ -27,7 +26,7 @@ def least_shared_s(case):
 
 
 def assert_within_limits(profile):
-    for values, (low, high) in zip(sampled(profile), bounds(LIMITS), strict=True):
+    for values, (low, high) in zip(sampled(profile), LIMITS.bounds, strict=True):
         slack = ROUNDING * (high - low) / 2.0
         assert values.min() >= low - slack
         assert values.max() <= high + slack
@@ -85,7 +84,7 @@ def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
         angle, rate, _, _ = solution.motion(t_s)
         repaired += sum("rows" in status for status in solution.status)
         for (least, greatest), (low, high) in zip(
-            cubic_range(0.2, angle, rate), bounds(LIMITS), strict=True
+            cubic_range(0.2, angle, rate), LIMITS.bounds, strict=True
         ):
             slack_value = ROUNDING * (high - low)
             assert least.min() >= low - slack_value
