@@ -33,7 +33,7 @@ test: setup
 
 # What to run while working; under a minute.
 QUICK := tests/architecture tests/published tests/contracts/test_http_refusals.py \
-	tests/contracts/test_http_openapi.py tests/contracts/test_slew_backends.py
+	tests/contracts/test_http_openapi.py tests/contracts/test_slew_methods.py
 
 quick: setup
 	$(BIN)/pytest -n 2 $(QUICK)

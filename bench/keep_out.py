@@ -19,11 +19,11 @@ import numpy as np
 sys.path.extend(str(Path(__file__).parents[1] / "tests" / folder) for folder in (".", "properties"))
 from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
-from planner.detour.detour import SPANS, cleared
+from planner.detour.detour import SPANS, avoid_cones
 from planner.detour.search import DetourSearch
 from planner.errors import InfeasibleSlew
 from planner.slew import SlewSolution
-from planner.slew.backends.ipopt import graded_ocp
+from planner.slew.optimal import graded_ocp
 
 WITHIN = 1.01
 REPORT_EVERY = 10
@@ -36,7 +36,7 @@ def best_of_restarts(case: Case, count: int, number: int) -> float:
     """
     rng = np.random.default_rng([1, number])
     spline = graded_ocp(SPANS)
-    tau = spline.greville
+    tau = spline.greville_tau
     costs = []
     for _ in range(count):
         waves = sum(
@@ -78,7 +78,7 @@ class Tally:
     def add(self, number: int, case: Case, restarts: int) -> None:
         began_s = time.process_time()
         try:
-            solution = cleared(case.straight)
+            solution = avoid_cones(case.straight)
         except InfeasibleSlew as refusal:
             self.refused_ms.append(1e3 * (time.process_time() - began_s))
             is_proven = refusal.detail.startswith("no motion")
@@ -126,7 +126,7 @@ def main() -> None:
     asked = parser.parse_args()
     for case in draw_cases(8, 3):  # CasADi loads and the solver is set up once per process
         with contextlib.suppress(InfeasibleSlew):
-            cleared(case.straight)
+            avoid_cones(case.straight)
     tally = Tally()
     for number, case in enumerate(draw_cases(asked.seed, asked.cases.stop)):
         if number not in asked.cases:

@@ -1,11 +1,10 @@
 """How quick is the slew's optimal control problem beside the same problem in its peers?
 
 One run, one process, one slew of both axes with limits that bind, per duration:
-  ours     the "ocp" backend: CasADi + Ipopt, limits at every instant, verified
+  ours     `optimal_slew`: CasADi + Ipopt, limits at every instant, verified
   rockit   multiple shooting on the 0.2 s grid, limits at nodes, Ipopt
   Opti     multiple shooting on the 0.2 s grid by CasADi's Opti stack, limits at nodes, Ipopt
 "re-solve" changes the states and solves again; "first plan" includes setting the solver up.
-Last, `minimum_time` against Ruckig's least time.
 
     python bench/slew.py [--quick]      # --quick: 30 and 100 s only
 """
@@ -21,10 +20,7 @@ import numpy as np
 import rockit
 
 from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.slew.backends import BACKENDS
-from planner.slew.backends.ipopt import SPANS, graded_ocp, steep_ocp
-from planner.slew.feasibility import next_duration_s
+from planner.slew.optimal import SPANS, graded_ocp, optimal_slew, steep_ocp
 from planner.slew.problem import AxisState, SlewProblem
 
 LIMITS = ISS_HRC.outer_limits
@@ -80,7 +76,7 @@ def ours(duration_s: float) -> Timing:
             end=end,
             duration_s=duration_s,
         )
-        solution = BACKENDS["ocp"].solve(problem, SlewOptions())
+        solution = optimal_slew(problem)
         if solution.violations or "closed form" in solution.status:
             raise SystemExit(f"{duration_s} s is no fair case: {solution.status}")
         return solution.jerk_squared_integral
@@ -161,37 +157,6 @@ def by_opti(duration_s: float) -> Timing:
     return _timed(solve, 3)
 
 
-def minimum_time_shares(count: int) -> tuple[list[float], list[float]]:
-    """Our minimum_time over Ruckig's least time, and the seconds it took, for random slews."""
-    rng = np.random.default_rng(2)
-
-    def drawn(rate_deg_s: float) -> AxisState:
-        return AxisState(
-            angle_rad=math.radians(rng.uniform(-165.0, 165.0)),
-            rate_rad_s=math.radians(rng.uniform(-rate_deg_s, rate_deg_s)),
-        )
-
-    shares, wall_s = [], []
-    for _ in range(count):
-        problem = SlewProblem(
-            axis_names=ISS_HRC.axis_names,
-            limits=ISS_HRC.axis_limits,
-            start=(drawn(2.0), drawn(2.0)),
-            end=(drawn(1.0), drawn(1.0)),
-            duration_s=1000.0,
-            objective="minimum_time",
-        )
-        least_s = max(
-            next_duration_s(start, end, LIMITS, 0.0) or math.inf
-            for start, end in zip(problem.start, problem.end, strict=True)
-        )
-        began_s = time.process_time()
-        solution = BACKENDS["ocp"].solve(problem, SlewOptions())
-        wall_s.append(time.process_time() - began_s)
-        shares.append(solution.duration_s / least_s)
-    return shares, wall_s
-
-
 def _stacked(at: tuple[AxisState, ...]) -> list[float]:
     return [
         *(state.angle_rad for state in at),
@@ -231,11 +196,6 @@ def main() -> None:
                 f"   cost {other.cost / own.cost:.5f}{wanted}",
                 flush=True,
             )
-    shares, wall_s = minimum_time_shares(100)
-    print(
-        f"minimum_time, 100 random slews: at most {max(shares):.5f} of Ruckig's least time "
-        f"(target 1.01), median {1e3 * float(np.median(wall_s)):.1f} ms"
-    )
 
 
 def _ms(timing: Timing) -> str:

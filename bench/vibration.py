@@ -25,7 +25,7 @@ from vibration_cases import LIMITS, left_rad, problem
 
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
-from planner.slew import BACKENDS, AxisState, flown, next_duration_s
+from planner.slew import AxisState, fit_to_rows, next_duration_s, optimal_slew, paper_slew
 
 FREQUENCIES_HZ = (0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
 SHARES = (1.3, 2.0)  # of the least time
@@ -55,7 +55,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=60)
     count = parser.parse_args().count
-    ocp, spline = BACKENDS["ocp"], BACKENDS["spline"]
     rng = np.random.default_rng(4)
     slews = [draw(rng) for _ in range(count)]
     wall_s: list[float] = []
@@ -72,10 +71,10 @@ def main() -> None:
             plain, spared, detuned = [], [], []
             for start, end, least_s in slews:
                 duration_s = math.ceil(share * least_s * 5.0) / 5.0
-                cubic = spline.solve(problem(start, end, duration_s), CUBIC)
-                usual = flown(ocp.solve(problem(start, end, duration_s), SlewOptions()))
+                cubic = paper_slew(problem(start, end, duration_s), CUBIC)
+                usual = fit_to_rows(optimal_slew(problem(start, end, duration_s)))
                 began_s = time.process_time()
-                calm = flown(ocp.solve(problem(start, end, duration_s, mode), SlewOptions()))
+                calm = fit_to_rows(optimal_slew(problem(start, end, duration_s, mode)))
                 wall_s.append(time.process_time() - began_s)
                 plain.append(left_rad(usual, mode) / left_rad(cubic, mode))
                 spared.append(left_rad(calm, mode) / left_rad(cubic, mode))

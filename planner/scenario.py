@@ -115,6 +115,11 @@ class SlewOptions:
             if count > most:
                 raise ValueError(f"{name} must hold at most {most} entries, not {count}")
 
+    @property
+    def keeps_limits(self) -> bool:
+        """Whether slews keep every limit and both ends, or only say what they break."""
+        return self.method == "ocp"
+
     def axis_limits(self, platform: TwoAxisPlatform) -> tuple[AxisLimits, ...]:
         """The platform's limits with the jerk limit asked for, in the order of its axes."""
         if self.jerk_max_deg_s3 is None:

@@ -1,6 +1,6 @@
 """The least time of a slew from one track to another, computed millions of times over.
 
-`planner.slew.quickest` answers for any state; here the accelerations at both ends, small
+`planner.slew.closed_forms` answers for any state; here the accelerations at both ends, small
 beside the limit on a track, are taken away by ramps of their own, and what they cost is added
 (a time that surely suffices) or taken off (a time no motion can beat).
 """

@@ -1,4 +1,4 @@
-"""Do the cones, and the limits, shut every way from start to end?
+"""Proof that cones and limits shut every way from start to end.
 
 The angles are cut into cells as wide as an axis may move in one step of time: what is in a cell
 at one step is in it or in one of its eight neighbours at the next.  Left out are cells that lie
@@ -21,16 +21,15 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.arrays import Array
-from planner.detour.ocp import cosine_coefficients
 from planner.platforms import AxisLimits
+from planner.pointing.angles import cosine_coefficients
 from planner.pointing.keep_out import KeepOutView
 from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.stops import mirrored
 
 Mask = NDArray[np.bool_]
 CELLS_RAD = (math.radians(1.2), math.radians(0.6))
 FINE_CELLS_RAD = (math.radians(0.3), math.radians(0.15))
-LOOKED_AT_MAX = 1_000_000_000  # cells in one flood: 3 s
+FLOOD_CELLS_MAX = 1_000_000_000  # 3 s
 LAYER_MAX = 10_000_000  # cells: 90 MB
 LAYERS_MIN = 60
 LAYER, CELLS_A_ROW = 5, 3_000  # of `planner.effort`
@@ -66,18 +65,18 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
     ]
     cones = cones_over(view, t_s, axes[0].edges_rad, axes[1].edges_rad)
-    wet, corner, looked_at = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
+    wet, corner, cells = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
     for layer in range(1, layers + 1):
         spans = [
             axis.near(layer, at, count)
             for axis, at, count in zip(axes, corner, wet.shape, strict=True)
         ]
         size = math.prod(max(span.stop - span.start, 0) for span in spans)
-        looked_at += size
+        cells += size
         effort.spend(LAYER + size / CELLS_A_ROW)
-        if size > LAYER_MAX or looked_at > LOOKED_AT_MAX:
+        if size > LAYER_MAX or cells > FLOOD_CELLS_MAX:
             return False
-        wet = _grown(wet)[_within(spans, corner)]
+        wet = _with_neighbours(wet)[_within(spans, corner)]
         for cone in cones:
             if size and cone.counts[layer]:
                 wet &= ~cone.inside(layer, spans)
@@ -132,40 +131,45 @@ class ConeOverCells:
     """A cell whose corners' cosines all reach the threshold is inside.
 
     counts: whether the cone does, by layer.
-    parts: the cosine by (1, cos, sin) of either angle, (layers, 3, 3), which outer and inner
-    hold for the cells' edges, (k + 1, 3).
+    coefficients: the cosine's by (1, cos, sin) of either angle, (layers, 3, 3), which outer_basis
+    and inner_basis hold for the cells' edges, (k + 1, 3).
     """
 
-    parts: Array
+    coefficients: Array
     counts: Mask
     cosine_threshold: float
-    outer: Array
-    inner: Array
+    outer_basis: Array
+    inner_basis: Array
 
     def inside(self, layer: int, spans: list[slice]) -> Mask:
         """Cells of these spans along either axis that are proven to be wholly inside."""
         edges = [slice(span.start, span.stop + 1) for span in spans]
-        cosine = self.outer[edges[0]] @ self.parts[layer] @ self.inner[edges[1]].T
+        cosine = (
+            self.outer_basis[edges[0]] @ self.coefficients[layer] @ self.inner_basis[edges[1]].T
+        )
         corner = cosine >= self.cosine_threshold
         side = corner[:-1] & corner[1:]
         return np.asarray(side[:, :-1] & side[:, 1:])
 
 
-def cones_over(view: KeepOutView, t_s: Array, *edges_rad: Array) -> list[ConeOverCells]:
+def cones_over(
+    view: KeepOutView, t_s: Array, outer_edges_rad: Array, inner_edges_rad: Array
+) -> list[ConeOverCells]:
     """Every cone at the instants t_s, over cells of equal size along either axis."""
+    edges_rad = (outer_edges_rad, inner_edges_rad)
     trig = [np.stack([np.ones(len(q)), np.cos(q), np.sin(q)], axis=1) for q in edges_rad]
     bulge = sum((q[1] - q[0]) ** 2 for q in edges_rad) / 8.0
     found = []
     for cone in view.cones:
         axis, counts = cone.at(t_s)
-        parts = cosine_coefficients(view.platform, axis).reshape(-1, 3, 3)
+        coefficients = cosine_coefficients(view.platform, axis).reshape(-1, 3, 3)
         threshold = math.cos(cone.half_angle_rad) + bulge
-        found.append(ConeOverCells(parts, counts, threshold, trig[0], trig[1]))
+        found.append(ConeOverCells(coefficients, counts, threshold, *trig))
     return found
 
 
-def _grown(mask: Mask) -> Mask:
-    """With all eight neighbours, in an array larger by one cell all around."""
+def _with_neighbours(mask: Mask) -> Mask:
+    """With all eight neighbours of each cell, in an array larger by one cell all around."""
     rows, columns = mask.shape
     tall = np.zeros((rows + 2, columns), dtype=bool)
     grown = np.zeros((rows + 2, columns + 2), dtype=bool)
@@ -210,14 +214,14 @@ def is_caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> boo
 def tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
     """Least and greatest angle at t_s, (2, k), of any motion from start to end."""
     before, after = t_s, t_s[-1] - t_s
-    back = end.reversed()
+    back = end.backwards()
     high = np.minimum(
         start.angle_rad + _farthest(before, start, limits),
         end.angle_rad + _farthest(after, back, limits),
     )
     low = np.maximum(
-        start.angle_rad - _farthest(before, mirrored(start), limits),
-        end.angle_rad - _farthest(after, mirrored(back), limits),
+        start.angle_rad - _farthest(before, start.mirror_image(), limits),
+        end.angle_rad - _farthest(after, back.mirror_image(), limits),
     )
     return np.stack([np.maximum(low, limits.angle_min_rad), np.minimum(high, limits.angle_max_rad)])
 

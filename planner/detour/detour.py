@@ -1,4 +1,4 @@
-"""Which way around the cones, when the straight slew enters one?"""
+"""A way around the cones, when the straight slew enters one."""
 
 import math
 import time
@@ -8,21 +8,21 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.detour.barrier import FINE_CELLS_RAD, is_barred, is_impossible
-from planner.detour.ends import free_part, whole
+from planner.detour.ends import free_part, with_part_replaced
 from planner.detour.passage import rough_paths
-from planner.detour.search import TOUCH_RAD, Detour, DetourSearch, entered
+from planner.detour.search import TOUCH_RAD, Detour, DetourSearch, cone_entry
 from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
 from planner.pointing.keep_out import KeepOutView
-from planner.slew.backends.ipopt import graded_ocp
-from planner.slew.backends.spline_ocp import SplineOcp
-from planner.slew.grid import on_all_rows, rows_in
+from planner.slew.on_rows import ocp_on_all_rows, rows_in
+from planner.slew.optimal import graded_ocp
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
+from planner.slew.spline_ocp import SplineOcp
 
 SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
 FINER_SPANS = 64
-LOOKED_AT = 60  # instants of the straight slew, for a side step
+SIDE_INSTANTS = 60  # of the straight slew, at which a side step must be outside
 ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
 NEAR_ENDS = 0.15
 ROWS_ALL_FREE_MAX = 200
@@ -33,7 +33,9 @@ KICKS, KICK_RAD = 8, 0.3
 SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
 
 
-def cleared(solution: SlewSolution, *, thorough: bool = True, prove: bool = True) -> SlewSolution:
+def avoid_cones(
+    solution: SlewSolution, *, thorough: bool = True, prove: bool = True
+) -> SlewSolution:
     """The slew itself, or the smoothest one found around the cones it enters.
 
     Both axes are then solved together from guesses on both sides; the better one that keeps
@@ -46,7 +48,7 @@ def cleared(solution: SlewSolution, *, thorough: bool = True, prove: bool = True
     if problem.keep_out is None:
         return solution
     began_s = time.perf_counter()
-    entry = entered(solution.profiles, problem.keep_out)
+    entry = cone_entry(solution.profiles, problem.keep_out)
     if entry.depth_rad <= -TOUCH_RAD:
         return solution
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
@@ -103,8 +105,8 @@ def _between_ends(
     found = _around(free, shifted, thorough=thorough, prove=False)
     if found is None:
         return None
-    profiles = whole(straight, begins_s, found.profiles)
-    if entered(profiles, view).depth_rad > -TOUCH_RAD:
+    profiles = with_part_replaced(straight, begins_s, found.profiles)
+    if cone_entry(profiles, view).depth_rad > -TOUCH_RAD:
         return _around(straight, view, thorough=thorough, prove=prove)
     return found._replace(profiles=profiles)
 
@@ -162,8 +164,8 @@ def _along_rough_paths(straight: SlewSolution, view: KeepOutView) -> list[Detour
     found: list[Detour] = []
     for path in paths:
         for spans in (SPANS, FINER_SPANS):
-            tried = DetourSearch(straight, view, graded_ocp(spans))
-            found += tried.near((_off(straight, tried.spline, t_s, path),))
+            search = DetourSearch(straight, view, graded_ocp(spans))
+            found += search.near((_aside_along(straight, search.spline, t_s, path),))
             if any(one.off_rows or math.isfinite(one.cost) for one in found):
                 return found
     return found
@@ -175,11 +177,9 @@ def _more(
     """From guesses near a way that has neighbours, and from any where it is dear or none."""
     found: list[Detour] = []
     if math.isfinite(best.cost) and best.play_share > LARGE_PLAY:
-        at_s = spline.greville * straight.duration_s
-        path = np.stack([profile.evaluate(at_s)[0] for profile in best.profiles], axis=1)
-        aside = _off(straight, spline, at_s, path)
-        kicked = tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD))
-        found += search.near(kicked, start="wide")
+        aside = _aside_of(best, straight, spline)
+        asides = tuple(aside + kick for kick in _waves(spline, KICKS, KICK_RAD))
+        found += search.near(asides, start="wide")
     if dear:
         found += search.near(_waves(spline, WANDERINGS, WANDERING_RAD))
     return found
@@ -204,28 +204,32 @@ def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[De
     rows = rows_in(straight.duration_s)
     bases = [(graded_ocp(SPANS), SPARED), (graded_ocp(FINER_SPANS), SPARED)]
     if rows <= ROWS_ALL_FREE_MAX:
-        bases.append((on_all_rows(rows), 1.0))
+        bases.append((ocp_on_all_rows(rows), 1.0))
     found: list[Detour] = []
     for spline, share in bases:
-        at_s = spline.greville * straight.duration_s
-        path = np.stack([profile.evaluate(at_s)[0] for profile in near.profiles], axis=1)
-        aside = _off(straight, spline, at_s, path)
+        aside = _aside_of(near, straight, spline)
         found += DetourSearch(straight, view, spline, share).near((aside,))
         if math.isfinite(found[-1].cost):
             break
     return found
 
 
-def _off(straight: SlewSolution, spline: SplineOcp, t_s: Array, angle_rad: Array) -> Array:
-    at_s = spline.greville * straight.duration_s
-    path = [np.interp(at_s, t_s, angle_rad[:, axis]) for axis in range(2)]
-    return np.asarray(np.stack(path) - straight.motion(at_s)[0].T)
+def _aside_of(detour: Detour, straight: SlewSolution, spline: SplineOcp) -> Array:
+    at_s = spline.greville_tau * straight.duration_s
+    path = np.stack([profile.evaluate(at_s)[0] for profile in detour.profiles])
+    return np.asarray(path - straight.motion(at_s)[0].T)
+
+
+def _aside_along(straight: SlewSolution, spline: SplineOcp, t_s: Array, path_rad: Array) -> Array:
+    at_s = spline.greville_tau * straight.duration_s
+    path = np.stack([np.interp(at_s, t_s, angle_rad) for angle_rad in path_rad.T])
+    return np.asarray(path - straight.motion(at_s)[0].T)
 
 
 def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) -> tuple[Array, ...]:
-    """How far to step aside at the spline's `greville` instants, (2, k), to either side."""
+    """How far to step aside at the spline's `greville_tau` instants, (2, k), to either side."""
     T = straight.duration_s
-    tau = (np.arange(LOOKED_AT) + 0.5) / LOOKED_AT
+    tau = (np.arange(SIDE_INSTANTS) + 0.5) / SIDE_INSTANTS
     angle, rate, _, _ = straight.motion(tau * T)
     depth = view.depths_rad(tau * T, angle).max(axis=0)
     worst = int(np.argmax(depth))
@@ -241,7 +245,7 @@ def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) ->
         deepest = flat.max(axis=0).reshape(len(ASIDE_RAD), -1).max(axis=1)
         outside = np.flatnonzero(deepest < 0.0)
         size = ASIDE_RAD[outside[0] if outside.size else int(np.argmin(deepest))]
-        return np.asarray(np.outer(size * direction, _bump(spline.greville, middle)))
+        return np.asarray(np.outer(size * direction, _bump(spline.greville_tau, middle)))
 
     return aside(across), aside(-across)
 
@@ -249,11 +253,11 @@ def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) ->
 def _waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
     """Smooth excursions of any kind, the same ones every time."""
     rng = np.random.default_rng(0)
-    waves = np.sin(np.pi * np.outer([1, 2, 3], spline.greville))
+    waves = np.sin(np.pi * np.outer([1, 2, 3], spline.greville_tau))
     sizes = rng.normal(size=(count, 2, 3)) * size_rad / np.array([1.0, 2.0, 3.0])
     return tuple(sizes @ waves)
 
 
-def _bump(tau: Array, middle: float) -> Array:
-    x = np.minimum(tau / middle, (1.0 - tau) / (1.0 - middle))
+def _bump(tau: Array, middle_tau: float) -> Array:
+    x = np.minimum(tau / middle_tau, (1.0 - tau) / (1.0 - middle_tau))
     return np.asarray(x * x * x * (10.0 - x * (15.0 - 6.0 * x)))

@@ -1,4 +1,4 @@
-"""Between which instants is a slew free to leave its way, when its ends must brake first?
+"""The part of a slew in which it is free to leave its way, when its ends must brake first.
 
 No hull of a spline holds a rate whose peak all but touches its limit, so a detour keeps the
 straight slew's own motion there: it begins, and ends, where both axes are free.
@@ -11,9 +11,9 @@ import numpy as np
 
 from planner.commands import COMMAND_STEP_S
 from planner.pointing.keep_out import KeepOutView
-from planner.slew.braking import braked_ends
-from planner.slew.problem import AxisState
-from planner.slew.solution import AxisProfile, SlewSolution, chained
+from planner.slew.braking import brake
+from planner.slew.problem import AxisState, axis_states
+from planner.slew.solution import AxisProfile, SlewSolution, chain_profiles
 
 STEP_ROWS = 2
 ROUNDING_S = 1e-9
@@ -44,13 +44,13 @@ def free_part(
     return replace(straight, problem=problem, profiles=profiles), shifted, first_s
 
 
-def whole(
+def with_part_replaced(
     straight: SlewSolution, begins_s: float, between: tuple[AxisProfile, AxisProfile]
 ) -> tuple[AxisProfile, AxisProfile]:
     """Another motion in place of the straight slew's free part."""
     stop_s = begins_s + between[0].duration_s
     first, second = (
-        chained(
+        chain_profiles(
             [
                 *([_cut(old, 0.0, begins_s)] if begins_s > 0.0 else []),
                 new,
@@ -68,12 +68,10 @@ def _braked_s(straight: SlewSolution, *, at_end: bool) -> float | None:
     while rows * COMMAND_STEP_S <= SHARE_MAX * straight.duration_s:
         since_s = rows * COMMAND_STEP_S
         states = _states(straight, straight.duration_s - since_s if at_end else since_s)
-        ends = [state.reversed() if at_end else state for state in states]
-        braked = [
-            braked_ends(state, state.at_rest(), limits)
-            for state, limits in zip(ends, straight.problem.limits, strict=True)
-        ]
-        if not any(end is not None and end.first is not None for end in braked):
+        if all(
+            brake(state.backwards() if at_end else state, limits) is None
+            for state, limits in zip(states, straight.problem.limits, strict=True)
+        ):
             return since_s
         rows += STEP_ROWS
     return None
@@ -85,10 +83,7 @@ def _states(straight: SlewSolution, at_s: float) -> tuple[AxisState, ...]:
     if at_s == straight.duration_s:
         return straight.problem.end
     angle, rate, acceleration, _ = straight.motion(np.array([at_s]))
-    return tuple(
-        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
-        for q, v, a in zip(angle[0], rate[0], acceleration[0], strict=True)
-    )
+    return axis_states(angle[0], rate[0], acceleration[0])
 
 
 def _cut(profile: AxisProfile, begin_s: float, stop_s: float) -> AxisProfile:

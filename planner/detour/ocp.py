@@ -1,4 +1,4 @@
-"""Which smoothest motion of both axes keeps the boresight out of moving cones?
+"""The smoothest motion of both axes that keeps the boresight out of moving cones.
 
 The two axes' splines and limits are those of `spline_ocp`; cones couple them.  The cosine
 between boresight and a cone's axis is bilinear in the cosines and sines of the two angles,
@@ -13,14 +13,10 @@ import numpy as np
 from planner import effort
 from planner.arrays import Array
 from planner.platforms import TwoAxisPlatform
+from planner.pointing.angles import cosine_coefficients
 from planner.pointing.keep_out import MovingCone
-from planner.slew.backends.spline_ocp import (
-    IPOPT,
-    ITERATION_ENTRY,
-    PosedAxis,
-    SplineOcp,
-)
 from planner.slew.solution import AxisProfile
+from planner.slew.spline_ocp import IPOPT, ITERATION_ENTRY, AxisProgramme, SplineOcp
 
 if TYPE_CHECKING:
     import casadi
@@ -59,15 +55,16 @@ class _Parts(NamedTuple):
 class DetourOcp:
     """Least integral of squared jerk of both axes, cones kept at some instants.
 
-    spline: the basis of each axis.  cones: how many.  calm: whether modes are spared.
-    start: from what; far guesses suit fewer instants.
+    spline: the basis of each axis.  cones: how many.  with_modes: whether the cost has modes to
+    avoid.  start: from what; far guesses suit fewer instants.
     """
 
-    def __init__(self, spline: SplineOcp, cones: int, *, calm: bool, start: Start) -> None:
-        self._spline, self._cones, self._calm, self._start = spline, cones, calm, start
+    def __init__(self, spline: SplineOcp, cones: int, *, with_modes: bool, start: Start) -> None:
+        self._spline, self._cones, self._start = spline, cones, start
+        self._with_modes = with_modes
         points = FINE_POINTS if start == "near" else COARSE_POINTS
         self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
-        self._values = spline.values(self.tau)
+        self._values = spline.value_matrices(self.tau)
 
     @cached_property
     def _parts(self) -> _Parts:
@@ -78,7 +75,7 @@ class DetourOcp:
         n = spline.free_count
         y = [casadi.SX.sym(f"y{axis}", n) for axis in range(2)]
         p_gradient = [casadi.SX.sym(f"gradient{axis}", n) for axis in range(2)]
-        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._calm)]
+        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._with_modes)]
         p_base = [casadi.SX.sym(f"base{axis}", points) for axis in range(2)]
         p_scale = casadi.SX.sym("scale")
         p_cosine = casadi.SX.sym("cosine", points * cones, 9)
@@ -86,10 +83,10 @@ class DetourOcp:
         own = casadi.sparsify(casadi.DM(spline.hessian))
         cost = casadi.SX(0)
         for axis in range(2):
-            hessian = p_hessian[axis] if self._calm else own
+            hessian = p_hessian[axis] if self._with_modes else own
             cost += casadi.bilin(hessian, y[axis], y[axis]) / 2.0
             cost += casadi.dot(p_gradient[axis], y[axis])
-        free = casadi.sparsify(casadi.DM(self._values.free))
+        free = casadi.sparsify(casadi.DM(self._values.free_matrix))
         angle = [p_base[axis] + p_scale * casadi.mtimes(free, y[axis]) for axis in range(2)]
         one = casadi.SX.ones(points, 1)
         trig = [[one, casadi.cos(q), casadi.sin(q)] for q in angle]
@@ -107,13 +104,13 @@ class DetourOcp:
     @cached_property
     def _rates_only(self) -> "casadi.Function":
         """Neglects the limits of acceleration and jerk, which few slews meet: a third less work."""
-        return self._programme(self._spline.rate_rows)
+        return self._build_solver(self._spline.rate_rows)
 
     @cached_property
     def _complete(self) -> "casadi.Function":
-        return self._programme(len(self._spline.jacobian))
+        return self._build_solver(len(self._spline.jacobian))
 
-    def _programme(self, hull_rows: int) -> "casadi.Function":
+    def _build_solver(self, hull_rows: int) -> "casadi.Function":
         import casadi
 
         parts = self._parts
@@ -131,15 +128,15 @@ class DetourOcp:
     def solve(
         self,
         platform: TwoAxisPlatform,
-        axes: tuple[PosedAxis, PosedAxis],
+        axes: tuple[AxisProgramme, AxisProgramme],
         cones: tuple[MovingCone, ...],
         margin_rad: Array,
-        guess: Array,
+        guess_coefficients: Array,
     ) -> tuple[tuple[AxisProfile, AxisProfile], int]:
         """Both profiles and the iterations; to be judged by what they are.
 
         axes: posed with one scale.  margin_rad: (cones, len(tau)), kept beside each half angle.
-        guess: (2, k), the free coefficients to begin from.
+        guess_coefficients: (2, k), y to begin from.
         """
         T = axes[0].duration_s
         cosine, high = [], []
@@ -150,12 +147,14 @@ class DetourOcp:
             cosine.append(cosine_coefficients(platform, axis) / steepness[:, None])
             high.append(np.where(counts, np.cos(half_rad) / steepness, NOT_COUNTING))
         base = [
-            axis.start_angle_rad + axis.scale_rad * self._values.fixed @ axis.fixed for axis in axes
+            axis.start_angle_rad
+            + axis.scale_rad * self._values.fixed_matrix @ axis.fixed_coefficients
+            for axis in axes
         ]
-        hessians = [one.hessian.ravel() for one in axes if one.hessian is not None]
+        hessians = [one.cost_hessian.ravel() for one in axes if one.cost_hessian is not None]
         parameters = np.concatenate(
             [
-                *(axis.gradient for axis in axes),
+                *(axis.cost_gradient for axis in axes),
                 *hessians,
                 *base,
                 np.array([axes[0].scale_rad]),
@@ -163,72 +162,45 @@ class DetourOcp:
             ]
         )
         most = np.concatenate(high)
-        y, iterations, good = _solved(
-            self._rates_only, self._spline.rate_rows, axes, parameters, most, guess
+        y, iterations, good = _run(
+            self._rates_only, self._spline.rate_rows, axes, parameters, most, guess_coefficients
         )
         if good and not all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True)):
-            y, more, _ = _solved(
-                self._complete, len(self._spline.jacobian), axes, parameters, most, y
-            )
+            y, more, _ = _run(self._complete, len(self._spline.jacobian), axes, parameters, most, y)
             iterations += more
-        profiles = tuple(
-            self._spline.profile(axis, part) for axis, part in zip(axes, y, strict=True)
-        )
-        return (profiles[0], profiles[1]), iterations
+        outer, inner = map(self._spline.profile, axes, y)
+        return (outer, inner), iterations
 
 
-def _solved(
+def _run(
     solver: "casadi.Function",
     hull_rows: int,
-    axes: tuple[PosedAxis, PosedAxis],
+    axes: tuple[AxisProgramme, AxisProgramme],
     parameters: Array,
-    cosine_most: Array,
-    guess: Array,
+    cosine_limits: Array,
+    guess_coefficients: Array,
 ) -> tuple[Array, int, bool]:
     """y of both axes (2, k), iterations, and whether the solver thinks it was good."""
-    effort.spend(SOLVE + SOLVE_INSTANT * len(cosine_most))
+    effort.spend(SOLVE + SOLVE_INSTANT * len(cosine_limits))
     found = solver(
-        x0=guess.ravel(),
+        x0=guess_coefficients.ravel(),
         p=parameters,
-        lbx=np.concatenate([axis.low for axis in axes]),
-        ubx=np.concatenate([axis.high for axis in axes]),
+        lbx=np.concatenate([axis.least_y for axis in axes]),
+        ubx=np.concatenate([axis.greatest_y for axis in axes]),
         lbg=np.concatenate(
-            [*(axis.rows_low[:hull_rows] for axis in axes), np.full(len(cosine_most), -np.inf)]
+            [*(axis.least_rows[:hull_rows] for axis in axes), np.full(len(cosine_limits), -np.inf)]
         ),
-        ubg=np.concatenate([*(axis.rows_high[:hull_rows] for axis in axes), cosine_most]),
+        ubg=np.concatenate([*(axis.greatest_rows[:hull_rows] for axis in axes), cosine_limits]),
     )
     stats: dict[str, Any] = solver.stats()
     y, iterations = np.asarray(found["x"]).reshape(2, -1), int(stats["iter_count"])
-    full = sum(axis.hessian.size for axis in axes if axis.hessian is not None)
-    rows = 2 * hull_rows + len(cosine_most) + y.size
+    full = sum(axis.cost_hessian.size for axis in axes if axis.cost_hessian is not None)
+    rows = 2 * hull_rows + len(cosine_limits) + y.size
     effort.count(iterations * (ITERATION_ROW * rows + ITERATION_ENTRY * full))
     return y, iterations, bool(stats["success"])
 
 
-def cosine_coefficients(platform: TwoAxisPlatform, axis_platform: Array) -> Array:
-    """(n, 9): the boresight's cosine with (n, 3) unit vectors is the sum over i, j of
-    entry 3 i + j times (1, cos a, sin a)[i] times (1, cos b, sin b)[j].
-
-    Source: Rodrigues' formula, applied for the inner and the outer axis.
-    """
-    return np.asarray(np.einsum("nx,jix->nij", axis_platform, _carried(platform)).reshape(-1, 9))
-
-
-@lru_cache(maxsize=8)
-def _carried(platform: TwoAxisPlatform) -> Array:
-    """(3, 3, 3): vectors [j, i, xyz] of the boresight beside the (j, i) parts of the angles."""
-    outer, inner = platform.axes_platform
-    zero = np.array(platform.zero_direction_platform)
-    zero = zero / np.linalg.norm(zero)
-
-    def parts(axis: Array, vector: Array) -> list[Array]:
-        along = (axis @ vector) * axis
-        return [along, vector - along, np.cross(axis, vector)]
-
-    return np.array([parts(outer, carried) for carried in parts(inner, zero)])
-
-
 @lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB
-def detour_ocp(spline: SplineOcp, cones: int, *, calm: bool, start: Start) -> DetourOcp:
+def detour_ocp(spline: SplineOcp, cones: int, *, with_modes: bool, start: Start) -> DetourOcp:
     """Made once per process and basis."""
-    return DetourOcp(spline, cones, calm=calm, start=start)
+    return DetourOcp(spline, cones, with_modes=with_modes, start=start)

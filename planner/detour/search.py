@@ -1,4 +1,4 @@
-"""What is the smoothest detour near a given guess, flown from rows and checked?
+"""Search for the smoothest detour near given guesses, each checked as rows carry it.
 
 First the cones are kept at few instants, which far guesses suit; from there at many, which
 leaves no play between them for a dozen optima that differ only in how they straddle instants.
@@ -12,10 +12,11 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.detour.ocp import DetourOcp, Start, detour_ocp
+from planner.platforms import AxisLimits
 from planner.pointing.keep_out import ConeEntry, KeepOutView, deepest_entry
-from planner.slew.backends.spline_ocp import SplineOcp
-from planner.slew.grid import reproduces, rows_in
+from planner.slew.on_rows import reproduces, rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
+from planner.slew.spline_ocp import SplineOcp
 
 Profiles = tuple[AxisProfile, AxisProfile]
 TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
@@ -25,7 +26,8 @@ MARGIN_GROWTHS_RAD = np.radians([0.002, 0.01, 0.05, 0.1])  # in a gap 0.02 at on
 MARGIN_RISE = 0.05  # share of the slew over which the margin grows from its ends
 SINKING = 8  # looks between two instants of few
 HOPELESS_RAD = math.radians(4.0)  # deeper than a path can sink between two of few instants
-DEARER, PLAYS = 1.01, 4.0  # than the best one found, and its plays: not worth a second look
+# Times the cost of a path, and of its play: where that path was good, a dearer one isn't refined.
+WORTH_SHARE, WORTH_PLAYS = 1.01, 4.0
 ALIKE = 1e-3  # in cost: the same optimum again
 REFINED_MAX = 4  # of the guesses tried at once
 SHALLOW_RAD = math.radians(0.02)  # may need a wider margin only near an end, where it is cut
@@ -60,51 +62,53 @@ class DetourSearch:
         self, straight: SlewSolution, view: KeepOutView, spline: SplineOcp, share: float = 1.0
     ) -> None:
         self._straight, self._view, self.spline = straight, view, spline
-        self._problem = problem = straight.problem
+        problem = straight.problem
         T = straight.duration_s
-        self._states = list(zip(problem.start, problem.end, strict=True))
-        moves = [abs(end.angle_rad - start.angle_rad) for start, end in self._states]
+        moves = [abs(axis.end.angle_rad - axis.start.angle_rad) for axis in problem.axes]
         scale_rad = max(*moves, *(cone.half_angle_rad for cone in view.cones), 0.1)
-        limits = [
-            replace(axis, acceleration_max_rad_s2=share * axis.acceleration_max_rad_s2)
-            for axis in problem.limits
-        ]
-        posed = [
-            spline.pose(*ends, limit, T, scale_rad=scale_rad, avoid_modes=problem.avoid_modes)
-            for ends, limit in zip(self._states, limits, strict=True)
-        ]
-        self._axes = (posed[0], posed[1])
+        outer, inner = (
+            spline.pose(
+                replace(axis, duration_s=T, limits=_limits_with_share(axis.limits, share)),
+                scale_rad=scale_rad,
+            )
+            for axis in problem.axes
+        )
+        self._axes = (outer, inner)
         angle = np.array(
             [[axis.angle_rad for axis in side] for side in (problem.start, problem.end)]
         )
         self._gap_rad = -view.depths_rad(np.array([0.0, T]), angle) / 2.0
 
-    def near(self, asides: tuple[Array, ...], *, start: Start = "far") -> list[Detour]:
-        """The best of those that guesses lead to, and what else was refined, not in order.
+    def near(self, asides_rad: tuple[Array, ...], *, start: Start = "far") -> list[Detour]:
+        """The best of those that guesses lead to, and what else was tried, not in order.
 
-        asides: (2, k) each, how far a guess lies off the straight slew at the `greville`
-        instants.
+        asides_rad: (2, k) each, how far a guess lies off the straight slew at the
+        `greville_tau` instants.
         """
-        rough = sorted((self._rough(aside, start) for aside in asides), key=lambda one: one.cost)
-        refined: list[float] = []
+        rough = sorted(
+            (self._solve_roughly(aside, start) for aside in asides_rad), key=lambda one: one.cost
+        )
+        costs: list[float] = []
         found: list[Detour] = []
         dearest = math.inf
         for one in rough:
-            again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in refined)
+            again = any(abs(one.cost / cost - 1.0) < ALIKE for cost in costs)
             good = sum(math.isfinite(detour.cost) for detour in found)
             enough = good == REFINED_MAX or one.cost > dearest
             if not math.isfinite(one.cost) or enough or again:
                 found.append(one._replace(cost=math.inf))
                 continue
-            refined.append(one.cost)
-            found.append(self._refined(one))
+            costs.append(one.cost)
+            found.append(self._refine(one))
             if math.isfinite(found[-1].cost):
-                dearest = min(dearest, one.cost * (DEARER + PLAYS * found[-1].play_share))
+                dearest = min(
+                    dearest, one.cost * (WORTH_SHARE + WORTH_PLAYS * found[-1].play_share)
+                )
         return found
 
-    def _rough(self, aside: Array, start: Start) -> Detour:
+    def _solve_roughly(self, aside_rad: Array, start: Start) -> Detour:
         ocp = self._ocp(start)
-        guess = self._guess(self._straight.profiles, aside)
+        guess = self._guess(self._straight.profiles, aside_rad)
         profiles, iterations = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
         t_s = np.linspace(0.0, self._straight.duration_s, SINKING * (len(ocp.tau) + 1) + 1)
         angle = np.stack([profile.evaluate(t_s)[0] for profile in profiles], axis=1)
@@ -117,7 +121,7 @@ class DetourSearch:
             sunk_rad=depth_rad + ROUGH_MARGIN_RAD,
         )
 
-    def _refined(self, rough: Detour) -> Detour:
+    def _refine(self, rough: Detour) -> Detour:
         ocp = self._ocp("near")
         profiles, iterations = rough.profiles, rough.iterations
         # Between instants so much nearer a path that curves alike sinks less by the square.
@@ -128,19 +132,16 @@ class DetourSearch:
             guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
             profiles, used = self._solve(ocp, guess, margin_rad)
             iterations += used
-            before_rad, depth_rad = depth_rad, entered(profiles, self._view).depth_rad
+            before_rad, depth_rad = depth_rad, cone_entry(profiles, self._view).depth_rad
             if depth_rad <= -TOUCH_RAD or depth_rad > max(STUCK * before_rad, SHALLOW_RAD):
                 break
             margin_rad += max(depth_rad, 0.0) + growth_rad
-        limits, rows = self._problem.limits, rows_in(self._straight.duration_s)
+        axes = list(zip(profiles, self._straight.problem.axes, strict=True))
         keeps = depth_rad <= -TOUCH_RAD and all(
-            obeys(profile, *ends, limit)
-            for profile, ends, limit in zip(profiles, self._states, limits, strict=True)
+            obeys(profile, axis.start, axis.end, axis.limits) for profile, axis in axes
         )
-        fits = keeps and all(
-            reproduces(profile, rows, limit)
-            for profile, limit in zip(profiles, limits, strict=True)
-        )
+        rows = rows_in(self._straight.duration_s)
+        fits = keeps and all(reproduces(profile, rows, axis.limits) for profile, axis in axes)
         return Detour(
             profiles=profiles,
             cost=_cost(profiles) if fits else math.inf,
@@ -150,29 +151,32 @@ class DetourSearch:
         )
 
     def _ocp(self, start: Start) -> DetourOcp:
-        calm = bool(self._problem.avoid_modes)
-        return detour_ocp(self.spline, len(self._view.cones), calm=calm, start=start)
+        with_modes = bool(self._straight.problem.avoid_modes)
+        return detour_ocp(self.spline, len(self._view.cones), with_modes=with_modes, start=start)
 
-    def _solve(self, ocp: DetourOcp, guess: Array, margin_rad: float) -> tuple[Profiles, int]:
-        margins = self._margins(ocp.tau, margin_rad)
-        return ocp.solve(self._view.platform, self._axes, self._view.cones, margins, guess)
+    def _solve(
+        self, ocp: DetourOcp, guess_coefficients: Array, margin_rad: float
+    ) -> tuple[Profiles, int]:
+        margins_rad = self._margins_rad(ocp.tau, margin_rad)
+        view = self._view
+        return ocp.solve(view.platform, self._axes, view.cones, margins_rad, guess_coefficients)
 
-    def _guess(self, profiles: tuple[AxisProfile, ...], aside: Array) -> Array:
+    def _guess(self, profiles: tuple[AxisProfile, ...], aside_rad: Array) -> Array:
         return np.stack(
             [
-                self.spline.guess(axis, profile, off)
-                for axis, profile, off in zip(self._axes, profiles, aside, strict=True)
+                self.spline.guess_y(axis, profile, off)
+                for axis, profile, off in zip(self._axes, profiles, aside_rad, strict=True)
             ]
         )
 
-    def _margins(self, tau: Array, margin_rad: float) -> Array:
+    def _margins_rad(self, tau: Array, margin_rad: float) -> Array:
         """Beside each cone at each instant, less near an end that is nearer to the cone itself."""
         rising = self._gap_rad[:, :1] + margin_rad / MARGIN_RISE * tau
         falling = self._gap_rad[:, 1:] + margin_rad / MARGIN_RISE * (1.0 - tau)
         return np.minimum(margin_rad, np.minimum(rising, falling))
 
 
-def entered(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> ConeEntry:
+def cone_entry(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> ConeEntry:
     """How deep a slew goes into the cones."""
 
     def motion(t_s: Array) -> tuple[Array, Array]:
@@ -183,6 +187,11 @@ def entered(profiles: tuple[AxisProfile, ...], view: KeepOutView) -> ConeEntry:
         )
 
     return deepest_entry(view, motion, 0.0, profiles[0].duration_s)
+
+
+def _limits_with_share(limits: AxisLimits, share: float) -> AxisLimits:
+    acceleration_max_rad_s2 = share * limits.acceleration_max_rad_s2
+    return replace(limits, acceleration_max_rad_s2=acceleration_max_rad_s2)
 
 
 def _cost(profiles: Profiles) -> float:

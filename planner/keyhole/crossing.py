@@ -117,13 +117,13 @@ class Crossing:
         knots, window = self._knots, self.window
         start, stop = window.broken[0][0], window.broken[-1][1]
         rate_max = np.array([axis.rate_max_rad_s for axis in self._platform.axis_limits])
-        swung = after.at(stop) - before.at(start)
-        rows = float(np.max(np.abs(swung) / rate_max)) / SWING_SHARE * ROWS_PER_S
-        lacking = max(0, math.ceil((rows - (stop - start)) / 2.0))
-        start, stop = max(window.first, start - lacking), min(window.last, stop + lacking)
-        left, joined = before.at(start), after.at(stop)
+        swing = after.at(stop) - before.at(start)
+        rows = float(np.max(np.abs(swing) / rate_max)) / SWING_SHARE * ROWS_PER_S
+        extra = max(0, math.ceil((rows - (stop - start)) / 2.0))
+        start, stop = max(window.first, start - extra), min(window.last, stop + extra)
+        first, last = before.at(start), after.at(stop)
         share = np.clip((knots - start) / max(stop - start, 1), 0.0, 1.0)[:, None]
-        angle = left + (joined - left) * share**2 * (3.0 - 2.0 * share)
+        angle = first + (last - first) * share**2 * (3.0 - 2.0 * share)
         angle = np.where((knots < start)[:, None], before.at(knots), angle)
         angle = np.where((knots > stop)[:, None], after.at(knots), angle)
         rate = np.gradient(angle, knots / ROWS_PER_S, axis=0)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,10 +19,9 @@ from planner.pointing.angles import (
 )
 from planner.pointing.hermite import cubic_and_row_range
 from planner.pointing.line_of_sight import LineOfSight
-from planner.slew.solution import bounds
+from planner.pointing.track import TURN_RAD, turns_within_stops
 
 Mask = NDArray[np.bool_]
-TURN_RAD = 2.0 * math.pi
 SINGULAR_RAD = 1e-5  # nearer to the plane of the axes exact angles are noise
 DEAD_MARGIN_RAD = 1e-9
 LIMIT_TOLERANCE = 1e-7  # of the limit's range
@@ -56,12 +55,12 @@ class RowMotion:
 
     def _beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
         """(4, n - 1, 2): by order of derivative, cell and axis; also where not a number."""
-        flown = cubic_and_row_range(
+        ranges = cubic_and_row_range(
             COMMAND_STEP_S, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2
         )
         beyond = []
-        for order, (least, greatest) in enumerate(flown):
-            low, high = np.array([bounds(axis)[order] for axis in limits]).T
+        for order, (least, greatest) in enumerate(ranges):
+            low, high = np.array([axis.bounds[order] for axis in limits]).T
             slack = LIMIT_TOLERANCE * (high - low)
             beyond.append(~((least >= low - slack) & (greatest <= high + slack)))
         return np.stack(beyond)
@@ -78,12 +77,7 @@ class RowMotion:
 
     def turn(self, turns: tuple[int, ...]) -> "RowMotion":
         """By whole turns of each axis."""
-        return RowMotion(
-            first_row=self.first_row,
-            angle_rad=self.angle_rad + TURN_RAD * np.array(turns),
-            rate_rad_s=self.rate_rad_s,
-            acceleration_rad_s2=self.acceleration_rad_s2,
-        )
+        return replace(self, angle_rad=self.angle_rad + TURN_RAD * np.array(turns))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,9 +108,9 @@ class ExactFollowing:
         self.first_row = round(float(t_s[0]) * ROWS_PER_S)
         self.last_row = round(float(t_s[-1]) * ROWS_PER_S)
         # A short session's line of sight is sampled more finely than its rows.
-        self._direction = CubicHermiteSpline(t_s, los.los_platform, los.los_rate_platform_s)
+        self._direction = CubicHermiteSpline(t_s, los.los_platform, los.los_rate_platform_per_s)
         self._rate = CubicHermiteSpline(
-            t_s, los.los_rate_platform_s, los.los_acceleration_platform_s2
+            t_s, los.los_rate_platform_per_s, los.los_acceleration_platform_per_s2
         )
         rows_s = np.arange(self.first_row, self.last_row + 1) / ROWS_PER_S
         directions = self.directions(rows_s)
@@ -232,11 +226,6 @@ def _whole_turns(
     motion: RowMotion, first_row: int, last_row: int, limits: tuple[AxisLimits, ...]
 ) -> list[RowMotion]:
     """The motion with each number of turns that fits the stops over these rows."""
-    part = motion.part(first_row, last_row).angle_rad
-    choices = []
-    for axis, limit in enumerate(limits):
-        angle = part[:, axis]
-        least = math.ceil((limit.angle_min_rad - angle.min()) / TURN_RAD - LIMIT_TOLERANCE)
-        most = math.floor((limit.angle_max_rad - angle.max()) / TURN_RAD + LIMIT_TOLERANCE)
-        choices.append(range(least, most + 1))
+    angle_rad = motion.part(first_row, last_row).angle_rad
+    choices = turns_within_stops(angle_rad, limits, LIMIT_TOLERANCE)
     return [motion.turn(turns) for turns in itertools.product(*choices)]

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from planner import effort
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S
-from planner.detour.ocp import ITERATION_ROW, cosine_coefficients
+from planner.detour.ocp import ITERATION_ROW
 from planner.platforms import AxisLimits, TwoAxisPlatform
-from planner.slew.backends.spline_ocp import SOLVE
-from planner.slew.solution import bounds
+from planner.pointing.angles import cosine_coefficients
+from planner.slew.spline_ocp import SOLVE
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles
@@ -162,9 +162,7 @@ class NearestOcp:
         x0 = np.hstack([guess.angle_rad, guess.rate_rad_s, guess.acceleration_rad_s2]) * scale
         units = TIME_UNIT_S ** np.arange(4.0)[:, None]
         low, high = (
-            INSIDE
-            * units
-            * np.array([[bound[side] for bound in bounds(axis)] for axis in limits]).T
+            INSIDE * units * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
             for side in (0, 1)
         )
         lbx = np.tile(low[:3].ravel(), (len(x0), 1))

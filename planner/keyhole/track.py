@@ -41,18 +41,18 @@ class _Chain:
     def rank(self) -> tuple[float, float]:
         return self.beyond_rad, self.squared_rad2_s
 
-    def carry_on(self, crossed: CrossingMotion, way: ExactWay) -> "_Chain":
+    def carry_on(self, crossing: CrossingMotion, way: ExactWay) -> "_Chain":
         """Across a window, onto another way."""
         exact = self.way.motion
         return _Chain(
             parts=(
                 *self.parts,
-                exact.part(exact.first_row, crossed.motion.first_row),
-                crossed.motion,
+                exact.part(exact.first_row, crossing.motion.first_row),
+                crossing.motion,
             ),
             way=way,
-            beyond_rad=max(self.beyond_rad, crossed.beyond_rad),
-            squared_rad2_s=self.squared_rad2_s + crossed.squared_rad2_s,
+            beyond_rad=max(self.beyond_rad, crossing.beyond_rad),
+            squared_rad2_s=self.squared_rad2_s + crossing.squared_rad2_s,
         )
 
     def join_parts(self) -> RowMotion:

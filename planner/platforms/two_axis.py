@@ -42,6 +42,15 @@ class AxisLimits:
         if not 0.0 <= self.rate_min_rad_s < self.rate_max_rad_s:
             raise ValueError(f"rate_min_rad_s must lie in [0, rate_max), not {self.rate_min_rad_s}")
 
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """(least, greatest) of angle, rate, acceleration and jerk."""
+        symmetric = (self.rate_max_rad_s, self.acceleration_max_rad_s2, self.jerk_max_rad_s3)
+        return (
+            (self.angle_min_rad, self.angle_max_rad),
+            *((-bound, bound) for bound in symmetric),
+        )
+
 
 @spec
 class TwoAxisPlatform:

@@ -1,5 +1,6 @@
 """Axis angles, rates and accelerations that point a two-axis platform along a direction."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -54,8 +55,8 @@ def axis_motion(
     platform: TwoAxisPlatform,
     angle_rad: Array,
     los_platform: Array,
-    los_rate_platform_s: Array,
-    los_acceleration_platform_s2: Array,
+    los_rate_platform_per_s: Array,
+    los_acceleration_platform_per_s2: Array,
 ) -> tuple[Array, Array]:
     """Axis rates and accelerations that follow a moving line of sight.
 
@@ -67,19 +68,23 @@ def axis_motion(
     outer, inner = carried_axes(platform, angle_rad)
     determinant = np.sum(los_platform * np.cross(outer, inner), axis=1)
 
-    def solve(tangent: Array) -> Array:
-        radial = np.sum(tangent * los_platform, axis=1)
-        outer_part = np.sum(inner * los_platform, axis=1) * radial - np.sum(inner * tangent, axis=1)
-        inner_part = np.sum(outer * tangent, axis=1) - np.sum(outer * los_platform, axis=1) * radial
+    def solve(tangent_platform: Array) -> Array:
+        radial = np.sum(tangent_platform * los_platform, axis=1)
+        outer_part = np.sum(inner * los_platform, axis=1) * radial - np.sum(
+            inner * tangent_platform, axis=1
+        )
+        inner_part = (
+            np.sum(outer * tangent_platform, axis=1) - np.sum(outer * los_platform, axis=1) * radial
+        )
         return np.asarray(np.stack([outer_part, inner_part], axis=1) / determinant[:, None])
 
-    rate_rad_s = solve(los_rate_platform_s)
+    rate_rad_s = solve(los_rate_platform_per_s)
     outer_rate, inner_rate = rate_rad_s[:, :1], rate_rad_s[:, 1:]
     inner_axis_rate = outer_rate * np.cross(outer, inner)
-    carried = outer_rate * np.cross(outer, los_rate_platform_s) + inner_rate * (
-        np.cross(inner_axis_rate, los_platform) + np.cross(inner, los_rate_platform_s)
+    carried = outer_rate * np.cross(outer, los_rate_platform_per_s) + inner_rate * (
+        np.cross(inner_axis_rate, los_platform) + np.cross(inner, los_rate_platform_per_s)
     )
-    return rate_rad_s, solve(los_acceleration_platform_s2 - carried)
+    return rate_rad_s, solve(los_acceleration_platform_per_s2 - carried)
 
 
 def boresight_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
@@ -113,20 +118,44 @@ def singular_margin_rad(platform: TwoAxisPlatform, angle_rad: Array, los_platfor
     return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
 
+def cosine_coefficients(platform: TwoAxisPlatform, directions_platform: Array) -> Array:
+    """(n, 9): the boresight's cosine with (n, 3) unit vectors is the sum over i, j of
+    entry 3 i + j times (1, cos a, sin a)[i] times (1, cos b, sin b)[j].
+
+    Source: Rodrigues' formula, applied for the inner and the outer axis.
+    """
+    parts = np.einsum("nx,jix->nij", directions_platform, _boresight_parts(platform))
+    return np.asarray(parts.reshape(-1, 9))
+
+
+@lru_cache(maxsize=8)
+def _boresight_parts(platform: TwoAxisPlatform) -> Array:
+    """(3, 3, 3): vectors [j, i, xyz] of the boresight beside the (j, i) parts of the angles."""
+    outer, inner = platform.axes_platform
+
+    def parts(axis: Array, vector_platform: Array) -> list[Array]:
+        along = (axis @ vector_platform) * axis
+        return [along, vector_platform - along, np.cross(axis, vector_platform)]
+
+    by_inner = parts(inner, _zero_direction(platform))
+    return np.array([parts(outer, part) for part in by_inner])
+
+
 def _zero_direction(platform: TwoAxisPlatform) -> Array:
     zero = np.array(platform.zero_direction_platform)
     return np.asarray(zero / np.linalg.norm(zero))
 
 
-def _angle_about(axis: Array, start: Array, end: Array) -> Array:
+def _angle_about(axis: Array, start_directions: Array, end_directions: Array) -> Array:
     """Signed angle about `axis` (3,) from start to end, both (n, 3) or (1, 3)."""
+    start, end = start_directions, end_directions
     sine = np.cross(start, end) @ axis
     cosine = np.sum(start * end, axis=1) - (start @ axis) * (end @ axis)
     return np.asarray(np.arctan2(sine, cosine))
 
 
-def _rotate(axis: Array, angle_rad: Array, vector: Array) -> Array:
-    """Rodrigues' formula: `vector` (n, 3) turned by angle_rad (n,) about `axis` (3,)."""
+def _rotate(axis: Array, angle_rad: Array, directions: Array) -> Array:
+    """Rodrigues' formula: `directions` (n, 3) turned by angle_rad (n,) about `axis` (3,)."""
     cosine, sine = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
-    along = (vector @ axis)[:, None] * axis
-    return np.asarray(cosine * (vector - along) + sine * np.cross(axis, vector) + along)
+    along = (directions @ axis)[:, None] * axis
+    return np.asarray(cosine * (directions - along) + sine * np.cross(axis, directions) + along)

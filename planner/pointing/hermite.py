@@ -1,4 +1,4 @@
-"""The axes between two rows: the cubic Hermite commanded, the quintic planned."""
+"""The axes between two rows: the cubic Hermite of the commands, the quintic of the plan."""
 
 from typing import NamedTuple
 
@@ -59,11 +59,11 @@ def cubic_and_row_range(
 
     The Hermite's differs from it by the jerk's change over a cell.
     """
-    flown = cubic_range(step_s, angle_rad, rate_rad_s)
+    ranges = cubic_range(step_s, angle_rad, rate_rad_s)
     before, after = acceleration_rad_s2[:-1], acceleration_rad_s2[1:]
-    return flown._replace(
+    return ranges._replace(
         acceleration_rad_s2=_least_and_greatest(
-            np.stack([*flown.acceleration_rad_s2, before, after])
+            np.stack([*ranges.acceleration_rad_s2, before, after])
         )
     )
 
@@ -98,5 +98,5 @@ def _inside(s: Array) -> Array:
     return np.where((s > 0.0) & (s < 1.0), s, 0.0)
 
 
-def _least_and_greatest(values: Array) -> Array:
-    return np.stack([values.min(axis=0), values.max(axis=0)])
+def _least_and_greatest(extreme_candidates: Array) -> Array:
+    return np.stack([extreme_candidates.min(axis=0), extreme_candidates.max(axis=0)])

@@ -54,11 +54,11 @@ class MovingCone:
         axis = found[:, :3] / np.linalg.norm(found[:, :3], axis=1, keepdims=True)
         return axis, found[:, 3] > 0.0
 
-    def depth_rad(self, t_s: Array, boresight: Array) -> Array:
+    def depth_rad(self, t_s: Array, directions_platform: Array) -> Array:
         """How far inside unit vectors (n, 3) are; negative outside, -pi where nothing counts."""
         axis, counts = self.at(t_s)
-        across = np.linalg.norm(np.cross(axis, boresight), axis=1)
-        away = np.arctan2(across, np.sum(axis * boresight, axis=1))
+        across = np.linalg.norm(np.cross(axis, directions_platform), axis=1)
+        away = np.arctan2(across, np.sum(axis * directions_platform, axis=1))
         return np.where(counts, self.half_angle_rad - away, -math.pi)
 
 

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
@@ -18,17 +18,17 @@ STENCIL = 7
 class LineOfSight:
     """The apparent direction of one target over n uniformly spaced instants.
 
-    los_platform: unit vectors, shape (n, 3); los_rate_platform_s and
-    los_acceleration_platform_s2 their first and second derivatives in the platform frame.
+    los_platform: unit vectors, shape (n, 3); los_rate_platform_per_s and
+    los_acceleration_platform_per_s2 their first and second derivatives in the platform frame.
     range_m, clearance_rad: shape (n,), as in `ApparentDirection`.
     """
 
     instants: Instants
-    los_platform: NDArray[np.float64]
-    los_rate_platform_s: NDArray[np.float64]
-    los_acceleration_platform_s2: NDArray[np.float64]
-    range_m: NDArray[np.float64]
-    clearance_rad: NDArray[np.float64]
+    los_platform: Array
+    los_rate_platform_per_s: Array
+    los_acceleration_platform_per_s2: Array
+    range_m: Array
+    clearance_rad: Array
 
 
 def line_of_sight(
@@ -53,24 +53,24 @@ def line_of_sight(
     return LineOfSight(
         instants=instants,
         los_platform=los_platform,
-        los_rate_platform_s=_derivative(los_platform, step_s, 1),
-        los_acceleration_platform_s2=_derivative(los_platform, step_s, 2),
+        los_rate_platform_per_s=_derivative(los_platform, step_s, 1),
+        los_acceleration_platform_per_s2=_derivative(los_platform, step_s, 2),
         range_m=seen.range_m,
         clearance_rad=seen.clearance_rad,
     )
 
 
-def _derivative(values: NDArray[np.float64], step_s: float, order: int) -> NDArray[np.float64]:
-    """Differences on the seven nearest samples, one-sided towards the ends, shape as `values`."""
-    n = len(values)
+def _derivative(los_platform: Array, step_s: float, order: int) -> Array:
+    """Differences on the seven nearest samples, one-sided towards the ends, (n, 3)."""
+    n = len(los_platform)
     first = np.clip(np.arange(n) - STENCIL // 2, 0, n - STENCIL)
     weights = np.array([_stencil_weights(here, order) for here in range(STENCIL)])
-    nodes = values[first[:, None] + np.arange(STENCIL)]
+    nodes = los_platform[first[:, None] + np.arange(STENCIL)]
     differences = np.einsum("nk,nkj->nj", weights[np.arange(n) - first], nodes)
     return np.asarray(differences / step_s**order)
 
 
-def _stencil_weights(here: int, order: int) -> NDArray[np.float64]:
+def _stencil_weights(here: int, order: int) -> Array:
     """Weights on nodes 0..6 exact for polynomials of degree 6, at node `here`."""
     powers = np.vander(np.arange(STENCIL) - float(here), increasing=True).T
     wanted = np.zeros(STENCIL)

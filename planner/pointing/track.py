@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import NamedTuple
@@ -101,18 +102,18 @@ def track_candidates(
         if not usable[first:last].all():
             raise _singular(platform, los, int(first + np.argmin(margin[first:last])))
         here = _around(usable, first, last)
-        continuous = np.unwrap(angles[branch][here], axis=0)
+        unwrapped = np.unwrap(angles[branch][here], axis=0)
         rate, acceleration = axis_motion(
             platform,
             angles[branch][here],
             los.los_platform[here],
-            los.los_rate_platform_s[here],
-            los.los_acceleration_platform_s2[here],
+            los.los_rate_platform_per_s[here],
+            los.los_acceleration_platform_per_s2[here],
         )
         session = slice(first - here.start, last - here.start)
         nearest = first + int(np.argmin(margin[first:last]))
-        for turned in _whole_turns(continuous, session, platform.axis_limits):
-            breaks_at = _breaks(platform, t_s[here], turned, rate, acceleration)
+        for angle_rad in _whole_turns(unwrapped, session, platform.axis_limits):
+            breaks_at = _breaks(platform, t_s[here], angle_rad, rate, acceleration)
             session_break = _first_break(platform, breaks_at, session)
             if session_break is not None:
                 breaks.append(session_break._replace(row=here.start + session_break.row))
@@ -124,7 +125,7 @@ def track_candidates(
                 AxisTrack(
                     axis_names=platform.axis_names,
                     t_s=t_s[here][rows],
-                    angle_rad=turned[rows],
+                    angle_rad=angle_rad[rows],
                     rate_rad_s=rate[rows],
                     acceleration_rad_s2=acceleration[rows],
                     branch=branch,
@@ -157,17 +158,34 @@ def _around(usable: NDArray[np.bool_], first: int, last: int) -> slice:
     return slice(start, stop)
 
 
-def _whole_turns(continuous: Array, session: slice, limits: tuple[AxisLimits, ...]) -> list[Array]:
+def _whole_turns(
+    angle_rad: Array, session: slice, limits: tuple[AxisLimits, ...]
+) -> Iterator[Array]:
     """The motion with each number of whole turns that fits the stops, else the nearest one."""
     choices = []
-    for axis, limit in enumerate(limits):
-        low, high = continuous[session, axis].min(), continuous[session, axis].max()
-        least = math.ceil((limit.angle_min_rad - low) / TURN_RAD - LIMIT_TOLERANCE)
-        most = math.floor((limit.angle_max_rad - high) / TURN_RAD + LIMIT_TOLERANCE)
+    low_rad, high_rad = angle_rad[session].min(axis=0), angle_rad[session].max(axis=0)
+    fitting = turns_within_stops(angle_rad[session], limits, LIMIT_TOLERANCE)
+    for fits, low, high, limit in zip(fitting, low_rad, high_rad, limits, strict=True):
         middle = (limit.angle_min_rad + limit.angle_max_rad) / 2.0
         nearest = round((middle - (low + high) / 2.0) / TURN_RAD)
-        choices.append(range(least, most + 1) or (nearest,))
-    return [continuous + TURN_RAD * np.array(turns) for turns in itertools.product(*choices)]
+        choices.append(fits or (nearest,))
+    for turns in itertools.product(*choices):
+        yield angle_rad + TURN_RAD * np.array(turns)
+
+
+def turns_within_stops(
+    angle_rad: Array, limits: tuple[AxisLimits, ...], tolerance_share: float
+) -> list[range]:
+    """Whole turns, axis by axis, by which angles (n, m) may be moved and keep the stops.
+
+    tolerance_share: of a turn, by which they may pass a stop.
+    """
+    choices = []
+    for angle, limit in zip(angle_rad.T, limits, strict=True):
+        least = math.ceil((limit.angle_min_rad - angle.min()) / TURN_RAD - tolerance_share)
+        most = math.floor((limit.angle_max_rad - angle.max()) / TURN_RAD + tolerance_share)
+        choices.append(range(least, most + 1))
+    return choices
 
 
 def _breaks(
@@ -177,20 +195,11 @@ def _breaks(
     rate_rad_s: Array,
     acceleration_rad_s2: Array,
 ) -> list[_LimitBreaks]:
-    flown = cubic_and_row_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
-    limits = platform.axis_limits
-    angle_min = np.array([axis.angle_min_rad for axis in limits])
-    angle_max = np.array([axis.angle_max_rad for axis in limits])
-    rate_max = np.array([axis.rate_max_rad_s for axis in limits])
-    acceleration_max = np.array([axis.acceleration_max_rad_s2 for axis in limits])
-    jerk_max = np.array([axis.jerk_max_rad_s3 for axis in limits])
+    ranges = cubic_and_row_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
+    limits = np.array([axis.bounds for axis in platform.axis_limits])
     found = []
-    for limit, (least, greatest), low, high in (
-        ("angle", flown.angle_rad, angle_min, angle_max),
-        ("rate", flown.rate_rad_s, -rate_max, rate_max),
-        ("acceleration", flown.acceleration_rad_s2, -acceleration_max, acceleration_max),
-        ("jerk", flown.jerk_rad_s3, -jerk_max, jerk_max),
-    ):
+    for order, limit in enumerate(("angle", "rate", "acceleration", "jerk")):
+        (least, greatest), (low, high) = ranges[order], limits[:, order].T
         slack = LIMIT_TOLERANCE * (high - low)
         under, over = least < low - slack, greatest > high + slack
         value, bound = np.where(under, least, greatest), np.where(under, low, high)

@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
-from planner.detour.detour import cleared
+from planner.detour.detour import avoid_cones
 from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits
 from planner.pointing.keep_out import KeepOutView
 from planner.pointing.track import AxisTrack
 from planner.scenario import SlewOptions
-from planner.slew.backends import BACKENDS
 from planner.slew.feasibility import fits_without_jerk, next_duration_s, verdict
-from planner.slew.grid import flown
-from planner.slew.problem import AxisState, SlewProblem, within
+from planner.slew.on_rows import fit_to_rows
+from planner.slew.optimal import optimal_slew
+from planner.slew.problem import AxisState, SlewProblem, axis_states, within
 from planner.slew.solution import SlewSolution
 
 # Of `planner.effort`: a row by itself, a look at many, and each of them.
@@ -47,10 +47,7 @@ def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
     """What a slew must arrive with to follow the track from t_s on."""
     effort.count(LOOK)
     angle, rate, acceleration = track.motion(np.array([t_s]))
-    return tuple(
-        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
-        for q, v, a in zip(angle[0], rate[0], acceleration[0], strict=True)
-    )
+    return axis_states(angle[0], rate[0], acceleration[0])
 
 
 def earliest_join(
@@ -89,8 +86,7 @@ def earliest_join(
             keep_out=keep_out,
         )
         try:
-            straight = flown(BACKENDS["ocp"].solve(problem, options))
-            return cleared(straight, thorough=False, prove=False)
+            return avoid_cones(fit_to_rows(optimal_slew(problem)), thorough=False, prove=False)
         except InfeasibleSlew:
             return None
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from planner import effort
 from planner.commands import ROWS_PER_S
-from planner.detour.detour import cleared
+from planner.detour.detour import avoid_cones
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew
 from planner.pointing.keep_out import KeepOutView, keep_out_view
@@ -13,12 +13,14 @@ from planner.scenario import Scenario
 from planner.sessions.earliest_join import earliest_join, rows_within_reach, track_states
 from planner.sessions.holding import Way
 from planner.slew import (
-    BACKENDS,
     AxisState,
     SlewProblem,
     SlewSolution,
     broken_limit,
-    flown,
+    fit_to_rows,
+    in_paper_time,
+    optimal_slew,
+    paper_slew,
     verdict,
 )
 
@@ -114,7 +116,7 @@ def may_slew_between(
     """The same from state to state in exactly so many rows."""
     if rows <= 0:
         return False
-    if not BACKENDS[scenario.slew.method].keeps_limits:
+    if not scenario.slew.keeps_limits:
         return True
     return all(
         verdict(*ends, rows / ROWS_PER_S).limit is None
@@ -140,8 +142,7 @@ def first_row_in_reach(
 
 
 def _joins_early(scenario: Scenario) -> bool:
-    keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
-    return keeps_limits and scenario.slew.objective == "minimum_time"
+    return scenario.slew.keeps_limits and scenario.slew.objective == "minimum_time"
 
 
 def _slew(
@@ -155,21 +156,20 @@ def _slew(
     prove: bool,
 ) -> SlewSolution:
     """To the first row of the session."""
-    backend = BACKENDS[scenario.slew.method]
     problem = SlewProblem(
         axis_names=way.track.axis_names,
         limits=scenario.axis_limits,
         start=state,
         end=track_states(way.track, way.rows.start / ROWS_PER_S),
         duration_s=(way.rows.start - from_row) / ROWS_PER_S,
-        objective="smooth" if backend.keeps_limits else scenario.slew.objective,
         avoid_modes=scenario.slew.avoid_modes,
         keep_out=keep_out,
     )
-    solution = backend.solve(problem, scenario.slew)
-    if backend.keeps_limits:
-        solution = cleared(flown(solution), thorough=thorough, prove=prove)
-    return solution
+    if scenario.slew.keeps_limits:
+        return avoid_cones(fit_to_rows(optimal_slew(problem)), thorough=thorough, prove=prove)
+    if scenario.slew.objective == "minimum_time":
+        problem = in_paper_time(problem)
+    return paper_slew(problem, scenario.slew)
 
 
 def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:

@@ -11,7 +11,6 @@ from planner.sessions.assembly import assemble_table, sessions_after_conflicts
 from planner.sessions.holding import ephemeris_over, session_rows
 from planner.sessions.sequence import SessionRefused, sequence_sessions
 from planner.sessions.start_trials import RefusedSession
-from planner.slew import BACKENDS
 from planner.verification import verify
 
 SHARE = 0.6  # of the work that is left, for planning the whole request once more
@@ -73,7 +72,7 @@ def _is_planned(scenario: Scenario) -> bool:
     epoch_utc = scenario.initial_state.epoch
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
     joins = sequence_sessions(scenario, ephemeris_over(scenario, rows), prove=False)
-    if not BACKENDS[scenario.slew.method].keeps_limits:
+    if not scenario.slew.keeps_limits:
         return True
     effort.spend(JUDGED_ROW * rows[-1].stop)
     flown, _ = sessions_after_conflicts(scenario, joins)

@@ -15,14 +15,14 @@ from planner.export import Segment, SegmentKind
 from planner.frames.earth_orientation import earth_orientation_warning
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
-from planner.scenario import Scenario, Session
+from planner.scenario import Scenario, Session, SlewOptions
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
 from planner.sessions.holding import ephemeris_over, sampled_sight, session_rows
 from planner.sessions.joining import Join
 from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import PointingBudget, pointing_budget
-from planner.slew import BACKENDS, SlewProblem, compare_with_spline, next_duration_s
+from planner.slew import SlewProblem, compare_with_spline, next_duration_s
 from planner.targets import BenchMotionTarget
 from planner.verification import VerificationReport, verify
 
@@ -37,7 +37,6 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     Raises a `Refusal` when a session can't be flown; it says which limit, when, and, where
     there is one, the nearest session start that can.
     """
-    keeps_limits = BACKENDS[scenario.slew.method].keeps_limits
     epoch_utc = scenario.initial_state.epoch
     clock = _StageClock(on_stage)
     with clock.stage("orbit"):
@@ -47,16 +46,14 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     with clock.stage("slews and tracks"):
         joins = _joins(scenario, ephemeris)
     with clock.stage("comparison"):
-        slews = tuple(
-            _slew_run(scenario, number, join, keeps_limits) for number, join in enumerate(joins)
-        )
+        slews = tuple(_slew_run(scenario.slew, number, join) for number, join in enumerate(joins))
     flown, losses = sessions_after_conflicts(scenario, joins)
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with clock.stage("pointing budget"):
         budgets = tuple(_budget(flown, ephemeris, table, session) for session in flown.sessions)
     with clock.stage("verification"):
         report = verify(table, flown)
-    if keeps_limits and not report.passed:
+    if scenario.slew.keeps_limits and not report.passed:
         raise _rejection(report)
     return Plan(
         scenario=flown,
@@ -101,17 +98,17 @@ def _cut_short(joins: list[Join]) -> tuple[str, ...]:
     )
 
 
-def _slew_run(scenario: Scenario, number: int, join: Join, compare: bool) -> SlewRun:
+def _slew_run(options: SlewOptions, number: int, join: Join) -> SlewRun:
     slew = join.slew
     return SlewRun(
         session=number,
-        backend=slew.backend,
+        backend=options.method,
         status="; ".join(dict.fromkeys(slew.status)),
         iterations=slew.iterations,
         wall_s=slew.wall_s,
         duration_s=slew.duration_s,
         minimum_s=_minimum_s(slew.problem),
-        comparison=compare_with_spline(slew, scenario.slew) if compare else None,
+        comparison=compare_with_spline(slew, options) if options.keeps_limits else None,
     )
 
 

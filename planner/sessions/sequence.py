@@ -25,7 +25,7 @@ from planner.sessions.chain import CONFLICTS, Chain, Stand, States, Steps, initi
 from planner.sessions.earliest_join import track_states
 from planner.sessions.holding import Way, ways_to_hold
 from planner.sessions.joining import Join, slew_onto
-from planner.slew import BACKENDS, require_brakable
+from planner.slew import require_brakable
 
 # Of the work that is left: for finding a plan; where there is none, for saying why, and of that
 # for a proof around cones and for what would help.
@@ -71,7 +71,7 @@ def sequence_sessions(
     Raises SessionRefused; InfeasibleSlew where it is the initial state's fault; SearchEnded.
     """
     state = initial_state(scenario)
-    if BACKENDS[scenario.slew.method].keeps_limits:
+    if scenario.slew.keeps_limits:
         require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
     _require_start_outside_cones(scenario, ephemeris)
     chain = Chain(scenario, _ways_by_session(scenario, ephemeris))

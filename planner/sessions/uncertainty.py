@@ -367,7 +367,7 @@ def _earth_offsets(scene: _Scene) -> _Bias:
 
 def _clock_offsets(scene: _Scene, los: LineOfSight, assumptions: BudgetAssumptions) -> _Bias:
     """A table flown late points where the target was."""
-    drift = scene.in_image(los.los_rate_platform_s[scene.rows])
+    drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
     cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
     return _Bias(cause, drift * assumptions.clock_s)
 

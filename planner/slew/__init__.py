@@ -1,14 +1,14 @@
 """How the axes get from one state to another."""
 
-from planner.slew.backends import BACKENDS
 from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spline
 from planner.slew.feasibility import next_duration_s, require_brakable, verdict
-from planner.slew.grid import flown
+from planner.slew.on_rows import fit_to_rows
+from planner.slew.optimal import optimal_slew
+from planner.slew.paper_cubic import in_paper_time, paper_slew
 from planner.slew.problem import AxisState, SlewProblem, broken_limit
 from planner.slew.solution import SlewSolution
 
 __all__ = [
-    "BACKENDS",
     "AxisState",
     "ModeResidual",
     "SlewComparison",
@@ -16,8 +16,11 @@ __all__ = [
     "SlewSolution",
     "broken_limit",
     "compare_with_spline",
-    "flown",
+    "fit_to_rows",
+    "in_paper_time",
     "next_duration_s",
+    "optimal_slew",
+    "paper_slew",
     "require_brakable",
     "verdict",
 ]

@@ -1,4 +1,4 @@
-"""What does the optimal slew gain over the paper's cubic?"""
+"""What the optimal slew gains over the paper's cubic."""
 
 import math
 from dataclasses import dataclass
@@ -9,11 +9,10 @@ from planner.commands import ROWS_PER_S
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
 from planner.simulation.structure import residual_vibration_rad
-from planner.slew.backends import BACKENDS
-from planner.slew.backends.spline import paper_duration_s
 from planner.slew.feasibility import next_duration_s
+from planner.slew.paper_cubic import paper_duration_s, paper_slew
 from planner.slew.problem import LIMIT_TOLERANCE
-from planner.slew.solution import LimitViolation, SlewSolution, bounds
+from planner.slew.solution import LimitViolation, SlewSolution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,9 +60,10 @@ class SlewComparison:
     residuals: tuple[ModeResidual, ...]
 
 
-def compare(ocp: SlewSolution, spline: SlewSolution) -> SlewComparison:
-    """Figures of two solutions of one problem, side by side."""
+def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparison:
+    """The optimal slew beside the paper's spline, solved for the purpose."""
     problem = ocp.problem
+    spline = paper_slew(problem, options)
     least_s = (
         next_duration_s(start, end, limits, 0.0) or math.inf
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
@@ -80,11 +80,6 @@ def compare(ocp: SlewSolution, spline: SlewSolution) -> SlewComparison:
         paper_duration_s=paper_duration_s(problem),
         residuals=residuals,
     )
-
-
-def compare_with_spline(ocp: SlewSolution, options: SlewOptions) -> SlewComparison:
-    """The optimal slew beside the paper's spline, solved for the purpose."""
-    return compare(ocp, BACKENDS["spline"].solve(ocp.problem, options))
 
 
 def _left_rad(slew: SlewSolution, mode: StructuralMode) -> tuple[float, ...]:
@@ -127,8 +122,8 @@ def _figures(solution: SlewSolution) -> SlewFigures:
 
 def _acceleration_jumps(solution: SlewSolution, axis: int) -> bool:
     problem, profile = solution.problem, solution.profiles[axis]
-    _, high = bounds(problem.limits[axis])[2]
-    first, last = profile.end_accelerations_rad_s2
+    _, high = problem.limits[axis].bounds[2]
+    first, last = profile.end_values[:, 2].tolist()
     steps = (
         first - problem.start[axis].acceleration_rad_s2,
         last - problem.end[axis].acceleration_rad_s2,

@@ -1,4 +1,4 @@
-"""Can an axis make a slew in exactly the time it has, and if not, why not?"""
+"""Whether an axis can slew in exactly the time it has, and if not, why not."""
 
 import math
 from dataclasses import dataclass
@@ -10,9 +10,13 @@ from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.platforms import AxisLimits
-from planner.slew.least_jerk import least_jerk_profile
-from planner.slew.problem import AxisState, SlewProblem, broken_limit
-from planner.slew.quickest import DURATION_TOLERANCE, profile_lasting, quickest_profile
+from planner.slew.closed_forms import (
+    DURATION_TOLERANCE,
+    least_jerk_profile,
+    profile_lasting,
+    quickest_profile,
+)
+from planner.slew.problem import AxisSlew, AxisState, broken_limit
 from planner.slew.solution import AxisProfile, obeys
 from planner.slew.stops import margins_on_rows, rate_margin_rad_s, stop_margin_rad
 
@@ -84,15 +88,15 @@ def fits_without_jerk(
 
 def _farthest_rad(v0: float, v1: Array, a: float, v: float, t: Array) -> Array:
     peak = (a * t + v0 + v1) / 2.0
-    gathered = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
-    coasted = (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
-    return np.where(peak <= v, gathered, coasted)
+    without_coast = (2.0 * peak * peak - v0 * v0 - v1 * v1) / (2.0 * a)
+    with_coast = (2.0 * v * v - v0 * v0 - v1 * v1) / (2.0 * a) + v * (t - (2.0 * v - v0 - v1) / a)
+    return np.where(peak <= v, without_coast, with_coast)
 
 
 def dead_end(start: AxisState, end: AxisState, limits: AxisLimits) -> str | None:
     """The limit, "angle" or "rate", that breaks however long the slew may take, or None."""
     rounding = DURATION_TOLERANCE * (limits.angle_max_rad - limits.angle_min_rad)
-    for state in (start, end.reversed()):
+    for state in (start, end.backwards()):
         if stop_margin_rad(state, limits) < -rounding:
             return "angle"
         if rate_margin_rad_s(state, limits) < -DURATION_TOLERANCE * limits.rate_max_rad_s:
@@ -108,18 +112,18 @@ def require_brakable(
     Braked in rows of the command table, as it is flown: that costs up to 0.1 deg, or in rate
     nothing, beside braking whose jerk changes at any time.
     """
-    doomed = [
+    failing = [
         (name, limit, _unbrakable_because(name, limit, motion, bound))
         for name, motion, bound in zip(axis_names, state, limits, strict=True)
         if (limit := _broken_on_rows(motion, bound)) is not None
     ]
-    if doomed:
+    if failing:
         raise InfeasibleSlew(
-            "; ".join(why for _, _, why in doomed)
+            "; ".join(why for _, _, why in failing)
             + "; begin with less rate or acceleration, or farther from the limit",
             field="initial_state",
-            axis=doomed[0][0],
-            limit=doomed[0][1],
+            axis=failing[0][0],
+            limit=failing[0][1],
         )
 
 
@@ -160,10 +164,9 @@ def next_duration_s(
     return None if profile is None else profile.duration_s
 
 
-def infeasible(problem: SlewProblem, axis: int, available_s: float, limit: str) -> InfeasibleSlew:
+def axis_refusal(name: str, slew: AxisSlew, limit: str) -> InfeasibleSlew:
     """The refusal for one axis; the caller who knows the clock adds the earliest start."""
-    name, start, end = problem.axis_names[axis], problem.start[axis], problem.end[axis]
-    limits = problem.limits[axis]
+    start, end, limits, available_s = slew.start, slew.end, slew.limits, slew.duration_s
     if limit == "duration":
         needed_s = next_duration_s(start, end, limits, available_s)
         if needed_s is not None:

@@ -1,12 +1,12 @@
-"""From which state to which must each axis move, in what time, within which limits?"""
+"""The slew to solve: each axis's states at both ends, its limits, and the time they share."""
 
-from typing import Literal
+from dataclasses import dataclass
 
+from planner.arrays import Array
 from planner.platforms import AxisLimits, StructuralMode
 from planner.pointing.keep_out import KeepOutView
 from planner.spec import spec
 
-Objective = Literal["smooth", "minimum_time"]
 LIMIT_TOLERANCE = 1e-9  # of the limit's range: rounding of degrees to radians and back
 
 
@@ -18,7 +18,7 @@ class AxisState:
     rate_rad_s: float = 0.0
     acceleration_rad_s2: float = 0.0
 
-    def reversed(self) -> "AxisState":
+    def backwards(self) -> "AxisState":
         """The same instant with time running backwards."""
         return AxisState(
             angle_rad=self.angle_rad,
@@ -26,18 +26,45 @@ class AxisState:
             acceleration_rad_s2=self.acceleration_rad_s2,
         )
 
+    def mirror_image(self) -> "AxisState":
+        """The same with the axis turned round."""
+        return AxisState(
+            angle_rad=-self.angle_rad,
+            rate_rad_s=-self.rate_rad_s,
+            acceleration_rad_s2=-self.acceleration_rad_s2,
+        )
+
     def at_rest(self) -> "AxisState":
         """The same angle, standing still."""
         return AxisState(angle_rad=self.angle_rad)
 
 
+def axis_states(
+    angle_rad: Array, rate_rad_s: Array, acceleration_rad_s2: Array
+) -> tuple[AxisState, ...]:
+    """The states of m axes at one instant, from arrays (m,)."""
+    return tuple(
+        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
+        for q, v, a in zip(angle_rad, rate_rad_s, acceleration_rad_s2, strict=True)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisSlew:
+    """One axis of a slew, in exactly duration_s.  avoid_modes: as in `SlewProblem`."""
+
+    start: AxisState
+    end: AxisState
+    limits: AxisLimits
+    duration_s: float
+    avoid_modes: tuple[StructuralMode, ...] = ()
+
+
 @spec
 class SlewProblem:
-    """One slew of all axes.
+    """One slew of all axes, in exactly duration_s.
 
     axis_names, limits, start, end: one entry per axis, in the same order.
-    objective: "smooth" takes all of duration_s and spends the least integral of squared
-    jerk; "minimum_time" takes the least duration, at most duration_s, that all axes share.
     avoid_modes: structural modes to leave at rest.  keep_out: cones the boresight must not
     enter, time counted from the slew's start; the axes are then those of its platform.
     """
@@ -47,7 +74,6 @@ class SlewProblem:
     start: tuple[AxisState, ...]
     end: tuple[AxisState, ...]
     duration_s: float
-    objective: Objective = "smooth"
     avoid_modes: tuple[StructuralMode, ...] = ()
     keep_out: KeepOutView | None = None
 
@@ -63,6 +89,20 @@ class SlewProblem:
                 self.axis_names, getattr(self, side), self.limits, strict=True
             ):
                 _require_within(f"{side}.{axis}", state, limits)
+
+    @property
+    def axes(self) -> tuple[AxisSlew, ...]:
+        """The slew of each axis by itself, cones aside."""
+        return tuple(
+            AxisSlew(
+                start=start,
+                end=end,
+                limits=limits,
+                duration_s=self.duration_s,
+                avoid_modes=self.avoid_modes,
+            )
+            for start, end, limits in zip(self.start, self.end, self.limits, strict=True)
+        )
 
 
 def within(state: AxisState, limits: AxisLimits) -> bool:
@@ -84,12 +124,9 @@ def _require_within(where: str, state: AxisState, limits: AxisLimits) -> None:
 
 
 def _first_outside(state: AxisState, limits: AxisLimits) -> tuple[str, float, float, float] | None:
-    rate, acceleration = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
-    for name, value, low, high in (
-        ("angle_rad", state.angle_rad, limits.angle_min_rad, limits.angle_max_rad),
-        ("rate_rad_s", state.rate_rad_s, -rate, rate),
-        ("acceleration_rad_s2", state.acceleration_rad_s2, -acceleration, acceleration),
-    ):
+    orders = ("angle_rad", "rate_rad_s", "acceleration_rad_s2")
+    for name, (low, high) in zip(orders, limits.bounds[:3], strict=True):
+        value = getattr(state, name)
         slack = LIMIT_TOLERANCE * (high - low)
         if not low - slack <= value <= high + slack:
             return name, value, low, high

@@ -1,4 +1,4 @@
-"""What is a planned slew: piecewise polynomials, their exact extremes, what they break?"""
+"""A planned slew: piecewise polynomials, their exact extremes, and what they break."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,11 +94,6 @@ class AxisProfile:
         scale = np.abs(acceleration[:, 0]).max() + np.abs(at_end).max() + 1e-12
         return bool(np.any(np.abs(at_end[:-1] - acceleration[1:, 0]) > 1e-6 * scale))
 
-    @property
-    def end_accelerations_rad_s2(self) -> tuple[float, float]:
-        """At the first and at the last instant."""
-        return float(self.end_values[0, 2]), float(self.end_values[1, 2])
-
     @cached_property
     def end_values(self) -> Array:
         """Angle, rate, acceleration, jerk at the first and the last instant, shape (2, 4)."""
@@ -120,7 +115,7 @@ class AxisProfile:
 
     def _all_within(self, limits: AxisLimits, values_from_power: Callable[[int], Array]) -> bool:
         width = np.diff(self.breakpoints_s)[:, None]
-        for derivative, (low, high) in zip(self._derivatives, bounds(limits), strict=True):
+        for derivative, (low, high) in zip(self._derivatives, limits.bounds, strict=True):
             count = derivative.shape[1]
             values = (derivative * width ** np.arange(count)) @ values_from_power(count).T
             slack = LIMIT_TOLERANCE * (high - low)
@@ -160,14 +155,13 @@ class SlewSolution:
 
     profiles: one per axis, all of duration_s.  status: how each axis was solved.
     iterations: of the solver, all axes together.  wall_s: time spent solving.
-    violations: every limit the exact extremes break, none from the "ocp" backend.
+    violations: every limit the exact extremes break, none from `optimal_slew`.
     end_error_rad: distance from the wanted end angle, per axis; on the track it dies away
     with the time constant settling_s.
     cut_short: whether the search for a better one was, by the work that may be done.
     """
 
     problem: SlewProblem
-    backend: str
     profiles: tuple[AxisProfile, ...]
     status: tuple[str, ...]
     iterations: int
@@ -195,33 +189,26 @@ class SlewSolution:
         return angle, rate, acceleration, jerk
 
 
-def chained(parts: list[AxisProfile]) -> AxisProfile:
+def chain_profiles(parts: list[AxisProfile]) -> AxisProfile:
     """One motion after the other; each must begin as the one before ends."""
-    begins_s = np.cumsum([0.0, *(part.duration_s for part in parts)])
+    breakpoints_s, begin_s = [np.zeros(1)], 0.0
+    for part in parts:
+        breakpoints_s.append(begin_s + part.breakpoints_s[1:])
+        begin_s += part.duration_s
     width = max(part.coefficients.shape[1] for part in parts)
+    pieces = [
+        np.pad(part.coefficients, ((0, 0), (0, width - part.coefficients.shape[1])))
+        for part in parts
+    ]
     return AxisProfile(
-        breakpoints_s=np.concatenate(
-            [
-                np.zeros(1),
-                *(
-                    at_s + part.breakpoints_s[1:]
-                    for at_s, part in zip(begins_s, parts, strict=False)
-                ),
-            ]
-        ),
-        coefficients=np.concatenate(
-            [
-                np.pad(part.coefficients, ((0, 0), (0, width - part.coefficients.shape[1])))
-                for part in parts
-            ]
-        ),
+        breakpoints_s=np.concatenate(breakpoints_s), coefficients=np.concatenate(pieces)
     )
 
 
 def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[LimitViolation, ...]:
     """Limits that the profile breaks anywhere, the worst value of each."""
     found = []
-    for name, extreme, (low, high) in zip(ORDERS, profile.extremes, bounds(limits), strict=True):
+    for name, extreme, (low, high) in zip(ORDERS, profile.extremes, limits.bounds, strict=True):
         slack = LIMIT_TOLERANCE * (high - low)
         if extreme.greatest > high + slack and extreme.greatest - high >= low - extreme.least:
             found.append(LimitViolation(axis, name, extreme.greatest, high, extreme.greatest_at_s))
@@ -231,31 +218,22 @@ def violations(axis: str, profile: AxisProfile, limits: AxisLimits) -> tuple[Lim
 
 
 def obeys(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
-    """Whether the profile joins both states and keeps every limit at every instant."""
-    if not joins(profile, start, end, limits):
+    """Whether the profile leads from start to end and keeps every limit at every instant."""
+    if not _meets_ends(profile, start, end, limits):
         return False
     if profile.surely_within(limits):
         return True
     return not profile.surely_outside(limits) and not violations("", profile, limits)
 
 
-def joins(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
+def _meets_ends(profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits) -> bool:
     """Whether the profile begins and ends in the given states, to 1e-9 of the limits."""
     for values, state in zip(profile.end_values, (start, end), strict=True):
         wanted = (state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2)
-        for value, target, (low, high) in zip(values[:3], wanted, bounds(limits)[:3], strict=True):
+        for value, target, (low, high) in zip(values[:3], wanted, limits.bounds[:3], strict=True):
             if abs(value - target) > LIMIT_TOLERANCE * (high - low):
                 return False
     return True
-
-
-def bounds(limits: AxisLimits) -> tuple[tuple[float, float], ...]:
-    """(least, greatest) of angle, rate, acceleration and jerk."""
-    symmetric = (limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3)
-    return (
-        (limits.angle_min_rad, limits.angle_max_rad),
-        *((-bound, bound) for bound in symmetric),
-    )
 
 
 def _value(coefficients: Array, x: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Can an axis in a given state still keep its hard stops and its rate limit?"""
+"""How near an axis in a given state comes to its hard stops and its rate limit at best."""
 
 import math
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ def stop_margin_rad(state: AxisState, limits: AxisLimits) -> float:
     No other motion within the limits reaches less far.
     """
     above = limits.angle_max_rad - state.angle_rad - _overshoot_rad(state, limits)
-    below = state.angle_rad - limits.angle_min_rad - _overshoot_rad(mirrored(state), limits)
+    below = state.angle_rad - limits.angle_min_rad - _overshoot_rad(state.mirror_image(), limits)
     return min(above, below)
 
 
@@ -34,7 +34,7 @@ def margins_on_rows(state: AxisState, limits: AxisLimits) -> tuple[float, float]
     limit allow: no other motion on rows is slower, or less far, at any instant.
     """
     up = _hardest_on_rows(state, limits)
-    down = _hardest_on_rows(mirrored(state), limits)
+    down = _hardest_on_rows(state.mirror_image(), limits)
     return (
         min(limits.angle_max_rad - up[0], -down[0] - limits.angle_min_rad),
         limits.rate_max_rad_s - max(up[1], down[1]),
@@ -69,15 +69,6 @@ def _hardest_on_rows(state: AxisState, limits: AxisLimits) -> tuple[float, float
             stop = (a + root) / -jerk if a > 0.0 else 2.0 * v / (root - a)
         farthest = max(farthest, q + stop * (v + stop * (a / 2.0 + stop * jerk / 6.0)))
     return farthest, fastest
-
-
-def mirrored(state: AxisState) -> AxisState:
-    """The same with the axis turned round."""
-    return AxisState(
-        angle_rad=-state.angle_rad,
-        rate_rad_s=-state.rate_rad_s,
-        acceleration_rad_s2=-state.acceleration_rad_s2,
-    )
 
 
 def _overshoot_rad(state: AxisState, limits: AxisLimits) -> float:

@@ -1,4 +1,4 @@
-"""What does it cost a slew to leave a structure at rest?
+"""The cost of a slew that leaves a structure vibrating, and how little of that is wanted.
 
 A mode deflected by an axis's acceleration a follows x'' + 2 z w x' + w^2 x = -a.  What is left
 of it after the slew, beside its deflection under the track's own acceleration, is the integral
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from planner.arrays import Array
 from planner.platforms import StructuralMode
+from planner.slew.spline_basis import SplineBasis
 
 DETUNED = (0.96, 1.0, 1.04)  # each mode is weighted at its frequency and 4 % beside it
 # The squared jerk of a move is 1/2; of the cubic's vibration these shares would cost as much.
@@ -24,42 +25,39 @@ _NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
 def modal_rows(
-    spans: Array,
-    pieces: Array,
-    living: NDArray[np.intp],
-    duration_s: float,
-    modes: tuple[StructuralMode, ...],
+    basis: SplineBasis, duration_s: float, modes: tuple[StructuralMode, ...]
 ) -> NDArray[np.complex128]:
     """What a unit of each of n spline coefficients leaves of the detuned modes, (3 modes, n).
 
-    spans: breakpoints in normalised time.  pieces: (len(spans) - 1, degree + 1, degree + 1),
-    power coefficients from the spline coefficients that live on a span, numbered by living
-    (len(spans) - 1, degree + 1).  In units of what the paper's cubic would leave of a unit move.
+    In units of what the paper's cubic would leave of a unit move.
     """
     return np.stack(
         [
-            _residual(spans, pieces, living, eigenvalue) / CUBIC_RESIDUAL
+            _residual(basis, eigenvalue) / CUBIC_RESIDUAL
             for eigenvalue in _eigenvalues(duration_s, modes)
         ]
     )
 
 
-def modal_cost(rows: NDArray[np.complex128], emphasis: Array | None = None) -> Array:
+def modal_cost(rows: NDArray[np.complex128], weight_factors: Array | None = None) -> Array:
     """Matrix (n, n) of the cost c^T P c / 2 of the rows' squares.
 
-    emphasis: (len(rows),), multiplies their usual weights.
+    weight_factors: (len(rows),), multiply their usual weights.
     Source: Singer, Seering 1990, residual vibration as a constraint on the command; here soft.
     """
-    weights = np.resize(WEIGHTS, len(rows)) * (1.0 if emphasis is None else emphasis)
+    weights = np.resize(WEIGHTS, len(rows)) * (1.0 if weight_factors is None else weight_factors)
     return np.asarray(sum((part.T * weights) @ part for part in (rows.real, rows.imag)))
 
 
-def wanted_residuals(ends: Array, duration_s: float, modes: tuple[StructuralMode, ...]) -> Array:
-    """What may be left, in units of `modal_rows`: shares of what the cubic between ends leaves.
+def wanted_residuals(
+    ends_over_scale: Array, duration_s: float, modes: tuple[StructuralMode, ...]
+) -> Array:
+    """What may be left, in units of `modal_rows`: shares of what the cubic between the ends leaves.
 
-    ends: normalised angle, rate, acceleration at the start; acceleration, rate, angle at the end.
+    ends_over_scale: angle, rate, acceleration at the start, and the same backwards at the end,
+    in normalised time.
     """
-    angle, rate, acceleration, last_acceleration, last_rate, last_angle = ends
+    angle, rate, acceleration, last_acceleration, last_rate, last_angle = ends_over_scale
     step = 6.0 * (last_angle - angle)
     begins = step - 4.0 * rate - 2.0 * last_rate
     stops = 2.0 * rate + 4.0 * last_rate - step
@@ -78,18 +76,16 @@ def _eigenvalues(duration_s: float, modes: tuple[StructuralMode, ...]) -> list[c
     return [duration_s * share * mode.eigenvalue_rad_s for mode in modes for share in DETUNED]
 
 
-def _residual(
-    spans: Array, pieces: Array, living: NDArray[np.intp], eigenvalue: complex
-) -> NDArray[np.complex128]:
+def _residual(basis: SplineBasis, eigenvalue: complex) -> NDArray[np.complex128]:
     """Integral over [0, 1] of each spline's third derivative times exp(eigenvalue (1 - tau))."""
-    width = np.diff(spans)
-    powers = np.arange(3, pieces.shape[1])
-    third = pieces[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
+    width, support = np.diff(basis.breakpoints_tau), basis.support
+    powers = np.arange(3, basis.power_matrix.shape[1])
+    third = basis.power_matrix[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
     moments = np.stack([_moments(eigenvalue * h, len(powers)) for h in width])
     moments *= width[:, None] ** np.arange(1, len(powers) + 1)
-    moments *= np.exp(eigenvalue * (1.0 - spans[:-1]))[:, None]
-    residual = np.zeros(int(living.max()) + 1, dtype=complex)
-    np.add.at(residual, living, np.einsum("kj,kjn->kn", moments, third))
+    moments *= np.exp(eigenvalue * (1.0 - basis.breakpoints_tau[:-1]))[:, None]
+    residual = np.zeros(int(support.max()) + 1, dtype=complex)
+    np.add.at(residual, support, np.einsum("kj,kjn->kn", moments, third))
     return residual
 
 

@@ -21,7 +21,7 @@ PURE = re.compile(
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
     r"|ozone|airglow|moonlight|glare|land|up|default|bstar|eccentricity|error|integral|spread"
     r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
-    r"|transmittance|index)(_|$)"
+    r"|transmittance|index|tau)(_|$)"
 )
 
 
@@ -32,7 +32,7 @@ DIRECTION = re.compile(
 # The parts of a state have several units, which stand beside it.
 PURE_ARRAY = re.compile(
     r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
-    r"|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?)(_|$)"
+    r"|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
 )
 NUMBER = ("float", "float | None")
 ARRAY = re.compile(
@@ -43,10 +43,7 @@ ARRAY = re.compile(
 STILL_TO_BE_NAMED = (
     "app/",
     "planner/campaigns/",
-    "planner/detour/",
     "planner/opportunities/",
-    "planner/pointing/",
-    "planner/slew/",
     "planner/spacecraft/imaging/path_labels.py",
 )
 # A textbook's letter inside a cited formula.

@@ -16,7 +16,7 @@ from planner.effort import EffortSpent, at_most, spend
 from planner.errors import Refusal, SearchEnded, Unreachable
 from planner.scenario import SlewOptions
 from planner.sessions.pipeline import make_plan
-from planner.slew.backends.spline_ocp import SplineOcp
+from planner.slew.spline_ocp import SplineOcp
 from planner.targets import GroundTarget
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
@@ -60,7 +60,7 @@ def test_a_solver_that_spares_modes_is_told_its_hessian():
     """CasADi takes seconds, of which nothing is counted, to find a full one by differentiation."""
     sizes = [
         SplineOcp(np.linspace(0.0, 1.0, spans + 1), degree=3)
-        ._calm_solver.get_function("nlp_hess_l")
+        ._modes_solver.get_function("nlp_hess_l")
         .n_instructions()
         for spans in (20, 40)
     ]

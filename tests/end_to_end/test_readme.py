@@ -9,7 +9,7 @@ import subprocess
 import sys
 import urllib.request
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, get_args, get_type_hints
 
 import pytest
 from fastapi.testclient import TestClient
@@ -24,9 +24,9 @@ from planner.errors import Refusal
 from planner.export import EXPORTERS
 from planner.opportunities import OpportunityConditions, find_opportunities
 from planner.orbits import ORBITS
+from planner.scenario import SlewOptions
 from planner.sessions.pipeline import make_plan
 from planner.sessions.sequence import CONFLICTS
-from planner.slew import BACKENDS
 from planner.targets import TARGETS
 from planner.targets.bench_motion import Motion
 
@@ -157,7 +157,8 @@ def test_every_mode_law_and_condition_is_described():
     page = (ROOT / "docs" / "requests.md").read_text()
     conditions = {field.name for field in dataclasses.fields(OpportunityConditions)}
     motions = {motion.kind for motion in get_args(get_args(Motion)[0])}
-    for name in {*ORBITS, *ATTITUDES, *CONFLICTS, *BACKENDS, *conditions, *motions}:
+    methods = get_args(get_type_hints(SlewOptions)["method"])
+    for name in {*ORBITS, *ATTITUDES, *CONFLICTS, *methods, *conditions, *motions}:
         assert f"`{name}`" in page, name
     shown = {fragment["target"]["mode"] for fragment in PLANNED if "target" in fragment}
     assert shown == set(TARGETS)

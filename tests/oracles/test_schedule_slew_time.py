@@ -5,7 +5,7 @@ import numpy as np
 from planner.campaigns.slew_time import limit_table, slew_time_s
 from planner.platforms import PLATFORMS
 from planner.slew import AxisState
-from planner.slew.quickest import quickest_profile
+from planner.slew.closed_forms import quickest_profile
 
 LIMITS = PLATFORMS["iss-hrc"].axis_limits[:1]
 CASES = 2000

@@ -10,12 +10,10 @@ from scipy.interpolate import BPoly
 from scipy.optimize import linprog
 
 from planner.platforms import ISS_HRC
-from planner.scenario import SlewOptions
-from planner.slew.backends import BACKENDS
-from planner.slew.backends.ipopt import SPANS, graded_ocp
-from planner.slew.backends.spline import cubic_profile
 from planner.slew.feasibility import next_duration_s, passes_certificate
-from planner.slew.problem import AxisState, SlewProblem
+from planner.slew.optimal import SPANS, graded_ocp, optimal_slew
+from planner.slew.paper_cubic import cubic_profile
+from planner.slew.problem import AxisSlew, AxisState, SlewProblem
 
 LIMITS = ISS_HRC.outer_limits
 
@@ -133,12 +131,16 @@ def shooting_cost(start, end, duration_s, nodes):
     return float(solution.value(opti.f)) * scale**2 / T**5
 
 
+def axis_slew(start, end, duration_s):
+    return AxisSlew(start=start, end=end, limits=LIMITS, duration_s=duration_s)
+
+
 @pytest.mark.parametrize("slack", [1.03, 1.3])
 @pytest.mark.parametrize("name", ["long from rest", "accelerated"])
 def test_optimum_costs_no_more_than_a_fine_grid(name, slack):
     start, end = MOVES[name]
     duration_s = slack * next_duration_s(start, end, LIMITS, 0.0)
-    result = graded_ocp(SPANS).solve(start, end, LIMITS, duration_s)
+    result = graded_ocp(SPANS).solve(axis_slew(start, end, duration_s))
     grid = shooting_cost(start, end, duration_s, nodes=500)
     # 48 spans and limits on hulls cost up to 6.3e-4 of the integral at ordinary slack; close to
     # the least time the optimum nears bang-bang, which spans follow less well.
@@ -158,7 +160,7 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         ],
     )
     t_s = np.linspace(0.0, duration_s, 500)
-    by_solver = graded_ocp(SPANS).solve(start, end, LIMITS, duration_s).profile
+    by_solver = graded_ocp(SPANS).solve(axis_slew(start, end, duration_s)).profile
     problem = SlewProblem(
         axis_names=("alpha",),
         limits=(LIMITS,),
@@ -166,7 +168,7 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         end=(end,),
         duration_s=duration_s,
     )
-    planned = BACKENDS["ocp"].solve(problem, SlewOptions()).profiles[0]
+    planned = optimal_slew(problem).profiles[0]
     # The cost is flat at its minimum: tol 1e-8 of it leaves 1e-5 of the 1 rad move.
     np.testing.assert_allclose(by_solver.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-5)
     np.testing.assert_allclose(planned.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-12)

@@ -10,8 +10,8 @@ from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 from planner.platforms import ISS_HRC
 from planner.pointing.hermite import cubic_range, quintic_motion
 from planner.scenario import SlewOptions
-from planner.slew.backends import BACKENDS
 from planner.slew.compare import compare_with_spline
+from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem
 from planner.slew.solution import AxisProfile
 
@@ -98,7 +98,7 @@ def test_comparison_shows_what_the_cubic_costs():
         duration_s=T,
     )
     options = SlewOptions(filter_cutoff_hz=None)
-    comparison = compare_with_spline(BACKENDS["ocp"].solve(problem, options), options)
+    comparison = compare_with_spline(optimal_slew(problem), options)
     np.testing.assert_allclose(comparison.spline.peak_rate_rad_s, 1.5 * distance / T, rtol=1e-9)
     np.testing.assert_allclose(
         comparison.spline.peak_acceleration_rad_s2, 6.0 * distance / T**2, rtol=1e-9

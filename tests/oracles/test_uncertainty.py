@@ -166,7 +166,7 @@ def test_a_late_clock_costs_the_lines_own_motion():
     """clock_s times the rate at which the line of sight turns, spread over two axes."""
     assumptions = BudgetAssumptions(clock_s=0.1)
     _, causes, los = budget(assumptions=assumptions)
-    rate_rad_s = np.linalg.norm(los.los_rate_platform_s, axis=1)
+    rate_rad_s = np.linalg.norm(los.los_rate_platform_per_s, axis=1)
     most_arcsec = np.rad2deg(rate_rad_s.max()) * 3600.0 * 0.1 / math.sqrt(2.0)
     assert 0.7 * most_arcsec <= causes["clock"].sigma_arcsec <= 1.001 * most_arcsec
 

@@ -12,7 +12,6 @@ from scipy.optimize import linprog
 
 from planner.platforms import AxisLimits, StructuralMode
 from planner.slew import AxisState
-from planner.slew.solution import bounds
 
 ROW_S = 0.2
 PHASES = 24
@@ -50,7 +49,7 @@ def least_share(
         in_cell,
     ]
     at_most, most = [], []
-    for matrix, motion, (low, high) in zip(by_jerk, free, bounds(limits)[:3], strict=True):
+    for matrix, motion, (low, high) in zip(by_jerk, free, limits.bounds[:3], strict=True):
         at_most += [matrix, -matrix]
         most += [high - motion, motion - low]
     ends = (end.angle_rad, end.rate_rad_s, end.acceleration_rad_s2)

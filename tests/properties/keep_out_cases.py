@@ -10,8 +10,14 @@ from scipy_boresight import scipy_boresight
 from planner.errors import InfeasibleSlew
 from planner.platforms import ISS_HRC
 from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.scenario import SlewOptions
-from planner.slew import BACKENDS, AxisState, SlewProblem, SlewSolution, flown, next_duration_s
+from planner.slew import (
+    AxisState,
+    SlewProblem,
+    SlewSolution,
+    fit_to_rows,
+    next_duration_s,
+    optimal_slew,
+)
 
 LIMITS = ISS_HRC.outer_limits
 CARRIER_RATE_RAD_S = math.radians(4.0 / 60.0)  # the ISS in its orbit
@@ -94,7 +100,7 @@ def _drawn(rng, starting):
         duration_s=duration_s,
     )
     try:
-        straight = flown(BACKENDS["ocp"].solve(problem, SlewOptions()))
+        straight = fit_to_rows(optimal_slew(problem))
     except InfeasibleSlew:
         return None
     angle_rad = straight.motion(np.array([duration_s * rng.uniform(0.25, 0.75)]))[0]

@@ -18,14 +18,13 @@ class Case:
     start: tuple[AxisState, ...]
     end: tuple[AxisState, ...]
 
-    def problem(self, duration_s, objective="smooth"):
+    def problem(self, duration_s):
         return SlewProblem(
             axis_names=NAMES,
             limits=(LIMITS, LIMITS),
             start=self.start,
             end=self.end,
             duration_s=duration_s,
-            objective=objective,
         )
 
 

@@ -8,12 +8,11 @@ import pytest
 from keep_out_cases import LIMITS, away_rad, draw_cases, hermite
 
 from planner.detour.barrier import CELLS_RAD, is_barred
-from planner.detour.detour import cleared
+from planner.detour.detour import avoid_cones
 from planner.errors import InfeasibleSlew
 from planner.platforms import ISS_HRC
 from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.scenario import SlewOptions
-from planner.slew import BACKENDS, AxisState, SlewProblem, flown
+from planner.slew import AxisState, SlewProblem, fit_to_rows, optimal_slew
 from planner.slew.solution import obeys
 
 CASES = list(draw_cases(21, 12))
@@ -26,9 +25,9 @@ def test_detour_keeps_out_of_the_cone_and_within_the_limits(number):
     case = CASES[number]
     if number in IMPOSSIBLE:
         with pytest.raises(InfeasibleSlew, match="no motion within the limits"):  # proven
-            cleared(case.straight)
+            avoid_cones(case.straight)
         return
-    solution = cleared(case.straight)
+    solution = avoid_cones(case.straight)
     t_s, angle, rows, rates = hermite(solution)
     assert away_rad(case, t_s, angle).min() >= case.half_angle_rad
     assert np.abs(angle).max() <= LIMITS.angle_max_rad * ROUNDING
@@ -57,7 +56,7 @@ def test_starts_whose_rate_all_but_passes_its_limit_are_led_around():
     refused = []
     for case in draw_cases(31, 6, (rate, acceleration)):
         try:
-            solution = cleared(case.straight)
+            solution = avoid_cones(case.straight)
         except InfeasibleSlew as refusal:
             refused.append(refusal.detail)
             continue
@@ -89,14 +88,14 @@ def rest_to_rest(beta_from_deg, beta_to_deg, half_angle_deg, duration_s=120.0):
         duration_s=duration_s,
         keep_out=KeepOutView(platform=ISS_HRC, cones=(cone,)),
     )
-    return flown(BACKENDS["ocp"].solve(problem, SlewOptions()))
+    return fit_to_rows(optimal_slew(problem))
 
 
 def test_a_cone_about_the_outer_axis_cuts_the_angles_in_two():
     # On the HRC sin(boresight to outer axis) = cos(beta + 5 deg): blocked is beta = 85 +- 20 deg,
     # whatever alpha does and however long it takes.
     with pytest.raises(InfeasibleSlew, match="no motion within the limits") as refusal:
-        cleared(rest_to_rest(0.0, 150.0, 20.0, 600.0))
+        avoid_cones(rest_to_rest(0.0, 150.0, 20.0, 600.0))
     assert refusal.value.limit == "keep_out"
 
 
@@ -115,24 +114,24 @@ def test_the_refusal_names_the_cone_that_leaves_no_way():
         view = KeepOutView(platform=ISS_HRC, cones=cones)
         problem = replace(straight.problem, keep_out=view)
         with pytest.raises(InfeasibleSlew, match="leads around the cone about the outer axis"):
-            cleared(replace(straight, problem=problem))
+            avoid_cones(replace(straight, problem=problem))
 
 
 def test_a_straight_slew_that_stays_outside_is_left_alone():
     straight = rest_to_rest(0.0, 64.0, 20.0)
-    assert cleared(straight) is straight
+    assert avoid_cones(straight) is straight
 
 
 def test_without_cones_nothing_is_looked_at():
     straight = rest_to_rest(0.0, 150.0, 20.0)
     free = replace(straight, problem=replace(straight.problem, keep_out=None))
-    assert cleared(free) is free
+    assert avoid_cones(free) is free
 
 
 @pytest.mark.parametrize(("side", "angles_deg"), [("begins", (80.0, 0.0)), ("ends", (0.0, 80.0))])
 def test_ends_inside_a_cone_are_refused_by_how_deep(side, angles_deg):
     with pytest.raises(InfeasibleSlew, match=rf"{side} 15\.00 deg inside"):
-        cleared(rest_to_rest(*angles_deg, 20.0))
+        avoid_cones(rest_to_rest(*angles_deg, 20.0))
 
 
 def test_a_cone_that_does_not_count_is_flown_through():
@@ -141,4 +140,4 @@ def test_a_cone_that_does_not_count_is_flown_through():
     lapsed = replace(cone, counts_rad=np.full(5, -1.0))
     view = KeepOutView(platform=ISS_HRC, cones=(lapsed,))
     straight = replace(straight, problem=replace(straight.problem, keep_out=view))
-    assert cleared(straight) is straight
+    assert avoid_cones(straight) is straight

@@ -7,9 +7,7 @@ import pytest
 from slew_cases import LIMITS, deg_state, sampled
 
 from planner.errors import InfeasibleSlew
-from planner.scenario import SlewOptions
-from planner.slew import BACKENDS, SlewProblem, flown, require_brakable
-from planner.slew.solution import bounds
+from planner.slew import SlewProblem, fit_to_rows, optimal_slew, require_brakable
 from planner.slew.stops import margins_on_rows
 
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
@@ -34,12 +32,12 @@ def test_found_at_either_end(spare_deg_s, jerk_deg_s3, acceleration_deg_s2, dura
     limits = replace(LIMITS, jerk_max_rad_s3=np.radians(jerk_deg_s3))
     moving = critical_state(jerk_deg_s3, acceleration_deg_s2, spare_deg_s)
     resting = deg_state(35.0)
-    start, end = (moving, resting) if leads else (resting, moving.reversed())
+    start, end = (moving, resting) if leads else (resting, moving.backwards())
     problem = SlewProblem(
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=duration_s
     )
-    [profile] = flown(BACKENDS["ocp"].solve(problem, SlewOptions())).profiles
-    for values, (low, high) in zip(sampled(profile), bounds(limits), strict=True):
+    [profile] = fit_to_rows(optimal_slew(problem)).profiles
+    for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
         assert values.min() >= low - ROUNDING * (high - low)
         assert values.max() <= high + ROUNDING * (high - low)
     wanted = np.array(
@@ -75,12 +73,12 @@ def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, l
     way_deg, _ = stepped_deg(still, limits)
     sign = np.sign(rate_deg_s)
     moving = deg_state(sign * (175.0 - way_deg - spare_deg), rate_deg_s)
-    start, end = (moving, deg_state(35.0)) if leads else (deg_state(35.0), moving.reversed())
+    start, end = (moving, deg_state(35.0)) if leads else (deg_state(35.0), moving.backwards())
     problem = SlewProblem(
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=140.0
     )
-    [profile] = flown(BACKENDS["ocp"].solve(problem, SlewOptions())).profiles
-    for values, (low, high) in zip(sampled(profile), bounds(limits), strict=True):
+    [profile] = fit_to_rows(optimal_slew(problem)).profiles
+    for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
         assert values.min() >= low - ROUNDING * (high - low)
         assert values.max() <= high + ROUNDING * (high - low)
 

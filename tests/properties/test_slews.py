@@ -8,15 +8,12 @@ from slew_cases import LIMITS, draw_cases, sampled
 
 from planner.errors import InfeasibleSlew
 from planner.pointing.hermite import cubic_range
-from planner.scenario import SlewOptions
-from planner.slew.backends import BACKENDS
 from planner.slew.feasibility import next_duration_s
-from planner.slew.grid import flown
-from planner.slew.solution import bounds
+from planner.slew.on_rows import fit_to_rows
+from planner.slew.optimal import optimal_slew
 
 SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
-OPTIONS = SlewOptions()
 
 
 def least_shared_s(case):
@@ -29,7 +26,7 @@ def least_shared_s(case):
 
 
 def assert_within_limits(profile):
-    for values, (low, high) in zip(sampled(profile), bounds(LIMITS), strict=True):
+    for values, (low, high) in zip(sampled(profile), LIMITS.bounds, strict=True):
         slack = ROUNDING * (high - low) / 2.0
         assert values.min() >= low - slack
         assert values.max() <= high + slack
@@ -57,7 +54,7 @@ def test_500_random_slews_are_all_solved_within_limits(part):
             for start, end in zip(case.start, case.end, strict=True)
         ]
         assert not any(gaps)  # none of these draws falls into a gap: nothing is skipped
-        solution = BACKENDS["ocp"].solve(case.problem(duration_s), OPTIONS)
+        solution = optimal_slew(case.problem(duration_s))
         assert solution.duration_s == pytest.approx(duration_s, rel=1e-9)
         assert solution.violations == ()
         for axis, profile in enumerate(solution.profiles):
@@ -70,25 +67,11 @@ def test_too_short_a_time_is_refused_and_the_named_time_works():
         least_s = least_shared_s(case)
         share = (0.3, 0.8, 0.97)[number % 3]
         with pytest.raises(InfeasibleSlew) as refused:
-            BACKENDS["ocp"].solve(case.problem(least_s * share), OPTIONS)
+            optimal_slew(case.problem(least_s * share))
         assert refused.value.axis in ("alpha", "beta")
         assert refused.value.limit == "duration"
         assert "needs" in str(refused.value)
-        assert BACKENDS["ocp"].solve(case.problem(least_s), OPTIONS).violations == ()
-
-
-def test_minimum_time_is_the_least_time_of_the_slower_axis():
-    for case in draw_cases(seed=8, count=60):
-        solution = BACKENDS["ocp"].solve(case.problem(1000.0, "minimum_time"), OPTIONS)
-        slower_s = max(
-            next_duration_s(start, end, LIMITS, 0.0)
-            for start, end in zip(case.start, case.end, strict=True)
-        )
-        gap_free = least_shared_s(case) == pytest.approx(slower_s, rel=1e-9)
-        if gap_free:
-            assert solution.duration_s <= 1.01 * slower_s
-        for profile in solution.profiles:
-            assert_within_limits(profile)
+        assert optimal_slew(case.problem(least_s)).violations == ()
 
 
 def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
@@ -96,12 +79,12 @@ def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
     for number, case in enumerate(draw_cases(seed=9, count=72)):
         slack = (1.0, 1.02, 1.2, 2.0)[number % 4]
         rows = math.ceil(least_shared_s(case) * slack * 5.0) + 1
-        solution = flown(BACKENDS["ocp"].solve(case.problem(rows / 5.0), OPTIONS))
+        solution = fit_to_rows(optimal_slew(case.problem(rows / 5.0)))
         t_s = np.arange(rows + 1) / 5.0
         angle, rate, _, _ = solution.motion(t_s)
         repaired += sum("rows" in status for status in solution.status)
         for (least, greatest), (low, high) in zip(
-            cubic_range(0.2, angle, rate), bounds(LIMITS), strict=True
+            cubic_range(0.2, angle, rate), LIMITS.bounds, strict=True
         ):
             slack_value = ROUNDING * (high - low)
             assert least.min() >= low - slack_value

@@ -31,8 +31,8 @@ def great_circle(t_s, normal, start, rate_rad_s):
     return LineOfSight(
         instants=Instants(EPOCH, t_s),
         los_platform=los,
-        los_rate_platform_s=rate,
-        los_acceleration_platform_s2=acceleration,
+        los_rate_platform_per_s=rate,
+        los_acceleration_platform_per_s2=acceleration,
         range_m=np.full(len(t_s), 5e5),
         clearance_rad=np.full(len(t_s), 1.0),
     )

@@ -8,8 +8,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from planner.platforms import ISS_HRC
 from planner.scenario import SlewOptions
-from planner.slew.backends import BACKENDS
-from planner.slew.backends.spline import cubic_profile, paper_duration_s
+from planner.slew.paper_cubic import cubic_profile, in_paper_time, paper_duration_s, paper_slew
 from planner.slew.problem import AxisState, SlewProblem
 
 LIMITS = ISS_HRC.outer_limits
@@ -38,6 +37,15 @@ def test_duration_by_hand():
     assert paper_duration_s(backwards) == pytest.approx(30 + 3.0 + 3.5, abs=1e-9)
 
 
+def test_an_axis_that_rests_waits_for_the_paper_s_duration_in_whole_rows():
+    end = deg_state(70, 0.83)
+    resting, moving = slew((deg_state(10),), (end,)), slew((deg_state(10, 0.4),), (end,))
+    # 30 + 2/0.8 + (2 - 0.83)/0.8 = 33.9625 s
+    assert in_paper_time(resting).duration_s == pytest.approx(34.0, abs=1e-9)
+    assert in_paper_time(moving) is moving
+    assert in_paper_time(slew((deg_state(10),), (end,), 20.0)).duration_s == 20.0
+
+
 def test_cubic_matches_both_ends():
     start, end = deg_state(-12, 1.3), deg_state(48, -0.7)
     angle, rate, _, _ = cubic_profile(start, end, 33.0).evaluate(np.array([0.0, 33.0]))
@@ -61,14 +69,12 @@ def broken(solution):
 
 def test_from_rest_to_rest_it_breaks_nothing():
     for problem in random_slews(300, 0.0, 0.0):
-        assert not broken(BACKENDS["spline"].solve(problem, UNFILTERED))
+        assert not broken(paper_slew(problem, UNFILTERED))
 
 
 def test_from_moving_starts_it_breaks_limits_in_a_third_of_the_cases():
     """2 deg/s at the start, 1 deg/s of the track at the end: 32 % in the design study."""
-    solutions = [
-        BACKENDS["spline"].solve(problem, UNFILTERED) for problem in random_slews(600, 2.0, 1.0)
-    ]
+    solutions = [paper_slew(problem, UNFILTERED) for problem in random_slews(600, 2.0, 1.0)]
     share = sum(bool(broken(solution)) for solution in solutions) / len(solutions)
     assert share == pytest.approx(0.32, abs=0.06)  # 3 sigma of 600 draws
     assert any("angle" in broken(solution) for solution in solutions)
@@ -81,7 +87,7 @@ def test_filter_is_a_first_order_low_pass(cutoff_hz, compensated):
     lag_s = 1.0 / (2.0 * math.pi * cutoff_hz)
     start, end, duration_s = deg_state(10, 0.5), deg_state(70, 0.8), 34.0
     options = SlewOptions(filter_cutoff_hz=cutoff_hz, filter_lag_compensation=compensated)
-    solution = BACKENDS["spline"].solve(slew((start,), (end,), duration_s), options)
+    solution = paper_slew(slew((start,), (end,), duration_s), options)
     ahead_s = lag_s if compensated else 0.0
     x = cubic_profile(
         AxisState(
@@ -111,7 +117,7 @@ def test_filter_leaves_arcseconds_at_the_join():
     for cutoff_hz in (2.0, 0.2):
         options = SlewOptions(filter_cutoff_hz=cutoff_hz)
         left = [
-            np.degrees(np.abs(BACKENDS["spline"].solve(p, options).end_error_rad).max()) * 3600
+            np.degrees(np.abs(paper_slew(p, options).end_error_rad).max()) * 3600
             for p in random_slews(200, 2.0, 1.0)
         ]
         errors_arcsec[cutoff_hz] = float(np.median(left))

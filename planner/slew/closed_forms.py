@@ -1,22 +1,34 @@
-"""What is the quickest motion of one axis, and one that lasts exactly so long?
+"""Motions of one axis that need no solver: the quickest, one of a given duration, the smoothest.
 
-Between them they are the yardstick of every slew: rate, acceleration and jerk limits are
-exact, hard stops are left to `planner.slew.stops`.
+The quickest keep the limits of rate, acceleration and jerk exactly and leave hard stops to
+`planner.slew.stops`; the smoothest knows no limit.
 """
+
+from collections.abc import Sequence
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import ruckig
 
 from planner import effort
+from planner.arrays import Array
 from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
-from planner.slew.solution import AxisProfile, chained
+from planner.slew.solution import AxisProfile, chain_profiles
 
 LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; any slew of an hour can rest on its way
 SLOW_UNIT_S = 100.0  # for axes that need longer than Ruckig can count in seconds
 LOOK_UP = 35  # of `planner.effort`: with what else is looked at beside it
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
 _SUCCESS = (ruckig.Result.Working, ruckig.Result.Finished)
+Quantity = TypeVar("Quantity", float, Array)
+
+
+class JerkPhase(NamedTuple):
+    """A stretch of constant jerk."""
+
+    duration_s: float
+    jerk_rad_s3: float
 
 
 def quickest_profile(
@@ -48,15 +60,13 @@ def _by_ruckig(
     angle = 1.0 / (acceleration_max * unit_s**2)
     rate, acceleration, jerk = angle * unit_s, 1.0 / acceleration_max, angle * unit_s**3
     request.current_position = [0.0]
-    request.current_velocity = [_clipped(start.rate_rad_s, rate_max) * rate]
+    request.current_velocity = [_clip(start.rate_rad_s, rate_max) * rate]
     request.current_acceleration = [
-        _clipped(start.acceleration_rad_s2, acceleration_max) * acceleration
+        _clip(start.acceleration_rad_s2, acceleration_max) * acceleration
     ]
     request.target_position = [(end.angle_rad - start.angle_rad) * angle]
-    request.target_velocity = [_clipped(end.rate_rad_s, rate_max) * rate]
-    request.target_acceleration = [
-        _clipped(end.acceleration_rad_s2, acceleration_max) * acceleration
-    ]
+    request.target_velocity = [_clip(end.rate_rad_s, rate_max) * rate]
+    request.target_acceleration = [_clip(end.acceleration_rad_s2, acceleration_max) * acceleration]
     request.max_velocity = [rate_max * rate]
     request.max_acceleration = [1.0]
     request.max_jerk = [limits.jerk_max_rad_s3 * jerk]
@@ -74,22 +84,22 @@ def _by_ruckig(
         *zip(found.t, found.j, strict=True),
         *zip(found.accel.t, found.accel.j, strict=True),
     ]
-    return profile_from_jerk(start, [(t * unit_s, j / jerk) for t, j in phases if t > 0.0])
+    return profile_from_jerk(start, [JerkPhase(t * unit_s, j / jerk) for t, j in phases if t > 0.0])
 
 
 def _resting_profile(
     start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
 ) -> AxisProfile | None:
     """Back to rest at the start's angle, a wait there, and on to the end."""
-    rest = AxisState(angle_rad=start.angle_rad)
+    rest = start.at_rest()
     to_rest = None if start == rest else quickest_profile(start, rest, limits)
     on = None if end == rest else quickest_profile(rest, end, limits)
     if (to_rest is None and start != rest) or (on is None and end != rest):
         return None
-    return resting(rest, to_rest, on, duration_s)
+    return with_wait(rest, to_rest, on, duration_s)
 
 
-def resting(
+def with_wait(
     rest: AxisState, to_rest: AxisProfile | None, on: AxisProfile | None, duration_s: float
 ) -> AxisProfile:
     """A motion to rest, a wait, and a motion on; a missing one is already where it leads."""
@@ -98,7 +108,7 @@ def resting(
         breakpoints_s=np.array([0.0, duration_s - moving_s]),
         coefficients=np.array([[rest.angle_rad, 0.0, 0.0, 0.0]]),
     )
-    return chained([part for part in (to_rest, wait, on) if part is not None])
+    return chain_profiles([part for part in (to_rest, wait, on) if part is not None])
 
 
 def profile_lasting(
@@ -115,8 +125,8 @@ def profile_lasting(
     return profile
 
 
-def profile_from_jerk(start: AxisState, phases: list[tuple[float, float]]) -> AxisProfile | None:
-    """Piecewise cubic from the start through phases (duration s, jerk rad/s3); None if empty."""
+def profile_from_jerk(start: AxisState, phases: Sequence[JerkPhase]) -> AxisProfile | None:
+    """Piecewise cubic from the start through the phases; None if there are none."""
     if not phases:
         return None
     angle, rate, acceleration = start.angle_rad, start.rate_rad_s, start.acceleration_rad_s2
@@ -130,6 +140,37 @@ def profile_from_jerk(start: AxisState, phases: list[tuple[float, float]]) -> Ax
     return AxisProfile(breakpoints_s=np.array(breakpoints), coefficients=np.array(coefficients))
 
 
-def _clipped(value: float, bound: float) -> float:
+def least_jerk_profile(start: AxisState, end: AxisState, duration_s: float) -> AxisProfile:
+    """The quintic through both states: exactly the least integral of squared jerk.
+
+    Where it keeps the limits it solves the constrained problem too.
+    Source: Euler-Lagrange equation of that integral, sixth derivative zero.
+    """
+    motion = [(one.angle_rad, one.rate_rad_s, one.acceleration_rad_s2) for one in (start, end)]
+    return AxisProfile(
+        breakpoints_s=np.array([0.0, duration_s]),
+        coefficients=np.array([quintic_coefficients(duration_s, *motion)]),
+    )
+
+
+def quintic_coefficients(
+    duration_s: Quantity, start: Sequence[Quantity], end: Sequence[Quantity]
+) -> list[Quantity]:
+    """Power coefficients, rad/s^j for j up to 5, of the quintic from start to end.
+
+    start, end: angle, rate and acceleration; all of them numbers, or arrays of one shape.
+    """
+    T = duration_s
+    c0, c1, c2 = start[0], start[1], start[2] / 2.0
+    d_angle = end[0] - c0 - T * (c1 + T * c2)
+    d_rate = (end[1] - c1 - 2.0 * T * c2) * T
+    d_acceleration = (end[2] - 2.0 * c2) * T**2
+    c3 = (10.0 * d_angle - 4.0 * d_rate + d_acceleration / 2.0) / T**3
+    c4 = (-15.0 * d_angle + 7.0 * d_rate - d_acceleration) / T**4
+    c5 = (6.0 * d_angle - 3.0 * d_rate + d_acceleration / 2.0) / T**5
+    return [c0, c1, c2, c3, c4, c5]
+
+
+def _clip(value: float, bound: float) -> float:
     """The value without the rounding by which a valid state may pass its limit."""
     return min(max(value, -bound), bound)

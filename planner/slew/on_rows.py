@@ -1,6 +1,7 @@
-"""Is the slew still itself, and within its limits, when it is flown from rows 0.2 s apart?"""
+"""Makes a slew that rows 0.2 s apart can carry: within its limits, and still itself."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
 
@@ -9,21 +10,19 @@ from numpy.typing import NDArray
 
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
-from planner.platforms import AxisLimits, StructuralMode
+from planner.platforms import AxisLimits
 from planner.pointing.hermite import cubic_range
-from planner.slew.backends.ipopt import SPANS, graded_ocp, motion_between
-from planner.slew.backends.spline_ocp import SplineOcp
 from planner.slew.braking import braked_ends
-from planner.slew.problem import LIMIT_TOLERANCE, AxisState
-from planner.slew.quickest import quickest_profile
-from planner.slew.solution import AxisProfile, SlewSolution, bounds, obeys
+from planner.slew.closed_forms import quickest_profile
+from planner.slew.optimal import SPANS, graded_ocp, smoothest_motion
+from planner.slew.problem import LIMIT_TOLERANCE, AxisSlew
+from planner.slew.solution import AxisProfile, SlewSolution, obeys
+from planner.slew.spline_ocp import SplineOcp
 
 REPRODUCTION_RAD = np.deg2rad(0.1 / 3600.0)  # how far the flown Hermite may leave the plan
 EXCESS_MARGIN = 1.2
 ROWS_ALL_FREE = 250  # beyond, freeing the jerk on every row takes long and comes last
-ROWS_ALL_FREE_MAX = (
-    700  # 140 s: longer than any platform's least time, and half a second of solving
-)
+ROWS_ALL_FREE_MAX = 700  # 140 s: more than any platform's least time; solved in half a second
 ON_ROWS_KEPT = 2  # both axes ask for the same one; at 700 rows it takes 30 MB
 ROWS_SPREAD = 48
 ROWS_AROUND = 6  # of each switch of the least-time profile, where the jerk wants to change
@@ -40,7 +39,7 @@ def rows_in(duration_s: float) -> int:
     return rows
 
 
-def flown(solution: SlewSolution) -> SlewSolution:
+def fit_to_rows(solution: SlewSolution) -> SlewSolution:
     """The slew as it can be flown from rows every 0.2 s: cubic Hermite between them.
 
     A sampled profile whose Hermite breaks a limit or leaves the plan by more than 0.1 arcsec
@@ -53,23 +52,23 @@ def flown(solution: SlewSolution) -> SlewSolution:
     problem = solution.problem
     rows = rows_in(solution.duration_s)
     profiles, status, iterations = [], [], solution.iterations
-    for axis, profile in enumerate(solution.profiles):
-        start, end, limits = problem.start[axis], problem.end[axis], problem.limits[axis]
-        if reproduces(profile, rows, limits):
+    for name, slew, profile, found in zip(
+        problem.axis_names, problem.axes, solution.profiles, solution.status, strict=True
+    ):
+        if reproduces(profile, rows, slew.limits):
             profiles.append(profile)
-            status.append(solution.status[axis])
+            status.append(found)
             continue
-        repaired, used = _repaired(profile, start, end, limits, rows, problem.avoid_modes)
-        if repaired is None:
-            name = problem.axis_names[axis]
+        on_rows, used = _smoothest_on_rows(profile, slew, rows)
+        if on_rows is None:
             raise InfeasibleSlew(
                 f"{name} makes the slew in {solution.duration_s:.1f} s only when its jerk may "
                 f"change between the rows of the command table; one row more is enough",
                 axis=name,
                 limit="duration",
             )
-        profiles.append(repaired)
-        status.append(f"{solution.status[axis]}, jerk on rows")
+        profiles.append(on_rows)
+        status.append(f"{found}, jerk on rows")
         iterations += used
     return replace(
         solution,
@@ -93,86 +92,75 @@ def limit_excess(profile: AxisProfile, rows: int, limits: AxisLimits) -> float:
     angle, rate, _, _ = profile.evaluate(np.linspace(0.0, profile.duration_s, rows + 1))
     ranges = cubic_range(profile.duration_s / rows, angle[:, None], rate[:, None])
     excess = -np.inf
-    for (least, greatest), (low, high) in zip(ranges[:3], bounds(limits)[:3], strict=True):
+    for (least, greatest), (low, high) in zip(ranges[:3], limits.bounds[:3], strict=True):
         span = high - low
         worst = max(float(greatest.max()) - high, low - float(least.min()))
         excess = max(excess, worst / span - LIMIT_TOLERANCE)
     return float(excess)
 
 
-def _repaired(
-    profile: AxisProfile,
-    start: AxisState,
-    end: AxisState,
-    limits: AxisLimits,
-    rows: int,
-    modes: tuple[StructuralMode, ...],
+def _smoothest_on_rows(
+    profile: AxisProfile, slew: AxisSlew, rows: int
 ) -> tuple[AxisProfile | None, int]:
     """The smoothest of the motions that rows can carry, and the iterations it took."""
-    braked, iterations = _braked(start, end, limits, rows, modes)
-    if braked is not None:
-        return braked, iterations
-    if rows > ROWS_ALL_FREE:
-        # A long slew leaves its plan only where the acceleration's limit bends it.
-        excess = max(limit_excess(profile, rows, limits), 0.0)
-        spared = replace(
-            limits,
-            acceleration_max_rad_s2=limits.acceleration_max_rad_s2
-            * (1.0 - 2.0 * EXCESS_MARGIN * excess),
-        )
-        result = graded_ocp(SPANS).solve(start, end, spared, profile.duration_s, modes)
+    whole, iterations = _with_braked_ends(slew, rows)
+    if whole is not None:
+        return whole, iterations
+    slew = replace(slew, duration_s=profile.duration_s)
+    for ocp, limits in _formulations(profile, slew, rows):
+        result = ocp.solve(replace(slew, limits=limits))
         iterations += result.iterations
-        if _flies(result.profile, start, end, limits, rows):
-            return result.profile, iterations
-        result = _on_some_rows(start, end, limits, rows).solve(
-            start, end, limits, profile.duration_s, modes
-        )
-        iterations += result.iterations
-        if _flies(result.profile, start, end, limits, rows):
-            return result.profile, iterations
-    if rows <= ROWS_ALL_FREE_MAX:
-        result = on_all_rows(rows).solve(start, end, limits, profile.duration_s, modes)
-        iterations += result.iterations
-        if _flies(result.profile, start, end, limits, rows):
+        if _is_carried(result.profile, slew, rows):
             return result.profile, iterations
     return None, iterations
 
 
-def _braked(
-    start: AxisState,
-    end: AxisState,
-    limits: AxisLimits,
-    rows: int,
-    modes: tuple[StructuralMode, ...],
-) -> tuple[AxisProfile | None, int]:
+def _formulations(
+    profile: AxisProfile, slew: AxisSlew, rows: int
+) -> Iterator[tuple[SplineOcp, AxisLimits]]:
+    """Solvers in turn, with limits to keep."""
+    limits = slew.limits
+    if rows > ROWS_ALL_FREE:
+        # A long slew leaves its plan only where the acceleration's limit bends it.
+        excess = max(limit_excess(profile, rows, limits), 0.0)
+        acceleration_max_rad_s2 = limits.acceleration_max_rad_s2 * (
+            1.0 - 2.0 * EXCESS_MARGIN * excess
+        )
+        yield graded_ocp(SPANS), replace(limits, acceleration_max_rad_s2=acceleration_max_rad_s2)
+        yield _ocp_on_some_rows(slew, rows), limits
+    if rows <= ROWS_ALL_FREE_MAX:
+        yield ocp_on_all_rows(rows), limits
+
+
+def _with_braked_ends(slew: AxisSlew, rows: int) -> tuple[AxisProfile | None, int]:
     """Braked at the ends in whole rows, and between them as rows can carry it; None if it can't."""
-    ends = braked_ends(start, end, limits)
+    ends = braked_ends(slew)
     if ends is None or ends.rows >= rows:
         return None, 0
     free_rows = rows - ends.rows
-    found = motion_between(ends.start, ends.end, limits, free_rows * COMMAND_STEP_S, modes)
+    between = replace(ends.free, duration_s=free_rows * COMMAND_STEP_S)
+    found = smoothest_motion(between)
     if found is None:
         return None, 0
     free, iterations = found.profile, found.iterations
-    if not reproduces(free, free_rows, limits):
-        free_on_rows, used = _repaired(free, ends.start, ends.end, limits, free_rows, modes)
+    if not reproduces(free, free_rows, slew.limits):
+        free_on_rows, used = _smoothest_on_rows(free, between, free_rows)
         iterations += used
         if free_on_rows is None:
             return None, iterations
         free = free_on_rows
     whole = ends.around(free)
-    return (whole if _flies(whole, start, end, limits, rows) else None), iterations
+    return (whole if _is_carried(whole, slew, rows) else None), iterations
 
 
-def _flies(
-    profile: AxisProfile, start: AxisState, end: AxisState, limits: AxisLimits, rows: int
-) -> bool:
-    return obeys(profile, start, end, limits) and reproduces(profile, rows, limits)
+def _is_carried(profile: AxisProfile, slew: AxisSlew, rows: int) -> bool:
+    keeps = obeys(profile, slew.start, slew.end, slew.limits)
+    return keeps and reproduces(profile, rows, slew.limits)
 
 
-def _on_some_rows(start: AxisState, end: AxisState, limits: AxisLimits, rows: int) -> SplineOcp:
+def _ocp_on_some_rows(slew: AxisSlew, rows: int) -> SplineOcp:
     """A solver whose jerk may change on the rows that matter in a slew near its least time."""
-    quickest = quickest_profile(start, end, limits, rows * COMMAND_STEP_S)
+    quickest = quickest_profile(slew.start, slew.end, slew.limits, rows * COMMAND_STEP_S)
     free = set(np.linspace(0, rows, ROWS_SPREAD, dtype=int).tolist())
     if quickest is not None:
         for switch_s in quickest.breakpoints_s:
@@ -221,6 +209,6 @@ def _cells_in_doubt(profile: AxisProfile, rows: int) -> NDArray[np.intp]:
 
 
 @lru_cache(maxsize=ON_ROWS_KEPT)
-def on_all_rows(rows: int) -> SplineOcp:
+def ocp_on_all_rows(rows: int) -> SplineOcp:
     """A solver whose jerk may change on every row and nowhere else; a Hermite reproduces it."""
     return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)
