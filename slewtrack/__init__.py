@@ -44,11 +44,9 @@ def read_request(request: Json) -> "PlanRequest":
 
 def plan(request: "Scenario | Json") -> "Plan":
     """Slews and tracks for every session, as a verified command table; degrees in, radians out."""
-    from app.requests.plan import PlanRequest
     from planner.sessions.pipeline import make_plan
 
-    asked = read_request(request) if isinstance(request, bytes | Mapping) else request
-    return make_plan(asked.scenario if isinstance(asked, PlanRequest) else asked)
+    return make_plan(read_request(request) if isinstance(request, bytes | Mapping) else request)
 
 
 def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":

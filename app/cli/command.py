@@ -94,7 +94,7 @@ def plan(
         from app.cli.plan_report import print_report
         from planner.sessions.pipeline import make_plan
 
-        made = make_plan(request.scenario)
+        made = make_plan(request)
         print_report(made)
         if json:
             from app.answers.plan import plan_json

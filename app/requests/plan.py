@@ -1,9 +1,8 @@
 """A request for a plan: a scenario within the service's bounds, and horizon cameras."""
 
-from dataclasses import fields
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import FailFast, Field
+from pydantic import AfterValidator, FailFast, Field
 
 from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
@@ -32,27 +31,28 @@ class PlanRequest(Scenario):
 
     def __post_init__(self) -> None:
         Scenario.__post_init__(self)
-        span_s = elapsed_s(self.sessions[-1].stop, self.initial_state.epoch)
-        if span_s > SPAN_MAX_S:
+
+
+def _require_bounds(asked: PlanRequest) -> PlanRequest:
+    """Of a request, not of each scenario: a start that is tried may lie beyond them."""
+    span_s = elapsed_s(asked.sessions[-1].stop, asked.initial_state.epoch)
+    if span_s > SPAN_MAX_S:
+        raise ValueError(
+            f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "
+            f"not after {span_s:.0f} s; plan them one by one"
+        )
+    if asked.horizon_cameras:
+        require_cameras("horizon_cameras", asked.horizon_cameras)
+        if len(asked.horizon_cameras) * len(asked.sessions) > HORIZON_CHECKS_MAX:
             raise ValueError(
-                f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "
-                f"not after {span_s:.0f} s; plan them one by one"
+                f"horizon_cameras times sessions must not exceed {HORIZON_CHECKS_MAX}, which "
+                f"{len(asked.horizon_cameras)} x {len(asked.sessions)} do; name fewer cameras"
             )
-        if self.horizon_cameras:
-            require_cameras("horizon_cameras", self.horizon_cameras)
-            if len(self.horizon_cameras) * len(self.sessions) > HORIZON_CHECKS_MAX:
-                raise ValueError(
-                    f"horizon_cameras times sessions must not exceed {HORIZON_CHECKS_MAX}, which "
-                    f"{len(self.horizon_cameras)} x {len(self.sessions)} do; name fewer cameras"
-                )
-
-    @property
-    def scenario(self) -> Scenario:
-        """The same free of the bounds of a request, which a start that is tried may pass."""
-        return Scenario(**{field.name: getattr(self, field.name) for field in fields(Scenario)})
+    return asked
 
 
-_READER = JsonReader(PlanRequest)
+_WITHIN_BOUNDS: Any = Annotated[PlanRequest, AfterValidator(_require_bounds)]
+_READER = JsonReader[PlanRequest](_WITHIN_BOUNDS)
 
 read_plan_request = _READER.read
 plan_request_json_schema = _READER.json_schema

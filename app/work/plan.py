@@ -26,7 +26,7 @@ def plan_and_pack(request: bytes) -> NewPlan:
     """Read, plan, judge and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
     asked = read_plan_request(request)
-    plan = make_plan(asked.scenario, on_stage=lambda stage: report(Progress(stage=stage)))
+    plan = make_plan(asked, on_stage=lambda stage: report(Progress(stage=stage)))
     made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
     checks = horizon_checks(plan.scenario, asked.horizon_cameras)
     return NewPlan(
@@ -58,7 +58,7 @@ def stored_table_file(
 
 def _stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     """With its sessions as they were left after conflicts."""
-    asked = read_plan_request(request).scenario
+    asked = read_plan_request(request)
     sessions = tuple(
         replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
         for session, (start, stop) in zip(asked.sessions, packed.facts["sessions"], strict=True)

@@ -49,7 +49,7 @@ def outcome(request: Fields) -> Outcome:
     begun_s = time.process_time()
     with at_most(math.inf) as work:
         try:
-            plan = make_plan(read_plan_request(json.dumps(request).encode()).scenario)
+            plan = make_plan(read_plan_request(json.dumps(request).encode()))
         except Refusal as refused:
             refusal = refused
         except Exception as error:  # noqa: BLE001 (counted, and told with its request)
@@ -71,7 +71,7 @@ def outcome(request: Fields) -> Outcome:
 
 def answer(request: Fields) -> Fields:
     """That of a request that can be planned."""
-    plan = make_plan(read_plan_request(json.dumps(request).encode()).scenario)
+    plan = make_plan(read_plan_request(json.dumps(request).encode()))
     return dict(json.loads(plan_json(plan, input_sha256="", planned_at_utc=datetime.now(UTC))))
 
 
