@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.answers.comparison import SlewComparisonOut, comparison_out
-from app.answers.horizon_view import HorizonCheckOut
+from app.answers.horizon import HorizonCheckOut
 from app.answers.plan_head import PlanHead, new_head, whole_answer
 from app.answers.pointing import PointingOut, pointing_out
 from app.answers.provenance import ProvenanceOut, provenance

@@ -8,7 +8,7 @@ import anyio.to_thread
 from fastapi import Request
 from starlette.requests import ClientDisconnect
 
-from app.http.stopping import service_stops
+from app.http.problems import service_stops
 from app.jobs.child import Bounds
 from app.jobs.disposable import Stop, Stopped, run_disposable
 

@@ -61,6 +61,15 @@ def http_error(request: Request, error: Exception) -> Response:
     )
 
 
+def service_stops() -> HTTPException:
+    """For work that is not kept; what is kept is told by its address instead."""
+    return HTTPException(
+        HTTPStatus.SERVICE_UNAVAILABLE,
+        "the service is being stopped and gives this up; ask again when it is back",
+        {"Connection": "close"},
+    )
+
+
 def _allowed_methods(request: Request) -> dict[str, str]:
     """All methods of the address; Starlette names those of its first route only."""
     path = getattr(request.scope.get("route"), "path", "")

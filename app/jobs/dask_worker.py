@@ -46,6 +46,7 @@ def run_here(key: str, task: Task) -> Outcome:
             task.bounds,
             task.work,
             task.request,
+            task.asked,
             stop=_stops.setdefault(key, Stop()),
             on_progress=tell,
         )

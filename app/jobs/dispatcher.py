@@ -99,9 +99,10 @@ class Dispatcher:
             running.stop.request()
         self._executor.close()
 
-    def submit(self, new: NewJob) -> Job:
+    def submit(self, new: NewJob, asked: object = None) -> Job:
         """Accept a job, begun at once where there is room; or the one accepted under its key.
 
+        asked: what reading the request gave, lest work begun at once reads it again.
         Raises QueueFull.
         """
         if not self._take_place():
@@ -110,7 +111,7 @@ class Dispatcher:
             return job
         # Worked on while the database writes it down; nobody hears of what isn't accepted.
         running = _Running(job_id=new.id, kind=JOB_KINDS[new.kind], parent_id=new.parent_id)
-        work = self._work(running, new.request, new.deadline_s)
+        work = self._work(running, new.deadline_s, new.request, asked)
         token = None
         try:
             job, token = self._accept_once(new, mine=True)
@@ -211,13 +212,19 @@ class Dispatcher:
 
     # Work on a job
 
-    def _work(self, running: _Running, request: bytes, deadline_s: float) -> Future[Any]:
+    def _work(
+        self, running: _Running, deadline_s: float, request: bytes, asked: object = None
+    ) -> Future[Any]:
         kind = running.kind
-        bounds = Bounds(deadline_s=deadline_s, memory_mib=kind.bounds.memory_mib)
+        task = Task(
+            job_id=running.job_id,
+            bounds=Bounds(deadline_s=deadline_s, memory_mib=kind.bounds.memory_mib),
+            work=kind.work,
+            request=request,
+            asked=asked,
+        )
         return self._executor.submit(
-            Task(job_id=running.job_id, bounds=bounds, work=kind.work, request=request),
-            running.stop,
-            lambda progress: self._tell(running, progress),
+            task, running.stop, lambda progress: self._tell(running, progress)
         )
 
     def _follow(self, running: _Running, work: Future[Any]) -> None:
@@ -336,7 +343,7 @@ class Dispatcher:
                 parent_id=job.parent_id,
                 token=claimed.token,
             )
-            self._follow(running, self._work(running, claimed.request, job.deadline_s))
+            self._follow(running, self._work(running, job.deadline_s, claimed.request))
 
     def _is_work_waiting(self) -> bool:
         self._may_wait = True

@@ -12,12 +12,16 @@ from app.work.progress import Progress
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """Work for a child: `work(request)` within bounds; both go through pickle."""
+    """Work for a child: `work(request, asked)` within bounds; all of it goes through pickle.
+
+    request: its bytes.  asked: what reading them gave; None where the child is to read them.
+    """
 
     job_id: str
     bounds: Bounds
-    work: Callable[[bytes], Any]
+    work: Callable[[bytes, Any], Any]
     request: bytes = field(repr=False)
+    asked: Any = field(default=None, repr=False)
 
 
 class SolveExecutor(Protocol):
@@ -58,6 +62,7 @@ class LocalExecutor:
             task.bounds,
             task.work,
             task.request,
+            task.asked,
             stop=stop,
             on_progress=on_progress,
         )

@@ -13,7 +13,7 @@ from app.jobs.child import Bounds
 from app.jobs.parts import add_part
 from app.store import campaigns, plans
 from app.store.jobs import Job
-from app.store.planned import NewPlan
+from app.store.new_plan import NewPlan
 from app.store.states import JobState
 from app.work.campaign import NewCampaign, choose
 from app.work.plan import plan_and_pack
@@ -24,7 +24,8 @@ from app.work.spacecraft import plan_and_pack_session
 class JobKind:
     """One kind of job.
 
-    work: in a child, from the request's bytes; what it returns and raises goes through pickle.
+    work: in a child, from the request's bytes and what reading them gave, or None where it is to
+    read them; what it returns and raises goes through pickle.
     store: puts that into the database, in the transaction that finishes the job, whose row it
     holds; returns the state the job then has: `running` while it waits for parts.
     iterations: of a solver, counted in the metrics.
@@ -32,7 +33,7 @@ class JobKind:
 
     name: str
     bounds: Bounds
-    work: Callable[[bytes], Any]
+    work: Callable[[bytes, Any], Any]
     store: Callable[[Connection, Job, Any], JobState]
     iterations: Callable[[Any], int | None] = lambda _: None
 

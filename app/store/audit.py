@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from sqlalchemy import Connection, insert, select
 
 from app.store.database import Database
-from app.store.models_security import AuditRow
+from app.store.models import AuditRow
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from sqlalchemy import RowMapping, exists, insert, select, update
 from app.store import audit
 from app.store.api_keys import Key, KeyScope, digest, id_in, matches, new_secret
 from app.store.database import Database
-from app.store.models_security import KeyRow
+from app.store.models import KeyRow
 from planner.errors import InvalidInput
 
 

@@ -7,7 +7,7 @@ from datetime import datetime
 from sqlalchemy import Connection, func, insert, select
 
 from app.store.models import PlanRow
-from app.store.planned import NewPlan
+from app.store.new_plan import NewPlan
 from app.store.states import JobState
 
 

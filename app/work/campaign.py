@@ -43,10 +43,10 @@ class NewCampaign:
     parts: tuple[Part, ...]
 
 
-def choose(body: bytes) -> NewCampaign:
-    """Read, choose and write down; raises a Refusal."""
-    request = read_campaign_request(body)
-    asked = json.loads(body)
+def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
+    """Read unless that is done, choose and write down; raises a Refusal."""
+    request = request or read_campaign_request(body)
+    asked = json.loads(body)  # passes say orbit, platform and targets in its own words
     campaign = choose_campaign(
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
+from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
-from app.answers.horizon import view_out
-from app.answers.horizon_view import ViewOut
-from app.requests.horizon import ATTITUDE_SIGMA_DEG
+from app.answers.horizon import PredictionResponse, ViewOut, view_out
+from app.answers.provenance import ProvenanceOut
+from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
 from estimator.request import Body, HorizonRequest, Position
@@ -70,3 +71,20 @@ def views(
             for camera in cameras
         ]
     return found, warnings
+
+
+_PREDICTION = TypeAdapter(PredictionResponse)
+
+
+def prediction_json(asked: PredictionRequest, made: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    found, warnings = views(
+        asked.orbit,
+        asked.attitude,
+        asked.cameras,
+        asked.instants,
+        body=asked.body,
+        attitude_sigma_deg=asked.attitude_sigma_deg,
+    )
+    answer = PredictionResponse(views=found, warnings=list(warnings), provenance=made)
+    return _PREDICTION.dump_json(answer)

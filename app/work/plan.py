@@ -2,19 +2,20 @@
 
 import hashlib
 import zlib
+from collections.abc import Iterable
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
 from app.answers.plan import plan_document, table_json, verdict_state
 from app.answers.provenance import provenance
-from app.answers.table_export import require_verified
-from app.requests.plan import read_plan_request
+from app.requests.plan import PlanRequest, read_plan_request
+from app.store.new_plan import NewPlan
 from app.store.packed import PackedColumns, pack, unpack
-from app.store.planned import NewPlan
 from app.work.horizon_checks import horizon_checks
 from app.work.progress import Progress, report
 from planner.commands import CommandTable
+from planner.errors import Unverified
 from planner.export import EXPORTERS, FlightPlan, Segment
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.sessions.pipeline import make_plan
@@ -22,10 +23,10 @@ from planner.sessions.plan import Plan
 from planner.verification import Finding
 
 
-def plan_and_pack(request: bytes) -> NewPlan:
-    """Read, plan, judge and pack; raises a Refusal."""
+def plan_and_pack(request: bytes, asked: PlanRequest | None = None) -> NewPlan:
+    """Read unless that is done, plan, judge and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
-    asked = read_plan_request(request)
+    asked = asked or read_plan_request(request)
     plan = make_plan(asked, on_stage=lambda stage: report(Progress(stage=stage)))
     made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
     checks = horizon_checks(plan.scenario, asked.horizon_cameras)
@@ -39,6 +40,20 @@ def plan_and_pack(request: bytes) -> NewPlan:
         planned_utc=now_utc,
         iterations=sum(run.iterations for run in plan.slews),
     )
+
+
+def require_verified(findings: Iterable[Finding]) -> None:
+    """Raise Unverified when the judge found an error: a file by itself carries no verdict."""
+    for finding in findings:
+        if finding.severity == "error":
+            raise Unverified(
+                f"the table failed its verification: {finding.detail}; only the whole answer "
+                "holds it, beside the verdict",
+                field="slew.method",
+                axis=finding.axis,
+                limit=finding.limit,
+                at_utc=finding.at_utc,
+            )
 
 
 def stored_table_json(table_columns: bytes) -> bytes:

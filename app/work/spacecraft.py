@@ -8,11 +8,12 @@ from datetime import UTC, datetime
 from app.answers.provenance import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
 from app.requests.spacecraft import read_spacecraft_request
+from app.store.new_plan import NewPlan
 from app.store.packed import PackedColumns, pack, unpack
-from app.store.planned import NewPlan
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.plan import plan_imaging
+from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 
 _COLUMNS = (
@@ -24,10 +25,10 @@ _COLUMNS = (
 )
 
 
-def plan_and_pack_session(request: bytes) -> NewPlan:
-    """Read, plan, judge, fly and pack; raises a Refusal."""
+def plan_and_pack_session(request: bytes, asked: ImagingPlanRequest | None = None) -> NewPlan:
+    """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
-    plan = plan_imaging(read_spacecraft_request(request))
+    plan = plan_imaging(asked or read_spacecraft_request(request))
     made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
     return NewPlan(
         name=plan.request.name,

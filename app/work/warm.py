@@ -9,7 +9,6 @@ import json
 import os
 
 import app.work.horizon
-import app.work.horizon_prediction
 import app.work.opportunities
 import app.work.spacecraft  # noqa: F401 (for the children to find)
 from app.requests.examples.plan import LAS_VEGAS

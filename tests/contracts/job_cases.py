@@ -14,7 +14,7 @@ from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, JobKind
 from app.store.ids import new_id
 from app.store.jobs import Job, NewJob
-from app.store.planned import NewPlan
+from app.store.new_plan import NewPlan
 from app.store.states import JobState
 
 
@@ -41,47 +41,47 @@ class BoundsWithABug:
         raise RuntimeError(self.told)
 
 
-def note(request: bytes) -> NewPlan:
+def note(request: bytes, _: object = None) -> NewPlan:
     """Adds its process to a file."""
     with Path(os.fsdecode(request)).open("a") as file:
         file.write(f"{os.getpid()}\n")
     return made()
 
 
-def spin(_: bytes) -> NewPlan:
+def spin(*_: object) -> NewPlan:
     while True:
         pass
 
 
-def hang(request: bytes) -> NewPlan:
+def hang(request: bytes, _: object = None) -> NewPlan:
     """Never ends, and uses a whole processor for it."""
     note(request)
     spin(request)
     return made()
 
 
-def die(request: bytes) -> NewPlan:
+def die(request: bytes, _: object = None) -> NewPlan:
     note(request)
     os.kill(os.getpid(), signal.SIGKILL)
     return made()
 
 
-def die_once(request: bytes) -> NewPlan:
+def die_once(request: bytes, _: object = None) -> NewPlan:
     return note(request) if Path(os.fsdecode(request)).exists() else die(request)
 
 
-def hang_once(request: bytes) -> NewPlan:
+def hang_once(request: bytes, _: object = None) -> NewPlan:
     return note(request) if Path(os.fsdecode(request)).exists() else hang(request)
 
 
-def linger(request: bytes) -> NewPlan:
+def linger(request: bytes, _: object = None) -> NewPlan:
     """Until let go."""
     while not _gate(Path(os.fsdecode(request))).exists():
         time.sleep(0.02)
     return note(request)
 
 
-def fail(_: bytes) -> NewPlan:
+def fail(*_: object) -> NewPlan:
     raise RuntimeError("secret /etc/passwd")
 
 
@@ -91,7 +91,14 @@ def _store_twice(connection: Connection, job: Job, result: NewPlan) -> JobState:
     return PLAN.store(connection, job, result)
 
 
-WORKS = (note, spin, hang, die, die_once, hang_once, linger, fail)
+def repeat(request: bytes, asked: object = None) -> NewPlan:
+    """Writes down what it was given beside the request's bytes."""
+    with Path(os.fsdecode(request)).open("a") as file:
+        file.write(f"{asked}\n")
+    return made()
+
+
+WORKS = (note, spin, hang, die, die_once, hang_once, linger, fail, repeat)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,

@@ -73,6 +73,20 @@ def test_work_is_begun_at_once_where_there_is_room(database, tmp_path):
     assert states(database, job.id) == ["queued", "running", "done"]
 
 
+def test_a_request_begun_at_once_is_not_read_again(database, tmp_path):
+    file, held = tmp_path / "given", tmp_path / "held"
+    with dispatching(database) as dispatcher:
+        first = dispatcher.submit(new_job("repeat", file), "as it was read")
+        ended(database, first.id)
+        holding = dispatcher.submit(new_job("linger", held))
+        waiting = dispatcher.submit(new_job("repeat", file), "as it was read")
+        assert waiting.state == "queued"  # for whoever takes it up
+        let_go(held)
+        ended(database, holding.id)
+        ended(database, waiting.id)
+    assert file.read_text().splitlines() == ["as it was read", "None"]
+
+
 def test_cancelling_kills_what_runs(database, tmp_path):
     notes = Notes(tmp_path / "notes")
     with dispatching(database) as dispatcher:

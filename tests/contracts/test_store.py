@@ -16,7 +16,7 @@ from job_cases import made, new_job
 from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
-from app.store import audit, events, jobs, models_security, plans
+from app.store import audit, events, jobs, models, plans
 from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
@@ -47,7 +47,7 @@ def test_migrations_lead_to_the_models(tmp_path):
         upgrade(database)
         with database.reading() as connection:
             context = MigrationContext.configure(connection, opts={"compare_type": True})
-            assert compare_metadata(context, models_security.Base.metadata) == []
+            assert compare_metadata(context, models.Base.metadata) == []
 
 
 @pytest.mark.usefixtures("patient_store")
@@ -232,7 +232,7 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
 def test_every_column_of_text_can_be_asked_for_any_text(database, strange):
     texts = [
         column
-        for table in models_security.Base.metadata.tables.values()
+        for table in models.Base.metadata.tables.values()
         for column in table.columns
         if isinstance(column.type, String | Text | PlainString)
     ]

@@ -9,7 +9,7 @@ from openapi_schema_validator import OAS31Validator
 from worked_answers import WITHOUT_TEXT, all_answers
 
 from app.http.app import create_app
-from app.http.openapi.answers import ANSWERS
+from app.http.openapi.schema import ANSWERS
 
 # What no two runs share: identities, times of now (the requests' own lie before 2025), durations.
 OF_THE_RUN = re.compile(

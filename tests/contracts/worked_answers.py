@@ -20,7 +20,7 @@ from waiting import eventually
 from app.http.app import create_app
 from app.http.event_stream import EVENT_STREAM
 from app.http.negotiation import JSON
-from app.http.openapi.answers import ANSWERS
+from app.http.openapi.schema import ANSWERS
 from app.http.routes import jobs as job_routes
 from app.jobs.kinds import JOB_KINDS
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES

@@ -14,8 +14,7 @@ from app.http.door.access import PROBES, Access, is_page
 from app.http.door.bodies import GuardedBody, HeldBytes
 from app.http.door.limits import ConcurrencyLimit, RateLimit, network_of
 from app.http.door.request_form import require_sound_head
-from app.http.problems import http_error
-from app.http.stopping import service_stops
+from app.http.problems import http_error, service_stops
 from app.settings import Settings
 
 

@@ -90,7 +90,7 @@ async def post_campaign(
     if query.dry_run:
         sound = CampaignDryRun(valid=True, name=asked.name, targets=len(asked.targets))
         return Response(DRY_RUN.dump_json(sound), media_type=JSON)
-    job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, asked.name, body, key, {})
+    job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, asked, body, key, {})
     waits = patience(prefer, 0)
     await wait_for_end(request, job.id, waits.wait_s)
     job, told = await _find_campaign(request, job.id)

@@ -24,7 +24,7 @@ from app.requests.horizon import (
     read_prediction_request,
 )
 from app.work.horizon import PictureOut, estimate_json, picture, picture_with_truth
-from app.work.horizon_prediction import prediction_json
+from app.work.horizon_views import prediction_json
 from estimator.errors import InvalidImage
 from estimator.request import HorizonRequest
 from planner.frames.time_scales import utc_text

@@ -67,7 +67,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         if query.dry_run:
             return Response(_dry_run(resource, asked, body), media_type=JSON)
         job = await anyio.to_thread.run_sync(
-            _accept_plan, request, resource, asked.name, body, query, key
+            _accept_plan, request, resource, asked, body, query, key
         )
         waits = patience(prefer, WAIT_S)
         await wait_for_end(request, job.id, waits.wait_s)
@@ -133,7 +133,7 @@ def _dry_run(resource: PlanResource, asked: Any, body: bytes) -> bytes:  # noqa:
 def _accept_plan(
     request: Request,
     resource: PlanResource,
-    name: str,
+    asked: Any,  # noqa: ANN401 (resource's)
     body: bytes,
     query: PostQuery,
     key: str | None,
@@ -142,7 +142,7 @@ def _accept_plan(
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
     options = {} if query.revises is None else {"revises": query.revises}
-    return accept_job(request, resource.kind, name, body, key, options)
+    return accept_job(request, resource.kind, asked, body, key, options)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:

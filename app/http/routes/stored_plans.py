@@ -1,5 +1,6 @@
 """Finds a stored plan and answers with it, whole or its table by itself."""
 
+import re
 from dataclasses import dataclass
 from http import HTTPStatus
 
@@ -8,7 +9,6 @@ from fastapi import Request, Response
 from sqlalchemy import Connection
 
 from app.answers.plan_head import PlanHead, whole_answer
-from app.answers.table_export import file_name
 from app.http.in_child import in_child
 from app.http.negotiation import JSON
 from app.http.reading import read
@@ -25,6 +25,9 @@ from app.versions import VERSION
 EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 # Turning more than this of a packed table into JSON would hold the interpreter for long.
 _PACKED_MAX_BYTES = 200_000
+
+
+_NAME_MAX = 60
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,6 +96,12 @@ async def table_answer(
         format_name,
         plan.planned_utc,
     )
-    name = file_name(plan.name, resource.file_stem, exporter.suffix)
+    name = _file_name(plan.name, resource.file_stem, exporter.suffix)
     told = {"Content-Disposition": f'attachment; filename="{name}"'}
     return Response(content, status, headers | told, exporter.media_type)
+
+
+def _file_name(name: str, otherwise: str, suffix: str) -> str:
+    """From a plan's name, in letters, digits and hyphens."""
+    words = re.findall(r"[A-Za-z0-9]+", name)
+    return ("-".join(words)[:_NAME_MAX] or otherwise) + suffix

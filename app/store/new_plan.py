@@ -1,4 +1,4 @@
-"""What the child that planned something hands back."""
+"""A plan as the child that made it hands it back; loads no database."""
 
 from dataclasses import dataclass
 from datetime import datetime
