@@ -88,11 +88,20 @@ def test_the_document_is_sound(document):
     OpenAPIV31SpecValidator(document).validate()
 
 
+def answers_of(document, operation):
+    """Refusals that are the same everywhere are described once."""
+    shared = document["components"]["responses"]
+    return {
+        status: shared[answer["$ref"].rsplit("/", 1)[1]] if "$ref" in answer else answer
+        for status, answer in operation["responses"].items()
+    }
+
+
 def test_every_operation_documents_its_refusals(document):
     for operations in document["paths"].values():
         for operation in operations.values():
             assert operation["summary"]
-            answers = operation["responses"]
+            answers = answers_of(document, operation)
             assert {"406", "500"} <= set(answers)
             if "requestBody" in operation:
                 assert {"413", "415", "422"} <= set(answers)
@@ -122,7 +131,7 @@ def test_refusals_are_shown_as_they_are_given(client, document, status, asked):
     headers = {"Content-Type": asked.pop("type", "application/json")} | asked.pop("headers", {})
     given = client.request(method, url, headers=headers, **asked).json()
     path = "/v1/opportunities" if method == "POST" else "/v1/platforms"
-    answers = document["paths"][path][method.lower()]["responses"]
+    answers = answers_of(document, document["paths"][path][method.lower()])
     shown = answers[str(status)]["content"]["application/problem+json"]["example"]
     assert given | {"instance": ""} == shown | {"instance": ""}
 

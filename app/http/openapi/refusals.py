@@ -1,4 +1,4 @@
-"""Example refusals in the OpenAPI document, as they were really given."""
+"""Refusals in the OpenAPI document, each once, with an example as it was really given."""
 
 from dataclasses import dataclass, field, replace
 from http import HTTPStatus
@@ -23,15 +23,40 @@ class Shown:
     headers: dict[str, str] = field(default_factory=dict)
 
 
-_OF_BODIES = {
+_SHOWN = {
+    400: Shown(
+        when="The request can't be read as HTTP, or in two ways",
+        detail="the address holds a null byte; remove %00",
+    ),
+    401: Shown(
+        when="An API key is needed, and none or an unknown one was sent",
+        detail="send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one",
+        headers={"WWW-Authenticate": "How to send a key (RFC 6750)"},
+    ),
+    403: Shown(
+        when="The key lacks the scope, or a web page of another site asks",
+        detail="web pages of other sites may not use this service",
+    ),
+    406: Shown(
+        when="The Accept header admits nothing we answer with",
+        detail="the answer is application/json, which the Accept header excludes",
+    ),
     408: Shown(when="The body comes too slowly", detail="the whole body must come within 60 s"),
     413: Shown(when="The request is too long", detail="a request may have 8388608 bytes at most"),
+    414: Shown(
+        when="The address is too long",
+        detail=f"an address may have {PATH_BYTES_MAX} bytes of path and {QUERY_BYTES_MAX} of "
+        "query; send large things in the body",
+    ),
     415: Shown(
         when="The request is of another media type than we read, or compressed",
         detail="send the request with Content-Type: application/json, not text/plain",
     ),
-}
-_OF_WORDS = {
+    421: Shown(
+        when="Without a key: the Host header names none of our hosts",
+        detail="without a key this service answers to 127.0.0.1, [::1], localhost only, which the "
+        "Host header doesn't name; SLEWTRACK_ALLOWED_HOSTS adds names",
+    ),
     422: Shown(
         when="The request is refused: what is at fault, and the way out",
         detail="alpha needs 2.500 s to slew but 1.000 s are available; ...",
@@ -44,21 +69,11 @@ _OF_WORDS = {
             "earliest_feasible_start": "2015-02-27T17:36:21.600Z",
             "feasible_stop": "2015-02-27T17:37:50.000Z",
         },
-    )
-}
-_OF_ALL = {
-    400: Shown(
-        when="The request can't be read as HTTP, or in two ways",
-        detail="the address holds a null byte; remove %00",
     ),
-    406: Shown(
-        when="The Accept header admits nothing we answer with",
-        detail="the answer is application/json, which the Accept header excludes",
-    ),
-    414: Shown(
-        when="The address is too long",
-        detail=f"an address may have {PATH_BYTES_MAX} bytes of path and {QUERY_BYTES_MAX} of "
-        "query; send large things in the body",
+    429: Shown(
+        when="Too many requests a minute, or at a time",
+        detail="6000 requests a minute are answered; ask again in 1 s",
+        headers=_RETRY,
     ),
     431: Shown(
         when="The head of the request is too long",
@@ -76,52 +91,36 @@ _OF_ALL = {
         headers=_RETRY,
     ),
 }
-_OF_ACCESS = {
-    401: Shown(
-        when="An API key is needed, and none or an unknown one was sent",
-        detail="send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one",
-        headers={"WWW-Authenticate": "How to send a key (RFC 6750)"},
-    ),
-    403: Shown(
-        when="The key lacks the scope, or a web page of another site asks",
-        detail="web pages of other sites may not use this service",
-    ),
-    421: Shown(
-        when="Without a key: the Host header names none of our hosts",
-        detail="without a key this service answers to 127.0.0.1, [::1], localhost only, which the "
-        "Host header doesn't name; SLEWTRACK_ALLOWED_HOSTS adds names",
-    ),
-    429: Shown(
-        when="Too many requests a minute, or at a time",
-        detail="6000 requests a minute are answered; ask again in 1 s",
-        headers=_RETRY,
-    ),
-}
-_ALL = _OF_BODIES | _OF_WORDS | _OF_ALL | _OF_ACCESS
+_OF_BODIES = {408, 413, 415}
+_OF_ACCESS = {401, 403, 421, 429}
 
 
-def document_refusals(operation: dict[str, Any], path: str, problem: dict[str, Any]) -> None:
-    """Add what any operation of this kind may refuse; what it says itself of a status stays.
+def document_refusals(document: dict[str, Any], ref: str) -> None:
+    """Add what each operation may refuse; what it says itself of a status stays.
 
-    problem: the schema of a problem, by reference.
+    ref: how the document refers to a schema.
     """
-    refusals = _OF_ALL | _OF_WORDS
-    if "requestBody" in operation:
-        refusals |= _OF_BODIES
-    if path not in PROBES:
-        refusals |= _OF_ACCESS
-    answers = operation["responses"]
-    own = {
-        int(code): answer["description"]
-        for code, answer in answers.items()
-        if int(code) >= 400 and "content" not in answer
+    problem = {"$ref": ref.format(model="Problem")}
+    document["components"]["responses"] = {
+        str(code): _response(code, shown, problem) for code, shown in _SHOWN.items()
     }
-    for code, told in own.items():  # by the description alone where we show no example
-        shown = _ALL.get(code, Shown(when=told, detail=told))
-        refusals[code] = replace(shown, when=told)
-    for code, shown in refusals.items():
-        answers[str(code)] = _response(code, shown, problem)
-    operation["responses"] = dict(sorted(answers.items()))
+    for path, operations in document["paths"].items():
+        for operation in operations.values():
+            codes = _SHOWN.keys() - (_OF_ACCESS if path in PROBES else ())
+            if "requestBody" not in operation:
+                codes -= _OF_BODIES
+            operation["responses"] = _responses(operation["responses"], codes, problem)
+
+
+def _responses(own: dict[str, Any], codes: set[int], problem: dict[str, Any]) -> dict[str, Any]:
+    refused = {str(code): {"$ref": f"#/components/responses/{code}"} for code in codes}
+    answers = refused | {code: answer for code, answer in own.items() if int(code) < 400}
+    for code, answer in own.items():
+        if int(code) >= 400 and "content" not in answer:  # FastAPI's own 422 has content
+            told = answer["description"]  # by that alone where we show no example
+            shown = _SHOWN.get(int(code), Shown(when=told, detail=told))
+            answers[code] = _response(int(code), replace(shown, when=told), problem)
+    return dict(sorted(answers.items()))
 
 
 def _response(code: int, shown: Shown, problem: dict[str, Any]) -> dict[str, Any]:

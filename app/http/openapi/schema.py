@@ -54,9 +54,9 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
+    document_refusals(document, REF)
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
-            document_refusals(operation, path, {"$ref": REF.format(model="Problem")})
             if path not in PROBES:
                 # OpenAPI 3.1 lists a key's roles here; the empty way is that of loopback.
                 operation["security"] = [{KEY_SCHEME: [scope_needed(method.upper(), path)]}, {}]
