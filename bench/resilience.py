@@ -30,7 +30,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from app.store import campaigns, events, jobs, plans
+from app.store import events, jobs, plans
 from app.store.database import Database, open_database
 
 ROOT = Path(__file__).parent.parent
@@ -205,7 +205,7 @@ def _audited(house: House, name: str) -> dict[str, int]:
     """What the database holds of the campaign; raises AssertionError where it is wrong."""
     with house.database() as database, database.reading() as connection:
         whole = jobs.get(connection, house.campaign_id)
-        choice = campaigns.choice_of(connection, house.campaign_id)
+        choice = plans.choice_of(connection, house.campaign_id)
         parts = jobs.parts_of(connection, house.campaign_id)
         assert whole is not None, name
         assert whole.state == "done", (name, whole)

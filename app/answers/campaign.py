@@ -46,7 +46,7 @@ class CampaignLookOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TargetLeftOutOut:
+class LookLeftOut:
     """A look that planning refused, and why."""
 
     target: str
@@ -67,7 +67,7 @@ class CampaignPassOut:
     start: str
     stop: str
     looks: list[CampaignLookOut]
-    left_out: list[TargetLeftOutOut]
+    left_out: list[LookLeftOut]
     problem: JobProblem | None
 
 
@@ -117,7 +117,7 @@ _CAMPAIGN = TypeAdapter(CampaignResponse)
 _LIST = TypeAdapter(CampaignList)
 _CHOICE = TypeAdapter(CampaignChoiceOut)
 _LOOKS = TypeAdapter(list[CampaignLookOut])
-_LEFT_OUT = TypeAdapter(list[TargetLeftOutOut])
+_LEFT_OUT = TypeAdapter(list[LookLeftOut])
 DRY_RUN = TypeAdapter(CampaignDryRun)
 
 

@@ -13,6 +13,7 @@ from planner.arrays import Array
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
+from planner.spacecraft.imaging.choice_with_turns import LeftOut
 from planner.spacecraft.imaging.timeline import PlannedTurn
 from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
@@ -97,14 +98,6 @@ class ImagingChoiceOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RequestLeftOutOut:
-    """A request that isn't imaged, and why."""
-
-    name: str
-    reason: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class SpacecraftVerificationOut:
     """The verdict of a judge that sees the table and the request only; extremes between rows."""
 
@@ -158,7 +151,7 @@ class SpacecraftPlanDocument:
     name: str
     spacecraft: str
     windows: list[ImagingWindowOut]
-    left_out: list[RequestLeftOutOut]
+    left_out: list[LeftOut]
     choice: ImagingChoiceOut
     turns: list[TurnOut]
     verification: SpacecraftVerificationOut
@@ -206,7 +199,7 @@ def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
             windows=[_window(found, plan.table) for found in plan.verification.windows],
-            left_out=[RequestLeftOutOut(name=one.name, reason=one.reason) for one in plan.left_out],
+            left_out=list(plan.left_out),
             choice=ImagingChoiceOut(
                 value=plan.choice.value,
                 bound=plan.choice.bound,

@@ -2,24 +2,7 @@
 
 from dataclasses import dataclass
 
-from planner.sessions.uncertainty import PointingBudget
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContributionOut:
-    """One cause, 1-sigma per image axis at the session's worst instant.
-
-    basis: whether measured or assumed, and on what.  better: what would make it smaller.
-    is_bias: constant over the session.
-    ground_m: across the line of sight at the target, null for a target in the sky.
-    """
-
-    cause: str
-    sigma_arcsec: float
-    ground_m: float | None
-    is_bias: bool
-    basis: str
-    better: str
+from planner.sessions.uncertainty import Contribution, PointingBudget
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +18,7 @@ class UncertaintyOut:
     sigma_arcsec: float
     ground_m: float | None
     probability_in_frame: float
-    contributions: list[ContributionOut]
+    contributions: list[Contribution]
 
 
 def uncertainty_out(session: int, budget: PointingBudget) -> UncertaintyOut:
@@ -45,15 +28,5 @@ def uncertainty_out(session: int, budget: PointingBudget) -> UncertaintyOut:
         sigma_arcsec=budget.sigma_arcsec,
         ground_m=budget.ground_m,
         probability_in_frame=budget.probability_in_frame,
-        contributions=[
-            ContributionOut(
-                cause=part.cause,
-                sigma_arcsec=part.sigma_arcsec,
-                ground_m=part.ground_m,
-                is_bias=part.is_bias,
-                basis=part.basis,
-                better=part.better,
-            )
-            for part in budget.contributions
-        ],
+        contributions=list(budget.contributions),
     )

@@ -11,7 +11,7 @@ from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
 from app.jobs.parts import add_part
-from app.store import campaigns, plans
+from app.store import plans
 from app.store.jobs import Job
 from app.store.new_plan import NewPlan
 from app.store.states import JobState
@@ -69,7 +69,7 @@ SPACECRAFT_PLAN = JobKind(
 def _store_campaign(connection: Connection, job: Job, made: NewCampaign) -> JobState:
     if job.cancel_requested:
         return "cancelled"
-    campaigns.store(connection, job.id, made.document)
+    plans.store_choice(connection, job.id, made.document)
     for part in made.parts:
         add_part(connection, job, part, min(PLAN.bounds.deadline_s, job.deadline_s))
     return "running" if made.parts else "done"

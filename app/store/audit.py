@@ -7,18 +7,25 @@ from sqlalchemy import Connection, insert, select
 
 from app.store.database import Database
 from app.store.models import AuditRow
+from planner.frames.time_scales import utc_text
 
 
 @dataclass(frozen=True, kw_only=True)
 class AuditEntry:
-    """One deed; see `AuditRow`."""
+    """One deed: `key_id` did `action` to `subject`; null without a key."""
 
     id: int
-    at_utc: datetime
+    at: str
     key_id: str | None
     action: str
     subject: str
     detail: str
+
+
+_ENTRIES = select(
+    AuditRow.at_utc.label("at"),
+    *(getattr(AuditRow, name) for name in AuditEntry.__dataclass_fields__ if name != "at"),
+)
 
 
 def record(
@@ -31,11 +38,7 @@ def record(
 
 def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:
     """The latest first, of those older than the one with the id `before`."""
-    wanted = (
-        select(AuditRow.__table__)
-        .where(AuditRow.id < before)
-        .order_by(AuditRow.id.desc())
-        .limit(limit)
-    )
+    wanted = _ENTRIES.where(AuditRow.id < before).order_by(AuditRow.id.desc()).limit(limit)
     with database.reading() as connection:
-        return [AuditEntry(**row) for row in connection.execute(wanted).mappings()]
+        rows = connection.execute(wanted).mappings()
+        return [AuditEntry(**dict(row) | {"at": utc_text(row["at"])}) for row in rows]

@@ -50,9 +50,10 @@ class Database:
         self.url = url
         self._engine = _engine(url)
         self._readers, self._writers = Outage(), Outage()
-        self._turns = Turns(self._writers) if url.drivername == "sqlite" else None
+        self._turns: Turns | None = None
         self._damages = 0
         if url.drivername == "sqlite":
+            self._turns = Turns(self._writers)
             event.listen(self._engine, "checkout", self._read_anew_after_damage)
 
     @contextmanager

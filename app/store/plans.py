@@ -1,12 +1,15 @@
-"""The plans made, stored once and never changed."""
+"""The plans made and what campaigns chose, stored once and never changed."""
 
+import json
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 
 from sqlalchemy import Connection, func, insert, select
 
-from app.store.models import PlanRow
+from app.store.models import CampaignRow, PlanRow
 from app.store.new_plan import NewPlan
 from app.store.states import JobState
 
@@ -66,3 +69,17 @@ def get(connection: Connection, plan_id: str) -> StoredPlan | None:
         return None
     members = dict(row._mapping)
     return StoredPlan(**members | {"document": zlib.decompress(members["document"])})
+
+
+def store_choice(connection: Connection, job_id: str, document: bytes) -> None:
+    """Of a campaign's job; document: JSON, zlib."""
+    connection.execute(insert(CampaignRow).values(id=job_id, document=document))
+
+
+def choice_of(connection: Connection, job_id: str) -> Mapping[str, Any] | None:
+    """What a campaign chose; None before anything was chosen."""
+    found = connection.scalar(select(CampaignRow.document).where(CampaignRow.id == job_id))
+    if found is None:
+        return None
+    told: Mapping[str, Any] = json.loads(zlib.decompress(found))
+    return told

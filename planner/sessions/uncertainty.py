@@ -61,7 +61,7 @@ DEFAULT_ASSUMPTIONS = BudgetAssumptions()
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
-    ground_m: the same at the target, across the line of sight; None for celestial targets.
+    ground_m: across the line of sight at the target, none for a target in the sky.
     basis: whether measured or assumed, and on what.  better: what would make it smaller.
     is_bias: constant over the session.
     """

@@ -9,7 +9,6 @@ from pydantic import Field
 from app.http.negotiation import accepts_json
 from app.http.query import Parameters
 from app.store.audit import AuditEntry, entries
-from planner.frames.time_scales import utc_text
 
 router = APIRouter(tags=["system"], dependencies=[Depends(accepts_json)])
 
@@ -17,22 +16,10 @@ _ID_MAX = 2**31 - 1  # of the database's column
 
 
 @dataclass(frozen=True, kw_only=True)
-class AuditEntryOut:
-    """One deed: `key_id` did `action` to `subject`; null without a key."""
-
-    id: int
-    at: str
-    key_id: str | None
-    action: str
-    subject: str
-    detail: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class AuditLog:
     """The latest first; for older ones ask again with `before` the last id."""
 
-    entries: list[AuditEntryOut]
+    entries: list[AuditEntry]
 
 
 class AuditQuery(Parameters):
@@ -48,15 +35,4 @@ class AuditQuery(Parameters):
 def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
     """Keys made and revoked, plans made, cancelled and deleted; needs an admin's key."""
     found = entries(request.app.state.database, limit=query.limit, before=query.before)
-    return AuditLog(entries=[_out(entry) for entry in found])
-
-
-def _out(entry: AuditEntry) -> AuditEntryOut:
-    return AuditEntryOut(
-        id=entry.id,
-        at=utc_text(entry.at_utc),
-        key_id=entry.key_id,
-        action=entry.action,
-        subject=entry.subject,
-        detail=entry.detail,
-    )
+    return AuditLog(entries=found)

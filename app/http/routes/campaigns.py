@@ -1,6 +1,5 @@
 """Campaigns over HTTP: posted, followed, ended."""
 
-from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Annotated
 
@@ -32,24 +31,15 @@ from app.http.routes.jobs import (
     no_such,
 )
 from app.http.routes.plan_queries import ListQuery, PathId, idempotency_key
+from app.http.routes.resources import JobResource
 from app.http.waiting import patience, wait_for_end
-from app.jobs.kinds import CAMPAIGN, JobKind
+from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import read_campaign_request
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
-from app.store import campaigns, jobs
+from app.store import jobs, plans
 from app.store.jobs import Job
 
-
-@dataclass(frozen=True)
-class _Campaigns:
-    """The resource."""
-
-    kind: JobKind = CAMPAIGN
-    path: str = "/v1/campaigns"
-    singular: str = "campaign"
-
-
-RESOURCE = _Campaigns()
+RESOURCE = JobResource(kind=CAMPAIGN, path="/v1/campaigns", singular="campaign")
 router = APIRouter(tags=["campaigns"], prefix=RESOURCE.path)
 
 
@@ -138,7 +128,7 @@ async def _find_campaign(request: Request, job_id: str) -> tuple[Job, bytes]:
 
     def reading(connection: Connection) -> tuple[Job, bytes]:
         job = job_of(connection, RESOURCE, job_id)
-        choice = campaigns.choice_of(connection, job_id)
+        choice = plans.choice_of(connection, job_id)
         return job, campaign_json(job, choice, jobs.parts_of(connection, job_id))
 
     return await read(request, reading)

@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, HTTPException, Request, Response
@@ -15,6 +15,7 @@ from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
 from app.http.negotiation import JSON, accepts_json, preferred_type
 from app.http.reading import read
 from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
+from app.http.routes.resources import JobResource
 from app.http.waiting import wait_for_end
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.kinds import JobKind
@@ -29,17 +30,6 @@ PREFER = (
     "`wait=N`: answer 202 when it isn't done within N seconds (30 unless said, at most 60); "
     "`respond-async`, `wait=0`: answer 202 at once."
 )
-
-
-class JobResource(Protocol):
-    """What is at `path` and made by jobs of one kind; singular: what one of them is called."""
-
-    @property
-    def kind(self) -> JobKind: ...
-    @property
-    def path(self) -> str: ...
-    @property
-    def singular(self) -> str: ...
 
 
 def no_such(resource: JobResource) -> dict[str, Any]:

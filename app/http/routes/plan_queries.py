@@ -6,7 +6,7 @@ from fastapi import Header, Path
 from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
-from app.http.routes.plan_resource import PlanResource
+from app.http.routes.resources import PlanResource
 from app.store.ids import is_id
 from app.store.states import JobState
 from planner.errors import InvalidInput

@@ -27,7 +27,7 @@ from app.http.routes.plan_queries import (
     idempotency_key,
     with_formats,
 )
-from app.http.routes.plan_resource import PlanResource
+from app.http.routes.resources import PlanResource
 from app.http.routes.stored_plans import JobWithPlan, find, immutable_tag, table_answer, whole_json
 from app.http.waiting import WAIT_S, Patience, patience, wait_for_end
 from app.jobs.refusals import Conflict

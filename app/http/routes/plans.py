@@ -2,8 +2,8 @@
 
 from app.answers.plan import DryRunResponse, PlanResponse
 from app.answers.provenance import ProvenanceOut
-from app.http.routes.plan_resource import PlanResource
 from app.http.routes.plan_routes import plan_routes
+from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
 from app.requests.examples.plan import PLAN_EXAMPLES
 from app.requests.plan import PlanRequest, read_plan_request

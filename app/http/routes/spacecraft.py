@@ -2,8 +2,8 @@
 
 from app.answers.provenance import ProvenanceOut
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
-from app.http.routes.plan_resource import PlanResource
 from app.http.routes.plan_routes import plan_routes
+from app.http.routes.resources import PlanResource
 from app.jobs.kinds import SPACECRAFT_PLAN
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import read_spacecraft_request

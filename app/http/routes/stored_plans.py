@@ -13,7 +13,7 @@ from app.http.in_child import in_child
 from app.http.negotiation import JSON
 from app.http.reading import read
 from app.http.routes.jobs import job_of
-from app.http.routes.plan_resource import PlanResource
+from app.http.routes.resources import PlanResource
 from app.jobs.child import Bounds
 from app.jobs.refusals import Conflict
 from app.store import jobs, plans

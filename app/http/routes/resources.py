@@ -1,4 +1,4 @@
-"""What differs between the resources that hold plans."""
+"""The resources that jobs make, and what differs between those that hold plans."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,8 +12,17 @@ from planner.export.exporter import Exporter
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlanResource:
-    """One resource, at `path`, whose plans are made by jobs of one kind.
+class JobResource:
+    """What is at `path` and made by jobs of one kind; singular: what one of them is called."""
+
+    kind: JobKind
+    path: str
+    singular: str = "plan"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanResource(JobResource):
+    """One that holds plans.
 
     read: the request, which has a `name`, or InvalidRequest.  dry_run: what to say of it when
     nothing is planned.  table_json: a stored table as the answer holds it.
@@ -21,8 +30,6 @@ class PlanResource:
     in a child.  file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
     """
 
-    kind: JobKind
-    path: str
     tag: str
     what: str
     about: str
@@ -37,11 +44,6 @@ class PlanResource:
     table_file: Callable[[bytes, bytes, str, datetime], bytes]
     file_stem: str
     in_campaigns: bool = False
-
-    @property
-    def singular(self) -> str:
-        """What one of them is called."""
-        return "plan"
 
     @property
     def format_by_media_type(self) -> dict[str, str]:
