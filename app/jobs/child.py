@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from app.log.exceptions import traceback_text
 from app.work.progress import report_through
@@ -26,9 +26,21 @@ _GROWN_BYTES = 150 * _MEBIBYTE
 _LIMITED, _HELD = "VmData:", "RssAnon:"
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
-# What a child sends of a piece of work: that it begins, progress any number of times, then one of
-# the others.
-BEGUN, PROGRESS, DONE, REFUSED, FAILED = range(5)
+
+class Message(NamedTuple):
+    """What a child sends of a piece of work: `begun`, `progress` any number of times, an end.
+
+    value: the Progress, the result, the Refusal, or where the work failed.  may_do_more: whether
+    the child is fit for other work.
+    """
+
+    kind: Literal["begun", "progress", "done", "refused", "failed"]
+    value: Any = None
+    may_do_more: bool = False
+
+    def packed(self) -> bytes:
+        """For the line to the service."""
+        return pickle.dumps(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,39 +72,36 @@ def do_all(line: Connection) -> None:
     _say_nothing()
     if not line.poll(_IDLE_S):
         warm.warm_up()
-    report_through(lambda progress: line.send_bytes(_pack_outcome(PROGRESS, progress)))
+    report_through(lambda progress: line.send_bytes(Message("progress", progress).packed()))
     grown_bytes = _bytes(_HELD) + _GROWN_BYTES
     while True:
         try:
             bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
         except (EOFError, ConnectionResetError):  # the service has ended
             return
-        line.send_bytes(_pack_outcome(BEGUN, None))
+        line.send_bytes(Message("begun").packed())
         _bind(bounds)
-        line.send_bytes(_answer(bounds, work, given, grown_bytes))
+        line.send_bytes(_end(bounds, work, given, grown_bytes))
 
 
-def _answer(
+def _end(
     bounds: Bounds, work: Callable[..., object], given: tuple[object, ...], grown_bytes: int
 ) -> bytes:
     try:
         try:
-            kind, value = DONE, work(*given)
+            end = Message("done", work(*given))
         except Refusal as refusal:
-            kind, value = REFUSED, refusal
-        return _pack_outcome(kind, value, not bounds.alone and _bytes(_HELD) < grown_bytes)
+            end = Message("refused", refusal)
+        fit = not bounds.alone and _bytes(_HELD) < grown_bytes
+        return end._replace(may_do_more=fit).packed()
     except MemoryError:
         too_much = TooDemanding(
             f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
             "a time"
         )
-        return _pack_outcome(REFUSED, too_much)
+        return Message("refused", too_much).packed()
     except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
-        return _pack_outcome(FAILED, traceback_text(error))
-
-
-def _pack_outcome(kind: int, value: object, may_do_more: bool = False) -> bytes:
-    return pickle.dumps((kind, value, may_do_more))
+        return Message("failed", traceback_text(error)).packed()
 
 
 def _bind(bounds: Bounds) -> None:

@@ -18,9 +18,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import connection, forkserver
 from threading import Lock, Timer
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
-from app.jobs.child import DONE, FAILED, PROGRESS, REFUSED, Bounds, TooDemanding, do_all
+from app.jobs.child import Bounds, Message, TooDemanding, do_all
 from app.log.logs import log
 from app.work.progress import Progress
 
@@ -128,7 +128,10 @@ class _Child:
 
 
 class _Children:
-    """Those that work, and those that wait for work."""
+    """Those that work, and those that wait for work: `_kept` together while there are fewer.
+
+    A child counts as one that works from before it is forked until it is given back.
+    """
 
     def __init__(self) -> None:
         self._waiting: list[_Child] = []
@@ -148,14 +151,16 @@ class _Children:
 
     def take(self) -> _Child:
         """The one that worked last of those that wait, or a new one."""
-        return self._count_in(lambda: self._next_waiting() or _Child())
+        with self._one_more_working():
+            return self._next_waiting() or _Child()
 
-    def _count_in(self, child: Callable[[], _Child]) -> _Child:
-        """As one that works, unless there is none: the server may have been killed, too."""
+    @contextmanager
+    def _one_more_working(self) -> Iterator[None]:
+        """Unless none comes of it: the server may have been killed, too."""
         with self._lock:
             self._working += 1
         try:
-            return child()
+            yield
         except BaseException:
             with self._lock:
                 self._working -= 1
@@ -172,7 +177,7 @@ class _Children:
             child.throw_away()  # it says something unasked: that it was killed
 
     def give_back(self, child: _Child, may_do_more: bool) -> None:
-        """What is thrown away is replaced when what was made of its answer is out, too."""
+        """It waits for more work, or is killed, and replaced when its answer is out."""
         with self._lock:
             self._working -= 1
             if may_do_more and len(self._waiting) < self._kept:
@@ -192,7 +197,8 @@ class _Children:
         with self._forking:
             while self._working + len(self._waiting) < self._kept:
                 try:
-                    child = self._count_in(_Child)
+                    with self._one_more_working():
+                        child = _Child()
                 except (EOFError, OSError) as error:  # work that finds none forks its own
                     if self._kept:
                         log.warning("a child couldn't be forked", error=error)
@@ -250,36 +256,37 @@ def run_disposable(
     may_do_more = False
     try:
         with stop.ending_by(child.kill):
-            kind, value, may_do_more = _outcome(child, task, bounds, on_progress)
+            end = _end(child, task, bounds, on_progress)
+            may_do_more = end.may_do_more
     except ChildDied:
         if stop.requested:
             raise Stopped from None
         raise
     finally:
         _children.give_back(child, may_do_more and not stop.requested)
-    if kind == REFUSED:
-        raise value
-    if kind == FAILED:
-        raise ChildFailed(value)
-    done: T = value
+    if end.kind == "refused":
+        raise end.value
+    if end.kind == "failed":
+        raise ChildFailed(end.value)
+    done: T = end.value
     return done
 
 
-def _outcome(
+def _end(
     child: _Child, task: bytes, bounds: Bounds, on_progress: Callable[[Progress], None] | None
-) -> tuple[int, Any, bool]:
-    """How it ended, with what, and whether the child may do more."""
+) -> Message:
+    """The last message of the work; raises ChildDied without one, TooDemanding when it's late."""
     try:
         child.line.send_bytes(task)
         if not child.line.poll(_START_S):
             raise ChildDied(f"it didn't begin within {_START_S:g} s")
         until_s = time.monotonic() + bounds.deadline_s
         while child.line.poll(max(until_s - time.monotonic(), 0.0)):
-            kind, value, may_do_more = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our child's)
-            if kind in (DONE, REFUSED, FAILED):
-                return kind, value, may_do_more
-            if kind == PROGRESS and on_progress is not None:
-                on_progress(value)
+            message: Message = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our child's)
+            if message.kind in ("done", "refused", "failed"):
+                return message
+            if message.kind == "progress" and on_progress is not None:
+                on_progress(message.value)
     except (EOFError, OSError):  # nothing comes any more, or not the rest of a message
         raise ChildDied(f"exit code {child.exit_code()}") from None
     raise TooDemanding(
