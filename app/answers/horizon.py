@@ -231,8 +231,8 @@ def _text(reason: Reason | None) -> str | None:
     return None if reason is None else reason.value
 
 
-def _kilometres(metres: float | None) -> float | None:
-    return None if metres is None else round(metres / 1e3, 3)
+def _kilometres(height_m: float | None) -> float | None:
+    return None if height_m is None else round(height_m / 1e3, 3)
 
 
 def degrees(angle_rad: float) -> float:
@@ -240,11 +240,11 @@ def degrees(angle_rad: float) -> float:
     return round(math.degrees(angle_rad), DECIMALS)
 
 
-def rounded(values: Array, decimals: int = DECIMALS) -> list[float]:
+def rounded(numbers: Array, decimals: int = DECIMALS) -> list[float]:
     """A vector as plain numbers."""
-    return [round(float(value), decimals) + 0.0 for value in values]
+    return [round(float(number), decimals) + 0.0 for number in numbers]
 
 
-def rows(values: Array, decimals: int = DECIMALS) -> list[list[float]]:
+def rows(numbers: Array, decimals: int = DECIMALS) -> list[list[float]]:
     """The rows of a matrix as plain numbers."""
-    return [rounded(row, decimals) for row in values]
+    return [rounded(row, decimals) for row in numbers]

@@ -5,10 +5,10 @@ from datetime import datetime
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from app.answers.provenance import ProvenanceOut
+from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
 
@@ -157,9 +157,10 @@ def _sightings(
     return [kind(**row) for row in _rows(columns)]
 
 
-def _by_axis(axis_names: tuple[str, str], radians: NDArray[np.float64]) -> Column:
+def _by_axis(axis_names: tuple[str, str], motion_rad: Array) -> Column:
+    """motion_rad: shape (..., 2), rad or rad/s."""
     return _rows(
-        {name: _numbers(np.degrees(radians[..., axis])) for axis, name in enumerate(axis_names)}
+        {name: _numbers(np.degrees(motion_rad[..., axis])) for axis, name in enumerate(axis_names)}
     )
 
 
@@ -167,14 +168,14 @@ def _rows(columns: dict[str, Column]) -> list[dict[str, Any]]:
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
-def _utc(start_utc: datetime, t_s: NDArray[np.float64]) -> Column:
+def _utc(start_utc: datetime, t_s: Array) -> Column:
     texts = np.array(Instants(start_utc, t_s.ravel()).utc_text(3), dtype=object)
     listed: Column = texts.reshape(t_s.shape).tolist()
     return listed
 
 
-def _numbers(values: NDArray[np.float64]) -> Column:
-    rounded = np.round(values, DECIMALS) + 0.0  # no -0.0
+def _numbers(numbers: Array) -> Column:
+    rounded = np.round(numbers, DECIMALS) + 0.0  # no -0.0
     told = rounded.astype(object)
     told[~np.isfinite(rounded)] = None
     listed: Column = told.tolist()

@@ -17,8 +17,8 @@ def preferred_type(request: Request, offered: tuple[str, ...]) -> str:
 
     Raises 406 when it admits none.  Source: RFC 9110, section 12.5.1.
     """
-    ranges = [_media_range(text) for text in request.headers.get("accept", "*/*").split(",")]
-    weights = [_weight(media_type, ranges) for media_type in offered]
+    range_weights = [_media_range(text) for text in request.headers.get("accept", "*/*").split(",")]
+    weights = [_weight(media_type, range_weights) for media_type in offered]
     best = max(weights)
     if best <= 0.0:
         raise HTTPException(
@@ -73,10 +73,10 @@ def _media_range(text: str) -> tuple[str, float]:
     return media_range, 1.0
 
 
-def _weight(media_type: str, ranges: list[tuple[str, float]]) -> float:
+def _weight(media_type: str, range_weights: list[tuple[str, float]]) -> float:
     """That of the most specific range which admits the type; 0 when none does."""
     for admitting in (media_type, media_type.split("/")[0] + "/*", "*/*"):
-        for media_range, weight in ranges:
+        for media_range, weight in range_weights:
             if media_range == admitting:
                 return weight
     return 0.0

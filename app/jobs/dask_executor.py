@@ -127,7 +127,7 @@ class DaskExecutor:
         if not any(SLOT in worker["resources"] for worker in workers):
             log.warning("no worker of this version is connected; work waits for one", slot=SLOT)
 
-    def _tell(self, event: tuple[float, dict[str, Any]]) -> None:
+    def _tell(self, event: tuple[object, dict[str, Any]]) -> None:
         _, told = event
         listener = self._listeners.get(told["key"])
         if listener is not None:

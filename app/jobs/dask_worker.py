@@ -45,8 +45,8 @@ def run_here(key: str, task: Task) -> Outcome:
         result = run_disposable(
             task.bounds,
             task.work,
+            task.body,
             task.request,
-            task.asked,
             stop=_stops.setdefault(key, Stop()),
             on_progress=tell,
         )

@@ -99,10 +99,10 @@ class Dispatcher:
             running.stop.request()
         self._executor.close()
 
-    def submit(self, new: NewJob, asked: object = None) -> Job:
+    def submit(self, new: NewJob, request: object = None) -> Job:
         """Accept a job, begun at once where there is room; or the one accepted under its key.
 
-        asked: what reading the request gave, lest work begun at once reads it again.
+        request: as it was read, lest work begun at once reads it again.
         Raises QueueFull.
         """
         if not self._take_place():
@@ -111,7 +111,7 @@ class Dispatcher:
             return job
         # Worked on while the database writes it down; nobody hears of what isn't accepted.
         running = _Running(job_id=new.id, kind=JOB_KINDS[new.kind], parent_id=new.parent_id)
-        work = self._work(running, new.deadline_s, new.request, asked)
+        work = self._work(running, new.deadline_s, new.request, request)
         token = None
         try:
             job, token = self._accept_once(new, mine=True)
@@ -213,15 +213,15 @@ class Dispatcher:
     # Work on a job
 
     def _work(
-        self, running: _Running, deadline_s: float, request: bytes, asked: object = None
+        self, running: _Running, deadline_s: float, body: bytes, request: object = None
     ) -> Future[Any]:
         kind = running.kind
         task = Task(
             job_id=running.job_id,
             bounds=Bounds(deadline_s=deadline_s, memory_mib=kind.bounds.memory_mib),
             work=kind.work,
+            body=body,
             request=request,
-            asked=asked,
         )
         return self._executor.submit(
             task, running.stop, lambda progress: self._tell(running, progress)

@@ -12,16 +12,16 @@ from app.work.progress import Progress
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """Work for a child: `work(request, asked)` within bounds; all of it goes through pickle.
+    """Work for a child: `work(body, request)` within bounds; all of it goes through pickle.
 
-    request: its bytes.  asked: what reading them gave; None where the child is to read them.
+    body: the request as it was sent.  request: as it was read, None where the child is to read it.
     """
 
     job_id: str
     bounds: Bounds
     work: Callable[[bytes, Any], Any]
-    request: bytes = field(repr=False)
-    asked: Any = field(default=None, repr=False)
+    body: bytes = field(repr=False)
+    request: Any = field(default=None, repr=False)
 
 
 class SolveExecutor(Protocol):
@@ -61,8 +61,8 @@ class LocalExecutor:
             run_disposable,
             task.bounds,
             task.work,
+            task.body,
             task.request,
-            task.asked,
             stop=stop,
             on_progress=on_progress,
         )

@@ -24,8 +24,8 @@ from app.work.spacecraft import plan_and_pack_session
 class JobKind:
     """One kind of job.
 
-    work: in a child, from the request's bytes and what reading them gave, or None where it is to
-    read them; what it returns and raises goes through pickle.
+    work: in a child, of a request's bytes and the request as it was read, None where it is to read
+    it; what it returns and raises goes through pickle.
     store: puts that into the database, in the transaction that finishes the job, whose row it
     holds; returns the state the job then has: `running` while it waits for parts.
     iterations: of a solver, counted in the metrics.

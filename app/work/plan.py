@@ -23,15 +23,15 @@ from planner.sessions.plan import Plan
 from planner.verification import Finding
 
 
-def plan_and_pack(request: bytes, asked: PlanRequest | None = None) -> NewPlan:
+def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
     """Read unless that is done, plan, judge and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
-    asked = asked or read_plan_request(request)
-    plan = make_plan(asked, on_stage=lambda stage: report(Progress(stage=stage)))
-    made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
-    checks = horizon_checks(plan.scenario, asked.horizon_cameras)
+    request = request or read_plan_request(body)
+    plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
+    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    checks = horizon_checks(plan.scenario, request.horizon_cameras)
     return NewPlan(
-        name=asked.name,
+        name=request.name,
         state=verdict_state(plan),
         input_sha256=made.input_sha256,
         versions=made.versions,

@@ -25,11 +25,11 @@ _COLUMNS = (
 )
 
 
-def plan_and_pack_session(request: bytes, asked: ImagingPlanRequest | None = None) -> NewPlan:
+def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> NewPlan:
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
-    plan = plan_imaging(asked or read_spacecraft_request(request))
-    made = provenance(hashlib.sha256(request).hexdigest(), now_utc)
+    plan = plan_imaging(request or read_spacecraft_request(body))
+    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
     return NewPlan(
         name=plan.request.name,
         state="done",

@@ -32,7 +32,7 @@ DIRECTION = re.compile(
 # The parts of a state have several units, which stand beside it.
 PURE_ARRAY = re.compile(
     r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
-    r"|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
+    r"|numbers|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
 )
 NUMBER = ("float", "float | None")
 ARRAY = re.compile(
@@ -41,7 +41,6 @@ ARRAY = re.compile(
 )
 # Rooms whose arrays have not been named yet.
 STILL_TO_BE_NAMED = (
-    "app/",
     "planner/campaigns/",
     "planner/opportunities/",
     "planner/spacecraft/imaging/path_labels.py",

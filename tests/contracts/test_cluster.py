@@ -80,7 +80,7 @@ def submitted(executor, work, notes, stop=None, bounds=None):
         job_id=work,
         bounds=bounds or KINDS[work].bounds,
         work=KINDS[work].work,
-        request=os.fsencode(notes),
+        body=os.fsencode(notes),
     )
     return executor.submit(task, stop or Stop(), lambda _: None)
 

@@ -22,8 +22,8 @@ _AREA = [
 ]
 
 
-def _line(coordinates: list[list[float]]) -> dict[str, Any]:
-    return {"type": "LineString", "coordinates": coordinates}
+def _line(longitude_latitude_deg: list[list[float]]) -> dict[str, Any]:
+    return {"type": "LineString", "coordinates": longitude_latitude_deg}
 
 
 FOUR_MODES: dict[str, Any] = {
