@@ -12,7 +12,6 @@ from anyio import to_thread
 from app.jobs.child import Bounds
 from app.jobs.disposable import run_disposable
 from app.log.logs import log
-from app.store import probes
 from app.store.database import Database
 from app.store.failures import StoreUnavailable
 from planner.frames.earth_orientation import iers_data_end_utc
@@ -101,7 +100,7 @@ def _run_check(name: str, check: Check) -> ReadinessCheckOut:
 
 def database_takes_writes(database: Database) -> tuple[State, str]:
     """As much as a plan takes is written, and removed again."""
-    probes.write_and_remove(database)
+    database.require_writable()
     return "ok", f"{database.url.get_backend_name()} takes what is written"
 
 

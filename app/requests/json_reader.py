@@ -5,6 +5,7 @@ The HTTP service and the command line read requests here and nowhere else.
 
 import json
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
@@ -14,7 +15,6 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import SchemaValidator, core_schema
 
-from app.requests.json_bounds import beyond_bounds
 from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain
 from planner.errors import FieldError, InvalidRequest, with_short_values
 from planner.frames.time_scales import utc_from_text
@@ -24,6 +24,12 @@ FIELDS_MAX = 1000  # of one object, and
 OBJECTS_MAX = 20_000  # of one request: bounds on the work a hostile one can make
 VALUE_SHOWN_CHARACTERS = 80
 DIGITS_MAX = VALUE_SHOWN_CHARACTERS  # of one number
+VALUES_MAX = 500_000  # eight megabytes of `[],[],` would become 2.8 million lists, and
+DEPTH_MAX = 50  # of `[[[[` a stack overflow
+_TOO_MANY = f"it has more than {VALUES_MAX} values"
+# A string that never ends runs to the end, so that the search stays linear.
+_STRING = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"?', re.DOTALL)
+_BRACKET = re.compile(rb"[][{}]")
 _MESSAGE = "content"  # the field of orbits and attitudes that holds a whole CCSDS message
 
 T = TypeVar("T")
@@ -82,6 +88,24 @@ class _JsonSchema(GenerateJsonSchema):
 def field_errors(errors: Sequence[Mapping[str, Any]], document: object) -> list[FieldError]:
     """Pydantic's findings in our words, by the fields of the document as it was sent."""
     return [_field_error(error, document) for error in errors[:ERRORS_SHOWN]]
+
+
+def beyond_bounds(body: bytes) -> str | None:
+    """What is too much, with the cap, before anything is built; None when nothing is."""
+    # Each value has two strings at most, its name and itself: cheaper to count than to find.
+    if body.count(b'"') - body.count(b'\\"') > 4 * VALUES_MAX:
+        return _TOO_MANY
+    outside_strings = _STRING.sub(b"", body)
+    # A value follows each comma and each opening bracket, if not the bracket's end.
+    values = sum(outside_strings.count(mark) for mark in (b",", b"[", b"{"))
+    if values > VALUES_MAX:
+        return _TOO_MANY
+    depth = 0
+    for bracket in _BRACKET.findall(outside_strings):
+        depth += 1 if bracket in b"[{" else -1
+        if depth > DEPTH_MAX:
+            return f"it is nested more than {DEPTH_MAX} deep"
+    return None
 
 
 def _document(body: bytes) -> object:

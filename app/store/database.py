@@ -12,9 +12,20 @@ import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
+from sqlalchemy import (
+    URL,
+    Connection,
+    Engine,
+    create_engine,
+    delete,
+    event,
+    insert,
+    make_url,
+    or_,
+)
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.exc import ArgumentError, SQLAlchemyError
 from sqlalchemy.pool import ConnectionPoolEntry
@@ -26,6 +37,8 @@ from app.store.failures import (
     keeps_all_waiting,
     may_leave_stale_pages,
 )
+from app.store.ids import new_id
+from app.store.models import ProbeRow
 from app.store.turns import PATIENCE_S, Outage, Turns
 from planner.errors import InvalidInput
 
@@ -37,6 +50,8 @@ _WRITES = "slewtrack_writes"
 # another busy service; so often it does.
 _LOOK_S = 0.004
 _OWNER_ONLY = 0o600
+_PROBE_BYTES = 32 * 1024  # what a plan takes
+_PROBE_FORGOTTEN = timedelta(minutes=1)  # by a service that died in between
 
 
 class Database:
@@ -92,6 +107,20 @@ class Database:
         """What an operator knows it by: its file, or the setting that names it."""
         is_file = self.url.drivername == "sqlite"
         return str(self.url.database) if is_file else "SLEWTRACK_DATABASE_URL"
+
+    def require_writable(self) -> None:
+        """Write as much as a plan takes and remove it; raises StoreUnavailable.
+
+        In a transaction each, so that it gets to the disk: a full one is read without complaint.
+        """
+        probe_id, now_utc = new_id(), datetime.now(UTC)
+        # Random, as what compresses would need no room.
+        values = {"id": probe_id, "at_utc": now_utc, "content": os.urandom(_PROBE_BYTES)}
+        with self.writing() as connection:
+            connection.execute(insert(ProbeRow).values(values))
+        forgotten = ProbeRow.at_utc < now_utc - _PROBE_FORGOTTEN
+        with self.writing() as connection:
+            connection.execute(delete(ProbeRow).where(or_(ProbeRow.id == probe_id, forgotten)))
 
     def _turn(self) -> AbstractContextManager[None]:
         """Before a connection is taken, so that writers who wait leave some to readers."""

@@ -103,28 +103,17 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
     """Store a job; with `lease_s` it is the caller's at once, under the token returned."""
     token = None if lease_s is None else secrets.token_hex(16)
     now_utc = datetime.now(UTC)
-    connection.execute(
-        insert(JobRow).values(
-            id=new.id,
-            kind=new.kind,
-            state="queued" if token is None else "running",
-            name=new.name,
-            request=zlib.compress(new.request),
-            request_sha256=new.request_sha256,
-            options=dict(new.options),
-            key_id=new.key_id,
-            idempotency=new.idempotency,
-            parent_id=new.parent_id,
-            rank=new.rank,
-            attempts=0 if token is None else 1,
-            lease_token=token,
-            lease_until_s=None if lease_s is None else database_now_s() + lease_s,
-            deadline_s=new.deadline_s,
-            created_utc=now_utc,
-            started_utc=None if token is None else now_utc,
-            cancel_requested=False,
-        )
-    )
+    begun = {
+        "state": "queued" if token is None else "running",
+        "request": zlib.compress(new.request),
+        "attempts": 0 if token is None else 1,
+        "lease_token": token,
+        "lease_until_s": None if lease_s is None else database_now_s() + lease_s,
+        "created_utc": now_utc,
+        "started_utc": None if token is None else now_utc,
+        "cancel_requested": False,
+    }
+    connection.execute(insert(JobRow).values(vars(new) | begun))
     began = () if token is None else ({"state": "running", "attempt": 1},)
     events.begin(connection, new.id, {"state": "queued"}, *began)
     return token

@@ -44,22 +44,9 @@ def store(
         of_series = PlanRow.series == series
         connection.execute(select(PlanRow.id).where(of_series).with_for_update())  # one by one
         last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
-    connection.execute(
-        insert(PlanRow).values(
-            id=job_id,
-            kind=kind,
-            series=series or job_id,
-            revision=last + 1,
-            revises=revises,
-            name=new.name,
-            state=new.state,
-            input_sha256=new.input_sha256,
-            versions=new.versions,
-            document=new.document,
-            table_columns=new.table_columns,
-            planned_utc=new.planned_utc,
-        )
-    )
+    place = {"id": job_id, "kind": kind, "series": series or job_id, "revision": last + 1}
+    made = {name: value for name, value in vars(new).items() if name != "iterations"}
+    connection.execute(insert(PlanRow).values(made | place, revises=revises))
 
 
 def get(connection: Connection, plan_id: str) -> StoredPlan | None:

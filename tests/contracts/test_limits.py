@@ -17,7 +17,7 @@ from app.http.door.gate import Gate
 from app.http.door.key_ring import KeyRing
 from app.http.door.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.metrics import Metrics
-from app.requests.json_bounds import DEPTH_MAX, VALUES_MAX, beyond_bounds
+from app.requests.json_reader import DEPTH_MAX, VALUES_MAX, beyond_bounds
 from app.settings import Settings
 from app.store.api_keys import Key, digest, new_secret
 from app.store.keys import KeyStore

@@ -13,8 +13,7 @@ from pydantic_core import PydanticUndefined
 
 from app.http.app import create_app
 from app.http.door.request_form import HEAD_BYTES_MAX, HEADERS_MAX, PATH_BYTES_MAX, QUERY_BYTES_MAX
-from app.requests.json_bounds import DEPTH_MAX, VALUES_MAX
-from app.requests.json_reader import OBJECTS_MAX
+from app.requests.json_reader import DEPTH_MAX, OBJECTS_MAX, VALUES_MAX
 from app.settings import Settings
 
 PAGE = (ROOT / "docs" / "operations.md").read_text()
