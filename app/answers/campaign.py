@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from app.answers.job import JobProblem, JobResponse, ListedJobs, job_out
+from app.answers.job import JobProblem, JobResponse, job_out, page
 from app.store.jobs import Job
 from app.store.states import JobState
 
@@ -164,6 +164,7 @@ def _planned_out(passes: Sequence[CampaignPassOut]) -> PlannedOut:
     )
 
 
-def campaign_list_json(listed: ListedJobs) -> bytes:
+def campaign_list_json(jobs: Sequence[Job], limit: int) -> bytes:
     """A CampaignList."""
-    return _LIST.dump_json(CampaignList(campaigns=listed.jobs, next=listed.next))
+    campaigns, after = page(jobs, limit)
+    return _LIST.dump_json(CampaignList(campaigns=campaigns, next=after))

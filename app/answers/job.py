@@ -38,14 +38,6 @@ class JobResponse:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ListedJobs:
-    """A piece of a list; `next`: the id to go on from, None at the end."""
-
-    jobs: list[JobResponse]
-    next: str | None
-
-
-@dataclass(frozen=True, kw_only=True)
 class PlanList:
     """The latest first; `next` is the `cursor` of what comes after, null at the end."""
 
@@ -84,14 +76,13 @@ def job_json(job: Job) -> bytes:
     return _JOB.dump_json(job_out(job))
 
 
-def listed_jobs(jobs: Sequence[Job], limit: int) -> ListedJobs:
-    """Of jobs of which one more than the limit was asked for."""
+def page(jobs: Sequence[Job], limit: int) -> tuple[list[JobResponse], str | None]:
+    """Of jobs of which one more than the limit was asked for; the id to go on from, if any."""
     shown = jobs[:limit]
-    return ListedJobs(
-        jobs=[job_out(job) for job in shown], next=shown[-1].id if len(jobs) > limit else None
-    )
+    return [job_out(job) for job in shown], shown[-1].id if len(jobs) > limit else None
 
 
-def list_json(listed: ListedJobs) -> bytes:
+def list_json(jobs: Sequence[Job], limit: int) -> bytes:
     """A PlanList."""
-    return _LIST.dump_json(PlanList(plans=listed.jobs, next=listed.next))
+    plans, after = page(jobs, limit)
+    return _LIST.dump_json(PlanList(plans=plans, next=after))

@@ -13,9 +13,8 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter
 from app.answers.comparison import SlewComparisonOut, comparison_out
 from app.answers.horizon import HorizonCheckOut
 from app.answers.plan_head import PlanHead, new_head, whole_answer
-from app.answers.pointing import PointingOut, pointing_out
+from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out, uncertainty_out
 from app.answers.provenance import ProvenanceOut, provenance
-from app.answers.uncertainty import UncertaintyOut, uncertainty_out
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.export import Segment, SegmentKind
 from planner.frames.time_scales import utc_text

@@ -1,10 +1,11 @@
-"""How well each session's target is held, and in what view, as answered."""
+"""How well each session's target is held, in what view, and the pointing budget, as answered."""
 
 import math
 from dataclasses import dataclass
 from typing import Any
 
 from planner.frames.time_scales import utc_text
+from planner.sessions.uncertainty import Contribution, PointingBudget
 from planner.verification import EarthFixedView, SessionReport, SkyView
 
 ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
@@ -116,3 +117,30 @@ def _view(view: EarthFixedView | SkyView | None) -> dict[str, Any]:
             }
         case None:
             return {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class UncertaintyOut:
+    """1-sigma pointing error of one session, per image axis at its worst instant.
+
+    What the table can't know: the errors of orbit, attitude, Earth orientation, clock and
+    drives.  probability_in_frame: that the target stays inside the camera's frame over the
+    whole session, from where the table holds it.
+    """
+
+    session: int
+    sigma_arcsec: float
+    ground_m: float | None
+    probability_in_frame: float
+    contributions: list[Contribution]
+
+
+def uncertainty_out(session: int, budget: PointingBudget) -> UncertaintyOut:
+    """The budget of the session with this number."""
+    return UncertaintyOut(
+        session=session,
+        sigma_arcsec=budget.sigma_arcsec,
+        ground_m=budget.ground_m,
+        probability_in_frame=budget.probability_in_frame,
+        contributions=list(budget.contributions),
+    )

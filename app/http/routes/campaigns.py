@@ -103,7 +103,8 @@ async def post_campaign(
 )
 async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
     """The latest first."""
-    return Response(campaign_list_json(await list_jobs(request, RESOURCE, query)), media_type=JSON)
+    found = await list_jobs(request, RESOURCE, query)
+    return Response(campaign_list_json(found, query.limit), media_type=JSON)
 
 
 @router.get(

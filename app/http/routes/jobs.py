@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
-from app.answers.job import JobResponse, ListedJobs, job_json, listed_jobs
+from app.answers.job import JobResponse, job_json
 from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
 from app.http.negotiation import JSON, accepts_json, preferred_type
 from app.http.reading import read
@@ -96,9 +96,9 @@ def _not_found(resource: JobResource) -> HTTPException:
 
 async def list_jobs(
     request: Request, resource: JobResource, query: ListQuery, campaign_id: str | None = None
-) -> ListedJobs:
-    """Those the query asks for, the latest first; a campaign's passes only under its id."""
-    found = await read(
+) -> list[Job]:
+    """Those the query asks for and one more, the latest first; a campaign's passes by its id."""
+    return await read(
         request,
         lambda connection: jobs.latest(
             connection,
@@ -110,7 +110,6 @@ async def list_jobs(
             parent_id=campaign_id,
         ),
     )
-    return listed_jobs(found, query.limit)
 
 
 def add_delete(router: APIRouter, resource: JobResource) -> None:

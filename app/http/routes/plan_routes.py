@@ -182,7 +182,7 @@ def _add_list(router: APIRouter, resource: PlanResource) -> None:
         """The latest first, those that wait, run, were refused or cancelled included."""
         campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
         found = await list_jobs(request, resource, query, campaign_id)
-        return Response(list_json(found), media_type=JSON)
+        return Response(list_json(found, query.limit), media_type=JSON)
 
     query_model = PlanListQuery if resource.in_campaigns else ListQuery
     get_plans.__annotations__["query"] = Annotated[query_model, Query()]
