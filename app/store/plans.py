@@ -44,9 +44,9 @@ def store(
         of_series = PlanRow.series == series
         connection.execute(select(PlanRow.id).where(of_series).with_for_update())  # one by one
         last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
-    place = {"id": job_id, "kind": kind, "series": series or job_id, "revision": last + 1}
     made = {name: value for name, value in vars(new).items() if name != "iterations"}
-    connection.execute(insert(PlanRow).values(made | place, revises=revises))
+    place = {"series": series or job_id, "revision": last + 1, "revises": revises}
+    connection.execute(insert(PlanRow).values({"id": job_id, "kind": kind, **made, **place}))
 
 
 def get(connection: Connection, plan_id: str) -> StoredPlan | None:
