@@ -4,14 +4,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.master import Proposal, best_together
 from planner.campaigns.network import Network
 from planner.campaigns.path import Look, best_path, path_bound
 
-Indices = NDArray[np.intp]
 Passes = list[tuple[Look, ...]]
 Reporter = Callable[[str, int, int], None]
 """What is being done, and how many parts of how many of it are."""
@@ -128,7 +126,7 @@ class _Search:
         """What the passes would take at these prices, and what the Lagrangian then is."""
         gain = self._looking.worth - price[:, None]
         steps = self._looking.length_steps
-        paths = [best_path(one, steps, gain, each_once=True) for one in self._networks]
+        paths = [best_path(one, steps, gain) for one in self._networks]
         lagrangian = float(self._looking.most_looks @ price) + sum(path.value for path in paths)
         self._propose([path.looks for path in paths])
         return lagrangian, [path.looks for path in paths]
@@ -144,7 +142,7 @@ class _Search:
         for number, network in enumerate(self._networks):
             left += looking.looks_of([passes[number]])
             gain = np.where((left > 0.0)[:, None], looking.worth - price[:, None], 0.0)
-            path = best_path(network, looking.length_steps, gain, each_once=True)
+            path = best_path(network, looking.length_steps, gain)
             own = sum(gain[look.target, look.length] for look in passes[number])
             if path.value > own + WORTHLESS:
                 passes[number] = path.looks

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.platforms import AxisLimits
 
-Indices = NDArray[np.intp]
 PASS_MAX_S = 3600.0
 SESSIONS_MAX = 200  # of one plan
 CUT_STEP_S = 10.0  # how finely the place of a cut is chosen

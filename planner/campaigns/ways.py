@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.passes import Looks
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
@@ -16,7 +16,6 @@ from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.targets import Target
 
-Indices = NDArray[np.intp]
 DELTA_S = 1.0  # rates and accelerations are differences over it
 WITHIN = 0.98  # of each limit: what lies between the steps keeps it too
 SINGULAR_RAD = 1e-3

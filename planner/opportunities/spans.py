@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.opportunities.sights import Sight
 
-Indices = NDArray[np.intp]
 Margin = Callable[[Indices, Array], Array]
 """Margins (n,) of targets (n,), by number, at t_s (n,)."""
 
