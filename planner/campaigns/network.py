@@ -92,12 +92,12 @@ def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> 
 
 def _states(ways: Ways, rows: Indices) -> Array:
     begin = int(ways.offset[rows[0]])
-    return ways.state[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+    return ways.axis_states[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
 
 
 @compiled
 def _fill(
-    state: Array,
+    axis_states: Array,
     network: Network,
     usable_to: Indices,
     step_s: float,
@@ -126,16 +126,16 @@ def _fill(
                     latest = first[to]
                 else:
                     latest = _first_arrival(
-                        state[offset[source] + steps], state, offset[to], first[to], usable_to[to],
-                        leave, latest, step_s, limits, sign,
+                        axis_states[offset[source] + steps], axis_states, offset[to], first[to],
+                        usable_to[to], leave, latest, step_s, limits, sign,
                     )  # fmt: skip
                 arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
 
 
 @compiled
 def _first_arrival(
-    here: Array,
-    state: Array,
+    axis_state: Array,
+    axis_states: Array,
     offset: int,
     first: int,
     usable_to: int,
@@ -149,8 +149,8 @@ def _first_arrival(
     found = latest
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
-        there = state[offset + step - first]
-        if slew_time_s(here, there, limits, sign) > (step - leave) * step_s + 1e-9:
+        there = axis_states[offset + step - first]
+        if slew_time_s(axis_state, there, limits, sign) > (step - leave) * step_s + 1e-9:
             break
         found = step
         step -= 1

@@ -99,10 +99,10 @@ def off_nadir_rad(direction_itrf: Array, carrier: Carrier, t_s: Array) -> Array:
     return angle_rad(direction_itrf, -carrier.r_sat_itrf_m.at(t_s))
 
 
-def angle_rad(one: Array, other: Array) -> Array:
+def angle_rad(direction: Array, other_direction: Array) -> Array:
     """Between vectors (n, 3) of any length, accurate near 0 and pi too."""
-    across = np.linalg.norm(np.cross(one, other), axis=1)
-    return np.asarray(np.arctan2(across, np.einsum("nj,nj->n", one, other)))
+    across = np.linalg.norm(np.cross(direction, other_direction), axis=1)
+    return np.asarray(np.arctan2(across, np.einsum("nj,nj->n", direction, other_direction)))
 
 
 def _body_direction(r_body_itrf_m: UniformTable, carrier: Carrier, t_s: Array) -> Array:

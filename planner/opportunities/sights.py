@@ -226,5 +226,5 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.einsum("nj,nj->n", a, b))
 
 
-def _norm(vector: Array) -> Array:
-    return np.sqrt(_dot(vector, vector))
+def _norm(a: Array) -> Array:
+    return np.sqrt(_dot(a, a))

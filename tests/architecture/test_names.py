@@ -17,7 +17,7 @@ UNIT = re.compile(
 )
 # What has no unit, by the word a name holds.
 PURE = re.compile(
-    r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|cost|factor|scale"
+    r"(^|_)(probability|share|ratio|damping|coefficient|weight|gain|score|priority|price|cost|factor|scale"
     r"|value|extreme|margin|limit|bound|sigma|cover|depth|density|sign|step|gamma|exposure|blur"
     r"|ozone|airglow|moonlight|glare|land|up|default|bstar|eccentricity|error|integral|spread"
     r"|objective|level|size|inclusive|threshold|least|greatest|exponent|cosine|sine|contrast"
@@ -42,12 +42,9 @@ ARRAY = re.compile(
 # Rooms whose arrays have not been named yet.
 STILL_TO_BE_NAMED = (
     "app/",
-    "planner/campaigns/",
     "planner/detour/",
-    "planner/opportunities/",
     "planner/pointing/",
     "planner/slew/",
-    "planner/spacecraft/imaging/path_labels.py",
 )
 # A textbook's letter inside a cited formula.
 SYMBOL = re.compile(r"[a-zA-Z]\d?")
