@@ -7,12 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.interpolation import UniformTable
 from planner.opportunities.request import OpportunityConditions
 from planner.opportunities.sights import EarthSight, Sight
-from planner.opportunities.spans import Indices, Margin
+from planner.opportunities.spans import Margin
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles
 from planner.targets.apparent import aberrate
