@@ -10,13 +10,13 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_ROOMS = ("spacecraft", "campaigns")  # which have kernels
+_ROOMS = ("spacecraft", "campaigns", "label_search.py")  # which have kernels
 
 
 def _digest(planner: Path) -> str:
     sources = [planner / "compiled.py"]
     for room in _ROOMS:
-        sources += sorted((planner / room).rglob("*.py"))
+        sources += sorted((planner / room).rglob("*.py")) or [planner / room]
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
 
 

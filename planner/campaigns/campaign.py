@@ -185,15 +185,15 @@ def _looks(request: CampaignRequest, windows: Windows, rest_s: float) -> Looks:
 
 def _looking(request: CampaignRequest) -> Looking:
     length_steps = np.zeros((len(request.targets), LENGTHS), np.intp)
-    worth = np.zeros((len(request.targets), LENGTHS))
+    look_value = np.zeros((len(request.targets), LENGTHS))
     for row, wanted in enumerate(request.targets):
         for place, length_s in enumerate(wanted.lengths_s):
             length_steps[row, place] = math.ceil(length_s / request.step_s - 1e-9)
-            worth[row, place] = wanted.worth_value(length_s)
+            look_value[row, place] = wanted.worth_value(length_s)
     return Looking(
         length_steps=length_steps,
-        worth=worth,
-        most_looks=np.array([float(wanted.looks) for wanted in request.targets]),
+        look_value=look_value,
+        look_limit=np.array([float(wanted.looks) for wanted in request.targets]),
     )
 
 

@@ -4,14 +4,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.master import Proposal, best_together
 from planner.campaigns.network import Network
 from planner.campaigns.path import Look, best_path, path_bound
 
-Indices = NDArray[np.intp]
 Passes = list[tuple[Look, ...]]
 Reporter = Callable[[str, int, int], None]
 """What is being done, and how many parts of how many of it are."""
@@ -46,22 +44,24 @@ class CampaignChoice:
 class Looking:
     """What looks at each target may be.
 
-    length_steps, worth: (targets, lengths), steps on the grid until it has ended and what it
-    is worth; worth 0 for lengths there are not.  most_looks: (targets,).
+    length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
+    it is worth; 0 for lengths there are not.  look_limit: (targets,).
     """
 
     length_steps: Indices
-    worth: Array
-    most_looks: Array
+    look_value: Array
+    look_limit: Array
 
     def worth_of(self, passes: Iterable[Sequence[Look]]) -> float:
         """Of all looks together."""
-        return float(sum(self.worth[one.target, one.length] for looks in passes for one in looks))
+        return float(
+            sum(self.look_value[one.target, one.length] for looks in passes for one in looks)
+        )
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many looks each target gets, (targets,)."""
         target = [one.target for looks in passes for one in looks]
-        return np.bincount(target, minlength=len(self.most_looks)).astype(np.float64)
+        return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
 
 
 def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
@@ -71,7 +71,7 @@ def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Cam
     Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27.
     """
     search = _Search(networks, looking)
-    free = np.zeros(len(looking.most_looks))
+    free = np.zeros(len(looking.look_limit))
     greedy = search.fill_passes([()] * len(networks), free)
     search.improve(greedy)
     price = search.find_prices(tell)
@@ -93,14 +93,14 @@ class _Search:
         self._looking = looking
         self.best: Passes = [()] * len(networks)
         self.value = 0.0
-        self._bound = float(looking.most_looks @ looking.worth.max(axis=1))
+        self._bound = float(looking.look_limit @ looking.look_value.max(axis=1))
         self._proposed: dict[tuple[int, tuple[Look, ...]], None] = {}
 
     def find_prices(self, tell: Reporter) -> Array:
         """Prices at which the bound is about least; improves the choice on the way."""
         looking = self._looking
         # At these nothing gains: all looks at their best.
-        best_price: Array = looking.worth.max(axis=1)
+        best_price: Array = looking.look_value.max(axis=1)
         price = np.zeros_like(best_price)
         step, waited = 1.0, 0
         for done in range(ROUNDS_MAX):
@@ -113,7 +113,7 @@ class _Search:
                 step *= 0.5
             if done % FILL_EVERY == 0:
                 self.improve(self.fill_passes([()] * len(self._networks), price))
-            wanted = looking.looks_of(passes) - looking.most_looks
+            wanted = looking.looks_of(passes) - looking.look_limit
             wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
             square = float(wanted @ wanted)
             if step < STEP_MIN or square == 0.0 or self._is_near():
@@ -126,10 +126,10 @@ class _Search:
 
     def _answers(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
-        gain = self._looking.worth - price[:, None]
+        gain = self._looking.look_value - price[:, None]
         steps = self._looking.length_steps
-        paths = [best_path(one, steps, gain, each_once=True) for one in self._networks]
-        lagrangian = float(self._looking.most_looks @ price) + sum(path.value for path in paths)
+        paths = [best_path(one, steps, gain) for one in self._networks]
+        lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
         self._propose([path.looks for path in paths])
         return lagrangian, [path.looks for path in paths]
 
@@ -140,11 +140,11 @@ class _Search:
         """Pass after pass is given its best path at the prices for what the others leave."""
         looking = self._looking
         passes = list(start)
-        left = looking.most_looks - looking.looks_of(passes)
+        left = looking.look_limit - looking.looks_of(passes)
         for number, network in enumerate(self._networks):
             left += looking.looks_of([passes[number]])
-            gain = np.where((left > 0.0)[:, None], looking.worth - price[:, None], 0.0)
-            path = best_path(network, looking.length_steps, gain, each_once=True)
+            gain = np.where((left > 0.0)[:, None], looking.look_value - price[:, None], 0.0)
+            path = best_path(network, looking.length_steps, gain)
             own = sum(gain[look.target, look.length] for look in passes[number])
             if path.value > own + WORTHLESS:
                 passes[number] = path.looks
@@ -153,7 +153,7 @@ class _Search:
 
     def improve(self, passes: Passes) -> None:
         """Refill without prices until nothing is gained; the best choice is kept."""
-        free = np.zeros(len(self._looking.most_looks))
+        free = np.zeros(len(self._looking.look_limit))
         value = self._looking.worth_of(passes)
         for _ in range(SWEEPS_MAX):
             better = self.fill_passes(passes, free)
@@ -172,10 +172,10 @@ class _Search:
         latest = list(self._proposed)[-PROPOSALS_MAX:]
         own = [(n, looks) for n, looks in enumerate(self.best) if looks]
         proposals = [
-            Proposal(pass_number=n, worth_value=self._looking.worth_of([looks]), looks=looks)
+            Proposal(pass_number=n, value=self._looking.worth_of([looks]), looks=looks)
             for n, looks in dict.fromkeys([*own, *latest])
         ]
-        chosen = best_together(proposals, len(self._networks), self._looking.most_looks, COMBINE_S)
+        chosen = best_together(proposals, len(self._networks), self._looking.look_limit, COMBINE_S)
         passes: Passes = [()] * len(self._networks)
         for one in chosen:
             passes[one.pass_number] = one.looks
@@ -185,9 +185,9 @@ class _Search:
 def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:
     """No choice of paths is worth more, whatever the prices >= 0, (targets,).
 
-    Lagrangian relaxation of "no more looks than most_looks".
+    Lagrangian relaxation of "no more looks than look_limit".
     """
-    gain = looking.worth - price[:, None]
-    return float(looking.most_looks @ price) + sum(
+    gain = looking.look_value - price[:, None]
+    return float(looking.look_limit @ price) + sum(
         path_bound(one, looking.length_steps, gain) for one in networks
     )

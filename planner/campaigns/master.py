@@ -18,16 +18,16 @@ class Proposal:
     """Looks that one pass could have, in order of time."""
 
     pass_number: int
-    worth_value: float
+    value: float
     looks: tuple[Look, ...]
 
 
 def best_together(
-    proposals: Sequence[Proposal], passes: int, most_looks: Array, time_s: float
+    proposals: Sequence[Proposal], passes: int, look_limit: Array, time_s: float
 ) -> list[Proposal]:
     """At most one per pass, no target looked at too often; the best found in time_s.
 
-    most_looks: (targets,).  An integer programme, solved by HiGHS.
+    look_limit: (targets,).  An integer programme, solved by HiGHS.
     """
     entries = [
         (row, number)
@@ -37,14 +37,14 @@ def best_together(
     if not entries:
         return []
     row, place = np.array(entries).T
-    shape = (passes + len(most_looks), len(proposals))
+    shape = (passes + len(look_limit), len(proposals))
     solved = milp(
-        np.array([-one.worth_value for one in proposals]),
+        np.array([-one.value for one in proposals]),
         integrality=np.ones(len(proposals), np.intp),
         bounds=Bounds(0.0, 1.0),
         constraints=LinearConstraint(
             csr_array((np.ones(len(row)), (row, place)), shape=shape),
-            ub=np.concatenate([np.ones(passes), most_looks]),
+            ub=np.concatenate([np.ones(passes), look_limit]),
         ),
         options={"time_limit": time_s, "mip_rel_gap": GAP_ENOUGH},
     )

@@ -1,30 +1,28 @@
 """When each way of a pass can be reached from each other one."""
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.slew_time import slew_time_s
 from planner.campaigns.ways import Ways
 from planner.compiled import compiled
 
-Indices = NDArray[np.intp]
 NEVER = -1
 SUFFICIENT, NECESSARY = 1.0, -1.0
-Shape = tuple[Indices, Indices, Indices, Indices, Indices, Indices]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Network:
-    """One pass as a graph; ways (w,) with steps counted from the pass's first.
+class Network(NamedTuple):
+    """One pass as a graph; ways (w,) by their first step, steps counted from the pass's first.
 
     way: row in `Ways`.  target: row of the request's.  first, last: steps at which it can be
-    followed.  offset: of its steps among all, `size` in all.
+    followed.  offset: of its steps among all, `size` in all.  stop_step: after all of them.
     edge_from (w + 1,): the edges that leave way i are edge_from[i] to edge_from[i + 1].
-    edge_to: where they lead; arrival[arrival_offset[e] + k]: the first step at which edge
-    e's way can be followed when the other is left k steps after its first; NEVER.
+    edge_to: where they lead; arrival: for every step of every way, and each of its edges, the
+    first step at which that one's way can be followed then, by its place among all; NEVER.
+    arrival_offset: of a way's first step in it.
     reach: after so many steps any way can be reached from anywhere, without an edge.
     """
 
@@ -35,6 +33,7 @@ class Network:
     last: Indices
     offset: Indices
     size: int
+    stop_step: int
     edge_from: Indices
     edge_to: Indices
     arrival_offset: Indices
@@ -60,7 +59,8 @@ def network_of(
     )
     near &= target[None, :] != target[:, None]
     edge_source, edge_to = np.nonzero(near)
-    counts = ways.steps[rows][edge_source]
+    edge_from = np.searchsorted(edge_source, np.arange(len(rows) + 1))
+    counts = ways.steps[rows] * np.diff(edge_from)
     network = Network(
         first_step=start,
         way=rows,
@@ -69,101 +69,73 @@ def network_of(
         last=last,
         offset=offset,
         size=int(ways.steps[rows].sum()),
-        edge_from=np.searchsorted(edge_source, np.arange(len(rows) + 1)).astype(np.intp),
-        edge_to=edge_to.astype(np.intp),
+        stop_step=int(last.max()) + 1,
+        edge_from=edge_from,
+        edge_to=edge_to,
         arrival_offset=np.cumsum(counts) - counts,
         arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
     )
-    states = _states(ways, rows)
-    _fill(
-        states,
-        _shape(network),
-        usable_to,
-        ways.step_s,
-        limits,
-        SUFFICIENT,
-        reach,
-        network.arrival,
-        network.arrival,
-    )
+    usable_to = last - least_steps[target]
+    _fill(_states(ways, rows), network, usable_to, ways.step_s, limits, SUFFICIENT, network.arrival)
     return network
 
 
 def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> Network:
     """The same, every arrival as early as no motion can beat: for a bound."""
     arrival = np.empty_like(network.arrival)
-    _fill(
-        _states(ways, network.way),
-        _shape(network),
-        network.last - least_steps[network.target],
-        ways.step_s,
-        limits,
-        NECESSARY,
-        network.reach,
-        network.arrival,
-        arrival,
-    )
-    return replace(network, arrival=arrival)
+    usable_to = network.last - least_steps[network.target]
+    states = _states(ways, network.way)
+    _fill(states, network, usable_to, ways.step_s, limits, NECESSARY, arrival)
+    return network._replace(arrival=arrival)
 
 
 def _states(ways: Ways, rows: Indices) -> Array:
     begin = int(ways.offset[rows[0]])
-    return ways.state[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
-
-
-def _shape(network: Network) -> Shape:
-    return (
-        network.first,
-        network.last,
-        network.offset,
-        network.edge_from,
-        network.edge_to,
-        network.arrival_offset,
-    )
+    return ways.axis_states[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
 
 
 @compiled
 def _fill(
-    state: Array,
-    shape: Shape,
+    axis_states: Array,
+    network: Network,
     usable_to: Indices,
     step_s: float,
     limits: Array,
     sign: float,
-    reach: int,
-    known: NDArray[np.int32],
     arrival: NDArray[np.int32],
 ) -> None:
     """Arrivals of every edge, from the last departure to the first.
 
     Who leaves earlier arrives no later: the way can be followed until the later departure.
-    known: arrivals to begin with, where sign is NECESSARY.
+    The network's own arrivals are those to begin with, where sign is NECESSARY.
     """
-    first, last, offset, edge_from, edge_to, arrival_offset = shape
+    first, last, offset, known = network.first, network.last, network.offset, network.arrival
     for source in range(len(first)):
-        for edge in range(edge_from[source], edge_from[source + 1]):
-            to, base = edge_to[edge], arrival_offset[edge]
+        begin, end = network.edge_from[source], network.edge_from[source + 1]
+        for edge in range(begin, end):
+            to = network.edge_to[edge]
             latest = NEVER
             for leave in range(last[source], first[source] - 1, -1):
-                place = base + leave - first[source]
+                steps = leave - first[source]
+                place = network.arrival_offset[source] + steps * (end - begin) + edge - begin
                 if sign < 0.0 and known[place] != NEVER:
-                    latest = known[place] if latest == NEVER else min(latest, known[place])
-                here = state[offset[source] + leave - first[source]]
-                if first[to] >= leave + reach:
+                    known_step = known[place] - offset[to] + first[to]
+                    latest = known_step if latest == NEVER else min(latest, known_step)
+                if first[to] >= leave + network.reach:
                     latest = first[to]
                 else:
                     latest = _first_arrival(
-                        here, state, offset[to], first[to], usable_to[to], leave, latest,
-                        step_s, limits, sign,
+                        axis_states[offset[source] + steps], axis_states, offset[to], first[to],
+                        usable_to[to], leave, latest, step_s, limits, sign,
                     )  # fmt: skip
-                arrival[place] = latest
+                arrival[place] = NEVER if latest == NEVER else offset[to] + latest - first[to]
 
 
 @compiled
 def _first_arrival(
-    here: Array,
-    state: Array,
+    axis_state: Array,
+    axis_states: Array,
     offset: int,
     first: int,
     usable_to: int,
@@ -177,8 +149,8 @@ def _first_arrival(
     found = latest
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
-        there = state[offset + step - first]
-        if slew_time_s(here, there, limits, sign) > (step - leave) * step_s + 1e-9:
+        there = axis_states[offset + step - first]
+        if slew_time_s(axis_state, there, limits, sign) > (step - leave) * step_s + 1e-9:
             break
         found = step
         step -= 1

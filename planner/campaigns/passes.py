@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.platforms import AxisLimits
 
-Indices = NDArray[np.intp]
 PASS_MAX_S = 3600.0
 SESSIONS_MAX = 200  # of one plan
 CUT_STEP_S = 10.0  # how finely the place of a cut is chosen
@@ -87,20 +85,20 @@ def in_passes(
     )
 
 
-def _cut(windows: Array, rest_s: float, pass_max_s: float) -> tuple[Array, Array]:
+def _cut(window_rows: Array, rest_s: float, pass_max_s: float) -> tuple[Array, Array]:
     """What lies before and after a rest within the pass, in order of time."""
-    first_s = windows[0, 1]
+    first_s = window_rows[0, 1]
     middles_s = np.arange(first_s + 0.5 * pass_max_s, first_s + pass_max_s, CUT_STEP_S)
     lost_s = [
         np.maximum(
-            np.minimum(windows[:, 2], middle_s + rest_s)
-            - np.maximum(windows[:, 1], middle_s - rest_s),
+            np.minimum(window_rows[:, 2], middle_s + rest_s)
+            - np.maximum(window_rows[:, 1], middle_s - rest_s),
             0.0,
         ).sum()
         for middle_s in middles_s
     ]
     middle_s = middles_s[int(np.argmin(lost_s))]
-    before, after = windows.copy(), windows.copy()
+    before, after = window_rows.copy(), window_rows.copy()
     before[:, 2] = np.minimum(before[:, 2], middle_s - rest_s)
     after[:, 1] = np.maximum(after[:, 1], middle_s + rest_s)
     before, after = (part[part[:, 2] - part[:, 1] >= part[:, 3]] for part in (before, after))

@@ -28,77 +28,78 @@ def limit_table(limits: tuple[AxisLimits, ...]) -> Array:
 
 
 @compiled
-def slew_time_s(start: Array, end: Array, limits: Array, sign: float) -> float:
+def slew_time_s(start_axes: Array, end_axes: Array, limits: Array, sign: float) -> float:
     """Seconds for all axes; sign 1: surely enough, -1: no motion is quicker.
 
-    start, end: (3, m), angle, rate, acceleration.  limits: (m, 3).  Hard stops are left out,
-    and so are gaps: of the durations above the least one, some may be impossible.
+    start_axes, end_axes: (3, m), angle, rate, acceleration.  limits: (m, 3).  Hard stops are left
+    out, and so are gaps: of the durations above the least one, some may be impossible.
     """
     needed_s = 0.0
-    for axis in range(start.shape[1]):
-        v, a, jerk = limits[axis]
-        a0, a1 = start[2, axis], end[2, axis]
-        ramp0_s, ramp1_s = abs(a0) / jerk, abs(a1) / jerk
+    for axis in range(start_axes.shape[1]):
+        v, a, j = limits[axis]
+        a0, a1 = start_axes[2, axis], end_axes[2, axis]
+        ramp0_s, ramp1_s = abs(a0) / j, abs(a1) / j
         # A ramp to no acceleration after the start (sign 1), or from none before it (-1).
-        v0 = start[1, axis] + sign * a0 * ramp0_s / 2.0
-        v1 = end[1, axis] - sign * a1 * ramp1_s / 2.0
-        moved0 = ramp0_s * (start[1, axis] + sign * a0 * ramp0_s / 3.0)
-        moved1 = ramp1_s * (end[1, axis] - sign * a1 * ramp1_s / 3.0)
-        delta = end[0, axis] - start[0, axis] - sign * (moved0 + moved1)
+        v0 = start_axes[1, axis] + sign * a0 * ramp0_s / 2.0
+        v1 = end_axes[1, axis] - sign * a1 * ramp1_s / 2.0
+        moved0 = ramp0_s * (start_axes[1, axis] + sign * a0 * ramp0_s / 3.0)
+        moved1 = ramp1_s * (end_axes[1, axis] - sign * a1 * ramp1_s / 3.0)
+        delta_rad = end_axes[0, axis] - start_axes[0, axis] - sign * (moved0 + moved1)
         v0, v1 = min(max(v0, -v), v), min(max(v1, -v), v)
         # What lies behind is as far as what lies ahead, seen the other way round.
-        if delta < 0.5 * (v0 + v1) * _change_s(v1 - v0, a, jerk):
-            delta, v0, v1 = -delta, -v0, -v1
-        if sign > 0.0 or _is_plain(delta, v0, v1, a, jerk):
-            axis_s = _by_peak_s(delta, v0, v1, v, a, jerk)
+        if delta_rad < 0.5 * (v0 + v1) * _change_s(v1 - v0, a, j):
+            delta_rad, v0, v1 = -delta_rad, -v0, -v1
+        if sign > 0.0 or _is_plain(delta_rad, v0, v1, a, j):
+            axis_s = _by_peak_s(delta_rad, v0, v1, v, a, j)
         else:
-            axis_s = _by_peak_s(delta, v0, v1, v, a, BOUNDLESS)
+            axis_s = _by_peak_s(delta_rad, v0, v1, v, a, BOUNDLESS)
         needed_s = max(needed_s, axis_s + sign * (ramp0_s + ramp1_s))
     return needed_s
 
 
 @compiled
-def _is_plain(delta: float, v0: float, v1: float, a: float, jerk: float) -> bool:
+def _is_plain(delta_rad: float, v0: float, v1: float, a: float, j: float) -> bool:
     """Whether one rise to a peak and one fall is the quickest way, with bounded jerk too.
 
     So it is well beyond what is covered while either rate is brought to rest and back.
     """
     fastest = max(abs(v0), abs(v1))
-    return delta >= 2.0 * fastest * _change_s(fastest, a, jerk)
+    return delta_rad >= 2.0 * fastest * _change_s(fastest, a, j)
 
 
 @compiled
-def _by_peak_s(delta: float, v0: float, v1: float, v: float, a: float, jerk: float) -> float:
-    """From rate v0 over `delta` by a peak rate, held if it is the limit v, to rate v1; s.
+def _by_peak_s(delta_rad: float, v0: float, v1: float, v: float, a: float, j: float) -> float:
+    """From rate v0 over `delta_rad` by a peak rate, held if it is the limit v, to rate v1; s.
 
-    delta: not less than the direct change of rate covers.
+    delta_rad: not less than the direct change of rate covers.
     Source: Biagiotti, Melchiorri 2008, "Trajectory Planning for Automatic Machines", 3.4.
     """
-    beyond = delta - _way_rad(v, v0, v1, a, jerk)
+    beyond = delta_rad - _way_rad(v, v0, v1, a, j)
     if beyond >= 0.0:
-        return _change_s(v - v0, a, jerk) + _change_s(v1 - v, a, jerk) + beyond / v
+        return _change_s(v - v0, a, j) + _change_s(v1 - v, a, j) + beyond / v
     low, high = max(v0, v1), v
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if _way_rad(middle, v0, v1, a, jerk) < delta:
+        if _way_rad(middle, v0, v1, a, j) < delta_rad:
             low = middle
         else:
             high = middle
-    return _change_s(high - v0, a, jerk) + _change_s(v1 - high, a, jerk)
+    return _change_s(high - v0, a, j) + _change_s(v1 - high, a, j)
 
 
 @compiled
-def _way_rad(peak: float, v0: float, v1: float, a: float, jerk: float) -> float:
+def _way_rad(v_peak_rad_s: float, v0: float, v1: float, a: float, j: float) -> float:
     """What is covered from v0 by way of a peak rate to v1."""
     return 0.5 * (
-        (v0 + peak) * _change_s(peak - v0, a, jerk) + (peak + v1) * _change_s(v1 - peak, a, jerk)
+        (v0 + v_peak_rad_s) * _change_s(v_peak_rad_s - v0, a, j)
+        + (v_peak_rad_s + v1) * _change_s(v1 - v_peak_rad_s, a, j)
     )
 
 
 @compiled
-def _change_s(rate: float, a: float, jerk: float) -> float:
+def _change_s(rate_rad_s: float, a: float, j: float) -> float:
     """Least time to change the rate, from and to no acceleration."""
-    change = abs(rate)
-    if change >= a * a / jerk:
-        return change / a + a / jerk
-    return 2.0 * math.sqrt(change / jerk)
+    change = abs(rate_rad_s)
+    if change >= a * a / j:
+        return change / a + a / j
+    return 2.0 * math.sqrt(change / j)

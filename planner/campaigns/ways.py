@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.passes import Looks
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
@@ -16,7 +16,6 @@ from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.targets import Target
 
-Indices = NDArray[np.intp]
 DELTA_S = 1.0  # rates and accelerations are differences over it
 WITHIN = 0.98  # of each limit: what lies between the steps keeps it too
 SINGULAR_RAD = 1e-3
@@ -30,7 +29,7 @@ class Ways:
 
     A way is an unbroken run of steps on one branch of `axis_angles` within all limits.
     first_step, steps: the run on the grid, at step_s k after the grid's start.
-    offset: of its first row in state (n, 3, 2): angle, rate, acceleration of both axes.
+    offset: of its first row in axis_states (n, 3, 2): angle, rate, acceleration of both axes.
     """
 
     step_s: float
@@ -39,7 +38,7 @@ class Ways:
     first_step: Indices
     steps: Indices
     offset: Indices
-    state: Array
+    axis_states: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +48,7 @@ class _Run:
     look: Indices
     first_step: Indices
     steps: Indices
-    state: Array
+    axis_states: Array
 
 
 def ways_to_follow(
@@ -125,9 +124,9 @@ def _runs(
         motion = axis_motion(platform, angle_rad, los, los_rate_s, los_acceleration_s2)
         sound = singular_margin_rad(platform, angle_rad, los) > SINGULAR_RAD
         for turned_rad in _turns(platform, angle_rad):
-            state = np.stack([turned_rad, *motion], axis=1)
-            usable = sound & _within(state, platform.axis_limits)
-            yield _split(look, step, state, usable)
+            axis_states = np.stack([turned_rad, *motion], axis=1)
+            usable = sound & _within(axis_states, platform.axis_limits)
+            yield _split(look, step, axis_states, usable)
 
 
 def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
@@ -143,47 +142,51 @@ def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
         yield angle_rad + TURN_RAD * np.array(turns)
 
 
-def _within(state: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
+def _within(axis_states: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bool_]:
     """Which states (n, 3, 2) keep every limit; NaN keeps none."""
     margin_rad = np.array([(1.0 - WITHIN) * axis.rate_max_rad_s for axis in limits])
     low = np.array([axis.angle_min_rad for axis in limits]) + margin_rad
     high = np.array([axis.angle_max_rad for axis in limits]) - margin_rad
     rate = WITHIN * np.array([axis.rate_max_rad_s for axis in limits])
     acceleration = WITHIN * np.array([axis.acceleration_max_rad_s2 for axis in limits])
-    angle_rad, rate_rad_s, acceleration_rad_s2 = state[:, 0], state[:, 1], state[:, 2]
+    angle_rad, rate_rad_s, acceleration_rad_s2 = (
+        axis_states[:, 0],
+        axis_states[:, 1],
+        axis_states[:, 2],
+    )
     kept = (angle_rad >= low) & (angle_rad <= high) & (np.abs(rate_rad_s) <= rate)
     return np.asarray((kept & (np.abs(acceleration_rad_s2) <= acceleration)).all(axis=1))
 
 
-def _split(look: Indices, step: Indices, state: Array, usable: NDArray[np.bool_]) -> _Run:
+def _split(look: Indices, step: Indices, axis_states: Array, usable: NDArray[np.bool_]) -> _Run:
     """Runs of usable samples: of one look, step after step, without a turn over."""
     here = np.flatnonzero(usable)
-    look, step, state = look[here], step[here], state[here]
+    look, step, axis_states = look[here], step[here], axis_states[here]
     goes_on = (look[1:] == look[:-1]) & (step[1:] == step[:-1] + 1)
-    goes_on &= (np.abs(np.diff(state[:, 0], axis=0)) < math.pi).all(axis=1)
+    goes_on &= (np.abs(np.diff(axis_states[:, 0], axis=0)) < math.pi).all(axis=1)
     begins = np.flatnonzero(np.append(True, ~goes_on)[: len(look)])
     return _Run(
         look=look[begins],
         first_step=step[begins],
         steps=np.diff(np.append(begins, len(look))),
-        state=state,
+        axis_states=axis_states,
     )
 
 
 def _gather(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
-    def joined(name: str, empty: Array | Indices) -> Array | Indices:
+    def column(name: str, empty: Array | Indices) -> Array | Indices:
         return np.concatenate([empty, *(getattr(run, name) for run in runs)])
 
     none = np.empty(0, np.intp)
-    look, steps = joined("look", none).astype(np.intp), joined("steps", none).astype(np.intp)
+    look, steps = column("look", none).astype(np.intp), column("steps", none).astype(np.intp)
     return Ways(
         step_s=step_s,
         target=looks.target[look],
         pass_number=looks.pass_number[look],
-        first_step=joined("first_step", none).astype(np.intp),
+        first_step=column("first_step", none).astype(np.intp),
         steps=steps,
         offset=np.cumsum(steps) - steps,
-        state=np.asarray(joined("state", np.empty((0, 3, 2)))),
+        axis_states=np.asarray(column("axis_states", np.empty((0, 3, 2)))),
     )
 
 
@@ -201,5 +204,5 @@ def _select(ways: Ways, rows: NDArray[np.bool_]) -> Ways:
         first_step=ways.first_step[order],
         steps=steps,
         offset=offset,
-        state=ways.state[source],
+        axis_states=ways.axis_states[source],
     )

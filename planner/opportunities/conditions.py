@@ -7,12 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.interpolation import UniformTable
 from planner.opportunities.request import OpportunityConditions
 from planner.opportunities.sights import EarthSight, Sight
-from planner.opportunities.spans import Indices, Margin
+from planner.opportunities.spans import Margin
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles
 from planner.targets.apparent import aberrate
@@ -99,10 +99,10 @@ def off_nadir_rad(direction_itrf: Array, carrier: Carrier, t_s: Array) -> Array:
     return angle_rad(direction_itrf, -carrier.r_sat_itrf_m.at(t_s))
 
 
-def angle_rad(one: Array, other: Array) -> Array:
+def angle_rad(direction: Array, other_direction: Array) -> Array:
     """Between vectors (n, 3) of any length, accurate near 0 and pi too."""
-    across = np.linalg.norm(np.cross(one, other), axis=1)
-    return np.asarray(np.arctan2(across, np.einsum("nj,nj->n", one, other)))
+    across = np.linalg.norm(np.cross(direction, other_direction), axis=1)
+    return np.asarray(np.arctan2(across, np.einsum("nj,nj->n", direction, other_direction)))
 
 
 def _body_direction(r_body_itrf_m: UniformTable, carrier: Carrier, t_s: Array) -> Array:

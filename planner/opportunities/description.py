@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.conditions import (
     off_nadir_rad,
@@ -15,7 +15,7 @@ from planner.opportunities.conditions import (
 )
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, Sight
-from planner.opportunities.spans import Indices, Margin, Spans, nodes_over, turning_point
+from planner.opportunities.spans import Margin, Spans, nodes_over, turning_point
 from planner.opportunities.windows import Sightings, Windows
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion

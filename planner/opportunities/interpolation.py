@@ -16,12 +16,12 @@ class UniformTable:
     the end polynomials go on.  Source: Lagrange interpolation on equidistant nodes.
     """
 
-    def __init__(self, step_s: float, values: Array) -> None:
-        """values: shape (n, k), n >= 6, rows at 0, step_s, 2 step_s, ..."""
+    def __init__(self, step_s: float, node_value: Array) -> None:
+        """node_value: shape (n, k), n >= 6, rows at 0, step_s, 2 step_s, ..."""
         self._step_s = step_s
-        cells = len(values) - 1
-        first = np.clip(np.arange(cells) - NODES // 2 + 1, 0, len(values) - NODES)
-        stencils = values[first[:, None] + np.arange(NODES)]
+        cells = len(node_value) - 1
+        first = np.clip(np.arange(cells) - NODES // 2 + 1, 0, len(node_value) - NODES)
+        stencils = node_value[first[:, None] + np.arange(NODES)]
         place = np.arange(cells) - first
         inverses = np.array(
             [

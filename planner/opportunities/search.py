@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import effort
+from planner.arrays import Indices
 from planner.effort import at_most
 from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warning
@@ -23,7 +24,7 @@ from planner.opportunities.sights import (
     resting_places,
     sight_of,
 )
-from planner.opportunities.spans import Indices, Nodes, Spans, nodes_over, stretches
+from planner.opportunities.spans import Nodes, Spans, nodes_over, stretches
 from planner.opportunities.windows import Opportunities, in_order
 from planner.targets import EarthFixedTarget
 

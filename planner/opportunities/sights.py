@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
@@ -16,8 +15,6 @@ from planner.opportunities.carrier import Carrier
 from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, SkyTarget, Target
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S, aberrate
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,5 +226,5 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.einsum("nj,nj->n", a, b))
 
 
-def _norm(vector: Array) -> Array:
-    return np.sqrt(_dot(vector, vector))
+def _norm(a: Array) -> Array:
+    return np.sqrt(_dot(a, a))

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import elementwise
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.opportunities.sights import Sight
 
-Indices = NDArray[np.intp]
 Margin = Callable[[Indices, Array], Array]
 """Margins (n,) of targets (n,), by number, at t_s (n,)."""
 
@@ -145,18 +144,18 @@ def turning_point(function: Margin, target: Indices, low_s: Array, high_s: Array
     return found_s
 
 
-def _with_hidden_turns(margin: Margin, nodes: Nodes, values: Array) -> tuple[Nodes, Array]:
+def _with_hidden_turns(margin: Margin, nodes: Nodes, node_margin: Array) -> tuple[Nodes, Array]:
     """The nodes and those turning points between them at which the margin has the other sign."""
     group, t_s = nodes.group, nodes.t_s
     same = group[1:] == group[:-1]
     before, after = np.append(False, same), np.append(same, False)
-    sign = np.where(values > 0.0, -1.0, 1.0)  # seek a minimum where positive, else a maximum
-    above_left = np.where(before, sign * (values - np.roll(values, 1)), 0.0)
-    above_right = np.where(after, sign * (values - np.roll(values, -1)), 0.0)
-    step = np.pad(np.where(same, np.abs(np.diff(values)), 0.0), 2)
+    sign = np.where(node_margin > 0.0, -1.0, 1.0)  # seek a minimum where positive, else a maximum
+    above_left = np.where(before, sign * (node_margin - np.roll(node_margin, 1)), 0.0)
+    above_right = np.where(after, sign * (node_margin - np.roll(node_margin, -1)), 0.0)
+    step = np.pad(np.where(same, np.abs(np.diff(node_margin)), 0.0), 2)
     nearby = np.maximum.reduce([step[:-3], step[1:-2], step[2:-1], step[3:]])
     turns = np.flatnonzero(
-        (above_left >= 0.0) & (above_right >= 0.0) & (np.abs(values) <= OVERSHOOT * nearby)
+        (above_left >= 0.0) & (above_right >= 0.0) & (np.abs(node_margin) <= OVERSHOOT * nearby)
     )
     sought, target = sign[turns], nodes.target[group[turns]]
     low_s, high_s = t_s[turns - before[turns]], t_s[turns + after[turns]]
@@ -175,7 +174,7 @@ def _with_hidden_turns(margin: Margin, nodes: Nodes, values: Array) -> tuple[Nod
             np.insert(group, place, group[turns[crosses]]),
             np.insert(t_s, place, extra_s[crosses]),
         ),
-        np.insert(values, place, extra[crosses]),
+        np.insert(node_margin, place, extra[crosses]),
     )
 
 

@@ -7,12 +7,16 @@ Ruckig for each slew: no estimate, no dominance, no prices.
 import math
 from dataclasses import replace
 from datetime import timedelta
+from functools import cache
 
+import numpy as np
 import pytest
 from opportunity_requests import ISS, START
 
 from planner.campaigns import CampaignRequest, CampaignTarget, choose_campaign
 from planner.campaigns import campaign as campaigns
+from planner.campaigns.network import NEVER, Network
+from planner.campaigns.path import best_path, path_bound
 from planner.opportunities import OpportunityConditions
 from planner.platforms import PLATFORMS
 from planner.slew import AxisState, next_duration_s
@@ -84,7 +88,7 @@ def best_of_all(request, ways):
     ]
     looks.sort(key=lambda look: look[2])
     states = {
-        (way, int(ways.first_step[way]) + row): axes(ways.state[ways.offset[way] + row])
+        (way, int(ways.first_step[way]) + row): axes(ways.axis_states[ways.offset[way] + row])
         for way in range(len(ways.target))
         for row in range(int(ways.steps[way]))
     }
@@ -129,3 +133,79 @@ def test_more_looks_are_worth_no_less():
     once = request_for(EUROPE, 0.5)
     twice = replace(once, targets=tuple(replace(one, looks=2) for one in once.targets))
     assert choose_campaign(twice).value >= choose_campaign(once).value
+
+
+@pytest.mark.parametrize("seed", range(24, 36))
+def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed):
+    network, length_steps, gain = random_pass(seed)
+    best = best_sequence(network, length_steps, gain)
+    assert path_bound(network, length_steps, gain) == pytest.approx(best, abs=1e-9)
+    path = best_path(network, length_steps, gain)
+    assert path.value <= best + 1e-9
+    assert len({look.target for look in path.looks}) == len(path.looks)
+
+
+def random_pass(seed):
+    """Five targets with two ways each, any of which leads to all others."""
+    random = np.random.default_rng(seed)
+    reach, first = 10, np.sort(random.integers(0, 50, 10))
+    steps = random.integers(5, 10, 10)
+    last, target, offset = first + steps - 1, random.permutation(10) % 5, np.cumsum(steps) - steps
+    edges = [np.flatnonzero(target != one) for one in target]
+    slew_steps = random.integers(1, reach, (10, 10))
+    arrival = []
+    for way, to in enumerate(edges):
+        for step in range(first[way], last[way] + 1):
+            reached = np.maximum(first[to], step + slew_steps[way, to])
+            cells = offset[to] + reached - first[to]
+            arrival.append(np.where(reached < last[to], cells, NEVER))
+    counts = np.array([len(to) for to in edges])
+    network = Network(
+        first_step=0,
+        way=np.arange(10),
+        target=target,
+        first=first,
+        last=last,
+        offset=offset,
+        size=int(steps.sum()),
+        stop_step=int(last.max()) + 1,
+        edge_from=np.append(0, np.cumsum(counts)),
+        edge_to=np.concatenate(edges),
+        arrival_offset=np.cumsum(steps * counts) - steps * counts,
+        arrival=np.concatenate(arrival).astype(np.int32),
+        reach=reach,
+    )
+    return network, np.tile([2, 4], (5, 1)), random.uniform(1.0, 2.0, (5, 1)) * [0.6, 1.0]
+
+
+def best_sequence(network, length_steps, gain):
+    """All sequences are tried, from every way left at every step."""
+
+    @cache
+    def best_from(way, step, seen):
+        edges = network.edge_from[way + 1] - network.edge_from[way]
+        row = network.arrival_offset[way] + (step - network.first[way]) * edges
+        reached = network.arrival[row : row + edges]
+        to = network.edge_to[network.edge_from[way] : network.edge_from[way + 1]]
+        return max(
+            (
+                best_on(next_way, cell - network.offset[next_way], seen)
+                for next_way, cell in zip(to, reached, strict=True)
+                if cell != NEVER
+            ),
+            default=0.0,
+        )
+
+    def best_on(way, steps, seen):
+        target, last = network.target[way], network.last[way]
+        return max(
+            (
+                gain[target, length] + best_from(way, begin + takes, seen | {target})
+                for length, takes in enumerate(length_steps[target])
+                for begin in range(network.first[way] + steps, last - takes + 1)
+                if target not in seen
+            ),
+            default=0.0,
+        )
+
+    return max(best_on(way, 0, frozenset()) for way in range(len(network.way)))

@@ -17,16 +17,14 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.arrays import Array
+from planner.label_search import WHOLE, Memory, Repeats, Round, bound, rounds
 from planner.spacecraft.imaging.candidates import Candidate
-from planner.spacecraft.imaging.path_labels import WAIT_TICKS, label_paths
+from planner.spacecraft.imaging.path_labels import WAIT_TICKS, Imaging, Turns, label_paths
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds, TurnTime
 
 Ints = NDArray[np.int64]
-LABELS_MAX = 4_000_000
-BITS = 62
-SEARCHED_MAX = 8_000_000  # labels of all rounds; then the best choice and its bound are returned
-LABEL, PAIR = 0.1, 0.06  # of `planner.effort`
+PAIR = 0.06  # of `planner.effort`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,23 +88,21 @@ def choose(
     """The best choice.  extra_ticks: (candidate, candidate) -> turn time known to be needed."""
     nodes = _nodes(candidates, priorities, turn_time, extra_ticks)
     pairs = _pairs(nodes)
-    stereo = sorted({int(r) for r in nodes.request[nodes.part > 0]})
-    hop_ticks = int(np.max(nodes.stop - nodes.start) + np.max(pairs.reach)) + 2 * WAIT_TICKS
-    memory = _Memory(nodes, len(priorities), stereo, hop_ticks)
-    bound, rounds, searched = np.inf, 0, 0
-    best: tuple[float, list[int]] = (-1.0, [])
-    while True:
-        rounds += 1
-        value, path, labels = _relaxed(nodes, pairs, memory)
-        effort.count(LABEL * labels)
-        searched += labels
-        complete = labels < LABELS_MAX
-        if complete:
-            bound = min(bound, value)
-        best = max(best, _without_repeats(nodes, path), key=lambda item: item[0])
-        ended = not complete or searched > SEARCHED_MAX
-        if ended or not _remember_repeats(nodes, path, memory):
-            break
+
+    def sweep(memory: Memory) -> Round:
+        return Round(
+            *label_paths(
+                Imaging(nodes.start, nodes.stop, nodes.request, nodes.part, nodes.priority),
+                Turns(pairs.first, pairs.before, pairs.reach),
+                memory,
+            )
+        )
+
+    found = list(rounds(sweep, _repeats(nodes, len(priorities), pairs)))
+    best = max(
+        (_without_repeats(nodes, one.visits[:, 0].tolist()) for one in found),
+        key=lambda item: item[0],
+    )
     greedy = _greedy(nodes, priorities)
     value, path = max(best, greedy, key=lambda item: item[0])
     path = _less_tilted(nodes, path)
@@ -114,9 +110,9 @@ def choose(
         chosen=tuple(int(nodes.candidate[k]) for k in path),
         requests=tuple(int(nodes.request[k]) for k in path),
         value=value,
-        bound=float(bound),
+        bound=bound(found),
         greedy_value=greedy[0],
-        rounds=rounds,
+        rounds=len(found),
     )
 
 
@@ -171,87 +167,14 @@ def _pairs(nodes: _Nodes) -> _Pairs:
     return _Pairs(first, np.concatenate(before) if n else np.zeros(0, dtype=np.int64), reach)
 
 
-class _Memory:
-    """bit: request -> its place in a label's memory; requests whose candidates lie further apart
-    than a label can leap (hop_ticks) share places.  kept: per request, the bits a label still
-    remembers after imaging it (all stereo pairs, and requests seen to repeat around it).
-    born, alive: first and last start of each request's candidates."""
-
-    def __init__(self, nodes: _Nodes, count: int, stereo: list[int], hop_ticks: int) -> None:
-        self.hop_ticks = hop_ticks
-        self.bit: dict[int, int] = {}
-        self.kept = np.zeros(count, dtype=np.int64)
-        self.born = np.full(count, np.iinfo(np.int64).max)
-        self.alive = np.zeros(count, dtype=np.int64)
-        np.minimum.at(self.born, nodes.request, nodes.start)
-        np.maximum.at(self.alive, nodes.request, nodes.start)
-        for request in stereo:
-            self.place(request)
-        self.kept[:] = sum({1 << place for place in self.bit.values()})
-
-    def place(self, request: int) -> int | None:
-        """The request's place, given when first asked; None when all are taken."""
-        if request not in self.bit:
-            taken = {
-                place
-                for other, place in self.bit.items()
-                if self.born[other] <= self.alive[request] + self.hop_ticks
-                and self.born[request] <= self.alive[other] + self.hop_ticks
-            }
-            free = next((place for place in range(BITS) if place not in taken), None)
-            if free is None:
-                return None
-            self.bit[request] = free
-        return self.bit[request]
-
-
-def _remember_repeats(nodes: _Nodes, path: list[int], memory: _Memory) -> bool:
-    """Forbid the shortest way each request repeats in the path; False when none can be."""
-    last: dict[int, int] = {}
-    learnt = False
-    requests = [int(nodes.request[k]) for k in path]
-    for place, (k, request) in enumerate(zip(path, requests, strict=True)):
-        if nodes.part[k] != 0:
-            continue
-        if request in last:
-            place_in_memory = memory.place(request)
-            if place_in_memory is None:
-                continue
-            mask = 1 << place_in_memory
-            memory.kept[requests[last[request] : place + 1]] |= mask
-            learnt = True
-        last[request] = place
-    return learnt
-
-
-def _relaxed(nodes: _Nodes, pairs: _Pairs, memory: _Memory) -> tuple[float, list[int], int]:
-    """Best path as far as repeats are remembered; (value, node indices, labels made)."""
-    n = len(nodes.start)
-    bit = np.full(len(memory.kept), -1, dtype=np.int64)
-    for request, place in memory.bit.items():
-        bit[request] = place
-    value, parent, node, best, count = label_paths(
-        nodes.start,
-        nodes.stop,
-        nodes.request,
-        nodes.part,
-        nodes.priority,
-        pairs.first,
-        pairs.before,
-        pairs.reach,
-        bit,
-        memory.kept,
-        memory.born,
-        memory.alive,
-        LABELS_MAX,
-    )
-    path: list[int] = []
-    k = best
-    while k >= 0:
-        if 0 <= node[k] < n:
-            path.append(int(node[k]))
-        k = int(parent[k])
-    return float(value[best]) if best >= 0 else 0.0, path[::-1], count
+def _repeats(nodes: _Nodes, count: int, pairs: _Pairs) -> Repeats:
+    first_tick = np.full(count, nodes.stop.max())
+    last_tick = np.zeros(count, dtype=np.int64)
+    np.minimum.at(first_tick, nodes.request, nodes.start)
+    np.maximum.at(last_tick, nodes.request, nodes.start)
+    leap_ticks = int(np.max(nodes.stop - nodes.start) + np.max(pairs.reach)) + 2 * WAIT_TICKS
+    stereo = np.unique(nodes.request[nodes.part != WHOLE]).tolist()
+    return Repeats(first_tick, last_tick, leap_ticks, stereo)
 
 
 def _without_repeats(nodes: _Nodes, path: list[int]) -> tuple[float, list[int]]:
