@@ -59,10 +59,19 @@ class SightingsOut:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SessionTimesOut:
+    """Times that a plan's session takes as they stand."""
+
+    start: str
+    stop: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class WindowOut:
     """One stretch in which all conditions hold for the target with this id.
 
-    opened_by, closed_by: the condition at each edge; "interval" is the request's own start
+    session: the longest on the rows of a command table, null where the window is too short for
+    one.  opened_by, closed_by: the condition at each edge; "interval" is the request's own start
     or stop.  highest_*: greatest elevation.  closest: at the least range; of a target in
     space, at its greatest height above the limb.
     branch: which of the two pairs of axis angles is told, the one with less turn of the inner
@@ -74,6 +83,7 @@ class WindowOut:
     rise: str
     set: str
     duration_s: float
+    session: SessionTimesOut | None
     opened_by: str
     closed_by: str
     highest_at: str
@@ -127,6 +137,7 @@ def windows_out(found: Opportunities) -> list[WindowOut]:
         "rise": _utc(found.start_utc, windows.rise_s),
         "set": _utc(found.start_utc, windows.set_s),
         "duration_s": _numbers(windows.set_s - windows.rise_s),
+        "session": _sessions(found),
         "opened_by": windows.opened_by.tolist(),
         "closed_by": windows.closed_by.tolist(),
         "highest_at": _utc(found.start_utc, windows.highest_s),
@@ -137,6 +148,16 @@ def windows_out(found: Opportunities) -> list[WindowOut]:
         "branches": [np.flatnonzero(usable).tolist() for usable in windows.branches],
     }
     return [WindowOut(**row) for row in _rows(columns)]
+
+
+def _sessions(found: Opportunities) -> Column:
+    times_s = found.windows.sessions_s(found.start_utc)
+    fits = ~np.isnan(times_s[:, 0])
+    starts, stops = (_utc(found.start_utc, column[fits]) for column in times_s.T)
+    sessions: Column = [None] * len(fits)
+    for window, start, stop in zip(np.flatnonzero(fits), starts, stops, strict=True):
+        sessions[window] = SessionTimesOut(start=start, stop=stop)
+    return sessions
 
 
 def _sightings(

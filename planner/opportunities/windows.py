@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array
+from planner.commands import ROWS_PER_S
 
 T = TypeVar("T")
+GRID_TOLERANCE_ROWS = 5e-5  # 10 us
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,6 +76,17 @@ class Windows:
 
     def __len__(self) -> int:
         return len(self.target)
+
+    def sessions_s(self, start_utc: datetime) -> Array:
+        """The longest session on rows of a command table in each window, (windows, 2).
+
+        Since start_utc; tables begin on whole rows of a second.  NaN where no two rows fit.
+        """
+        before_s = start_utc.microsecond / 1e6
+        first = np.ceil((self.rise_s + before_s) * ROWS_PER_S - GRID_TOLERANCE_ROWS)
+        last = np.floor((self.set_s + before_s) * ROWS_PER_S + GRID_TOLERANCE_ROWS)
+        rows = np.where(last > first, np.stack([first, last]), np.nan)
+        return np.asarray((rows / ROWS_PER_S - before_s).T)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

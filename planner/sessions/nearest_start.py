@@ -12,13 +12,14 @@ from planner.effort import at_most
 from planner.errors import InfeasibleSlew, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.orbits import Ephemeris
+from planner.pointing.line_of_sight import STENCIL
 from planner.scenario import Scenario, Session
 from planner.sessions.holding import Rows
 from planner.sessions.joining import Join
 from planner.sessions.other_sessions import Others
 from planner.sessions.sequence import SessionRefused, sequence_sessions
 from planner.sessions.start_trials import RefusedSession, Trials
-from planner.targets import BenchMotionTarget
+from planner.targets import BenchMotionTarget, EarthFixedTarget
 
 DAY_S = 86400.0
 HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
@@ -29,6 +30,7 @@ ATTEMPTS = 60
 SEARCH, SEARCH_SHARE = 500_000, 0.6
 REFUSALS = 4  # starts that would cost other sessions, before such a one is named
 
+USEFUL_ELEVATION_DEG = 10.0  # a carrier lower than that is three times as far off, or more
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
 
 
@@ -81,7 +83,9 @@ def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
 def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
     """The same refusal with the field at fault and the nearest start that can be flown.
 
-    First the session is cut short at its start, then moved as a whole, by at most a day.
+    First the session is cut short, at its start and where it can't be held to its stop there too,
+    then moved as a whole, by at most a day; where no least elevation was asked for, first to where
+    the carrier stands at a useful one.
     Every start named has been tried by planning the whole request with it.  Whatever forbids
     another start, the reason given stays that of the start asked for.
     """
@@ -93,12 +97,8 @@ def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
     alike = isinstance(refused.session.target, BenchMotionTarget)
     if alike and not isinstance(refusal, InfeasibleSlew):
         return refusal  # it breaks its limits at any other time, too
-    span = _span(refused)
     offers = failed.offers()
-    if isinstance(span, Refusal):
-        advice = Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
-    else:
-        advice = _seek_start(refused, span)
+    advice = _advice(refused)
     advised = type(refusal)(
         f"{refusal.detail}; {advice.words}",
         field=field,
@@ -112,6 +112,31 @@ def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
     if isinstance(advised, InfeasibleSlew):
         advised.give_up = offers
     return advised
+
+
+def _advice(refused: RefusedSession) -> Advice:
+    span = _span(refused)
+    if isinstance(span, Refusal):
+        return Advice(f"no other start was tried: {span.detail.partition(';')[0]}")
+    useful = _at_useful_elevation(refused)
+    if useful is not None:
+        seen = _visible_rows(useful, span.ephemeris, span.known)
+        advice = _seek_start(useful, replace(span, seen=seen))
+        if advice.session is not None:
+            return advice
+    return _seek_start(refused, span)
+
+
+def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
+    """Higher in the target's sky than where it rises, which nobody asked for by leaving it out."""
+    target = refused.session.target
+    if not isinstance(target, EarthFixedTarget) or target.min_elevation_deg != 0.0:
+        return None
+    sessions = list(refused.scenario.sessions)
+    sessions[refused.number] = replace(
+        refused.session, target=replace(target, min_elevation_deg=USEFUL_ELEVATION_DEG)
+    )
+    return replace(refused, scenario=replace(refused.scenario, sessions=tuple(sessions)))
 
 
 def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
@@ -129,9 +154,13 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
     moved = replace(
         shortened, stop_utc=lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s)
     )
+    stop_row = _latest_stop(shortened, span)
+    if stop_row != refused.wanted.stop:
+        stop_utc = shifted_utc(epoch_utc, stop_row / ROWS_PER_S)
+        shortened = replace(shortened, stop_utc=lambda _: stop_utc)
     reaches: list[int | None] = []
     searches: tuple[tuple[Trials, Iterable[int]], ...] = (
-        (shortened, _rows_before_stop(refused, span)),
+        (shortened, _rows_before_stop(refused, span, stop_row)),
         (moved, _rows_by_distance(refused, span)),
     )
     for trials, rows in searches:
@@ -146,8 +175,42 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
     return Advice(_not_found(refused, span, *reaches) + alone)
 
 
+def _latest_stop(trials: Trials, span: _Span) -> int:
+    """Until which row the session can be held that begins halfway through what is seen of it."""
+    refused = trials.refused
+    wanted = refused.wanted
+    seen = [
+        Rows(
+            start=max(run.start, wanted.start, refused.from_row + 1),
+            stop=min(run.stop, wanted.stop),
+        )
+        for run in span.seen
+    ]
+    longest = max(seen, key=lambda rows: rows.stop - rows.start, default=wanted)
+    halfway = (longest.start + longest.stop) // 2
+
+    def may_be_held_to(row: int) -> bool:
+        stop_utc = shifted_utc(refused.epoch_utc, row / ROWS_PER_S)
+        return replace(trials, stop_utc=lambda _: stop_utc).may(halfway)
+
+    good, bad = halfway + 2 * STENCIL, wanted.stop
+    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
+        if good >= bad or trials.may(halfway) or not may_be_held_to(good):
+            return wanted.stop
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            if may_be_held_to(middle):
+                good = middle
+            else:
+                bad = middle
+        return good
+    return wanted.stop
+
+
 def _way_out(found: Session, asked: Session) -> str:
     start, stop = utc_text(found.start, 1), utc_text(found.stop, 1)
+    if found.start == asked.start:
+        return f"from the start asked for it can be flown until {stop}"
     kept = found.stop == asked.stop
     how = "keeping the stop" if kept else f"with the stop moved to {stop}"
     return f"earliest feasible start {start}, {how}"
@@ -240,13 +303,12 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
     return None
 
 
-def _rows_before_stop(refused: RefusedSession, span: _Span) -> Iterable[int]:
+def _rows_before_stop(refused: RefusedSession, span: _Span, stop_row: int) -> Iterable[int]:
     """Start rows of the session cut short, the nearest to the wanted row first."""
-    wanted = refused.wanted
-    first = max(wanted.start, refused.from_row + 1)
-    step = min(COARSE_ROWS, max((wanted.stop - first) // 8, 1))
-    runs = [run for run in span.seen if run.start <= wanted.stop <= run.stop]
-    return (row for row in range(first, wanted.stop, step) if any(run.start <= row for run in runs))
+    first = max(refused.wanted.start, refused.from_row + 1)
+    step = min(COARSE_ROWS, max((stop_row - first) // 8, 1))
+    runs = [run for run in span.seen if run.start <= stop_row <= run.stop]
+    return (row for row in range(first, stop_row, step) if any(run.start <= row for run in runs))
 
 
 def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:

@@ -1,0 +1,103 @@
+"""Can what the windows offer be planned, and does a refusal know the window it missed?"""
+
+from dataclasses import replace
+from datetime import timedelta
+
+import numpy as np
+import pytest
+from scenarios import LAS_VEGAS, TLE, at, scenario, session
+
+from planner.attitude import LvlhAttitude
+from planner.errors import NotVisible
+from planner.frames.time_scales import Instants, shifted_utc
+from planner.opportunities import (
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+    Windows,
+    find_opportunities,
+)
+from planner.platforms import PLATFORMS
+from planner.sessions.pipeline import make_plan
+from planner.targets import GroundTarget
+
+PLACES = (
+    LAS_VEGAS,
+    GroundTarget(latitude_deg=42.36, longitude_deg=-71.06, height_m=10.0),
+    GroundTarget(latitude_deg=55.75, longitude_deg=37.6, height_m=150.0),
+)
+ABOVE_DEG = 25.0
+
+
+@pytest.mark.parametrize("begins_s", [0.0, 0.123])
+def test_the_session_of_every_window_plans_as_it_stands(begins_s):
+    request = OpportunityRequest(
+        orbit=TLE,
+        attitude=LvlhAttitude(),
+        platform=PLATFORMS["iss-hrc"],
+        start=at(begins_s),
+        stop=at(43200.0),
+        targets=tuple(
+            OpportunityTarget(id=str(number), target=place) for number, place in enumerate(PLACES)
+        ),
+        conditions=OpportunityConditions(min_elevation_deg=ABOVE_DEG),
+    )
+    found = find_opportunities(request)
+    times_s = found.windows.sessions_s(found.start_utc)
+    assert len(times_s) >= 3
+    for window, (start_s, stop_s) in enumerate(times_s):
+        rise_s, set_s = found.windows.rise_s[window], found.windows.set_s[window]
+        assert rise_s - 1e-4 <= start_s < rise_s + 0.2
+        assert set_s - 0.2 < stop_s <= set_s + 1e-4
+        target = replace(PLACES[found.windows.target[window]], min_elevation_deg=ABOVE_DEG)
+        start, stop = (shifted_utc(found.start_utc, float(t_s)) for t_s in (start_s, stop_s))
+        asked = scenario(session(target, 0.0, 1.0))
+        asked = replace(
+            asked,
+            initial_state=replace(asked.initial_state, epoch=start - timedelta(seconds=300)),
+            sessions=(replace(asked.sessions[0], start=start, stop=stop),),
+        )
+        assert make_plan(asked).verification.passed
+
+
+def test_a_window_too_short_for_two_rows_has_no_session():
+    class Short:
+        rise_s, set_s = np.array([0.05, 0.05]), np.array([0.35, 0.45])
+
+    times_s = Windows.sessions_s(Short(), at(0.0))
+    assert np.isnan(times_s[0]).all()
+    assert times_s[1] == pytest.approx([0.2, 0.4])
+
+
+@pytest.mark.parametrize(
+    ("start_s", "stop_s", "is_start_kept"),
+    [
+        (130.0, 310.0, True),  # 13 s past the window
+        (120.0, 330.0, False),  # beyond it on both sides
+    ],
+)
+def test_a_session_that_outlasts_its_window_is_offered_an_earlier_stop(
+    start_s, stop_s, is_start_kept
+):
+    """Las Vegas stands above 30 deg from 124.2 to 297.2 s."""
+    target = replace(LAS_VEGAS, min_elevation_deg=30.0)
+    asked = scenario(session(target, start_s, stop_s))
+    with pytest.raises(NotVisible) as refused:
+        make_plan(asked)
+    start, stop = refused.value.earliest_feasible_start_utc, refused.value.feasible_stop_utc
+    assert (start == at(start_s)) == is_start_kept
+    assert abs((stop - at(297.2)).total_seconds()) <= 0.4
+    advised = replace(asked, sessions=(replace(asked.sessions[0], start=start, stop=stop),))
+    assert make_plan(advised).verification.passed
+
+
+def test_no_start_at_the_horizon_is_offered_to_who_left_the_elevation_out():
+    """A session before the pass is moved to where the carrier stands at 10 deg, not at 0."""
+    asked = scenario(session(LAS_VEGAS, -300.0, -270.0), epoch_s=-600)
+    with pytest.raises(NotVisible) as refused:
+        make_plan(asked)
+    start = refused.value.earliest_feasible_start_utc
+    moment = Instants(start, np.zeros(1))
+    states = TLE.ephemeris(start, start + timedelta(seconds=60)).states(moment)
+    elevation_rad = LAS_VEGAS.apparent(moment, states).clearance_rad[0]
+    assert 10.0 <= np.degrees(elevation_rad) < 10.5
