@@ -1,11 +1,16 @@
-"""Do the request's classes carry exactly the fields of POST /v1/horizon/estimates?"""
+"""Are requests about the horizon read with exactly their fields, and within their bounds?"""
 
 import json
 
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
+from app.requests.examples.horizon import AHEAD, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.horizon import read_picture_request, read_prediction_request
+from app.requests.plan import read_plan_request
 from estimator.request import HorizonRequest
+from planner.errors import InvalidRequest
 
 CAMERA = {
     "name": "pitch",
@@ -66,3 +71,48 @@ def test_nonsense_is_refused_with_a_way_out(path, value, said):
     at[path[-1]] = value
     with pytest.raises(ValidationError, match=said):
         READ.validate_json(json.dumps(body))
+
+
+PREDICTION = PREDICTION_EXAMPLES["pass"][1]
+PICTURE = PICTURE_EXAMPLES["ahead"][1]
+
+
+def refused(read, document, says):
+    with pytest.raises(InvalidRequest) as refusal:
+        read(json.dumps(document).encode())
+    assert says in str(refusal.value)
+
+
+def test_pictures_of_four_megapixels_are_rendered_and_of_more_not():
+    def of(width_px, height_px):
+        return PICTURE | {"camera": AHEAD | {"width_px": width_px, "height_px": height_px}}
+
+    assert read_picture_request(json.dumps(of(2100, 2000)).encode()).camera.width_px == 2100
+    refused(read_picture_request, of(2101, 2000), "4200000 pixels are rendered, not 4202000")
+    refused(read_picture_request, PICTURE | {"at": "2015-02-27T17:37:00"}, "offset")
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"instants": []}, "must come to 1 to 2000, not 0 x 2"),
+        ({"instants": ["2015-02-27T17:37:00Z"] * 1001}, "must come to 1 to 2000, not 1001 x 2"),
+        ({"instants": ["2015-02-27T17:37:00"]}, "offset"),
+        ({"instants": ["2015-02-27T00:00:00Z", "2015-03-02T00:00:01Z"]}, "within 3 days"),
+        ({"cameras": [AHEAD, AHEAD]}, "need names of their own"),
+    ],
+)
+def test_views_that_are_too_many_or_too_far_apart_are_not_foretold(change, says):
+    refused(read_prediction_request, PREDICTION | change, says)
+
+
+def test_three_days_and_two_thousand_views_are_foretold():
+    first, last = "2015-02-27T00:00:00Z", "2015-03-02T00:00:00Z"
+    most = PREDICTION | {"instants": [first] * 999 + [last]}
+    assert len(read_prediction_request(json.dumps(most).encode()).instants) == 1000
+
+
+def test_cameras_of_a_plan_have_names_of_their_own():
+    refused(
+        read_plan_request, LAS_VEGAS | {"horizon_cameras": [AHEAD, AHEAD]}, "names of their own"
+    )

@@ -115,6 +115,21 @@ def test_a_tenth_of_an_arcsecond_is_the_limit(scenario, table, off_arcsec, passe
     assert verify(off, scenario).passed is passes
 
 
+def test_where_a_session_content_with_nearness_is_off_its_target_is_said(scenario, table):
+    """One row 1 arcsec off bends the cells beside it, 0.16 arcsec already a quarter in."""
+    near = dataclasses.replace(scenario.sessions[0], keyhole="nearest")
+    off = changed(table, 1, 401, angle_rad=ARCSEC_RAD)
+    report = verify(off, dataclasses.replace(scenario, sessions=(near,)))
+    assert report.passed  # the frame is 1,000 times as wide
+    (warning,) = report.findings
+    assert (warning.severity, warning.limit, warning.t_s) == ("warning", "pointing", 80.2)
+    (stretch,) = report.sessions[0].off_target
+    # Off at each instant judged between the rows beside it, which are on target.
+    assert stretch.start_utc == EPOCH_UTC + timedelta(seconds=80.0)
+    assert stretch.stop_utc == EPOCH_UTC + timedelta(seconds=80.4)
+    assert stretch.max_rad == pytest.approx(ARCSEC_RAD, abs=ORACLE_RAD)
+
+
 def test_the_miss_on_the_ground_is_where_the_boresight_meets_the_targets_plane():
     scenario = scenario_of(orbit=CircularOrbit(beside_deg=9.0))  # some 18 deg elevation
     table = changed(table_of(scenario), 1, slice(None), angle_rad=3.0 * ARCSEC_RAD)

@@ -84,6 +84,8 @@ def still_states(r_sat_itrf_m):
         (0.0, 0.0, 6.0, 0.0),
         (-70.0, 2500.0, 10.0, 200.0),
         (36.0, 0.0, 30.0, 45.0),
+        (36.0, 610.0, 60.0, 135.0),
+        (36.0, 0.0, 89.9, 0.0),
     ],
 )
 def test_the_ray_that_arrives_comes_from_the_ground_target(

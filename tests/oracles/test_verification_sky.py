@@ -142,6 +142,39 @@ def test_a_star_followed_with_erfa_passes(starry):
     assert session.view.limb_clearance_min_utc == EPOCH_UTC + timedelta(seconds=60)
 
 
+def test_a_star_given_at_another_epoch_is_the_same_star(starry):
+    """Proxima moves 3.9 arcsec a year; ERFA takes it to the epoch of Hipparcos, J1991.25."""
+    ra_rad, dec_rad, pm_ra, pm_dec, parallax_arcsec, radial_velocity_km_s = erfa.pmsafe(
+        np.deg2rad(PROXIMA.ra_deg),
+        np.deg2rad(PROXIMA.dec_deg),
+        PROXIMA.pm_ra_cosdec_mas_yr * erfa.DMAS2R / np.cos(np.deg2rad(PROXIMA.dec_deg)),
+        PROXIMA.pm_dec_mas_yr * erfa.DMAS2R,
+        PROXIMA.parallax_mas / 1e3,
+        PROXIMA.radial_velocity_km_s,
+        *(2451545.0, 0.0),
+        *(2451545.0, -8.75 * 365.25),
+    )
+    earlier = StarTarget(
+        epoch_jyear=1991.25,
+        ra_deg=float(np.rad2deg(ra_rad)),
+        dec_deg=float(np.rad2deg(dec_rad)),
+        pm_ra_cosdec_mas_yr=float(pm_ra * np.cos(dec_rad) / erfa.DMAS2R),
+        pm_dec_mas_yr=float(pm_dec / erfa.DMAS2R),
+        parallax_mas=float(1e3 * parallax_arcsec),
+        radial_velocity_km_s=float(radial_velocity_km_s),
+    )
+    table = table_along(starry, lambda t_s: star_eci(starry.orbit, PROXIMA, t_s))
+    report = verify(table, scenario_of(orbit=starry.orbit, target=earlier))
+    assert report.sessions[0].overall.max_rad < ORACLE_RAD
+
+
+def test_hipparcos_knows_the_star_that_gaia_saw(starry):
+    """Proxima moves 3,859 mas a year; over 24 years the two motions part by 0.17 arcsec."""
+    table = table_along(starry, lambda t_s: star_eci(starry.orbit, PROXIMA, t_s))
+    report = verify(table, scenario_of(orbit=starry.orbit, target=StarTarget(hip=70890)))
+    assert report.sessions[0].overall.max_rad < 0.2 * ARCSEC_RAD
+
+
 @pytest.mark.parametrize("name", [name for name in CHAINS if name != "earth"])
 def test_a_body_followed_with_jplephem_passes(name):
     orbit = facing(name)

@@ -64,6 +64,27 @@ def test_what_cannot_be_braked_is_refused_before_anything_else(state, limit):
     assert "alpha" not in refused.value.detail
 
 
+@pytest.mark.parametrize("leads", [True, False])
+@pytest.mark.parametrize(
+    ("moving", "what"),
+    [
+        (deg_state(0.0, 2.55, 1.0), "its rate limit"),  # 2.55 + 1 / 2 = 3.05 deg/s
+        (deg_state(172.1, 2.0, 0.0), "its hard stop"),  # 3 deg on, as above
+    ],
+)
+def test_a_refused_slew_says_which_of_its_ends_can_not_be_braked(moving, what, leads):
+    resting = deg_state(35.0)
+    start, end = (moving, resting) if leads else (resting, moving.backwards())
+    problem = SlewProblem(
+        axis_names=("alpha",), limits=(LIMITS,), start=(start,), end=(end,), duration_s=100.0
+    )
+    with pytest.raises(InfeasibleSlew) as refused:
+        optimal_slew(problem)
+    side = "start" if leads else "end"
+    assert f"alpha can't keep {what} in a slew of 100.000 s" in refused.value.detail
+    assert f"its motion at the {side} can't be braked in time" in refused.value.detail
+
+
 @pytest.mark.parametrize("spare_deg", [1e-6, 1e-3, 3e-3, 0.03, 0.3])
 @pytest.mark.parametrize(("jerk_deg_s3", "rate_deg_s"), [(1.0, 2.0), (2.3, -1.2), (9.0, 0.3)])
 @pytest.mark.parametrize("leads", [True, False])

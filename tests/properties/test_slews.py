@@ -4,13 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from slew_cases import LIMITS, draw_cases, sampled
+from slew_cases import LIMITS, deg_state, draw_cases, sampled
 
 from planner.errors import InfeasibleSlew
 from planner.pointing.hermite import cubic_range
+from planner.slew.closed_forms import least_jerk_profile, profile_lasting
 from planner.slew.feasibility import next_duration_s
 from planner.slew.on_rows import fit_to_rows
 from planner.slew.optimal import optimal_slew
+from planner.slew.spline_ocp import OcpResult, SplineOcp
 
 SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
@@ -62,6 +64,33 @@ def test_500_random_slews_are_all_solved_within_limits(part):
             assert_joins(profile, case.start[axis], case.end[axis])
 
 
+def test_a_slew_proven_to_exist_is_made_although_the_solver_fails(monkeypatch):
+    """What the solver gives instead is the smoothest motion without limits, which breaks them."""
+
+    def fail(_self, slew):
+        return OcpResult(least_jerk_profile(slew.start, slew.end, slew.duration_s), 1)
+
+    monkeypatch.setattr(SplineOcp, "solve", fail)
+    fallen_back = 0
+    for case in draw_cases(seed=10, count=30):
+        solution = optimal_slew(case.problem(1.2 * least_shared_s(case)))
+        fallen_back += solution.status.count("feasible, not the smoothest")
+        for axis, profile in enumerate(solution.profiles):
+            assert_within_limits(profile)
+            assert_joins(profile, case.start[axis], case.end[axis])
+    assert fallen_back > 10
+
+
+def test_with_hours_to_spare_an_axis_rests_where_it_began():
+    start, end = deg_state(10.0, 1.0, 0.2), deg_state(-40.0, -0.5)
+    profile = profile_lasting(start, end, LIMITS, 7200.0)
+    assert profile.duration_s == pytest.approx(7200.0, rel=1e-9)
+    assert_joins(profile, start, end)
+    angle, rate, _, _ = profile.evaluate(np.array([3600.0]))
+    assert angle[0] == pytest.approx(start.angle_rad, abs=1e-9)
+    assert rate[0] == 0.0
+
+
 def test_too_short_a_time_is_refused_and_the_named_time_works():
     for number, case in enumerate(draw_cases(seed=7, count=90)):
         least_s = least_shared_s(case)
@@ -79,7 +108,9 @@ def test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond():
     for number, case in enumerate(draw_cases(seed=9, count=72)):
         slack = (1.0, 1.02, 1.2, 2.0)[number % 4]
         rows = math.ceil(least_shared_s(case) * slack * 5.0) + 1
-        solution = fit_to_rows(optimal_slew(case.problem(rows / 5.0)))
+        smoothest = optimal_slew(case.problem(rows / 5.0))
+        solution = fit_to_rows(smoothest)
+        assert solution.iterations >= smoothest.iterations  # those of the repair come on top
         t_s = np.arange(rows + 1) / 5.0
         angle, rate, _, _ = solution.motion(t_s)
         repaired += sum("rows" in status for status in solution.status)
