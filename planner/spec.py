@@ -42,11 +42,11 @@ UnitPart = Annotated[float, Within(-10.0, 10.0)]
 def spec(cls: type[T]) -> type[T]:
     """A frozen, keyword-only dataclass whose numbers are finite and within their ranges.
 
-    The class's own `__post_init__` runs after these checks and raises `ValueError` with the
-    value and the way out.  `__pydantic_config__` makes pydantic, which only `app` imports,
-    refuse unknown fields, NaN and lax conversions.
+    The class's `__post_init__`, its own or inherited, runs after these checks and raises
+    `ValueError` with the value and the way out.  `__pydantic_config__` makes pydantic, which only
+    `app` imports, refuse unknown fields, NaN and lax conversions.
     """
-    own_check = cls.__dict__.get("__post_init__")
+    own_check = getattr(cls, "__post_init__", None)
     ranges: list[tuple[str, Within]] = []
 
     def __post_init__(self: DataclassInstance) -> None:  # noqa: N807 (dataclasses calls it by this name)

@@ -31,28 +31,28 @@ class PlanRequest(Scenario):
 
     def __post_init__(self) -> None:
         Scenario.__post_init__(self)
+        if self.horizon_cameras:
+            require_cameras("horizon_cameras", self.horizon_cameras)
+            if len(self.horizon_cameras) * len(self.sessions) > HORIZON_CHECKS_MAX:
+                raise ValueError(
+                    f"horizon_cameras times sessions must not exceed {HORIZON_CHECKS_MAX}, which "
+                    f"{len(self.horizon_cameras)} x {len(self.sessions)} do; name fewer cameras"
+                )
 
 
-def _require_bounds(asked: PlanRequest) -> PlanRequest:
-    """Of a request, not of each scenario: a start that is tried may lie beyond them."""
+def _require_span(asked: PlanRequest) -> PlanRequest:
+    """Of a request as it is read: a start that is tried may lie beyond it."""
     span_s = elapsed_s(asked.sessions[-1].stop, asked.initial_state.epoch)
     if span_s > SPAN_MAX_S:
         raise ValueError(
             f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "
             f"not after {span_s:.0f} s; plan them one by one"
         )
-    if asked.horizon_cameras:
-        require_cameras("horizon_cameras", asked.horizon_cameras)
-        if len(asked.horizon_cameras) * len(asked.sessions) > HORIZON_CHECKS_MAX:
-            raise ValueError(
-                f"horizon_cameras times sessions must not exceed {HORIZON_CHECKS_MAX}, which "
-                f"{len(asked.horizon_cameras)} x {len(asked.sessions)} do; name fewer cameras"
-            )
     return asked
 
 
-_WITHIN_BOUNDS: Any = Annotated[PlanRequest, AfterValidator(_require_bounds)]
-_READER = JsonReader[PlanRequest](_WITHIN_BOUNDS)
+_WITHIN_SPAN: Any = Annotated[PlanRequest, AfterValidator(_require_span)]
+_READER = JsonReader[PlanRequest](_WITHIN_SPAN)
 
 read_plan_request = _READER.read
 plan_request_json_schema = _READER.json_schema

@@ -20,10 +20,11 @@ class AttitudeUncertainty:
 
     sigma_body_deg: 1-sigma of a turn about each body axis, constant over a session.
     swing_rms_body_deg: rms about each body axis of a sinusoid at the orbital rate, its phase
-    unknown; the law's own where not given.
+    unknown.  The law's own figures where one is not given.  Only the pointing budget of a plan
+    rests on them.
     """
 
-    sigma_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] = (MEAN_SIGMA_DEG,) * 3
+    sigma_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] | None = None
     swing_rms_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] | None = None
 
 
@@ -45,11 +46,16 @@ class AttitudeErrors:
         """What the request states in their place."""
         if uncertainty is None:
             return self
-        swing_deg = uncertainty.swing_rms_body_deg
+        sigma_deg, swing_deg = uncertainty.sigma_body_deg, uncertainty.swing_rms_body_deg
+        if sigma_deg is None and swing_deg is None:
+            return self
+        basis = "as attitude.uncertainty states"
+        if sigma_deg is None or swing_deg is None:
+            basis += f" of its {'swing' if sigma_deg is None else 'sigma'}; else {self.basis}"
         return AttitudeErrors(
-            np.deg2rad(uncertainty.sigma_body_deg),
+            self.sigma_body_rad if sigma_deg is None else np.deg2rad(sigma_deg),
             self.swing_rms_body_rad if swing_deg is None else np.deg2rad(swing_deg),
-            "as attitude.uncertainty states",
+            basis,
             self.better,
         )
 

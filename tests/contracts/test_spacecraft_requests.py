@@ -59,6 +59,21 @@ def test_bad_values_are_refused_by_name(path, value, message):
         SCHEMA.validate_json(json.dumps(document))
 
 
+@pytest.mark.parametrize("mode", range(4))
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"name": ""},
+        {"window_start": "2024-06-01T10:05:00Z", "window_stop": "2024-06-01T10:04:00Z"},
+    ],
+)
+def test_every_mode_is_asked_the_same(mode, change):
+    document = example()
+    document["requests"][mode].update(change)
+    with pytest.raises(ValidationError, match=next(iter(change))):
+        SCHEMA.validate_json(json.dumps(document))
+
+
 @pytest.mark.parametrize(
     "text", ["", "[]", '{"features": []}', '{"features": [1]}', "[" * 100_000, "x" * 1_000_001]
 )

@@ -148,6 +148,23 @@ def test_what_the_request_states_of_the_attitude_replaces_the_swing():
         assert "states" in causes["attitude"].basis
 
 
+def test_what_the_request_leaves_out_of_the_attitude_stays_the_laws_own():
+    later = InertialAttitude(
+        epoch=START - timedelta(minutes=30), q_body_from_eci_xyzw=(0.0, 0.0, 0.0, 1.0)
+    )
+    alone = budget(attitude=later)[1]["attitude"].sigma_arcsec
+    for uncertainty in (
+        AttitudeUncertainty(),
+        AttitudeUncertainty(swing_rms_body_deg=(0.0, 0.0, 0.0)),
+    ):
+        _, causes, _ = budget(attitude=replace(later, uncertainty=uncertainty))
+        assert causes["attitude"].sigma_arcsec == pytest.approx(alone, rel=1e-12)
+    upright = AttitudeUncertainty(sigma_body_deg=(0.0, 0.0, 0.0))
+    _, causes, _ = budget(attitude=LvlhAttitude(uncertainty=upright))
+    assert causes["attitude"].sigma_arcsec > 500.0  # the swing alone
+    assert "measured" in causes["attitude"].basis
+
+
 def test_a_frame_smaller_than_the_random_error_holds_nothing():
     assert probability_inside(np.zeros((1, 1, 2)), np.array([0.0, 0.005])) == 0.0
 
