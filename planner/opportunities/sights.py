@@ -141,7 +141,7 @@ class EarthSight:
         r_target_m = self.places.r_target_itrf_m(which, t_s)
         to_sun_m = self.carrier.r_sun_itrf_m.at(t_s) - r_target_m
         direction = aberrate(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
-        return np.arcsin(_dot(direction, self.places.up_itrf(which, r_target_m)))
+        return _arcsin(_dot(direction, self.places.up_itrf(which, r_target_m)))
 
     def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
         """Target and carrier on straight lines in ITRF."""
@@ -153,7 +153,7 @@ class EarthSight:
 
     def _elevation_rad(self, which: Indices, t_s: Array, r_target_m: Array) -> Array:
         apart_m = self.carrier.r_sat_itrf_m.at(t_s) - r_target_m
-        return np.arcsin(_dot(apart_m, self.places.up_itrf(which, r_target_m)) / _norm(apart_m))
+        return _arcsin(_dot(apart_m, self.places.up_itrf(which, r_target_m)) / _norm(apart_m))
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,3 +228,8 @@ def _dot(a: Array, b: Array) -> Array:
 
 def _norm(a: Array) -> Array:
     return np.sqrt(_dot(a, a))
+
+
+def _arcsin(sine: Array) -> Array:
+    """Straight overhead a sine may round to more than 1."""
+    return np.asarray(np.arcsin(np.clip(sine, -1.0, 1.0)))

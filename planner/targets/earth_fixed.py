@@ -50,7 +50,8 @@ class EarthFixedTarget(VisibleTarget):
         range_m = np.linalg.norm(los_eci_m, axis=1)
         latitude_rad, longitude_rad, height_m = geodetic_from_itrf(r_target_itrf_m)
         up_eci = _eci(c, up_itrf(latitude_rad, longitude_rad))
-        elevation_rad = np.arcsin(-np.sum(los_eci_m * up_eci, axis=1) / range_m)
+        sine = -np.sum(los_eci_m * up_eci, axis=1) / range_m
+        elevation_rad = np.arcsin(np.clip(sine, -1.0, 1.0))  # overhead it may round to more than 1
 
         raised_eci_m = np.zeros_like(los_eci_m)
         if self.refraction == "standard":

@@ -65,7 +65,8 @@ def earth_fixed_sight(
 
     up_itrf, height_m = vertical(r_now_itrf_m)
     up_eci = earth.eci_from_itrf(up_itrf)
-    elevation_rad = np.arcsin(np.sum(to_sat_m * up_eci, axis=1) / range_m)
+    sine = np.sum(to_sat_m * up_eci, axis=1) / range_m
+    elevation_rad = np.arcsin(np.clip(sine, -1.0, 1.0))  # overhead it may round to more than 1
     if target.refraction == "standard":
         incoming_eci = _lift(incoming_eci, up_eci, instants.t_s, elevation_rad, range_m, height_m)
     r_sat_itrf_m = r_now_itrf_m + earth.itrf_from_eci(to_sat_m)
