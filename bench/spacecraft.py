@@ -107,14 +107,14 @@ def bench_physics() -> None:
     import test_spacecraft_basilisk as basilisk
     import test_spacecraft_dynamics as dynamics
 
-    fine = dynamics.flown(0.0005, 4.0, dynamics.COMMAND)[1]
+    fine = dynamics.flown(0.0005, 4.0, dynamics.COMMAND)[1].state
     errors = [
-        np.abs(dynamics.flown(h, 4.0, dynamics.COMMAND)[1] - fine).max()
+        np.abs(dynamics.flown(h, 4.0, dynamics.COMMAND)[1].state - fine).max()
         for h in (0.008, 0.004, 0.002)
     ]
     print(f"  order of the integrator {np.log2(np.array(errors[:-1]) / errors[1:]).round(2)}")
-    _, state, _, _ = dynamics.flown(0.005, 60.0, dynamics.COMMAND)
-    start = dynamics.flown(0.005, 0.0, dynamics.COMMAND)[1]
+    state = dynamics.flown(0.005, 60.0, dynamics.COMMAND)[1].state
+    start = dynamics.flown(0.005, 0.0, dynamics.COMMAND)[1].state
     leak = np.linalg.norm(state[4:7] - start[4:7]) / np.linalg.norm(start[4:7])
     print(f"  angular momentum over 60 s without torque: {leak:.1e} relative (a state, exact)")
     rates, _ = basilisk.flown_by_us()

@@ -38,6 +38,8 @@ STARTS = 60  # moments of the telemetry for each session
 STALE_S = 2.5  # since a value changed
 STEP_S = 10.0
 BINS = 5
+PERIOD_S = 5560.0
+RATE_LEADS_S = (60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0)
 STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
 STATE_DAYS = (0.5, 1.6, 4.3)
 
@@ -47,6 +49,7 @@ def main() -> None:
     parser.add_argument("data", type=Path)
     parser.add_argument("--sessions", type=int, default=300)
     arguments = parser.parse_args()
+    attitude_figures(arguments.data / "attitude")
     reliability(arguments.data, arguments.sessions)
     state_growth(arguments.data)
 
@@ -82,6 +85,27 @@ def reliability(data: Path, sessions: int) -> None:
                 f"  {edge:.1f} to {edge + 1.0 / BINS:.1f}: {inside.sum():5d} sessions, "
                 f"told {told[inside].mean():.3f}, kept {kept[inside].mean():.3f}"
             )
+
+
+def attitude_figures(folder: Path) -> None:
+    """The swing about the mean, and how far a constant body rate goes wrong."""
+    t_s, q_body_from_lvlh = telemetry(folder)
+    turn_deg = (q_body_from_lvlh * q_body_from_lvlh.mean().inv()).as_rotvec(degrees=True)
+    print(f"swing about body x, y, z: rms {np.std(turn_deg, axis=0).round(3)} deg")
+    # LVLH turns about -Y once an orbit; from which direction doesn't matter.
+    q_lvlh = Rotation.from_rotvec(np.outer(2.0 * np.pi / PERIOD_S * t_s, [0.0, 1.0, 0.0]))
+    q_body = q_body_from_lvlh * q_lvlh
+    rates = {number: channel(folder, number) for number in (25, 26, 27)}
+    omega_deg_s = np.stack([held(rates, number, t_s) for number in (25, 26, 27)], axis=1)
+    row_of = {round(at_s / STEP_S): row for row, at_s in enumerate(t_s)}
+    print("constant body rate: rms about body x, y, z")
+    for lead_s in RATE_LEADS_S:
+        ahead = [row_of.get(round((at_s + lead_s) / STEP_S), -1) for at_s in t_s]
+        now = np.flatnonzero(np.array(ahead) >= 0)
+        later = q_body[np.array(ahead)[now]]
+        turned = Rotation.from_rotvec(-np.deg2rad(omega_deg_s[now]) * lead_s) * q_body[now]
+        miss_deg = (turned * later.inv()).as_rotvec(degrees=True)
+        print(f"  {lead_s:6.0f} s: {np.sqrt(np.mean(miss_deg**2, axis=0)).round(3)} deg")
 
 
 def telemetry(folder: Path) -> tuple[np.ndarray, Rotation]:
@@ -151,9 +175,16 @@ def state_growth(data: Path) -> None:
             errors_m.append(ric_m(truth.states(instants), found))
     rms_m = np.sqrt(np.mean(np.square(errors_m), axis=0))
     told = state_sigma(np.array(STATE_LEADS_S), paper_model=False)
-    print("a state propagated, along the track: rms seen of the force model, 1 sigma told in all")
-    for lead_s, seen_m, told_m in zip(STATE_LEADS_S, rms_m[:, 1], told.along_m, strict=True):
-        print(f"  {lead_s:7.0f} s: {seen_m:7.1f} m, {told_m:7.1f} m")
+    print(
+        "a state propagated, along and across the track: rms seen of the force model, 1 sigma told"
+    )
+    for lead_s, seen_m, along_m, cross_m in zip(
+        STATE_LEADS_S, rms_m, told.along_m, told.cross_m, strict=True
+    ):
+        print(
+            f"  {lead_s:7.0f} s: {seen_m[1]:7.1f} and {seen_m[2]:5.1f} m, "
+            f"{along_m:7.1f} and {cross_m:5.1f} m"
+        )
 
 
 if __name__ == "__main__":

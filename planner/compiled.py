@@ -10,7 +10,8 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_ROOMS = ("spacecraft", "campaigns", "label_search.py")  # which have kernels
+# Which have kernels, or constants compiled into them.
+_ROOMS = ("spacecraft", "campaigns", "label_search.py", "commands.py")
 
 
 def _digest(planner: Path) -> str:

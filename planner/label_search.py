@@ -39,7 +39,7 @@ _LABEL = np.dtype(
         ("next", "i4"),  # label at the same place, NONE
     ]
 )
-_SLOTS, _LEFT = 0, 1  # of `Labels.use`
+_SLOTS, _MADE, _MOST = 0, 1, 2  # of `Labels.use`
 
 
 class Memory(NamedTuple):
@@ -78,7 +78,7 @@ class Visit(NamedTuple):
 class Labels(NamedTuple):
     """first: label at every place, NONE.  label: records of _LABEL.
 
-    use: how many of them are in use, and how many more may be made.
+    use: how many of them are in use, how many were made, and how many may be.
     """
 
     first: Indices
@@ -166,15 +166,18 @@ class Repeats:
         return True
 
 
-def rounds(sweep: Sweep, repeats: Repeats) -> Iterator[Round]:
-    """Ever tighter; the last one is without repeats unless bits or labels ran out."""
+def rounds(sweep: Sweep, repeats: Repeats, labels_max: int = SEARCH_LABELS_MAX) -> Iterator[Round]:
+    """Ever tighter; the last one is without repeats unless bits or labels ran out.
+
+    labels_max: of all rounds; no more are begun.
+    """
     labels = 0
     while True:
         found = sweep(repeats.memory())
         effort.count(LABEL * found.labels)
         labels += found.labels
         yield found
-        if not found.is_complete or labels > SEARCH_LABELS_MAX:
+        if not found.is_complete or labels > labels_max:
             return
         if not repeats.forbid(found.visits[:, 1].tolist()):
             return
@@ -188,9 +191,12 @@ def bound(found: Iterable[Round]) -> float:
 @compiled
 def no_labels(places: int, start: int, memory: Memory) -> Labels:
     """None but at the place where every path begins."""
-    slots = LABELS_MAX if memory.bit.any() else places  # one at each is the best, if none remember
+    # One at each is the best if none remember, and as many as make way for it are few.
+    slots, most = places, max(LABELS_MAX, 100 * places)
+    if memory.bit.any():
+        slots, most = LABELS_MAX, LABELS_MAX
     first, label = np.full(places, NONE), np.empty(slots, _LABEL)
-    labels = Labels(first, label, np.array([0, LABELS_MAX]))
+    labels = Labels(first, label, np.array([0, 0, most]))
     _keep(labels, start, 0.0, 0, 0, NONE)
     return labels
 
@@ -264,7 +270,7 @@ def _remember(made: Visit, things: int, halves: int) -> tuple[bool, int, int]:
     if made.part == OPENS:
         return allowed and halves & made.bit == 0, things & made.after_mask, halves | made.bit
     if made.part == COMPLETES:
-        allowed = allowed and halves & made.bit != 0
+        allowed = allowed and (halves & made.bit != 0 or made.bit == 0)
         halves &= ~made.bit
     return allowed, (things | made.bit) & made.after_mask, halves
 
@@ -301,7 +307,7 @@ def best(labels: Labels, places: tuple[int, int]) -> tuple[float, Indices, int]:
     k = last
     for row in range(count - 1, -1, -1):
         visits[row, 0], visits[row, 1], k = label[k].visit, label[k].thing, label[k].before
-    return value, visits, LABELS_MAX - labels.use[_LEFT]
+    return value, visits, labels.use[_MADE]
 
 
 @compiled
@@ -331,9 +337,9 @@ def _keep(labels: Labels, place: int, value: float, things: int, halves: int, la
         else:
             before = k
         k = following
-    if labels.use[_LEFT] == 0:
+    if labels.use[_MADE] == labels.use[_MOST]:
         return NONE
-    labels.use[_LEFT] -= 1
+    labels.use[_MADE] += 1
     if new == NONE:
         new = labels.use[_SLOTS]
         labels.use[_SLOTS] += 1

@@ -49,14 +49,15 @@ class AttitudeErrors:
         sigma_deg, swing_deg = uncertainty.sigma_body_deg, uncertainty.swing_rms_body_deg
         if sigma_deg is None and swing_deg is None:
             return self
-        basis = "as attitude.uncertainty states"
+        basis, better = "as attitude.uncertainty states", "an attitude known better than that"
         if sigma_deg is None or swing_deg is None:
             basis += f" of its {'swing' if sigma_deg is None else 'sigma'}; else {self.basis}"
+            better = self.better
         return AttitudeErrors(
             self.sigma_body_rad if sigma_deg is None else np.deg2rad(sigma_deg),
             self.swing_rms_body_rad if swing_deg is None else np.deg2rad(swing_deg),
             basis,
-            self.better,
+            better,
         )
 
 

@@ -22,6 +22,7 @@ SWEEPS_MAX = 10
 PROPOSALS_MAX = 6000  # the latest, made at the best prices
 COMBINE_S = 20.0  # most time for the integer programme
 GAP_ENOUGH = 1e-3
+BOUND_LABELS_MAX = 4_000_000  # of all passes, of one an eighth of them: some seconds
 WORTHLESS = 1e-9  # of rounding
 
 
@@ -188,6 +189,7 @@ def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> flo
     Lagrangian relaxation of "no more looks than look_limit".
     """
     gain = looking.look_value - price[:, None]
+    labels_max = BOUND_LABELS_MAX // max(len(networks), 8)
     return float(looking.look_limit @ price) + sum(
-        path_bound(one, looking.length_steps, gain) for one in networks
+        path_bound(one, looking.length_steps, gain, labels_max) for one in networks
     )

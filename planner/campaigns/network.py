@@ -58,7 +58,8 @@ def network_of(
         usable_to[None, :] > first[:, None] + least_steps[target][:, None]
     )
     near &= target[None, :] != target[:, None]
-    edge_source, edge_to = np.nonzero(near)
+    # Contiguous whatever their number: compiled code knows the two layouts as two types.
+    edge_source, edge_to = map(np.ascontiguousarray, np.nonzero(near))
     edge_from = np.searchsorted(edge_source, np.arange(len(rows) + 1))
     counts = ways.steps[rows] * np.diff(edge_from)
     network = Network(
@@ -76,7 +77,6 @@ def network_of(
         arrival=np.empty(int(counts.sum()), np.int32),
         reach=reach,
     )
-    usable_to = last - least_steps[target]
     _fill(_states(ways, rows), network, usable_to, ways.step_s, limits, SUFFICIENT, network.arrival)
     return network
 

@@ -9,6 +9,7 @@ from planner.arrays import Array, Indices
 from planner.campaigns.network import Network
 from planner.compiled import compiled
 from planner.label_search import (
+    ROUNDING,
     WHOLE,
     Memory,
     Repeats,
@@ -68,17 +69,26 @@ def best_path(network: Network, length_steps: Indices, gain: Array) -> Path:
     return Path(value=value, looks=tuple(looks))
 
 
-def path_bound(network: Network, length_steps: Indices, gain: Array) -> float:
-    """No path that looks at each target once has a greater value."""
+def path_bound(network: Network, length_steps: Indices, gain: Array, labels_max: int) -> float:
+    """No path that looks at each target once has a greater value.
+
+    Tightened until a path of that value is known, or more than labels_max labels were made.
+    """
     first_tick = np.full(len(gain), network.stop_step)
     last_tick = np.zeros(len(gain), np.intp)
     np.minimum.at(first_tick, network.target, network.first)
     np.maximum.at(last_tick, network.target, network.last)
     leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
     repeats = Repeats(first_tick, last_tick, leap_ticks, pairs=())
-    return label_search.bound(
-        rounds(lambda memory: Round(*_sweep(network, length_steps, gain, memory)), repeats)
-    )
+    known = best_path(network, length_steps, gain).value
+    least = np.inf
+    for found in rounds(
+        lambda memory: Round(*_sweep(network, length_steps, gain, memory)), repeats, labels_max
+    ):
+        least = min(least, label_search.bound([found]))
+        if least <= known + ROUNDING * abs(known):
+            break
+    return least
 
 
 @compiled

@@ -153,7 +153,7 @@ def _budget(
         scenario.attitude,
         session.target,
         scenario.platform,
-        angle_rad=None if exactly else np.stack(angle_rad, axis=1),
+        angle_rad=np.stack(angle_rad, axis=1),
     )
 
 

@@ -4,6 +4,7 @@ Each cause is carried through the geometry by repeating it with the cause distur
 1-sigma: an orbit that is off also turns the local vertical the attitude is against.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -12,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
@@ -27,6 +29,7 @@ from planner.targets import VisibleTarget
 SAMPLES = 11  # errors change over a pass, not from row to row
 DRAWS = 1 << 14
 RANDOM_MARGIN_SIGMA = 3.0
+OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
 LIKELY = 0.9  # of staying in the frame; below, a plan warns
 RANGE_MAX_M = 1e8  # beyond, metres at the target say nothing
 _PROBE_M = 10.0
@@ -63,7 +66,7 @@ class Contribution:
 
     ground_m: across the line of sight at the target, none for a target in the sky.
     basis: whether measured or assumed, and on what.  better: what would make it smaller.
-    is_bias: constant over the session.
+    is_bias: constant over the session, or a swing as slow as the orbit.
     """
 
     cause: str
@@ -87,20 +90,18 @@ class PointingBudget:
     probability_in_frame: float
 
     def warning(self, session: int) -> str | None:
-        """That the target may well be missed, and what would help most; None where it is likely
-        in the frame.
-        """
+        """That the target may well be missed, and what would help most."""
         if self.probability_in_frame >= LIKELY:
             return None
         worst = max(self.contributions, key=lambda part: part.sigma_arcsec)
         error = (
-            f"{self.sigma_arcsec / 3600.0:.2g} deg"
+            f"{self.sigma_arcsec / 3600.0:.2f} deg"
             if self.ground_m is None
-            else f"{self.ground_m / 1e3:.2g} km"
+            else f"{self.ground_m / 1e3:.1f} km"
         )
         return (
             f"session {session}: the target stays in the frame with a probability of "
-            f"{self.probability_in_frame:.2f} only; the pointing error is {error} (1 sigma), most "
+            f"{self.probability_in_frame:.3f} only; the pointing error is {error} (1 sigma), most "
             f"of it from {worst.cause}: {worst.better} would help most"
         )
 
@@ -117,7 +118,8 @@ def pointing_budget(
 ) -> PointingBudget:
     """Budget of the session whose line of sight is `los`.
 
-    angle_rad: (n, 2), the axes at the instants of `los`; None: exactly on the target.
+    angle_rad: (n, 2), the axes at the instants of `los`; None: exactly on the target, with axes
+    square to each other.
 
     Orbit, clock, Earth orientation and the mean attitude are taken as constant over the session
     (their errors change over hours); the carrier swings about its mean at the orbital rate with
@@ -131,7 +133,7 @@ def pointing_budget(
         _earth_offsets(scene),
         _clock_offsets(scene, los, assumptions),
     ]
-    random_rad = assumptions.drive_resolution_rad / np.sqrt(12.0)
+    random_rad = assumptions.drive_resolution_rad / math.sqrt(12.0)
     total_rad = np.sqrt(sum(_per_axis_rad(bias) ** 2 for bias in biases) + random_rad**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
@@ -231,8 +233,9 @@ class _Scene:
         self.rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).round().astype(np.intp))
         image = _image_axes(platform, los.los_platform, angle_rad)
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
-        if angle_rad is not None:
-            self.rows = _farthest(off_rad / platform.frame_half_rad, self.rows)
+        shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
+        if shares.max() > OFF_TARGET:
+            self.rows = _farthest(shares, self.rows)
         self._image, self.off_rad = image[self.rows], off_rad[self.rows]
         self.instants = Instants(los.instants.epoch_utc, los.instants.t_s[self.rows])
         self.states = ephemeris.states(self.instants)
@@ -278,11 +281,10 @@ def _image_axes(
     return np.stack([first, np.cross(boresight, first)], axis=1)
 
 
-def _farthest(shares: Offsets, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+def _farthest(shares: Array, rows: NDArray[np.intp]) -> NDArray[np.intp]:
     """Of the instants nearest to each of `rows` the one with the largest share of the frame."""
     nearest = np.abs(np.arange(len(shares))[:, None] - rows).argmin(axis=1)
-    off = np.abs(shares).max(axis=1)
-    return np.array([np.argmax(np.where(nearest == i, off, -1.0)) for i in range(len(rows))])
+    return np.array([np.argmax(np.where(nearest == i, shares, -1.0)) for i in range(len(rows))])
 
 
 class _Cause(NamedTuple):

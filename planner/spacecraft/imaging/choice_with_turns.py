@@ -81,11 +81,14 @@ def _within_session(
     there_s = session.turn_time.ticks(ends[:count], entries) * TICK_S
     back_s = session.turn_time.ticks(exits, ends[count:]) * TICK_S
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
-    if not fits.any():
+    parts = np.array([option.part for option in options])
+    lacking = np.flatnonzero(~np.isin(parts, parts[fits]))  # half a pair is no image
+    if lacking.size:
+        k = int(lacking[0])
         raise InfeasibleSlew(
             f"the turn onto requests.{number} and back to orbital orientation needs about "
-            f"{there_s[0]:.1f} s before its start and {back_s[0]:.1f} s after its end, more than "
-            f"the session leaves (it could be imaged {starts_s[0]:.1f} to {stops_s[0]:.1f} s "
+            f"{there_s[k]:.1f} s before its start and {back_s[k]:.1f} s after its end, more than "
+            f"the session leaves (it could be imaged {starts_s[k]:.1f} to {stops_s[k]:.1f} s "
             "after the start); start earlier or stop later by as much",
             field=f"requests.{number}",
             limit="time",

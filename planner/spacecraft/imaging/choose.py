@@ -9,7 +9,7 @@ Source: Righini, Salani 2008, Networks 51(3); Baldacci, Mingozzi, Roberti 2011, 
 Research 59(5) (ng-routes); Peng et al. 2020 (agile satellites).
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.arrays import Array
-from planner.label_search import WHOLE, Memory, Repeats, Round, bound, rounds
+from planner.label_search import COMPLETES, OPENS, WHOLE, Memory, Repeats, Round, bound, rounds
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.path_labels import WAIT_TICKS, Imaging, Turns, label_paths
 from planner.spacecraft.table import TICK_S
@@ -98,12 +98,15 @@ def choose(
             )
         )
 
-    found = list(rounds(sweep, _repeats(nodes, len(priorities), pairs)))
-    best = max(
-        (_without_repeats(nodes, one.visits[:, 0].tolist()) for one in found),
-        key=lambda item: item[0],
-    )
     greedy = _greedy(nodes, priorities)
+    found: list[Round] = []
+    best: tuple[float, list[int]] = (0.0, [])
+    for one in rounds(sweep, _repeats(nodes, len(priorities), pairs)):
+        found.append(one)
+        flyable = _without_repeats(nodes, one.visits[:, 0].tolist())
+        best = max(best, flyable, key=lambda item: item[0])
+        if one.value <= max(best[0], greedy[0]):
+            break
     value, path = max(best, greedy, key=lambda item: item[0])
     path = _less_tilted(nodes, path)
     return Choice(
@@ -178,15 +181,25 @@ def _repeats(nodes: _Nodes, count: int, pairs: _Pairs) -> Repeats:
 
 
 def _without_repeats(nodes: _Nodes, path: list[int]) -> tuple[float, list[int]]:
-    """The path with later repeats left out: what remains stays flyable, the gaps only grow."""
-    seen: set[tuple[int, int]] = set()
-    kept = []
+    """The path with later repeats and halves of pairs left out.
+
+    What remains stays flyable, the gaps only grow.
+    """
+    first: dict[tuple[int, int], int] = {}
     for k in path:
-        what = (int(nodes.request[k]), int(nodes.part[k]))
-        if what not in seen:
-            seen.add(what)
-            kept.append(k)
+        first.setdefault((int(nodes.request[k]), int(nodes.part[k])), k)
+    whole = {
+        request
+        for request, _ in first
+        if _is_whole({part for other, part in first if other == request})
+    }
+    kept = [k for (request, _), k in first.items() if request in whole]
     return float(sum(nodes.priority[k] for k in kept)), kept
+
+
+def _is_whole(parts: Collection[int]) -> bool:
+    """Whether a request's looks are all there."""
+    return WHOLE in parts or (OPENS in parts and COMPLETES in parts)
 
 
 def _greedy(nodes: _Nodes, priorities: Sequence[float]) -> tuple[float, list[int]]:
@@ -203,7 +216,7 @@ def _greedy(nodes: _Nodes, priorities: Sequence[float]) -> tuple[float, list[int
                 break
             trial = sorted([*trial, first], key=lambda k: int(nodes.start[k]))
         else:
-            if parts:
+            if _is_whole(parts):
                 placed, total = trial, total + priorities[request]
     return total, placed
 

@@ -49,4 +49,5 @@ def label_paths(imaging: Imaging, turns: Turns, memory: Memory) -> tuple[float, 
         visit(labels, turns.before[turns.first[j] : turns.first[j + 1]], j, made)
         free = (imaging.stop_tick[j] + turns.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
         follow(labels, j, n + free, EVERYTHING)
-    return best(labels, (0, n))
+    value, visits, count = best(labels, (0, n))
+    return max(value, 0.0), visits, count
