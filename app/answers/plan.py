@@ -1,7 +1,7 @@
 """The answer to a plan: degrees, UTC text and plain numbers."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any, Literal
@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.answers.comparison import SlewComparisonOut, comparison_out
-from app.answers.horizon import HorizonCheckOut
+from app.answers.horizon_view import HorizonCheckOut
 from app.answers.plan_head import PlanHead, new_head, whole_answer
 from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out, uncertainty_out
 from app.answers.provenance import ProvenanceOut, provenance
 from planner.commands import COMMAND_STEP_S, CommandTable
+from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
 from planner.frames.time_scales import utc_text
 from planner.sessions.plan import Plan
@@ -191,6 +192,20 @@ def plan_json(
     """The whole answer as UTF-8 JSON, under a new id."""
     document = plan_document(plan, horizon_checks, provenance(input_sha256, planned_at_utc))
     return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
+
+
+def require_verified(findings: Iterable[Finding]) -> None:
+    """Raise Unverified when the judge found an error: a file by itself carries no verdict."""
+    for finding in findings:
+        if finding.severity == "error":
+            raise Unverified(
+                f"the table failed its verification: {finding.detail}; only the whole answer "
+                "holds it, beside the verdict",
+                field="slew.method",
+                axis=finding.axis,
+                limit=finding.limit,
+                at_utc=finding.at_utc,
+            )
 
 
 def verdict_state(plan: Plan) -> Literal["done", "failed"]:

@@ -123,7 +123,7 @@ def plan(
 
             _write(plot, draw_plan(made, plot.suffix.lstrip(".") or "png"))
 
-        from app.work.plan import require_verified
+        from app.answers.plan import require_verified
 
         # A table that fails is told beside the verdict, above, and nowhere else.
         require_verified(made.verification.findings)

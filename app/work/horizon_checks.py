@@ -1,6 +1,6 @@
 """The sessions of a plan that the carrier's horizon cameras can check."""
 
-from app.answers.horizon import HorizonCheckOut, ViewOut
+from app.answers.horizon_view import HorizonCheckOut, ViewOut
 from app.work.horizon_views import views
 from estimator.camera import HorizonCamera
 from estimator.request import Body

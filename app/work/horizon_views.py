@@ -7,7 +7,8 @@ import numpy as np
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
-from app.answers.horizon import PredictionResponse, ViewOut, view_out
+from app.answers.horizon import PredictionResponse, view_out
+from app.answers.horizon_view import ViewOut
 from app.answers.provenance import ProvenanceOut
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera

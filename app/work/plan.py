@@ -2,12 +2,11 @@
 
 import hashlib
 import zlib
-from collections.abc import Iterable
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-from app.answers.plan import plan_document, table_json, verdict_state
+from app.answers.plan import plan_document, require_verified, table_json, verdict_state
 from app.answers.provenance import provenance
 from app.requests.plan import PlanRequest, read_plan_request
 from app.store.new_plan import NewPlan
@@ -15,7 +14,6 @@ from app.store.packed import PackedColumns, pack, unpack
 from app.work.horizon_checks import horizon_checks
 from app.work.progress import Progress, report
 from planner.commands import CommandTable
-from planner.errors import Unverified
 from planner.export import EXPORTERS, FlightPlan, Segment
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.sessions.pipeline import make_plan
@@ -40,20 +38,6 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
         planned_utc=now_utc,
         iterations=sum(run.iterations for run in plan.slews),
     )
-
-
-def require_verified(findings: Iterable[Finding]) -> None:
-    """Raise Unverified when the judge found an error: a file by itself carries no verdict."""
-    for finding in findings:
-        if finding.severity == "error":
-            raise Unverified(
-                f"the table failed its verification: {finding.detail}; only the whole answer "
-                "holds it, beside the verdict",
-                field="slew.method",
-                axis=finding.axis,
-                limit=finding.limit,
-                at_utc=finding.at_utc,
-            )
 
 
 def stored_table_json(table_columns: bytes) -> bytes:

@@ -69,6 +69,8 @@ FRAGMENTS = [
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
     _with(initial_state=LAS_VEGAS["initial_state"] | {
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
+    _with(attitude={"law": "lvlh", "uncertainty": {
+        "sigma_body_deg": [0.1, 0.1, 0.1], "swing_rms_body_deg": [0.2, 0.0, 0.0]}}),
     _with(platform={
         "name": "written out",
         "outer": _AXIS | {"name": "alpha", "axis_platform": [0.0, 1.0, 0.0]},
