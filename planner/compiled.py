@@ -10,13 +10,13 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-# Which have kernels, or constants compiled into them.
-_ROOMS = ("spacecraft", "campaigns", "label_search.py", "commands.py")
+_ROOMS = ("spacecraft", "campaigns", "label_search.py")  # which have kernels
+_CONSTANTS = ("commands.py",)  # whose values are compiled into them
 
 
 def _digest(planner: Path) -> str:
     sources = [planner / "compiled.py"]
-    for room in _ROOMS:
+    for room in (*_ROOMS, *_CONSTANTS):
         sources += sorted((planner / room).rglob("*.py")) or [planner / room]
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:16]
 
