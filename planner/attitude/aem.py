@@ -113,11 +113,15 @@ class AemAttitude:
             return self.warnings
         return (*self.warnings, _odd(at_utc, odd_rad))
 
+    @property
+    def residual_rad(self) -> float:
+        """Rms distance of the message's attitudes from the curve, of its worst segment."""
+        return max(arc.curve.residual_rms_rad for arc in self.arcs)
+
     def errors(self, instants: Instants) -> AttitudeErrors:
         """The noise of the message's worst segment."""
-        noise_rad = max(arc.curve.residual_rms_rad for arc in self.arcs)
         return known_errors(
-            np.full(3, noise_rad),
+            np.full(3, self.residual_rad),
             "the message is assumed true to 56 arcsec an axis, the measured difference of the "
             "ISS's two attitude solutions; its noise is measured",
             "an attitude with less noise",
