@@ -13,7 +13,7 @@ nothing is bounded.
 from contextvars import ContextVar, Token
 from dataclasses import dataclass, field
 
-PLAN = 1_000_000  # about 10 s: what one plan or refusal may cost
+PLAN = 800_000  # 8 to 10 s: what one plan or refusal may cost
 
 
 class EffortSpent(Exception):

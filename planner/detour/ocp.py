@@ -6,6 +6,7 @@ so that one solver serves every platform and every cone.
 """
 
 from functools import cached_property, lru_cache
+from itertools import product
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -23,10 +24,9 @@ if TYPE_CHECKING:
 
 COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
-# Of `planner.effort`: a solve and each of its cones' instants, with their share of making the
-# programme, which takes 85 to 350 ms once a process; a row or variable in an iteration, as cones
-# fill what is factorised.
-SOLVE, SOLVE_INSTANT, ITERATION_ROW = 1_000, 30, 0.4
+# Of `planner.effort`: a solve and each of its cones' instants; a row or variable in an iteration,
+# as cones fill what is factorised.
+SOLVE, SOLVE_INSTANT, ITERATION_ROW = 300, 10, 0.4
 OPTIONS = {
     name: value
     for name, value in IPOPT.items()
@@ -44,12 +44,19 @@ STARTS: dict[Start, dict[str, str | float | int]] = {
 
 
 class _Parts(NamedTuple):
-    """Of the programme: variables, parameters, cost, and cosines with the cones' axes."""
+    """Of the programme: variables, parameters, cost, and cosines with the cones' axes.
 
-    y: "list[casadi.SX]"
-    parameters: "casadi.SX"
-    cost: "casadi.SX"
-    cosines: "list[casadi.SX]"
+    cost_weight and row_weights: of cost and cosines in the Lagrangian, of which hessian is the
+    upper triangle.
+    """
+
+    y: "casadi.MX"
+    parameters: "casadi.MX"
+    cost: "casadi.MX"
+    cosines: "casadi.MX"
+    cost_weight: "casadi.MX"
+    row_weights: "casadi.MX"
+    hessian: "casadi.MX"
 
 
 class DetourOcp:
@@ -73,33 +80,47 @@ class DetourOcp:
 
         spline, cones, points = self._spline, self._cones, len(self.tau)
         n = spline.free_count
-        y = [casadi.SX.sym(f"y{axis}", n) for axis in range(2)]
-        p_gradient = [casadi.SX.sym(f"gradient{axis}", n) for axis in range(2)]
-        p_hessian = [casadi.SX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._with_modes)]
-        p_base = [casadi.SX.sym(f"base{axis}", points) for axis in range(2)]
-        p_scale = casadi.SX.sym("scale")
-        p_cosine = casadi.SX.sym("cosine", points * cones, 9)
+        y = casadi.MX.sym("y", 2 * n)
+        p_gradient = casadi.MX.sym("gradient", 2 * n)
+        p_hessian = [casadi.MX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._with_modes)]
+        p_base, p_scale = casadi.MX.sym("base", 2 * points), casadi.MX.sym("scale")
+        p_cosine = casadi.MX.sym("cosine", points * cones, 9)
+        cost_weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", points * cones)
 
         own = casadi.sparsify(casadi.DM(spline.hessian))
-        cost = casadi.SX(0)
-        for axis in range(2):
-            hessian = p_hessian[axis] if self._with_modes else own
-            cost += casadi.bilin(hessian, y[axis], y[axis]) / 2.0
-            cost += casadi.dot(p_gradient[axis], y[axis])
+        cost_hessian = casadi.diagcat(*(p_hessian or [own, own]))
+        cost = casadi.bilin(cost_hessian, y, y) / 2.0 + casadi.dot(p_gradient, y)
         free = casadi.sparsify(casadi.DM(self._values.free_matrix))
-        angle = [p_base[axis] + p_scale * casadi.mtimes(free, y[axis]) for axis in range(2)]
-        one = casadi.SX.ones(points, 1)
-        trig = [[one, casadi.cos(q), casadi.sin(q)] for q in angle]
-        cosines = []
-        for cone in range(cones):
-            part = p_cosine[cone * points : (cone + 1) * points, :]
-            cosine = casadi.SX(points, 1)
-            for i, by_outer in enumerate(trig[0]):
-                for j, by_inner in enumerate(trig[1]):
-                    cosine += part[:, 3 * i + j] * by_outer * by_inner
-            cosines.append(cosine)
-        parameters = [*p_gradient, *map(casadi.vec, p_hessian), *p_base, p_scale]
-        return _Parts(y, casadi.vertcat(*parameters, casadi.vec(p_cosine)), cost, cosines)
+        angles = casadi.vertsplit(
+            p_base + p_scale * casadi.mtimes(casadi.diagcat(free, free), y), points
+        )
+        derivatives = [_trigonometry(casadi.repmat(angle, cones)) for angle in angles]
+
+        def cosines(outer: int, inner: int) -> "casadi.MX":
+            """Differentiated so often by either angle."""
+            by_outer, by_inner = derivatives[0][outer], derivatives[1][inner]
+            return sum(
+                p_cosine[:, 3 * i + j] * by_outer[i] * by_inner[j]
+                for i, j in product(range(3), repeat=2)
+            )
+
+        def curvature(outer: int, inner: int) -> "casadi.MX":
+            weighted = casadi.reshape(row_weights * cosines(outer, inner), points, cones)
+            instants = p_scale**2 * casadi.sum2(weighted)
+            return casadi.mtimes(free.T, casadi.mtimes(casadi.diag(instants), free))
+
+        mixed = curvature(1, 1)
+        rows = casadi.blockcat([[curvature(2, 0), mixed], [mixed, curvature(0, 2)]])
+        parameters = [p_gradient, *map(casadi.vec, p_hessian), p_base, p_scale]
+        return _Parts(
+            y=y,
+            parameters=casadi.vertcat(*parameters, casadi.vec(p_cosine)),
+            cost=cost,
+            cosines=cosines(0, 0),
+            cost_weight=cost_weight,
+            row_weights=row_weights,
+            hessian=casadi.triu(cost_weight * cost_hessian + rows),
+        )
 
     @cached_property
     def _rates_only(self) -> "casadi.Function":
@@ -115,15 +136,32 @@ class DetourOcp:
 
         parts = self._parts
         jacobian = casadi.sparsify(casadi.DM(self._spline.jacobian[:hull_rows]))
-        rows = [casadi.mtimes(jacobian, part) for part in parts.y]
+        rows = casadi.mtimes(casadi.diagcat(jacobian, jacobian), parts.y)
         programme = {
-            "x": casadi.vertcat(*parts.y),
+            "x": parts.y,
             "p": parts.parameters,
             "f": parts.cost,
-            "g": casadi.vertcat(*rows, *parts.cosines),
+            "g": casadi.vertcat(rows, parts.cosines),
         }
-        options = {**OPTIONS, **STARTS[self._start]}
-        return casadi.nlpsol("detour", "ipopt", programme, {"print_time": False, "ipopt": options})
+        linear = casadi.MX.sym("hull", rows.shape[0])
+        options = {
+            "print_time": False,
+            "ipopt": {**OPTIONS, **STARTS[self._start]},
+            # Given, as CasADi takes up to 40 s to find it by differentiation where modes fill it.
+            "hess_lag": casadi.Function(
+                "nlp_hess_l",
+                [
+                    parts.y,
+                    parts.parameters,
+                    parts.cost_weight,
+                    casadi.vertcat(linear, parts.row_weights),
+                ],
+                [parts.hessian],
+                ["x", "p", "lam_f", "lam_g"],
+                ["triu_hess_gamma_x_x"],
+            ),
+        }
+        return casadi.nlpsol("detour", "ipopt", programme, options)
 
     def solve(
         self,
@@ -170,6 +208,15 @@ class DetourOcp:
             iterations += more
         outer, inner = map(self._spline.profile, axes, y)
         return (outer, inner), iterations
+
+
+def _trigonometry(angle: "casadi.MX") -> "list[list[casadi.MX]]":
+    """One, cosine and sine of an angle, and their first and second derivatives."""
+    import casadi
+
+    cosine, sine = casadi.cos(angle), casadi.sin(angle)
+    one, zero = casadi.MX.ones(angle.shape), casadi.MX(*angle.shape)
+    return [[one, cosine, sine], [zero, -sine, cosine], [zero, -cosine, -sine]]
 
 
 def _run(

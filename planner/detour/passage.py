@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import effort
 from planner.arrays import Array
 from planner.detour.barrier import Mask, tube
 from planner.pointing.keep_out import KeepOutView
@@ -16,6 +17,7 @@ from planner.slew.problem import AxisState, SlewProblem
 
 STEPS_S = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
 LAYERS_MIN, LAYERS_MAX = 60, 600  # 200 MB at most
+LAYER, CELLS_A_ROW = 5, 2_000  # of `planner.effort`
 SMOOTHING_SHARES = (0.12, 0.04)  # of the duration: over so much a path of cells is averaged
 
 
@@ -34,11 +36,10 @@ def rough_paths(
 
 
 class _AxisGrid(NamedTuple):
-    """middles_rad: of k cells.  reach_rad: least and greatest angle by layer, (2, layers)."""
+    """middles_rad: of k cells.  within_reach: the cells to look at, by layer."""
 
     middles_rad: Array
-    size_rad: float
-    reach_rad: Array
+    within_reach: list[slice]
 
 
 def _paths_in_cells(
@@ -48,34 +49,18 @@ def _paths_in_cells(
     t_s = np.linspace(0.0, duration_s, layers + 1)
     axes = []
     for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True):
-        size, reach = limits.rate_max_rad_s * (duration_s / layers), tube(t_s, start, end, limits)
-        middles = np.arange(reach[0].min(), reach[1].max() + size, size) + size / 2.0
-        axes.append(_AxisGrid(middles, size, reach))
+        size, (least, most) = limits.rate_max_rad_s * t_s[1], tube(t_s, start, end, limits)
+        edges = np.arange(least.min(), most.max() + 2.0 * size, size)
+        first, stop = np.searchsorted(edges[1:], least), np.searchsorted(edges[:-1], most, "right")
+        windows = list(map(slice, first, np.maximum(first, stop)))
+        axes.append(_AxisGrid(edges[:-1] + size / 2.0, windows))
     start_cell, end_cell = _cell(problem.start, axes), _cell(problem.end, axes)
-    flooded = _flood(_free(view, t_s, axes), start_cell, end_cell)
+    flooded = _flood(view, t_s, axes, start_cell, end_cell)
     if not flooded[-1].any():
         return t_s, ()
     cells = _back(flooded, start_cell, end_cell)
     path = np.stack([axes[axis].middles_rad[cells[:, axis]] for axis in range(2)], axis=1)
     return t_s, tuple(_smooth(path, problem, share) for share in SMOOTHING_SHARES)
-
-
-def _free(view: KeepOutView, t_s: Array, axes: list[_AxisGrid]) -> Mask:
-    """Cells within reach of both ends whose middle is outside, (layers + 1, a, b)."""
-    first, second = np.meshgrid(*(axis.middles_rad for axis in axes), indexing="ij")
-    boresight = view.boresight(np.stack([first.ravel(), second.ravel()], axis=1))
-    free = np.ones((len(t_s), *first.shape), dtype=bool)
-    for cone in view.cones:
-        towards, counts = cone.at(t_s)
-        edge = np.cos(cone.half_angle_rad)
-        for layer in np.flatnonzero(counts):
-            free[layer] &= (boresight @ towards[layer]).reshape(first.shape) < edge
-    for number, (middle, size, reach) in enumerate(axes):
-        overlaps = (middle + size / 2.0 >= reach[0][:, None]) & (
-            middle - size / 2.0 <= reach[1][:, None]
-        )
-        free &= overlaps[:, :, None] if number == 0 else overlaps[:, None, :]
-    return free
 
 
 def _cell(state: tuple[AxisState, ...], axes: list[_AxisGrid]) -> tuple[int, ...]:
@@ -85,15 +70,39 @@ def _cell(state: tuple[AxisState, ...], axes: list[_AxisGrid]) -> tuple[int, ...
     )
 
 
-def _flood(allowed: Mask, start_cell: tuple[int, ...], end_cell: tuple[int, ...]) -> Mask:
-    """Cells reached in each layer; in the last one the end's own, if reached."""
-    flooded = np.zeros_like(allowed)
+def _flood(
+    view: KeepOutView,
+    t_s: Array,
+    axes: list[_AxisGrid],
+    start_cell: tuple[int, ...],
+    end_cell: tuple[int, ...],
+) -> Mask:
+    """Cells reached, (layers + 1, a, b); in the last layer the end's own, if reached.
+
+    Each is within reach of both ends, and its middle outside the cones.
+    """
+    first, second = np.meshgrid(*(axis.middles_rad for axis in axes), indexing="ij")
+    boresight = view.boresight(np.stack([first.ravel(), second.ravel()], axis=1))
+    boresight = boresight.reshape(*first.shape, 3)
+    cones = [(*cone.at(t_s), np.cos(cone.half_angle_rad)) for cone in view.cones]
+    flooded = np.zeros((len(t_s), *first.shape), dtype=bool)
     flooded[(0, *start_cell)] = True
-    for layer in range(1, len(allowed)):
-        flooded[layer] = _with_neighbours(flooded[layer - 1]) & allowed[layer]
-    reached = bool(_with_neighbours(flooded[-2])[end_cell])
+    for layer in range(1, len(t_s)):
+        window = tuple(axis.within_reach[layer] for axis in axes)
+        around = tuple(slice(max(one.start - 1, 0), one.stop + 1) for one in window)
+        inside = tuple(
+            slice(one.start - wide.start, one.stop - wide.start)
+            for one, wide in zip(window, around, strict=True)
+        )
+        reached = _with_neighbours(flooded[layer - 1][around])[inside]
+        effort.spend(LAYER + reached.size * (1 + len(cones)) / CELLS_A_ROW)
+        for towards, counts, edge in cones:
+            if counts[layer]:
+                reached &= boresight[window] @ towards[layer] < edge
+        flooded[layer][window] = reached
+    reached_end = bool(_with_neighbours(flooded[-2])[end_cell])
     flooded[-1] = False
-    flooded[(-1, *end_cell)] = reached
+    flooded[(-1, *end_cell)] = reached_end
     return flooded
 
 

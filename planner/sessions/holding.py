@@ -13,14 +13,14 @@ from planner.errors import NotVisible, OutsideCoverage, Refusal
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.keyhole import tracks_near
 from planner.orbits import Ephemeris
-from planner.pointing.keep_out import deepest_entry, keep_out_view
+from planner.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
 from planner.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
 from planner.pointing.track import AxisTrack
 from planner.scenario import Scenario, Session
 from planner.targets import BenchMotionTarget, VisibleTarget
 
-# Of `planner.effort`: any stretch of a target, a row of it, and as much more for each cone.
-HOLD, HOLD_ROW, CONE_SHARE = 1000, 2, 0.5
+# Of `planner.effort`: any stretch of a target, a row of it, and a row of a track beside a cone.
+HOLD, HOLD_ROW, CONE_ROW = 1000, 2, 0.3
 GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
 
@@ -80,34 +80,30 @@ def ways_to_hold(
     """
     rows = session_rows(session, scenario.initial_state.epoch)
     looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
-    cones = len(scenario.slew.keep_out)
-    effort.spend((HOLD + HOLD_ROW * looked_at) * (1.0 + CONE_SHARE * cones))
+    effort.spend(HOLD + HOLD_ROW * looked_at)
     if isinstance(session.target, BenchMotionTarget):
-        track = _prescribed_track(scenario, session.target, number, rows)
-        seen_from_s = _out_of_cones_from_s(scenario, ephemeris, number, track, rows)
-        return (
-            Way(
-                session=session,
-                track=track,
-                rows=rows,
-                seen_from_s=seen_from_s,
-                ephemeris=ephemeris,
-            ),
+        tracks = (_prescribed_track(scenario, session.target, number, rows),)
+        seen_from_s = tracks[0].t_s[0]
+    else:
+        los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
+        _require_visible(los, rows, session.target, number)
+        platform = scenario.platform.with_limits(scenario.axis_limits)
+        start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+        tracks = tracks_near(
+            platform, los, start_s, stop_s, start_angle_rad, keyhole=session.keyhole
         )
-    los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)
-    _require_visible(los, rows, session.target, number)
-    start_s = rows.start / ROWS_PER_S
-    platform = scenario.platform.with_limits(scenario.axis_limits)
-    stop_s = rows.stop / ROWS_PER_S
-    tracks = tracks_near(platform, los, start_s, stop_s, start_angle_rad, keyhole=session.keyhole)
-    seen_from_s = _seen_from_s(los, start_s)
+        seen_from_s = _seen_from_s(los, start_s)
+    begins_s = min(float(track.t_s[0]) for track in tracks)
+    view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
+    if view is not None:
+        effort.spend(CONE_ROW * looked_at * len(view.cones) * len(tracks))
     return tuple(
         Way(
             session=session,
             track=track,
             rows=rows,
             seen_from_s=max(
-                seen_from_s, _out_of_cones_from_s(scenario, ephemeris, number, track, rows)
+                seen_from_s, _out_of_cones_from_s(view, begins_s, scenario, number, track, rows)
             ),
             ephemeris=ephemeris,
         )
@@ -219,25 +215,28 @@ def _seen_from_s(los: LineOfSight, start_s: float) -> float:
 
 
 def _out_of_cones_from_s(
-    scenario: Scenario, ephemeris: Ephemeris, number: int, track: AxisTrack, rows: Rows
+    view: KeepOutView | None,
+    begins_s: float,
+    scenario: Scenario,
+    number: int,
+    track: AxisTrack,
+    rows: Rows,
 ) -> float:
-    """Since when the track stays out of all cones, up to the session; refused if not in it."""
-    first_s, start_s, stop_s = (
-        float(track.t_s[0]),
-        rows.start / ROWS_PER_S,
-        rows.stop / ROWS_PER_S,
-    )
-    view = keep_out_view(scenario, ephemeris, first_s, stop_s)
+    """Since when the track stays out of all cones, up to the session; refused if not in it.
+
+    begins_s: where the view's time begins.
+    """
     if view is None:
-        return first_s
+        return float(track.t_s[0])
 
     def motion(t_s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        angle_rad, rate_rad_s, _ = track.motion(first_s + t_s)
+        angle_rad, rate_rad_s, _ = track.motion(begins_s + t_s)
         return angle_rad, rate_rad_s
 
-    entry = deepest_entry(view, motion, start_s - first_s, stop_s - first_s)
+    start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
+    entry = deepest_entry(view, motion, start_s - begins_s, stop_s - begins_s)
     if entry.depth_rad > 0.0:
-        at_utc = shifted_utc(scenario.initial_state.epoch, first_s + entry.t_s)
+        at_utc = shifted_utc(scenario.initial_state.epoch, begins_s + entry.t_s)
         raise NotVisible(
             f"session {number}: at {utc_text(at_utc)} the target stands "
             f"{math.degrees(entry.depth_rad):.2f} deg inside the cone about {entry.about}, which "
@@ -246,8 +245,6 @@ def _out_of_cones_from_s(
             limit="keep_out",
             at_utc=at_utc,
         )
-    before = track.t_s[track.t_s < start_s]
-    inside = np.flatnonzero(
-        view.depths_rad(before - first_s, motion(before - first_s)[0]).max(0) > 0
-    )
-    return float(track.t_s[inside[-1] + 1]) if inside.size else first_s
+    before_s = track.t_s[track.t_s < start_s] - begins_s
+    inside = np.flatnonzero(view.depths_rad(before_s, motion(before_s)[0]).max(0) > 0)
+    return float(track.t_s[inside[-1] + 1] if inside.size else track.t_s[0])

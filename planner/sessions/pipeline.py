@@ -81,7 +81,7 @@ def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     with at_most(effort.PLAN - TABLE_ROW * last_row):
         return plan_sessions(scenario, ephemeris)
     raise SearchEnded(
-        f"the {len(scenario.sessions)} sessions take more work than one request may make before "
+        "the sessions take more work than one request may make before "
         "any plan is found; ask for fewer or shorter ones at a time",
         field="sessions",
     )

@@ -31,12 +31,7 @@ def modal_rows(
 
     In units of what the paper's cubic would leave of a unit move.
     """
-    return np.stack(
-        [
-            _residual(basis, eigenvalue) / CUBIC_RESIDUAL
-            for eigenvalue in _eigenvalues(duration_s, modes)
-        ]
-    )
+    return _residuals(basis, np.array(_eigenvalues(duration_s, modes))) / CUBIC_RESIDUAL
 
 
 def modal_cost(rows: NDArray[np.complex128], weight_factors: Array | None = None) -> Array:
@@ -76,26 +71,33 @@ def _eigenvalues(duration_s: float, modes: tuple[StructuralMode, ...]) -> list[c
     return [duration_s * share * mode.eigenvalue_rad_s for mode in modes for share in DETUNED]
 
 
-def _residual(basis: SplineBasis, eigenvalue: complex) -> NDArray[np.complex128]:
-    """Integral over [0, 1] of each spline's third derivative times exp(eigenvalue (1 - tau))."""
+def _residuals(basis: SplineBasis, eigenvalues: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Integrals over [0, 1] of each spline's third derivative times exp(eigenvalue (1 - tau)).
+
+    Shape (len(eigenvalues), n).
+    """
     width, support = np.diff(basis.breakpoints_tau), basis.support
     powers = np.arange(3, basis.power_matrix.shape[1])
     third = basis.power_matrix[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
-    moments = np.stack([_moments(eigenvalue * h, len(powers)) for h in width])
+    moments = _moments(np.outer(eigenvalues, width), len(powers))
     moments *= width[:, None] ** np.arange(1, len(powers) + 1)
-    moments *= np.exp(eigenvalue * (1.0 - basis.breakpoints_tau[:-1]))[:, None]
-    residual = np.zeros(int(support.max()) + 1, dtype=complex)
-    np.add.at(residual, support, np.einsum("kj,kjn->kn", moments, third))
-    return residual
+    moments *= np.exp(np.outer(eigenvalues, 1.0 - basis.breakpoints_tau[:-1]))[:, :, None]
+    residuals = np.zeros((len(eigenvalues), int(support.max()) + 1), dtype=complex)
+    np.add.at(residuals, (slice(None), support), np.einsum("ekj,kjn->ekn", moments, third))
+    return residuals
 
 
-def _moments(phase: complex, count: int) -> NDArray[np.complex128]:
-    """Integrals over [0, 1] of s^j exp(-phase s), j < count."""
-    if abs(phase) < GAUSS_PHASE_MAX_RAD:
-        s = (_NODES + 1.0) / 2.0
-        wave = _GAUSS_WEIGHTS / 2.0 * np.exp(-phase * s)
-        return np.array([wave @ s**power for power in range(count)])
-    found = [(1.0 - np.exp(-phase)) / phase]
-    for power in range(1, count):
-        found.append((power * found[-1] - np.exp(-phase)) / phase)
-    return np.array(found)
+def _moments(phase: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+    """Integrals over [0, 1] of s^j exp(-phase s), j < count, along a new last axis."""
+    moments = np.empty((*phase.shape, count), dtype=complex)
+    slow = np.abs(phase) < GAUSS_PHASE_MAX_RAD
+    s = (_NODES + 1.0) / 2.0
+    weights = _GAUSS_WEIGHTS[:, None] / 2.0 * s[:, None] ** np.arange(count)
+    moments[slow] = np.exp(-np.multiply.outer(phase[slow], s)) @ weights
+    fast = phase[~slow]
+    end = np.exp(-fast)
+    integral = (1.0 - end) / fast
+    for power in range(count):
+        moments[~slow, power] = integral
+        integral = ((power + 1) * integral - end) / fast
+    return moments
