@@ -87,7 +87,7 @@ class DetourOcp:
         p_cosine = casadi.MX.sym("cosine", points * cones, 9)
         cost_weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", points * cones)
 
-        own = casadi.sparsify(casadi.DM(spline.hessian))
+        own = casadi.MX(casadi.sparsify(casadi.DM(spline.hessian)))
         cost_hessian = casadi.diagcat(*(p_hessian or [own, own]))
         cost = casadi.bilin(cost_hessian, y, y) / 2.0 + casadi.dot(p_gradient, y)
         free = casadi.sparsify(casadi.DM(self._values.free_matrix))
@@ -99,10 +99,11 @@ class DetourOcp:
         def cosines(outer: int, inner: int) -> "casadi.MX":
             """Differentiated so often by either angle."""
             by_outer, by_inner = derivatives[0][outer], derivatives[1][inner]
-            return sum(
+            terms = [
                 p_cosine[:, 3 * i + j] * by_outer[i] * by_inner[j]
                 for i, j in product(range(3), repeat=2)
-            )
+            ]
+            return sum(terms, casadi.MX(0))
 
         def curvature(outer: int, inner: int) -> "casadi.MX":
             weighted = casadi.reshape(row_weights * cosines(outer, inner), points, cones)
@@ -137,14 +138,14 @@ class DetourOcp:
         parts = self._parts
         jacobian = casadi.sparsify(casadi.DM(self._spline.jacobian[:hull_rows]))
         rows = casadi.mtimes(casadi.diagcat(jacobian, jacobian), parts.y)
-        programme = {
+        programme: dict[str, Any] = {
             "x": parts.y,
             "p": parts.parameters,
             "f": parts.cost,
             "g": casadi.vertcat(rows, parts.cosines),
         }
         linear = casadi.MX.sym("hull", rows.shape[0])
-        options = {
+        options: dict[str, Any] = {
             "print_time": False,
             "ipopt": {**OPTIONS, **STARTS[self._start]},
             # Given, as CasADi takes up to 40 s to find it by differentiation where modes fill it.

@@ -82,7 +82,7 @@ def ways_to_hold(
     looked_at = rows.stop - _early_row(scenario, rows.start, from_row)
     effort.spend(HOLD + HOLD_ROW * looked_at)
     if isinstance(session.target, BenchMotionTarget):
-        tracks = (_prescribed_track(scenario, session.target, number, rows),)
+        tracks: tuple[AxisTrack, ...] = (_prescribed_track(scenario, session.target, number, rows),)
         seen_from_s = tracks[0].t_s[0]
     else:
         los = _line_of_sight(scenario, ephemeris, session.target, rows, from_row)

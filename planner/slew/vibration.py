@@ -82,9 +82,9 @@ def _residuals(basis: SplineBasis, eigenvalues: NDArray[np.complex128]) -> NDArr
     moments = _moments(np.outer(eigenvalues, width), len(powers))
     moments *= width[:, None] ** np.arange(1, len(powers) + 1)
     moments *= np.exp(np.outer(eigenvalues, 1.0 - basis.breakpoints_tau[:-1]))[:, :, None]
-    residuals = np.zeros((len(eigenvalues), int(support.max()) + 1), dtype=complex)
-    np.add.at(residuals, (slice(None), support), np.einsum("ekj,kjn->ekn", moments, third))
-    return residuals
+    residuals = np.zeros((int(support.max()) + 1, len(eigenvalues)), dtype=complex)
+    np.add.at(residuals, support, np.einsum("ekj,kjn->kne", moments, third))
+    return residuals.T
 
 
 def _moments(phase: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
