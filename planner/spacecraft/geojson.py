@@ -12,6 +12,7 @@ from planner.spec import Within, spec
 Position = tuple[Annotated[float, Within(-1000.0, 100e3)], ...]
 CHARACTERS_MAX = 1_000_000
 LEG_MAX_KM = 2000.0
+AREA_MIN_KM2 = 1.0
 EARTH_RADIUS_KM = 6371.0
 
 
@@ -98,6 +99,24 @@ class GeoPolygon:
         if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
             raise ValueError("a ring has 4 to 64 positions and ends where it begins")
         _check_positions(ring)
+        self._refuse_no_area(_unwrapped(ring))
+
+    def _refuse_no_area(self, ring: list[Position]) -> None:
+        sides = list(enumerate(pairwise(ring)))
+        for (i, (a, b)), (j, (c, d)) in combinations(sides, 2):
+            if i + 1 < j < i + len(sides) - 1 and _cross(a, b, c, d):
+                raise ValueError(
+                    f"the ring crosses itself: side {i} and side {j} meet; give its positions in "
+                    "the order in which they follow each other around the area"
+                )
+        cosine = math.cos(math.radians(sum(p[1] for p in ring) / len(ring)))
+        twice_deg2 = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(ring))
+        area_km2 = abs(twice_deg2) / 2.0 * cosine * math.radians(EARTH_RADIUS_KM) ** 2
+        if area_km2 < AREA_MIN_KM2:
+            raise ValueError(
+                f"the ring encloses {area_km2:.3g} km2; an area has at least {AREA_MIN_KM2:g} km2: "
+                "image a line as a strip"
+            )
 
 
 def requests_from_features(text: str) -> list[dict[str, object]]:

@@ -102,6 +102,7 @@ def _make_plan(request: ImagingPlanRequest) -> ImagingPlan:
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
+    report = _stabilisation(session, table, verification, runs)
     return ImagingPlan(
         request=request,
         table=table,
@@ -109,9 +110,9 @@ def _make_plan(request: ImagingPlanRequest) -> ImagingPlan:
         choice=choice,
         left_out=(*unseen, *_not_chosen(session, choice, unseen)),
         verification=verification,
-        stabilisation=_stabilisation(session, table, verification, runs),
+        stabilisation=report,
         assumptions=ASSUMPTIONS,
-        warnings=(*session.ephemeris.warnings, *warnings),
+        warnings=(*session.ephemeris.warnings, *warnings, *report.warnings),
     )
 
 

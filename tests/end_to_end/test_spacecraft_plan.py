@@ -314,6 +314,26 @@ def test_self_crossing_corridors_are_refused():
     GeoLineString(coordinates=((179.5, 0.0), (-179.5, 0.5), (-178.9, 0.0), (-179.5, -0.5)))
 
 
+def test_rings_that_enclose_nothing_or_cross_themselves_are_refused():
+    with pytest.raises(ValueError, match="side 0 and side 2 meet"):
+        ring((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0))
+    with pytest.raises(ValueError, match="encloses 0 km2"):
+        ring((0.0, 0.0), (0.5, 0.5), (1.0, 1.0))
+    ring((179.5, 0.0), (-179.5, 0.0), (-179.5, 1.0), (179.5, 1.0))  # over the antimeridian
+    ring((0.0, 0.0), (0.009, 0.0), (0.009, 0.0101), (0.0, 0.0101))  # 1.00 by 1.12 km
+
+
+def ring(*corners):
+    return GeoPolygon(coordinates=((*corners, corners[0]),))
+
+
+def test_a_session_that_shakes_says_so(plan):
+    shaken = dataclasses.replace(plan.stabilisation, share_steady=0.5)
+    (warning,) = shaken.warnings
+    assert "50% of the imaging intervals were steady within 0.001 deg/s" in warning
+    assert not plan.stabilisation.warnings
+
+
 def test_two_requests_of_one_name_are_refused():
     strip = StripRequest(name="a", geometry=line(100.0))
     with pytest.raises(ValueError, match="names must differ"):

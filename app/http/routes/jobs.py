@@ -136,7 +136,7 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
         response_model=JobResponse,
         responses={
             200: {"description": "What waited or ran has ended; `state` tells how"},
-            202: {"model": JobResponse, "description": "It will end soon: elsewhere, or where its process is just being made"},
+            202: {"model": JobResponse, "description": "It will end soon, here or elsewhere"},
             204: {"description": "Deleted; nothing but the audit trail remembers it"},
             404: no_such(resource),
         },

@@ -70,6 +70,18 @@ class StabilisationReport:
     share_steady: float | None
     worst_rad_s: float | None
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of images that would be blurred."""
+        if self.share_steady is None or self.share_steady == 1.0:
+            return ()
+        return (
+            f"in {self.runs} dispersed runs {self.share_steady:.0%} of the imaging intervals were "
+            f"steady within {math.degrees(RATE_ERROR_MAX_RAD_S):g} deg/s; a longer "
+            "settings.settle_s, a smaller settings.rate_axis_max_deg_s (the gyro reads 1.6) or the "
+            'objective "smooth" leaves more',
+        )
+
 
 def window_steadiness(
     spacecraft: AgileSpacecraft, verification: SpacecraftVerification, log: Log

@@ -6,7 +6,9 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from planner.arrays import Array
+from planner.errors import InvalidInput
 from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
+from planner.frames.geodesy import WGS84_A_M
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s
 from planner.orbits import Ephemeris
@@ -16,6 +18,7 @@ from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import TurnTime, turn_time
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
+HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the turns mean little
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, turns forwards
 
 
@@ -73,14 +76,26 @@ class ImagingSession:
 
 
 def make_session(request: ImagingPlanRequest) -> ImagingSession:
-    """The orbit and the spacecraft of a request, made ready."""
+    """The orbit and the spacecraft of a request, made ready.  Raises InvalidInput."""
     spacecraft = request.definition()
+    ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
+    _require_low(ephemeris, request.start)
     return ImagingSession(
         request=request,
-        ephemeris=request.orbit.ephemeris(
-            request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN
-        ),
+        ephemeris=ephemeris,
         duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
         spacecraft=spacecraft,
         turn_time=turn_time(spacecraft),
     )
+
+
+def _require_low(ephemeris: Ephemeris, start_utc: datetime) -> None:
+    states = ephemeris.states(Instants(start_utc, np.zeros(1)))
+    height_m = float(np.linalg.norm(states.r_sat_eci_m[0])) - WGS84_A_M
+    if height_m > HEIGHT_MAX_M:
+        raise InvalidInput(
+            f"the orbit is {height_m / 1e3:.0f} km high at the session's start; this spacecraft "
+            f"images from low orbits, up to {HEIGHT_MAX_M / 1e3:.0f} km: give the orbit of such a "
+            "one",
+            field="orbit",
+        )
