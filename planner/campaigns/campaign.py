@@ -58,7 +58,7 @@ class Campaign:
     value: what the looks are worth together.  bound: no choice is worth more whose looks
     begin on the grid, have one of the lengths tried and lie in the same passes.
     greedy_value: what taking pass after pass whatever is worth most there is worth.
-    windows, windows_passes: how many there were to choose from.
+    windows: how many there were to choose from.
     unseen: targets (rows of the request's) that can't be looked at for as long as they must.
     """
 
@@ -67,7 +67,6 @@ class Campaign:
     bound: float
     greedy_value: float
     windows: int
-    window_passes: int
     unseen: tuple[int, ...]
     warnings: tuple[str, ...]
 
@@ -114,7 +113,6 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
         bound=max(bound, choice.value),
         greedy_value=choice.greedy_value,
         windows=len(found.windows),
-        window_passes=len(networks),
         unseen=tuple(n for n in range(len(request.targets)) if n not in seen),
         warnings=found.warnings,
     )

@@ -1,4 +1,4 @@
-"""Which looks of one pass, one after another, are worth most together?"""
+"""The looks of one pass, one after another, that are worth most together."""
 
 from dataclasses import dataclass
 

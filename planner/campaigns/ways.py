@@ -72,8 +72,7 @@ def ways_to_follow(
         for rows, sight, which in _batches(looks, targets, carrier, last - first + 1)
         for run in _runs(rows, first, last, sight, which, carrier, platform, step_s, grid_s)
     ]
-    ways = _gather(found, looks, step_s)
-    return _select(ways, ways.steps > least[ways.target])
+    return _gather(found, looks, least, step_s)
 
 
 def _batches(
@@ -173,36 +172,25 @@ def _split(look: Indices, step: Indices, axis_states: Array, usable: NDArray[np.
     )
 
 
-def _gather(runs: Sequence[_Run], looks: Looks, step_s: float) -> Ways:
-    def column(name: str, empty: Array | Indices) -> Array | Indices:
-        return np.concatenate([empty, *(getattr(run, name) for run in runs)])
-
+def _gather(runs: Sequence[_Run], looks: Looks, least_steps: Indices, step_s: float) -> Ways:
+    """The runs longer than the least of their targets, (targets,), by pass and time."""
     none = np.empty(0, np.intp)
-    look, steps = column("look", none).astype(np.intp), column("steps", none).astype(np.intp)
+    look = np.concatenate([none, *(run.look for run in runs)])
+    first_step = np.concatenate([none, *(run.first_step for run in runs)])
+    steps = np.concatenate([none, *(run.steps for run in runs)])
+    axis_states = np.concatenate([np.empty((0, 3, 2)), *(run.axis_states for run in runs)])
+    begins = np.cumsum(steps) - steps
+    order = np.flatnonzero(steps > least_steps[looks.target[look]])
+    order = order[np.lexsort((first_step[order], looks.pass_number[look[order]]))]
+    look, steps = look[order], steps[order]
+    offset = np.cumsum(steps) - steps
+    rows = np.repeat(begins[order] - offset, steps) + np.arange(steps.sum())
     return Ways(
         step_s=step_s,
         target=looks.target[look],
         pass_number=looks.pass_number[look],
-        first_step=column("first_step", none).astype(np.intp),
-        steps=steps,
-        offset=np.cumsum(steps) - steps,
-        axis_states=np.asarray(column("axis_states", np.empty((0, 3, 2)))),
-    )
-
-
-def _select(ways: Ways, rows: NDArray[np.bool_]) -> Ways:
-    """Those at `rows`, by pass and time."""
-    order = np.flatnonzero(rows)
-    order = order[np.lexsort((ways.first_step[order], ways.pass_number[order]))]
-    steps = ways.steps[order]
-    offset = np.cumsum(steps) - steps
-    source = np.repeat(ways.offset[order] - offset, steps) + np.arange(steps.sum())
-    return Ways(
-        step_s=ways.step_s,
-        target=ways.target[order],
-        pass_number=ways.pass_number[order],
-        first_step=ways.first_step[order],
+        first_step=first_step[order],
         steps=steps,
         offset=offset,
-        axis_states=ways.axis_states[source],
+        axis_states=axis_states[rows],
     )

@@ -1,4 +1,4 @@
-"""The judge of a table: does it do what was asked, within the spacecraft's limits?
+"""The judge of a table: whether it does what was asked, within the spacecraft's limits.
 
 It sees the table and the request: no candidate, no profile, no solver.  Ground points come
 from its own intersection of the optical axis with the ellipsoid.

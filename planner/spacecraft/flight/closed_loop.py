@@ -11,7 +11,7 @@ import numpy as np
 from planner.arrays import Array
 from planner.compiled import compiled
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.dynamics import ETA, Body, G, Plant, advance, body_at
+from planner.spacecraft.vehicle.dynamics import ETA, G, MovingBody, Plant, advance, body_at
 from planner.spacecraft.vehicle.onboard import (
     Computer,
     Estimate,
@@ -90,7 +90,7 @@ def _interpolate_rate(
 @compiled
 def _fly_tick(
     plant: Plant,
-    body: Body,
+    body: MovingBody,
     reference: Reference,
     tick: int,
     command_rad_s: Array,

@@ -1,8 +1,7 @@
-"""When could each request be imaged?  Its scans on a grid of start times.
+"""Every possibility to image a request: its scans on a grid of start times.
 
-A candidate is one possibility to image a request: its ground arcs with their times.  Those
-that leave the camera's angles along and across the track are dropped; a request with none left
-is refused with when it would come closest.
+Those that leave the camera's angles along and across the track are dropped; a request with none
+left is refused with when it would come closest.
 """
 
 import math

@@ -56,7 +56,7 @@ class Plant(NamedTuple):
     gravity_per_s2: float  # 3 mu / r^3
 
 
-class Body(NamedTuple):
+class MovingBody(NamedTuple):
     """The moving body, changed in place; the last four are arrays that a step reuses."""
 
     state: Array  # (7 + 2 m,)
@@ -212,11 +212,11 @@ def advance_servos(step: ServoStep, command_rad_s: Array, servo_states: Array) -
 @compiled
 def body_at(
     plant: Plant, q_eci_from_body_xyzw: Array, omega_body_rad_s: Array, gimbal_rad: Array
-) -> Body:
+) -> MovingBody:
     """The body at t = 0 with modes and gimbals (4,) at rest."""
     m = len(plant.stiffness_per_s2)
     size = ETA + 2 * m
-    body = Body(
+    body = MovingBody(
         np.zeros(size), np.zeros((4, 3)), np.empty(3), np.empty(3), np.empty(3), np.empty(3),
         np.empty(size), np.empty((4, size)),
     )  # fmt: skip
@@ -237,7 +237,9 @@ def body_at(
 
 
 @compiled
-def advance(plant: Plant, body: Body, command_rad_s: Array, nadir_eci: Array, t_s: float) -> None:
+def advance(
+    plant: Plant, body: MovingBody, command_rad_s: Array, nadir_eci: Array, t_s: float
+) -> None:
     """One RK4 step of body and modes from t_s under constant gimbal rate commands (4,)."""
     h = plant.step_s
     k, state, trial = body.state_slopes, body.state, body.trial_state

@@ -63,7 +63,7 @@ class Estimate(NamedTuple):
     gimbal_rad: Array  # (4,)
 
 
-class Memory(NamedTuple):
+class OnboardMemory(NamedTuple):
     """What it remembers from tick to tick."""
 
     filter_rad_s: Array  # (2, 3), of the Butterworth
@@ -78,9 +78,9 @@ class Memory(NamedTuple):
 
 
 @compiled
-def memory_at(computer: Computer, momentum_eci_n_m_s: Array, servo_states: Array) -> Memory:
+def memory_at(computer: Computer, momentum_eci_n_m_s: Array, servo_states: Array) -> OnboardMemory:
     """The memory at the start of a run."""
-    return Memory(
+    return OnboardMemory(
         np.zeros((2, 3)),
         momentum_eci_n_m_s.copy(),
         np.zeros((2, 4)),
@@ -110,7 +110,7 @@ def rotation_between(
 
 @compiled
 def estimate_rate(
-    computer: Computer, memory: Memory, estimate: Estimate, gyro_rad_s: Array
+    computer: Computer, memory: OnboardMemory, estimate: Estimate, gyro_rad_s: Array
 ) -> bool:
     """Rate from the gyro's channels, or from the momentum model when two saturate.
 
@@ -138,7 +138,7 @@ def estimate_rate(
 
 
 @compiled
-def learn(computer: Computer, memory: Memory, estimate: Estimate) -> None:
+def learn(computer: Computer, memory: OnboardMemory, estimate: Estimate) -> None:
     """Learn inertia and total momentum from the gyro's rate and the gimbal angles.
 
     The inertia by least squares: in a turn, momentum the gyros gave over rate.  The total
@@ -162,7 +162,7 @@ def learn(computer: Computer, memory: Memory, estimate: Estimate) -> None:
 
 
 @compiled
-def _low_pass(computer: Computer, memory: Memory, rate_error_rad_s: Array) -> None:
+def _low_pass(computer: Computer, memory: OnboardMemory, rate_error_rad_s: Array) -> None:
     """The Butterworth's output in place of its input (3,)."""
     b0, b1, b2, a1, a2 = computer.butterworth_coefficients
     state = memory.filter_rad_s
@@ -177,7 +177,7 @@ def _low_pass(computer: Computer, memory: Memory, rate_error_rad_s: Array) -> No
 @compiled
 def _paper_acceleration(
     computer: Computer,
-    memory: Memory,
+    memory: OnboardMemory,
     q_table_from_body_xyzw: Array,
     rate_error_rad_s: Array,
     acceleration_body_rad_s2: Array,
@@ -200,7 +200,7 @@ def _paper_acceleration(
 
 @compiled
 def decide(
-    computer: Computer, memory: Memory, estimate: Estimate, reference: Reference, tick: int
+    computer: Computer, memory: OnboardMemory, estimate: Estimate, reference: Reference, tick: int
 ) -> None:
     """Gimbal rates for the next tick, into memory.wanted_rad_s[0].
 
@@ -253,7 +253,7 @@ def decide(
 
 
 @compiled
-def send(computer: Computer, memory: Memory, gimbal_rad: Array) -> None:
+def send(computer: Computer, memory: OnboardMemory, gimbal_rad: Array) -> None:
     """Turn wanted into sent gimbal rates, memory.command_rad_s[0]: feedback on the gimbal angles.
 
     The angles are compared with where the wanted rates would have brought them, and the
