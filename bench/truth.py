@@ -27,8 +27,9 @@ from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import StateVectorOrbit, TleOrbit
 from planner.orbits.accuracy import state_sigma
 from planner.platforms.iss_hrc import ISS_HRC
+from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.uncertainty import BudgetAssumptions, pointing_budget
+from planner.sessions.uncertainty import pointing_budget
 from planner.targets.ground import GroundTarget
 
 SESSION_S = np.arange(0.0, 90.1, 9.0)
@@ -144,9 +145,10 @@ def session(tle: TleOrbit, law: LvlhAttitude, rng: np.random.Generator) -> Itera
     along = np.cross(ISS_HRC.axes_platform[0], los.los_platform)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     sides = np.stack([along, np.cross(los.los_platform, along)], axis=1)
+    angle_rad = axis_angles(ISS_HRC, los.los_platform).angle_rad[0]
     for size in SIZES:
         frame = replace(ISS_HRC, frame_half_rad=tuple(size * np.array(ISS_HRC.frame_half_rad)))
-        budget = pointing_budget(los, ephemeris, law, target, frame, BudgetAssumptions(clock_s=0.0))
+        budget = pointing_budget(los, ephemeris, law, target, frame, angle_rad, clock_s=0.0)
         yield frame, budget.probability_in_frame, los.los_platform, sides
 
 

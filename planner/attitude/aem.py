@@ -125,7 +125,7 @@ class AemAttitude:
             "the message is assumed true to 56 arcsec an axis, the measured difference of the "
             "ISS's two attitude solutions; its noise is measured",
             "an attitude with less noise",
-        ).stated(self.uncertainty)
+        ).unless_stated(self.uncertainty)
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage unless one segment holds them all."""

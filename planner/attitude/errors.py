@@ -42,11 +42,10 @@ class AttitudeErrors:
     basis: str
     better: str
 
-    def stated(self, uncertainty: AttitudeUncertainty | None) -> "AttitudeErrors":
-        """What the request states in their place."""
-        if uncertainty is None:
-            return self
-        sigma_deg, swing_deg = uncertainty.sigma_body_deg, uncertainty.swing_rms_body_deg
+    def unless_stated(self, uncertainty: AttitudeUncertainty | None) -> "AttitudeErrors":
+        """What the request states in their place, where it does."""
+        request = uncertainty or AttitudeUncertainty()
+        sigma_deg, swing_deg = request.sigma_body_deg, request.swing_rms_body_deg
         if sigma_deg is None and swing_deg is None:
             return self
         basis, better = "as attitude.uncertainty states", "an attitude known better than that"

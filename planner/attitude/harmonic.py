@@ -97,7 +97,7 @@ class HarmonicAttitude:
             np.stack(rms_body_rad, axis=1),
             "measured on the history's own tail, held out of the fit",
             "a history that ends nearer to the session",
-        ).stated(self.uncertainty)
+        ).unless_stated(self.uncertainty)
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""

@@ -80,7 +80,7 @@ class InertialAttitude:
             "measured: the constant body rate on ISS telemetry in torque equilibrium "
             "(bench/truth.py)",
             "attitude and rate nearer to the session, or a longer history (law harmonic)",
-        ).stated(self.uncertainty)
+        ).unless_stated(self.uncertainty)
 
     def _since_epoch_s(self, instants: Instants) -> Array:
         return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self.epoch))

@@ -57,4 +57,4 @@ class LvlhAttitude:
             "measured: the ISS's swing about its mean attitude in torque equilibrium, of unknown "
             f"phase; the mean itself is assumed right to {MEAN_SIGMA_DEG:g} deg an axis",
             "the carrier's attitude telemetry (law harmonic)",
-        ).stated(self.uncertainty)
+        ).unless_stated(self.uncertainty)

@@ -153,7 +153,7 @@ def _budget(
         scenario.attitude,
         session.target,
         scenario.platform,
-        angle_rad=np.stack(angle_rad, axis=1),
+        np.stack(angle_rad, axis=1),
     )
 
 

@@ -11,9 +11,8 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
@@ -23,7 +22,6 @@ from planner.orbits.accuracy import orbit_sigma
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import boresight_platform, carried_axes
 from planner.pointing.line_of_sight import LineOfSight
-from planner.spec import spec
 from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
@@ -36,28 +34,9 @@ _PROBE_M = 10.0
 _PROBE_S = 0.1
 _ARCSEC = 1.0 / RAD_PER_ARCSEC
 IERS_PREDICTED_DAYS = 365.0  # finals2000A reaches a year ahead of its issue
-
-Offsets = NDArray[np.float64]
-
-
-@spec
-class BudgetAssumptions:
-    """What the request can't say about itself.
-
-    clock_s: 1-sigma of the platform's clock against UTC.  drive_resolution_rad: step of an
-    axis's encoder.
-    """
-
-    clock_s: float = 0.02
-    drive_resolution_rad: float = 5.0 * RAD_PER_ARCSEC
-
-    def __post_init__(self) -> None:
-        for name in ("clock_s", "drive_resolution_rad"):
-            if getattr(self, name) < 0.0:
-                raise ValueError(f"{name} must not be negative, not {getattr(self, name)}")
-
-
-DEFAULT_ASSUMPTIONS = BudgetAssumptions()
+# What a request can't say about itself, so assumed.
+CLOCK_S = 0.02  # 1-sigma of the platform's clock against UTC
+DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,14 +91,13 @@ def pointing_budget(
     attitude: AttitudeLaw,
     target: VisibleTarget,
     platform: TwoAxisPlatform,
-    assumptions: BudgetAssumptions = DEFAULT_ASSUMPTIONS,
+    angle_rad: Array,
     *,
-    angle_rad: NDArray[np.float64] | None = None,
+    clock_s: float = CLOCK_S,
 ) -> PointingBudget:
     """Budget of the session whose line of sight is `los`.
 
-    angle_rad: (n, 2), the axes at the instants of `los`; None: exactly on the target, with axes
-    square to each other.
+    angle_rad: (n, 2), the axes at the instants of `los`.
 
     Orbit, clock, Earth orientation and the mean attitude are taken as constant over the session
     (their errors change over hours); the carrier swings about its mean at the orbital rate with
@@ -131,16 +109,15 @@ def pointing_budget(
         *_orbit_offsets(scene, ephemeris),
         *_attitude_offsets(scene, attitude),
         _earth_offsets(scene),
-        _clock_offsets(scene, los, assumptions),
+        _clock_offsets(scene, los, clock_s),
     ]
-    random_rad = assumptions.drive_resolution_rad / math.sqrt(12.0)
-    total_rad = np.sqrt(sum(_per_axis_rad(bias) ** 2 for bias in biases) + random_rad**2)
+    total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
     contributions = [
         _contribution(
             cause,
-            float(np.sqrt(sum(_per_axis_rad(b)[worst] ** 2 for b in biases if b.cause == cause))),
+            float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause))),
             range_m,
             is_bias=True,
         )
@@ -149,8 +126,8 @@ def pointing_budget(
     drives = _Cause(
         "drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives"
     )
-    contributions.append(_contribution(drives, random_rad, range_m, is_bias=False))
-    half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * random_rad
+    contributions.append(_contribution(drives, DRIVE_RAD, range_m, is_bias=False))
+    half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
     return PointingBudget(
         contributions=tuple(contributions),
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
@@ -169,24 +146,20 @@ def pointing_budget(
 
 
 def probability_inside(
-    offsets_rad: Offsets,
-    half_rad: NDArray[np.float64],
-    known_rad: Offsets | None = None,
-    swings_rad: Sequence[Offsets] = (),
+    offsets_rad: Array, half_rad: Array, known_rad: Array, swings_rad: Sequence[Array] = ()
 ) -> float:
     """Probability that a sum of independent errors never leaves the frame.
 
     offsets_rad: shape (m, n, 2), where a 1-sigma constant error of each of m causes puts the
     target in the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target
-    is without errors, the middle unless given.  swings_rad: (2, n, 2) of each sinusoid, times
-    1 / sqrt(2) what it puts there when its phase is 0 and a quarter turn, every phase as likely.
+    is without errors.  swings_rad: (2, n, 2) of each sinusoid, times 1 / sqrt(2) what it puts
+    there when its phase is 0 and a quarter turn, every phase as likely.
     By 16384 quasi-random points, good to 0.003 (0.001 where few are lost).
     Source: Genz and Bretz 2009, section 4.2 (Richtmyer lattices).
     """
     if not (half_rad > 0.0).all():
         return 0.0
-    known = np.zeros((1, 2)) if known_rad is None else known_rad
-    middle = np.broadcast_to(known / half_rad, offsets_rad.shape[1:]).ravel()
+    middle = np.broadcast_to(known_rad / half_rad, offsets_rad.shape[1:]).ravel()
     in_half_frames = (np.concatenate([offsets_rad, *swings_rad]) / half_rad).reshape(
         -1, middle.size
     )
@@ -196,7 +169,7 @@ def probability_inside(
 
 
 @cache
-def _points(normal: int, phases: int) -> NDArray[np.float64]:
+def _points(normal: int, phases: int) -> Array:
     """A Richtmyer lattice mapped to the standard normal and to circles of radius sqrt(2).
 
     Shape (DRAWS, normal + 2 phases).
@@ -227,11 +200,11 @@ class _Scene:
         attitude: AttitudeLaw,
         target: VisibleTarget,
         platform: TwoAxisPlatform,
-        angle_rad: NDArray[np.float64] | None,
+        angle_rad: Array,
     ) -> None:
         n = len(los.instants)
         self.rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).round().astype(np.intp))
-        image = _image_axes(platform, los.los_platform, angle_rad)
+        image = _image_axes(platform, angle_rad)
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
         if shares.max() > OFF_TARGET:
@@ -243,18 +216,16 @@ class _Scene:
         self.range_m = los.range_m[self.rows]
         self._attitude, self._target, self._platform = attitude, target, platform
 
-    def in_image(self, shift_platform: NDArray[np.float64]) -> Offsets:
+    def in_image(self, shift_platform: Array) -> Array:
         """Components along the inner axis and across it, shape (n, 2)."""
         return np.asarray(np.einsum("nij,nj->ni", self._image, shift_platform))
 
-    def turned_about_body(self, axis: int) -> Offsets:
+    def turned_about_body(self, axis: int) -> Array:
         """Where the target goes, per radian by which the carrier turns about a body axis."""
         axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
         return self.in_image(np.cross(self.los_platform, axis_platform))
 
-    def direction_platform(
-        self, states: OrbitStates | None = None, late_s: float = 0.0
-    ) -> NDArray[np.float64]:
+    def direction_platform(self, states: OrbitStates | None = None, late_s: float = 0.0) -> Array:
         """With another orbit, or the target as it will be (the Earth turned on) late_s later."""
         states = states or self.states
         late = Instants(self.instants.epoch_utc, self.instants.t_s + late_s)
@@ -263,25 +234,18 @@ class _Scene:
         return np.asarray((self._platform.q_platform_from_body * q_body_from_eci).apply(seen))
 
 
-def _image_axes(
-    platform: TwoAxisPlatform, los_platform: NDArray[np.float64], angle_rad: Offsets | None
-) -> NDArray[np.float64]:
+def _image_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     """Directions along the frame's sides, both square to the boresight, (n, 2, 3)."""
-    if angle_rad is None:
-        # On target the inner axis is square to the outer one and to the line of sight.
-        boresight = los_platform
-        along = np.cross(platform.axes_platform[0], los_platform)
-    else:
-        boresight = boresight_platform(platform, angle_rad)
-        inner = carried_axes(platform, angle_rad)[1]
-        along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
+    boresight = boresight_platform(platform, angle_rad)
+    inner = carried_axes(platform, angle_rad)[1]
+    along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
     first = c * along + s * np.cross(boresight, along)
     return np.stack([first, np.cross(boresight, first)], axis=1)
 
 
-def _farthest(shares: Array, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+def _farthest(shares: Array, rows: Indices) -> Indices:
     """Of the instants nearest to each of `rows` the one with the largest share of the frame."""
     nearest = np.abs(np.arange(len(shares))[:, None] - rows).argmin(axis=1)
     return np.array([np.argmax(np.where(nearest == i, shares, -1.0)) for i in range(len(rows))])
@@ -300,8 +264,16 @@ class _Bias(NamedTuple):
     """
 
     cause: _Cause
-    offsets_rad: Offsets
-    quarter_later_rad: Offsets | None = None
+    offsets_rad: Array
+    quarter_later_rad: Array | None = None
+
+    @property
+    def sigma_rad(self) -> Array:
+        """Per image axis, shape (n,)."""
+        squares = np.sum(self.offsets_rad**2, axis=-1)
+        if self.quarter_later_rad is not None:
+            squares = squares + np.sum(self.quarter_later_rad**2, axis=-1)
+        return np.asarray(np.sqrt(0.5 * squares))
 
 
 def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[_Bias]:
@@ -367,19 +339,11 @@ def _earth_offsets(scene: _Scene) -> _Bias:
     return _Bias(cause, scene.in_image(late) * (ut1_s / (2.0 * _PROBE_S)))
 
 
-def _clock_offsets(scene: _Scene, los: LineOfSight, assumptions: BudgetAssumptions) -> _Bias:
+def _clock_offsets(scene: _Scene, los: LineOfSight, clock_s: float) -> _Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
     cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
-    return _Bias(cause, drift * assumptions.clock_s)
-
-
-def _per_axis_rad(bias: _Bias) -> NDArray[np.float64]:
-    """1-sigma per image axis, shape (n,)."""
-    squares = np.sum(bias.offsets_rad**2, axis=-1)
-    if bias.quarter_later_rad is not None:
-        squares = squares + np.sum(bias.quarter_later_rad**2, axis=-1)
-    return np.asarray(np.sqrt(0.5 * squares))
+    return _Bias(cause, drift * clock_s)
 
 
 def _contribution(
