@@ -17,7 +17,7 @@ from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_ec
 from planner.frames.iers import RAD_PER_ARCSEC
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.messages.aem import Aem, AemSegment, read_aem
+from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import OrbitStates
 from planner.spec import spec
 
@@ -86,21 +86,21 @@ class AemAttitude:
             raise ValueError(f"content: {refusal.detail}") from None
 
     @cached_property
-    def message(self) -> Aem:
+    def segments(self) -> tuple[AemSegment, ...]:
         """Read once, at construction."""
         return read_aem(self.content)
 
     @cached_property
     def arcs(self) -> tuple[AttitudeArc, ...]:
         """Curves of the segments, fitted once, at construction."""
-        return tuple(map(_arc, self.message.segments))
+        return tuple(map(_arc, self.segments))
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What the user should know about the message's quality."""
         warnings = (
             warning
-            for segment, arc in zip(self.message.segments, self.arcs, strict=True)
+            for segment, arc in zip(self.segments, self.arcs, strict=True)
             for warning in (_noise(arc), _gap(segment), _not_linear(segment, arc))
         )
         return tuple(dict.fromkeys(filter(None, warnings)))

@@ -15,7 +15,7 @@ from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, c
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.messages.aem import Aem, AemSegment, read_aem
+from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import Orbit, OrbitStates
 from planner.spec import Within, spec
 
@@ -46,7 +46,7 @@ class HarmonicAttitude:
 
     def __post_init__(self) -> None:
         try:
-            _ = self.message
+            _ = self.segments
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
         try:
@@ -57,7 +57,7 @@ class HarmonicAttitude:
             raise ValueError(f"content: {error}") from None
 
     @cached_property
-    def message(self) -> Aem:
+    def segments(self) -> tuple[AemSegment, ...]:
         """Read once, at construction."""
         return read_aem(self.content)
 
@@ -121,7 +121,7 @@ class HarmonicAttitude:
 
     @cached_property
     def _end_utc(self) -> datetime:
-        last = self.message.segments[-1]
+        last = self.segments[-1]
         return shifted_utc(last.epoch_utc, float(last.t_s[-1]))
 
     def _since_end_s(self, instants: Instants) -> Array:
@@ -129,14 +129,13 @@ class HarmonicAttitude:
 
     def _history(self) -> tuple[Array, Rotation]:
         """Rows of the last orbits, thinned: seconds since the last segment's epoch, attitudes."""
-        segments = self.message.segments
-        epoch_utc = segments[-1].epoch_utc
-        oldest_s = float(segments[-1].t_s[-1]) - HISTORY_ORBITS * self.orbital_period_s
+        last = self.segments[-1]
+        oldest_s = float(last.t_s[-1]) - HISTORY_ORBITS * self.orbital_period_s
         oldest_s -= 2.0 * self.lead_s
         times: list[Array] = []
         attitudes: list[Rotation] = []
-        for segment in segments:
-            t_s = segment.t_s + elapsed_s(segment.epoch_utc, epoch_utc)
+        for segment in self.segments:
+            t_s = segment.t_s + elapsed_s(segment.epoch_utc, last.epoch_utc)
             rows = _thin(t_s, oldest_s)
             if len(rows) and (not times or t_s[rows[0]] > times[-1][-1]):
                 times.append(t_s[rows])

@@ -7,7 +7,6 @@ Source: CCSDS 504.0-B-1 and 504.0-B-2, sections 4 and 5; 505.0-B-3 for XML.
 
 import re
 from dataclasses import dataclass
-from datetime import datetime
 
 import numpy as np
 from lxml import etree
@@ -21,7 +20,6 @@ from planner.messages.segments import (
     EARTH_NAMES,
     RawSegment,
     TimeAxis,
-    creation_utc,
     is_xml,
     numbers,
     require_size,
@@ -78,28 +76,19 @@ class AemSegment(TimeAxis):
     linear: whether the message asks for linear interpolation.
     """
 
-    object_name: str
     frame: str
     q_body_from_frame_xyzw: Array
     q_dot_s: Array | None
     linear: bool
 
 
-@dataclass(frozen=True, eq=False)
-class Aem:
-    """segments: at least one, in the message's order.  creation_utc: None if not stated."""
-
-    creation_utc: datetime | None
-    segments: tuple[AemSegment, ...]
-
-
-def read_aem(content: str) -> Aem:
-    """Raises InvalidMessage naming the line."""
+def read_aem(content: str) -> tuple[AemSegment, ...]:
+    """At least one, in the message's order.  Raises InvalidMessage naming the line."""
     require_size("AEM", content)
-    creation, raw = _raw_xml(content) if is_xml(content) else raw_kvn(content, _GRAMMAR)
+    raw = _raw_xml(content) if is_xml(content) else raw_kvn(content, _GRAMMAR)[1]
     if not raw:
         raise InvalidMessage("the AEM has no segment with attitudes; is it cut off?")
-    return Aem(creation_utc=creation_utc(creation), segments=tuple(map(_segment, raw)))
+    return tuple(map(_segment, raw))
 
 
 def _segment(raw: RawSegment) -> AemSegment:
@@ -123,7 +112,6 @@ def _segment(raw: RawSegment) -> AemSegment:
     method = raw.metadata.get("INTERPOLATION_METHOD", "").upper()
     return AemSegment(
         **vars(axis),
-        object_name=raw.metadata.get("OBJECT_NAME", ""),
         frame=frame,
         q_body_from_frame_xyzw=q_xyzw,
         q_dot_s=q_dot_s,
@@ -247,8 +235,8 @@ def _conjugate(q: Array) -> Array:
     return np.asarray(q * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
-def _raw_xml(content: str) -> tuple[str | None, list[RawSegment]]:
-    """CREATION_DATE and the segments, their numbers in the order of `_TYPES`."""
+def _raw_xml(content: str) -> list[RawSegment]:
+    """The segments, their numbers in the order of `_TYPES`."""
     message = message_element(content, "AEM", _GRAMMAR.versions)
     segments = []
     for raw, data in message.segments():
@@ -265,7 +253,7 @@ def _raw_xml(content: str) -> tuple[str | None, list[RawSegment]]:
                 raw.rows.append([values[column] for column in columns])
                 raw.lines.append(line)
         segments.append(raw)
-    return message.creation, segments
+    return segments
 
 
 def _values_by_name(raw: RawSegment, state: etree._Element, line: int) -> dict[str, str]:

@@ -82,7 +82,6 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         start_utc=request.start,
         stop_utc=request.stop,
         ids=tuple(wanted.id for wanted in request.targets),
-        priorities=tuple(wanted.priority for wanted in request.targets),
         axis_names=request.platform.axis_names,
         warnings=(
             *ephemeris.warnings,

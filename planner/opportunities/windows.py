@@ -93,13 +93,12 @@ class Windows:
 class Opportunities:
     """Windows in order of the request's targets, each target's in order of time.
 
-    ids, priorities: one per target.
+    ids: one per target.
     """
 
     start_utc: datetime
     stop_utc: datetime
     ids: tuple[str, ...]
-    priorities: tuple[float, ...]
     axis_names: tuple[str, str]
     warnings: tuple[str, ...]
     windows: Windows

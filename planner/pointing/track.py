@@ -30,8 +30,6 @@ class AxisTrack:
     t_s: (n,), rows on the clock of the line of sight: the session, and the time around it
     over which the target can be followed within the limits too.
     angle_rad, rate_rad_s, acceleration_rad_s2: (n, 2).
-    branch: row of `axis_angles`.  singular_margin_rad: least over the session, at
-    singular_at_s.  All three None where the motion follows no line of sight.
     """
 
     axis_names: tuple[str, str]
@@ -39,9 +37,6 @@ class AxisTrack:
     angle_rad: Array
     rate_rad_s: Array
     acceleration_rad_s2: Array
-    branch: int | None = None
-    singular_margin_rad: float | None = None
-    singular_at_s: float | None = None
 
     def motion(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Angle, rate, acceleration, each (k, 2), at t_s (k,) within the rows."""
@@ -96,22 +91,21 @@ def track_candidates(
 
     ways: list[AxisTrack] = []
     breaks: list[_Break] = []
-    for branch in range(2):
-        margin = singular_margin_rad(platform, angles[branch], los.los_platform)
+    for branch_rad in angles:
+        margin = singular_margin_rad(platform, branch_rad, los.los_platform)
         usable = reachable & (margin > SINGULAR_RAD)  # NaN margins where unreachable
         if not usable[first:last].all():
             raise _singular(platform, los, int(first + np.argmin(margin[first:last])))
         here = _around(usable, first, last)
-        unwrapped = np.unwrap(angles[branch][here], axis=0)
+        unwrapped = np.unwrap(branch_rad[here], axis=0)
         rate, acceleration = axis_motion(
             platform,
-            angles[branch][here],
+            branch_rad[here],
             los.los_platform[here],
             los.los_rate_platform_per_s[here],
             los.los_acceleration_platform_per_s2[here],
         )
         session = slice(first - here.start, last - here.start)
-        nearest = first + int(np.argmin(margin[first:last]))
         for angle_rad in _whole_turns(unwrapped, session, platform.axis_limits):
             breaks_at = _breaks(platform, t_s[here], angle_rad, rate, acceleration)
             session_break = _first_break(platform, breaks_at, session)
@@ -128,9 +122,6 @@ def track_candidates(
                     angle_rad=angle_rad[rows],
                     rate_rad_s=rate[rows],
                     acceleration_rad_s2=acceleration[rows],
-                    branch=branch,
-                    singular_margin_rad=float(margin[nearest]),
-                    singular_at_s=float(t_s[nearest]),
                 )
             )
     if not ways:

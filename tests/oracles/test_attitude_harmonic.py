@@ -25,7 +25,7 @@ def telemetry(name):
     """Header and rows of an excerpt, and the rows as attitudes against LVLH."""
     lines = (DATA / name).read_text().splitlines()
     first = lines.index("DATA_START") + 1
-    segment = read_aem("\n".join(lines)).segments[0]
+    segment = read_aem("\n".join(lines))[0]
     q_body_from_lvlh = Rotation.from_quat(segment.q_body_from_frame_xyzw)
     return lines[:first], lines[first:-1], segment, q_body_from_lvlh
 
@@ -63,7 +63,7 @@ def test_a_manoeuvre_is_carried_on_by_its_rate_and_said_to_be_uncertain():
     assert "by constant rate relative to LVLH" in law.choice
     near = (lead_s > 0.0) & (lead_s <= 120.0)
     assert error_deg(law, lead_s, truth)[near].max() < 1.0  # of 8 deg turned meanwhile
-    start_utc = shifted_utc(law.message.segments[0].epoch_utc, 0.0)
+    start_utc = shifted_utc(law.segments[0].epoch_utc, 0.0)
     end_s = law.chosen_extrapolation.extrapolation.end_s
     instants = Instants(start_utc, end_s + np.array([300.0, 900.0]))
     sigma_deg = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
@@ -77,7 +77,7 @@ def test_the_stated_sigma_covers_what_happened():
         law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
         asked = lead_s <= 900.0
         end_s = law.chosen_extrapolation.extrapolation.end_s
-        instants = Instants(law.message.segments[0].epoch_utc, end_s + lead_s[asked])
+        instants = Instants(law.segments[0].epoch_utc, end_s + lead_s[asked])
         stated = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
         ratio.append(error_deg(law, lead_s[asked], truth[: asked.sum()]) / stated)
     assert 0.3 < np.sqrt(np.mean(np.square(np.concatenate(ratio)))) < 2.0

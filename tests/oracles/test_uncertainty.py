@@ -245,7 +245,7 @@ def test_a_better_orbit_keeps_the_target_in_the_frame():
 def turns_of_the_station():
     """Attitudes from LVLH in torque equilibrium, three orbits of telemetry: (t_s, rotations)."""
     text = (DATA / "iss_attitude_tea_2018-285.aem").read_text()
-    segment = read_aem(text).segments[0]
+    segment = read_aem(text)[0]
     return segment.t_s, Rotation.from_quat(segment.q_body_from_frame_xyzw)
 
 

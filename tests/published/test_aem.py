@@ -56,7 +56,7 @@ def kvn(rows, version="1.0", **metadata):
 
 
 def attitude(content):
-    return Rotation.from_quat(read_aem(content).segments[0].q_body_from_frame_xyzw)
+    return Rotation.from_quat(read_aem(content)[0].q_body_from_frame_xyzw)
 
 
 def reference_matrices():
@@ -70,7 +70,7 @@ def reference_matrices():
 
 
 def test_the_blue_books_quaternion_turns_vectors_of_a_into_vectors_of_b():
-    segment = read_aem(kvn(QUATERNIONS)).segments[0]
+    segment = read_aem(kvn(QUATERNIONS))[0]
     assert segment.frame == "EME2000"
     assert segment.epoch_utc == utc_from_text("1996-11-28T22:08:02.5555Z")
     np.testing.assert_allclose(segment.t_s, [0.0, 1.0, 2.0], atol=1e-9)
@@ -191,7 +191,7 @@ def test_angular_velocity_is_the_attitudes_derivative(frame):
         ATTITUDE_DIR="",
         QUATERNION_TYPE="",
     )
-    segment = read_aem(content).segments[0]
+    segment = read_aem(content)[0]
     step_s = 1e-4
     turn = Rotation.from_quat(segment.q_body_from_frame_xyzw + step_s * segment.q_dot_s)
     turn = turn * Rotation.from_quat(segment.q_body_from_frame_xyzw).inv()
