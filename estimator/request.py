@@ -7,7 +7,6 @@ import numpy as np
 
 from estimator.camera import HorizonCamera, require_unit_quaternion
 from planner.frames.geodesy import WGS84_A_M, WGS84_B_M
-from planner.frames.time_scales import require_offset
 from planner.spec import UnitPart, Within, spec
 
 MAX_CAMERAS = 16
@@ -76,7 +75,6 @@ class HorizonRequest:
     overlay: bool = False
 
     def __post_init__(self) -> None:
-        require_offset("epoch", self.epoch)
         if not 1 <= len(self.cameras) <= MAX_CAMERAS:
             raise ValueError(f"cameras: 1 to {MAX_CAMERAS}, not {len(self.cameras)}")
         names = [camera.name for camera in self.cameras]

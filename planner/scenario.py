@@ -12,7 +12,7 @@ from planner.arrays import Array
 from planner.attitude import Attitude
 from planner.commands import COMMAND_STEP_S
 from planner.errors import figures
-from planner.frames.time_scales import elapsed_s, require_offset, utc_text
+from planner.frames.time_scales import elapsed_s, utc_text
 from planner.orbits import Orbit
 from planner.platforms import (
     AngleDeg,
@@ -47,7 +47,6 @@ class InitialState:
     accelerations_deg_s2: Mapping[str, _MotionDeg] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        require_offset("epoch", self.epoch)
         if self.epoch.microsecond % round(COMMAND_STEP_S * 1e6):
             before_us = self.epoch.microsecond // 200_000 * 200_000
             before = self.epoch.replace(microsecond=before_us)
@@ -71,8 +70,6 @@ class Session:
     keyhole: Keyhole = "refuse"
 
     def __post_init__(self) -> None:
-        require_offset("start", self.start)
-        require_offset("stop", self.stop)
         # Bound now, so that a session cut short later keeps the target's timetable.
         object.__setattr__(self, "target", self.target.starting(self.start))
         duration_s = elapsed_s(self.stop, self.start)

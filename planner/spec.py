@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, dataclass_transform, get_args
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ UnitPart = Annotated[float, Within(-10.0, 10.0)]
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def spec(cls: type[T]) -> type[T]:
-    """A frozen, keyword-only dataclass whose numbers are finite and within their ranges.
+    """A frozen, keyword-only dataclass of finite numbers within their ranges and aware times.
 
     The class's `__post_init__`, its own or inherited, runs after these checks and raises
     `ValueError` with the value and the way out.  `__pydantic_config__` makes pydantic, which only
@@ -54,6 +55,12 @@ def spec(cls: type[T]) -> type[T]:
             value = getattr(self, field.name)
             if isinstance(value, float) and not math.isfinite(value):
                 raise ValueError(f"{field.name} must be a finite number, not {value}")
+            for moment in value if isinstance(value, tuple) else (value,):
+                if isinstance(moment, datetime) and moment.utcoffset() is None:
+                    raise ValueError(
+                        f"{field.name} ({moment.isoformat()}) has no UTC offset; append Z if it "
+                        "is UTC"
+                    )
         for name, within in ranges:
             _require(name, getattr(self, name), within)
         if own_check is not None:

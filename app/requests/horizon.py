@@ -13,7 +13,7 @@ from estimator.rendering.sensor import Sensor
 from estimator.request import Body, HorizonRequest
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
-from planner.frames.time_scales import DAY_S, elapsed_s, require_offset, utc_text
+from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.orbits import Orbit
 from planner.spec import Within, spec
 
@@ -44,8 +44,6 @@ class PredictionRequest:
                 f"instants times cameras must come to 1 to {VIEWS_MAX}, not "
                 f"{len(self.instants)} x {len(self.cameras)}"
             )
-        for instant in self.instants:
-            require_offset("instants", instant)
         first, last = min(self.instants), max(self.instants)
         if elapsed_s(last, first) > SPAN_MAX_DAYS * DAY_S:
             raise ValueError(
@@ -70,7 +68,6 @@ class PictureRequest:
     seed: Annotated[int, Within(0, 2**32 - 1)] = 0
 
     def __post_init__(self) -> None:
-        require_offset("at", self.at)
         pixels = self.camera.width_px * self.camera.height_px
         if pixels > PICTURE_PIXELS_MAX:
             raise ValueError(

@@ -27,7 +27,7 @@ from estimator.series import SeriesReport, summarise_series
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.errors import InvalidInput
-from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
+from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.orbits import Orbit
 from planner.spec import Within, spec
 
@@ -51,7 +51,6 @@ class HorizonSession:
     step_s: Annotated[float, Within(1e-3, 86400.0)]
 
     def __post_init__(self) -> None:
-        require_offset("start", self.start)
         require_cameras("cameras", self.cameras)
 
     def requests(self, count: int) -> tuple[HorizonRequest, ...]:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from planner.arrays import Array
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
 from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, elapsed_s, require_offset, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
 from planner.spec import UnitPart, Within, spec
 
@@ -48,7 +48,6 @@ class InertialAttitude:
     uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
-        require_offset("epoch", self.epoch)
         norm = math.hypot(*self.q_body_from_eci_xyzw)
         if not abs(norm - 1.0) <= QUATERNION_NORM_TOLERANCE:
             raise ValueError(

@@ -10,7 +10,7 @@ from pydantic import FailFast, Field
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.commands import COMMAND_STEP_S
-from planner.frames.time_scales import DAY_S, elapsed_s, require_offset
+from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
 from planner.opportunities.request import TARGETS_MAX
 from planner.orbits import Orbit
@@ -87,8 +87,6 @@ class CampaignRequest:
     step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
 
     def __post_init__(self) -> None:
-        require_offset("start", self.start)
-        require_offset("stop", self.stop)
         steps = self.step_s / COMMAND_STEP_S
         if abs(steps - round(steps)) > 1e-6:
             raise ValueError(

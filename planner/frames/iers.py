@@ -16,26 +16,18 @@ from planner.arrays import Array
 RAD_PER_ARCSEC = math.pi / 648000.0
 
 
-@dataclass(frozen=True)
-class LeapSeconds:
-    """From each first_day_mjd (UTC, 0h) on, TAI is ahead of UTC by tai_minus_utc_s."""
-
-    first_day_mjd: tuple[int, ...]
-    tai_minus_utc_s: tuple[int, ...]
-
-
 @cache
-def leap_seconds() -> LeapSeconds:
-    """The table since 1972-01-01, when UTC began to differ from TAI by whole seconds."""
+def leap_seconds() -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Days (MJD, UTC, 0h) from which TAI is ahead of UTC by so many seconds, and the seconds.
+
+    Since 1972-01-01, when UTC began to differ from TAI by whole seconds.
+    """
     rows = [
         line.split()
         for line in Path(IERS_LEAP_SECOND_FILE).read_text(encoding="ascii").splitlines()
         if line.strip() and not line.startswith("#")
     ]
-    return LeapSeconds(
-        first_day_mjd=tuple(int(float(row[0])) for row in rows),
-        tai_minus_utc_s=tuple(int(row[4]) for row in rows),
-    )
+    return tuple(int(float(row[0])) for row in rows), tuple(int(row[4]) for row in rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,9 +79,9 @@ def earth_orientation_table() -> EarthOrientationTable:
     ut1_minus_utc_s = column(59, 68)
     known = np.isfinite(ut1_minus_utc_s)
     utc_mjd, ut1_minus_utc_s = utc_mjd[known], ut1_minus_utc_s[known]
-    leaps = leap_seconds()
-    row = np.searchsorted(np.array(leaps.first_day_mjd), utc_mjd, side="right") - 1
-    ut1_minus_tai_s = ut1_minus_utc_s - np.array(leaps.tai_minus_utc_s)[row]
+    first_mjd, tai_minus_utc_s = map(np.array, leap_seconds())
+    row = np.searchsorted(first_mjd, utc_mjd, side="right") - 1
+    ut1_minus_tai_s = ut1_minus_utc_s - tai_minus_utc_s[row]
     pole_rad = [column(*span)[known] * RAD_PER_ARCSEC for span in ((19, 27), (38, 46))]
     offset_rad = [
         _fill_blanks(column(*span)[known]) * 1e-3 * RAD_PER_ARCSEC

@@ -137,12 +137,6 @@ def utc_text(epoch_utc: datetime, decimals: int = 3) -> str:
     return _text(tai_us(epoch_utc), decimals)
 
 
-def require_offset(field: str, moment: datetime) -> None:
-    """Refuse a naive time, for the field of a request that carries it."""
-    if moment.utcoffset() is None:
-        raise ValueError(f"{field} ({moment.isoformat()}) has no UTC offset; append Z if it is UTC")
-
-
 def elapsed_s(until_utc: datetime, since_utc: datetime) -> float:
     """SI seconds from since_utc to until_utc, leap seconds counted; exact to 1 us."""
     return (tai_us(until_utc) - tai_us(since_utc)) / _US
@@ -171,9 +165,9 @@ def tai_us(moment_utc: datetime) -> int:
 @cache
 def _leap_table_us() -> tuple[list[int], list[int], list[int]]:
     """Where each TAI - UTC begins, on TAI's and on UTC's own count, and its value (us)."""
-    leaps = leap_seconds()
-    starts_utc_us = [(mjd - _ORIGIN_MJD) * _DAY_US for mjd in leaps.first_day_mjd]
-    offsets_us = [seconds * _US for seconds in leaps.tai_minus_utc_s]
+    first_mjd, tai_minus_utc_s = leap_seconds()
+    starts_utc_us = [(mjd - _ORIGIN_MJD) * _DAY_US for mjd in first_mjd]
+    offsets_us = [seconds * _US for seconds in tai_minus_utc_s]
     starts_tai_us = [a + b for a, b in zip(starts_utc_us, offsets_us, strict=True)]
     return starts_tai_us, starts_utc_us, offsets_us
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.frames.time_scales import Instants
-from planner.orbits.forces import Drag, forces_at
+from planner.orbits.forces import forces_at
 
-_NO_DRAG = Drag(mass_kg=1.0, area_m2=0.0, coefficient=0.0)
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 # A path between nodes too far apart, or damaged, may run through the Earth, where the field's
 # harmonics mean nothing.
@@ -58,7 +57,7 @@ def cell_defects(nodes: Instants, r_eci_m: Array, v_eci_m_s: Array) -> CellDefec
     acceleration at both ends (0.1 m off for nodes 240 s apart in low orbit, 1e-7 m/s^2).
     Leaves out drag (3e-6 m/s^2 on the ISS).
     """
-    a_m_s2 = forces_at(nodes, _NO_DRAG).acceleration_eci_m_s2(r_eci_m, v_eci_m_s)
+    a_m_s2 = forces_at(nodes, 0.0).acceleration_eci_m_s2(r_eci_m, v_eci_m_s)
     h = np.diff(nodes.t_s)
     u = 0.5 * (_POINTS + 1.0)
     s, w = u[None, :, None], (1.0 - u)[None, :, None]
@@ -70,7 +69,7 @@ def cell_defects(nodes: Instants, r_eci_m: Array, v_eci_m_s: Array) -> CellDefec
     path *= np.maximum(1.0, _PATH_RADIUS_MIN_M / np.linalg.norm(path, axis=2, keepdims=True))
     inner = Instants(nodes.epoch_utc, (nodes.t_s[:-1, None] + h[:, None] * u).ravel())
     flat = path.reshape(-1, 3)
-    along = forces_at(inner, _NO_DRAG).acceleration_eci_m_s2(flat, np.zeros_like(flat))
+    along = forces_at(inner, 0.0).acceleration_eci_m_s2(flat, np.zeros_like(flat))
     along = along.reshape(len(h), -1, 3)
     mean_m_s2 = np.einsum("kqi,q->ki", along, 0.5 * _WEIGHTS)
     early_m_s2 = np.einsum("kqi,q->ki", along, 0.5 * _WEIGHTS * (0.5 - u))

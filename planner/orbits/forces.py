@@ -11,29 +11,20 @@ from planner.frames.solar_system import r_moon_eci_m, r_sun_eci_m
 from planner.frames.time_scales import Instants
 from planner.orbits.atmosphere import density_kg_m3
 from planner.orbits.gravity import earth_gravity
-from planner.spec import spec
 
 GM_SUN_M3_S2 = 1.32712440041e20  # DE421
 GM_MOON_M3_S2 = 4.902800076e12  # DE421
-
-
-@spec
-class Drag:
-    """How the air resists the satellite: coefficient * area / mass is all that matters."""
-
-    mass_kg: float
-    area_m2: float
-    coefficient: float
 
 
 @dataclass(frozen=True, eq=False)
 class Forces:
     """Everything about the forces that depends on time alone, at n instants.
 
-    c_itrf_from_eci: shape (n, 3, 3).  r_sun_eci_m, r_moon_eci_m: shape (n, 3).
+    ballistic_m2_kg: drag coefficient times area over mass, all that matters of how the air
+    resists the satellite.  c_itrf_from_eci: shape (n, 3, 3).  r_sun_eci_m, r_moon_eci_m: (n, 3).
     """
 
-    drag: Drag
+    ballistic_m2_kg: float
     c_itrf_from_eci: Array
     r_sun_eci_m: Array
     r_moon_eci_m: Array
@@ -59,15 +50,14 @@ class Forces:
         v_air_m_s = v_eci_m_s - np.cross(omega_eci_rad_s, r_eci_m)
         _, _, height_m = geodetic_from_itrf(r_itrf_m)
         density = density_kg_m3(r_eci_m, height_m, self.r_sun_eci_m)
-        ballistic = self.drag.coefficient * self.drag.area_m2 / self.drag.mass_kg
         speed_m_s = np.linalg.norm(v_air_m_s, axis=1)
-        return np.asarray(-0.5 * ballistic * (density * speed_m_s)[:, None] * v_air_m_s)
+        return np.asarray(-0.5 * self.ballistic_m2_kg * (density * speed_m_s)[:, None] * v_air_m_s)
 
 
-def forces_at(instants: Instants, drag: Drag) -> Forces:
+def forces_at(instants: Instants, ballistic_m2_kg: float) -> Forces:
     """Forces at n instants."""
     return Forces(
-        drag=drag,
+        ballistic_m2_kg=ballistic_m2_kg,
         c_itrf_from_eci=c_itrf_from_eci(instants),
         r_sun_eci_m=r_sun_eci_m(instants),
         r_moon_eci_m=r_moon_eci_m(instants),

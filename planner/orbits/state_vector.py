@@ -19,7 +19,6 @@ from planner.frames.time_scales import (
     Instants,
     elapsed_s,
     require_known,
-    require_offset,
     shifted_utc,
     utc_text,
 )
@@ -32,7 +31,7 @@ from planner.orbits.collocation import (
     propagate_segment,
 )
 from planner.orbits.ephemeris import Ephemeris, OrbitStates
-from planner.orbits.forces import Drag, forces_at
+from planner.orbits.forces import forces_at
 from planner.orbits.gravity import GM_M3_S2, RADIUS_M
 from planner.orbits.paper_model import PaperEphemeris, paper_ephemeris
 from planner.spec import Within, spec
@@ -67,19 +66,22 @@ class StateVectorOrbit:
     drag_coefficient: Annotated[float, Within(0.0, 100.0)] = 2.0
 
     def __post_init__(self) -> None:
-        require_offset("epoch", self.epoch)
         try:
             require_known(self.epoch)
         except ValueError as error:
             raise ValueError(f"epoch {error}") from None
-        ballistic_m2_kg = self.drag_coefficient * self.drag_area_m2 / self.mass_kg
-        if not ballistic_m2_kg <= BALLISTIC_MAX_M2_KG:
+        if not self.ballistic_m2_kg <= BALLISTIC_MAX_M2_KG:
             raise ValueError(
-                f"mass_kg {self.mass_kg:g} has {ballistic_m2_kg:.3g} m2/kg of drag (drag_area_m2 "
-                f"times drag_coefficient), more than the {BALLISTIC_MAX_M2_KG:g} of a sail; is it "
-                "in kg?"
+                f"mass_kg {self.mass_kg:g} has {self.ballistic_m2_kg:.3g} m2/kg of drag "
+                f"(drag_area_m2 times drag_coefficient), more than the {BALLISTIC_MAX_M2_KG:g} of "
+                "a sail; is it in kg?"
             )
         _check_orbit(self)
+
+    @property
+    def ballistic_m2_kg(self) -> float:
+        """Drag coefficient times area over mass."""
+        return self.drag_coefficient * self.drag_area_m2 / self.mass_kg
 
     def ephemeris(
         self, start_utc: datetime, stop_utc: datetime
@@ -208,13 +210,11 @@ def _propagate(
     orbit: StateVectorOrbit, before: list[CollocationSegment], start_s: float, stop_s: float
 ) -> CollocationSegment:
     """On from where the segments `before` it end, or from the epoch, either way."""
-    drag = Drag(
-        mass_kg=orbit.mass_kg, area_m2=orbit.drag_area_m2, coefficient=orbit.drag_coefficient
-    )
     r_m, v_m_s = _state_eci(orbit)
     if before:
         r_m, v_m_s = (end[0] for end in before[-1].at(np.array([start_s])))
-    forces = forces_at(Instants(orbit.epoch, node_times_s(start_s, stop_s)), drag)
+    nodes = Instants(orbit.epoch, node_times_s(start_s, stop_s))
+    forces = forces_at(nodes, orbit.ballistic_m2_kg)
     segment = propagate_segment(r_m, v_m_s, start_s, stop_s, forces.acceleration_eci_m_s2)
     if segment is not None:
         (r_m,), _ = segment.at(np.array([stop_s]))

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from planner.frames.time_scales import elapsed_s, require_offset, utc_text
+from planner.frames.time_scales import elapsed_s, utc_text
 from planner.orbits import Orbit
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon
 from planner.spacecraft.vehicle.definition import (
@@ -46,10 +46,6 @@ class ImagingRequest:
     def __post_init__(self) -> None:
         if not self.name:
             raise ValueError("name must not be empty: the table's windows refer to it")
-        for field in ("start", "window_start", "window_stop"):
-            moment = getattr(self, field)
-            if moment is not None:
-                require_offset(field, moment)
         if self.window_start is not None and self.window_stop is not None:
             seconds = elapsed_s(self.window_stop, self.window_start)
             if seconds <= 0.0:
@@ -185,8 +181,6 @@ class ImagingPlanRequest:
             raise ValueError(
                 f"spacecraft {self.spacecraft!r} is unknown; there is {', '.join(SPACECRAFT)}"
             )
-        require_offset("start", self.start)
-        require_offset("stop", self.stop)
         seconds = elapsed_s(self.stop, self.start)
         if not 10.0 <= seconds <= SESSION_MAX_S:
             raise ValueError(

@@ -12,7 +12,7 @@ from pydantic import Field
 from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit, figures
-from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
+from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
 from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
@@ -51,8 +51,6 @@ class BenchMotionTarget(TimedTarget):
     start: datetime | None = None
 
     def __post_init__(self) -> None:
-        if self.start is not None:
-            require_offset("start", self.start)
         if not self.axes:
             raise ValueError("axes must name a motion for each axis of the platform")
 

@@ -9,9 +9,13 @@ from planner.frames.solar_system import BODIES, r_body_bary_m
 from planner.frames.time_scales import Instants
 from planner.spec import spec
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S
-from planner.targets.ranges import GrazingAltitudeKm
 from planner.targets.refraction import Refraction
-from planner.targets.sky import GRAZING_ALTITUDE_KM, SkyTarget, require_sky_ranges
+from planner.targets.sky import (
+    GRAZING_ALTITUDE_KM,
+    GrazingAltitudeKm,
+    SkyTarget,
+    require_sky_ranges,
+)
 
 LIGHT_TIME_PASSES = 4  # each shrinks the error by v/c = 1e-4, Mercury's 1.6e-4 being the worst
 

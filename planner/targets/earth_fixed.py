@@ -2,6 +2,7 @@
 
 import math
 from abc import abstractmethod
+from typing import Annotated
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.spec import Within
 from planner.targets.apparent import (
     SPEED_OF_LIGHT_M_S,
     ApparentDirection,
@@ -18,6 +20,7 @@ from planner.targets.apparent import (
 )
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
 
+ElevationDeg = Annotated[float, Within(0.0, 90.0)]
 LIGHT_TIME_PASSES = 2  # each pass shrinks the error by v/c: 2.5 m, then 4 um, after the first
 
 

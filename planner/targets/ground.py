@@ -6,11 +6,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from planner.arrays import Array
-from planner.frames.geodesy import itrf_from_geodetic
+from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.spec import spec
-from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, require_ground_ranges
 from planner.targets.refraction import Refraction
 
 

@@ -6,11 +6,10 @@ from typing import Annotated, Literal
 
 from planner.arrays import Array
 from planner.frames.geodesic import geodesic_end
-from planner.frames.geodesy import itrf_from_geodetic
-from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_offset, utc_text
+from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
+from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 from planner.spec import Within, spec
-from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, require_ground_ranges
 from planner.targets.refraction import Refraction
 
 LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for longer
@@ -39,7 +38,6 @@ class MovingGroundTarget(EarthFixedTarget):
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
-        require_offset("epoch", self.epoch)
         require_ground_ranges(self)
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:

@@ -12,11 +12,10 @@ from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, figures
 from planner.frames.geodesic import geodesic_between, geodesic_end
-from planner.frames.geodesy import itrf_from_geodetic
-from planner.frames.time_scales import Instants, elapsed_s, require_offset, utc_text
+from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
+from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.spec import Within, spec
-from planner.targets.earth_fixed import EarthFixedTarget, require_ground_ranges
-from planner.targets.ranges import ElevationDeg, HeightM, LatitudeDeg, LongitudeDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, require_ground_ranges
 from planner.targets.refraction import Refraction
 from planner.targets.session_target import TimedTarget
 from planner.targets.smooth_step import ramp
@@ -71,8 +70,6 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
     refraction: Refraction = "none"
 
     def __post_init__(self) -> None:
-        if self.start is not None:
-            require_offset("start", self.start)
         if not 2 <= len(self.points) <= POINTS_MAX:
             raise ValueError(f"points must hold 2 to {POINTS_MAX} points, not {len(self.points)}")
         require_ground_ranges(self)

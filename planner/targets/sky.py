@@ -2,6 +2,7 @@
 
 import math
 from abc import abstractmethod
+from typing import Annotated
 
 import numpy as np
 
@@ -10,12 +11,14 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.solar_system import earth_bary_state
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.spec import Within
 from planner.targets.apparent import ApparentDirection, VisibleTarget, aberrate
 from planner.targets.deflection import deflect
 from planner.targets.earth_limb import limb_clearance_rad, refract
 from planner.targets.refraction import Refraction
 
 GRAZING_ALTITUDE_KM = 80.0  # refraction bends by 0.1 arcsec there, and by 8 times more 15 km lower
+GrazingAltitudeKm = Annotated[float, Within(0.0, 300.0)]
 LOWEST_SEEN_KM = 2.0  # a ray that grazes the sea seems to pass at 1.77 km
 
 

@@ -11,9 +11,13 @@ from planner.frames.hipparcos import CatalogueStar, hipparcos_star
 from planner.frames.time_scales import Instants
 from planner.spec import Within, spec
 from planner.targets.deflection import AU_M
-from planner.targets.ranges import GrazingAltitudeKm
 from planner.targets.refraction import Refraction
-from planner.targets.sky import GRAZING_ALTITUDE_KM, SkyTarget, require_sky_ranges
+from planner.targets.sky import (
+    GRAZING_ALTITUDE_KM,
+    GrazingAltitudeKm,
+    SkyTarget,
+    require_sky_ranges,
+)
 
 _J2000_JD = 2451545.0
 _J2000_JYEAR = 2000.0

@@ -20,8 +20,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from planner.spec import spec
-from planner.targets.earth_fixed import EarthFixedTarget
-from planner.targets.ranges import ElevationDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
 from planner.targets.refraction import Refraction
 
 

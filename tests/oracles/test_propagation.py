@@ -11,7 +11,7 @@ from scipy.special import sph_legendre_p
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import OemOrbit, StateVectorOrbit
-from planner.orbits.forces import Drag, forces_at
+from planner.orbits.forces import forces_at
 from planner.orbits.gravity import DEGREE, GM_M3_S2, RADIUS_M, earth_gravity
 
 DATA = Path(__file__).parents[1] / "data"
@@ -68,12 +68,9 @@ def test_collocation_agrees_with_dop853(ahead_s):
         position_km=(545.284043961596, 4217.41745999061, 5288.80993327732),
         velocity_km_s=(-7.63639664838008, 0.168827885257, 0.65634287389035),
     )
-    drag = Drag(
-        mass_kg=orbit.mass_kg, area_m2=orbit.drag_area_m2, coefficient=orbit.drag_coefficient
-    )
 
     def derivative(t_s, state):
-        forces = forces_at(Instants(orbit.epoch, np.array([t_s])), drag)
+        forces = forces_at(Instants(orbit.epoch, np.array([t_s])), orbit.ballistic_m2_kg)
         acceleration = forces.acceleration_eci_m_s2(state[None, :3], state[None, 3:])
         return np.concatenate([state[3:], acceleration[0]])
 

@@ -8,12 +8,11 @@ import pytest
 
 from planner.frames.time_scales import Instants
 from planner.orbits.atmosphere import density_kg_m3
-from planner.orbits.forces import GM_MOON_M3_S2, GM_SUN_M3_S2, Drag, forces_at
+from planner.orbits.forces import GM_MOON_M3_S2, GM_SUN_M3_S2, forces_at
 
 AT = Instants(datetime(2022, 2, 8, 13, tzinfo=UTC), np.zeros(1))
 SUN_M = np.array([[1.496e11, 0.0, 0.0]])
-ISS = Drag(mass_kg=450e3, area_m2=1500.0, coefficient=2.0)
-NO_DRAG = Drag(mass_kg=1.0, area_m2=0.0, coefficient=0.0)
+ISS, NO_DRAG = 2.0 * 1500.0 / 450e3, 0.0  # m2/kg
 
 
 @pytest.mark.parametrize(
