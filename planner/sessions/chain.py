@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 
 from planner import effort
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
@@ -24,11 +25,10 @@ States = tuple[AxisState, ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Stand:
-    """Where a slew begins: on a session's way, joined at `join_row`, or at rest in row 0."""
+    """Where a slew begins: on a session's way, joined at `join_row`, or initially, in row 0."""
 
     way: Way | None
     join_row: int
-    initial: States
 
     @property
     def last_row(self) -> int:
@@ -47,7 +47,7 @@ class ChainStep:
 
 
 Steps = tuple[ChainStep, ...]
-Pair = tuple[int, int]  # identities of the ways left and joined
+Pair = tuple[Way | None, Way]  # left and joined
 Resolve = Callable[["Chain", Stand, Way], tuple[int, int] | None]
 
 
@@ -63,7 +63,7 @@ def initial_state(scenario: Scenario) -> States:
 class Chain:
     """The ways of each session, and the slews between them that solving found impossible.
 
-    What was found out is kept, by identity of ways and by rows: each search goes over it again.
+    What was found out is kept, by ways and by rows: each search goes over it again.
     """
 
     def __init__(self, scenario: Scenario, sessions: list[tuple[Way, ...]]) -> None:
@@ -72,11 +72,15 @@ class Chain:
         self._barred: dict[Pair, set[tuple[int, int]]] = {}
         self._joins: dict[tuple[Pair, int, int], Join] = {}
         self._steps: dict[tuple[Pair, int, Resolve, int], ChainStep | None] = {}
-        self._may: dict[tuple[Pair, int, int], bool] = {}
-        self._early_rows: dict[tuple[Pair, int], int | None] = {}
-        self._states: dict[tuple[int, int], States] = {}
         self._shut: dict[Pair, int] = {}
-        self._spans_s: dict[int, tuple[float, float]] = {}
+        self._may_slew = cache(self._try_slew)
+        self._first_row_in_reach = cache(self._seek_row_in_reach)
+        self._initial = initial_state(scenario)
+        epoch_utc = scenario.initial_state.epoch
+        self._session_span_s = cache(
+            lambda way: [elapsed_s(at, epoch_utc) for at in (way.session.start, way.session.stop)]
+        )
+        self._track_states = cache(lambda way, row: track_states(way.track, row / ROWS_PER_S))
         self._care_left = CARE_SHARE * effort.remaining()
         self._is_cut_short = False
 
@@ -97,10 +101,10 @@ class Chain:
 
     def _join(self, stand: Stand, step: ChainStep) -> Join | None:
         """Solved once, whichever mode asks; None: undecided by closed form, then impossible."""
-        pair, rows = (id(stand.way), id(step.way)), (step.leave_row, step.join_row)
+        pair, rows = (stand.way, step.way), (step.leave_row, step.join_row)
         if (pair, *rows) not in self._joins:
             way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
-            state = self.state(stand, step.leave_row)
+            state = self.state(stand.way, step.leave_row)
             try:
                 self._joins[pair, *rows] = self._solve_join(way, step.leave_row, state)
             except InfeasibleSlew as refusal:
@@ -157,7 +161,7 @@ class Chain:
         share = CARE_SHARE * effort.remaining() / len(joins)
         for number, (step, join) in enumerate(zip(steps, joins, strict=True)):
             way = replace(step.way, rows=replace(step.way.rows, start=step.join_row))
-            state = self.state(self.stand(steps[:number]), step.leave_row)
+            state = self.state(self.stand(steps[:number]).way, step.leave_row)
             found = replace(join, cut_short=True)
             with at_most(share):
                 found = self._improve_join(way, step.leave_row, state, join)
@@ -173,10 +177,9 @@ class Chain:
 
     def stand(self, steps: Steps) -> Stand:
         """Where the next slew begins."""
-        initial = initial_state(self.scenario)
         if not steps:
-            return Stand(way=None, join_row=0, initial=initial)
-        return Stand(way=steps[-1].way, join_row=steps[-1].join_row, initial=initial)
+            return Stand(way=None, join_row=0)
+        return Stand(way=steps[-1].way, join_row=steps[-1].join_row)
 
     def cheapest(self, resolve: Resolve, count: int | None = None) -> Steps | None:
         """Dynamic programme over the ways of each session; None when no chain of ways fits."""
@@ -196,7 +199,7 @@ class Chain:
 
     def _step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
         """Worked out again only where solving has barred more since."""
-        pair = (id(stand.way), id(way))
+        pair = (stand.way, way)
         known = (pair, stand.join_row, resolve, len(self._barred.get(pair, ())))
         if known not in self._steps:
             self._steps[known] = self._new_step(stand, way, resolve)
@@ -208,12 +211,10 @@ class Chain:
         if rows is None:
             return None
         leave_row, join_row = rows
-        there = self._state(way, join_row)
+        here, there = self.state(stand.way, leave_row), self.state(way, join_row)
         least_s = [
             next_duration_s(*ends, 0.0)
-            for ends in zip(
-                self.state(stand, leave_row), there, self.scenario.axis_limits, strict=True
-            )
+            for ends in zip(here, there, self.scenario.axis_limits, strict=True)
         ]
         return ChainStep(
             way=way,
@@ -225,21 +226,20 @@ class Chain:
 
     def fits(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
         """Whether nothing known forbids the slew, and something is left of both sessions."""
-        if not self._is_open(stand, way, leave_row, join_row):
-            return False
-        known = ((id(stand.way), id(way)), leave_row, join_row)
-        if known not in self._may:
-            there = self._state(way, join_row)
-            state = self.state(stand, leave_row)
-            self._may[known] = may_slew_between(self.scenario, state, there, join_row - leave_row)
-        return self._may[known]
+        is_open = self._is_open(stand, way, leave_row, join_row)
+        return is_open and self._may_slew(stand.way, way, leave_row, join_row)
+
+    def _try_slew(self, left: Way | None, way: Way, leave_row: int, join_row: int) -> bool:
+        there = self.state(way, join_row)
+        state = self.state(left, leave_row)
+        return may_slew_between(self.scenario, state, there, join_row - leave_row)
 
     def _is_open(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
         """Whether solving has not barred it, and something is left of both sessions."""
-        barred = self._barred.get((id(stand.way), id(way)), set())
+        barred = self._barred.get((stand.way, way), set())
         if (leave_row, join_row) in barred or len(barred) >= TRIES_PER_PAIR:
             return False
-        if join_row - leave_row < self._shut.get((id(stand.way), id(way)), 0):
+        if join_row - leave_row < self._shut.get((stand.way, way), 0):
             return False
         in_order = stand.join_row <= leave_row < join_row
         return in_order and self._leaves_something(stand, way, leave_row, join_row)
@@ -251,22 +251,15 @@ class Chain:
             return False
         if self.fits(stand, way, *rows):
             return True
-        known = ((id(stand.way), id(way)), stand.last_row)
-        if known not in self._early_rows:
-            state = self.state(stand, stand.last_row)
-            self._early_rows[known] = first_row_in_reach(
-                self.scenario, way, stand.last_row, state, way.rows.start
-            )
-        return self._early_rows[known] is not None
+        return self._first_row_in_reach(stand.way, way, stand.last_row) is not None
 
-    def state(self, stand: Stand, row: int) -> States:
-        """Of the axes on a row of the way that is left then."""
-        return self._state(stand.way, row) if stand.way else stand.initial
+    def _seek_row_in_reach(self, left: Way | None, way: Way, leave_row: int) -> int | None:
+        state = self.state(left, leave_row)
+        return first_row_in_reach(self.scenario, way, leave_row, state, way.rows.start)
 
-    def _state(self, way: Way, row: int) -> States:
-        if (id(way), row) not in self._states:
-            self._states[id(way), row] = track_states(way.track, row / ROWS_PER_S)
-        return self._states[id(way), row]
+    def state(self, way: Way | None, row: int) -> States:
+        """Of the axes on a row of a way's track; without a way, the initial one."""
+        return self._initial if way is None else self._track_states(way, row)
 
     def _leaves_something(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
         left_s = [self._left_s(way, join_row, way.rows.stop)]
@@ -276,13 +269,7 @@ class Chain:
 
     def _left_s(self, way: Way, join_row: int, stop_row: int) -> float:
         """Of a session between the rows at which its track is joined and left."""
-        if id(way) not in self._spans_s:
-            epoch_utc, session = self.scenario.initial_state.epoch, way.session
-            self._spans_s[id(way)] = (
-                elapsed_s(session.start, epoch_utc),
-                elapsed_s(session.stop, epoch_utc),
-            )
-        start_s, stop_s = self._spans_s[id(way)]
+        start_s, stop_s = self._session_span_s(way)
         return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, join_row / ROWS_PER_S)
 
 

@@ -33,7 +33,7 @@ class Rows:
     stop: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Way:
     """One way to hold a session's target: an axis track over `rows` and what lies before.
 

@@ -10,18 +10,17 @@ from planner import effort
 from planner.commands import ROWS_PER_S
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew, Refusal
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc, utc_text
 from planner.orbits import Ephemeris
 from planner.pointing.line_of_sight import STENCIL
 from planner.scenario import Scenario, Session
 from planner.sessions.holding import Rows
 from planner.sessions.joining import Join
 from planner.sessions.other_sessions import Others
-from planner.sessions.sequence import SessionRefused, sequence_sessions
-from planner.sessions.start_trials import RefusedSession, Trials
+from planner.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
+from planner.sessions.start_trials import Trials
 from planner.targets import BenchMotionTarget, EarthFixedTarget
 
-DAY_S = 86400.0
 HORIZON_S = {"state": 6000.0, "opm": 6000.0}  # a numerical propagation of a day takes seconds
 COARSE_ROWS = 10 * ROWS_PER_S  # first tries, then halved down to a row
 ATTEMPTS = 60
@@ -77,10 +76,10 @@ def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     try:
         return sequence_sessions(scenario, ephemeris)
     except SessionRefused as failed:
-        raise _advise(scenario, failed) from None
+        raise _advise(failed) from None
 
 
-def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
+def _advise(failed: SessionRefused) -> Refusal:
     """The same refusal with the field at fault and the nearest start that can be flown.
 
     First the session is cut short, at its start and where it can't be held to its stop there too,
@@ -89,11 +88,7 @@ def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
     Every start named has been tried by planning the whole request with it.  Whatever forbids
     another start, the reason given stays that of the start asked for.
     """
-    refusal, number = failed.refusal, failed.number
-    field = refusal.field or f"sessions.{number}.start"
-    refused = RefusedSession(
-        scenario=scenario, number=number, from_row=failed.from_row, state=failed.state
-    )
+    refusal, refused = failed.refusal, failed.session
     alike = isinstance(refused.session.target, BenchMotionTarget)
     if alike and not isinstance(refusal, InfeasibleSlew):
         return refusal  # it breaks its limits at any other time, too
@@ -101,7 +96,7 @@ def _advise(scenario: Scenario, failed: SessionRefused) -> Refusal:
     advice = _advice(refused)
     advised = type(refusal)(
         f"{refusal.detail}; {advice.words}",
-        field=field,
+        field=refusal.field or f"sessions.{refused.number}.start",
         axis=refusal.axis,
         limit=refusal.limit,
         at_utc=refusal.at_utc,

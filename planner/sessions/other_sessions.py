@@ -9,8 +9,7 @@ from planner.frames.time_scales import elapsed_s, utc_text
 from planner.scenario import Scenario, Session
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
 from planner.sessions.holding import ephemeris_over, session_rows
-from planner.sessions.sequence import SessionRefused, sequence_sessions
-from planner.sessions.start_trials import RefusedSession
+from planner.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.verification import verify
 
 SHARE = 0.6  # of the work that is left, for planning the whole request once more
@@ -56,7 +55,7 @@ class Others:
             try:
                 planned = _is_planned(replace(scenario, sessions=tuple(sessions)))
             except SessionRefused as failed:
-                lost = kept[failed.number]
+                lost = kept[failed.session.number]
                 if lost == number:
                     return None
                 kept.remove(lost)

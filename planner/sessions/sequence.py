@@ -1,6 +1,8 @@
 """Which way every session is held, and when each is joined and left."""
 
 import math
+from dataclasses import dataclass
+from datetime import datetime
 from itertools import pairwise
 
 import numpy as np
@@ -20,10 +22,10 @@ from planner.errors import (
 )
 from planner.orbits import Ephemeris
 from planner.pointing.keep_out import keep_out_view
-from planner.scenario import Scenario
+from planner.scenario import Scenario, Session
 from planner.sessions.chain import CONFLICTS, Chain, Stand, States, Steps, initial_state
 from planner.sessions.earliest_join import track_states
-from planner.sessions.holding import Way, ways_to_hold
+from planner.sessions.holding import Rows, Way, session_rows, ways_to_hold
 from planner.sessions.joining import Join, slew_onto
 from planner.slew import require_brakable
 
@@ -32,19 +34,39 @@ from planner.slew import require_brakable
 FIND_SHARE, CONFLICT_SHARE, PROOF_SHARE, OFFERS_SHARE = 0.7, 0.8, 0.7, 0.5
 
 
+@dataclass(frozen=True, kw_only=True)
+class RefusedSession:
+    """A session that can't be flown as asked.
+
+    number: its index.  state: of the axes at from_row, from which its slew begins.
+    """
+
+    scenario: Scenario
+    number: int
+    from_row: int
+    state: States
+
+    @property
+    def session(self) -> Session:
+        return self.scenario.sessions[self.number]
+
+    @property
+    def epoch_utc(self) -> datetime:
+        return self.scenario.initial_state.epoch
+
+    @property
+    def wanted(self) -> Rows:
+        return session_rows(self.session, self.epoch_utc)
+
+
 class SessionRefused(Exception):
-    """Why a session can't be flown, and from which row and state its slew would have begun."""
+    """Which session can't be flown, and why."""
 
     def __init__(
-        self,
-        number: int,
-        from_row: int,
-        state: States,
-        refusal: Refusal,
-        chain: Chain | None = None,
+        self, session: RefusedSession, refusal: Refusal, chain: Chain | None = None
     ) -> None:
         super().__init__(refusal.detail)
-        self.number, self.from_row, self.state, self.refusal = number, from_row, state, refusal
+        self.session, self.refusal = session, refusal
         self._chain = chain
 
     def offers(self) -> tuple[GiveUp, ...]:
@@ -120,7 +142,10 @@ def _ways_by_session(scenario: Scenario, ephemeris: Ephemeris) -> list[tuple[Way
         try:
             ways = ways_to_hold(scenario, ephemeris, number, session, from_row, angle_rad)
         except (NotVisible, Unreachable, TrackBreaksLimit) as refusal:
-            raise SessionRefused(number, from_row, state, refusal) from None
+            refused = RefusedSession(
+                scenario=scenario, number=number, from_row=from_row, state=state
+            )
+            raise SessionRefused(refused, refusal) from None
         sessions.append(ways)
         from_row = ways[0].rows.stop
         state = track_states(ways[0].track, from_row / ROWS_PER_S)
@@ -137,17 +162,18 @@ def _conflict(chain: Chain, *, prove: bool) -> SessionRefused:
             break
         steps = longer[0]
     stand = chain.stand(steps)
-    state = chain.state(stand, stand.last_row)
+    state = chain.state(stand.way, stand.last_row)
     refusal = None
     if prove:
         with at_most(PROOF_SHARE * effort.remaining()):
             refusal = _refusal(chain, number, stand, prove=True)
     refusal = refusal or _refusal(chain, number, stand, prove=False)
-    return SessionRefused(number, stand.last_row, state, refusal, chain)
+    refused = RefusedSession(scenario=scenario, number=number, from_row=stand.last_row, state=state)
+    return SessionRefused(refused, refusal, chain)
 
 
 def _refusal(chain: Chain, number: int, stand: Stand, *, prove: bool) -> InfeasibleSlew:
-    state = chain.state(stand, stand.last_row)
+    state = chain.state(stand.way, stand.last_row)
     for way in chain.sessions[number]:
         try:
             slew_onto(

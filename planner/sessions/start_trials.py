@@ -11,36 +11,11 @@ from planner.errors import Refusal
 from planner.frames.time_scales import elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.pointing.line_of_sight import STENCIL
-from planner.scenario import Scenario, Session
+from planner.scenario import Session
 from planner.sessions.holding import Rows, Way, session_rows, ways_to_hold
 from planner.sessions.joining import may_slew_onto, slew_onto
-from planner.slew import AxisState
+from planner.sessions.sequence import RefusedSession
 from planner.targets import BenchMotionTarget
-
-
-@dataclass(frozen=True, kw_only=True)
-class RefusedSession:
-    """A session that can't be flown as asked.
-
-    number: its index.  state: of the axes at from_row, from which its slew begins.
-    """
-
-    scenario: Scenario
-    number: int
-    from_row: int
-    state: tuple[AxisState, ...]
-
-    @property
-    def session(self) -> Session:
-        return self.scenario.sessions[self.number]
-
-    @property
-    def epoch_utc(self) -> datetime:
-        return self.scenario.initial_state.epoch
-
-    @property
-    def wanted(self) -> Rows:
-        return session_rows(self.session, self.epoch_utc)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +127,7 @@ class Trials:
 
     def _is_found(self, way: Way, *, early: bool) -> bool:
         refused = self.refused
-        if not may_slew_onto(refused.scenario, way, refused.from_row, refused.state):
+        if not self._may_be_slewed(way):
             return False
         try:
             slew_onto(
