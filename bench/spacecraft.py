@@ -102,8 +102,8 @@ def bench_ground() -> None:
 
 def bench_physics() -> None:
     print("Physics (the same checks as tests/properties/test_spacecraft_dynamics.py):")
-    sys.path.insert(0, str(DATA.parents[1] / "properties"))
-    sys.path.insert(0, str(DATA.parents[1] / "oracles"))
+    tests = DATA.parents[1]
+    sys.path[:0] = [str(tests), str(tests / "properties"), str(tests / "oracles")]
     import test_spacecraft_basilisk as basilisk
     import test_spacecraft_dynamics as dynamics
 

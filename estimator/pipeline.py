@@ -16,7 +16,7 @@ from estimator.search.horizon import find_horizon
 from estimator.search.trial import Search, SearchResult
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
-from planner.frames.earth_orientation import earth_orientation_warning
+from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
 
 
@@ -148,8 +148,7 @@ def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tup
     left_out = [camera.name for camera in cameras if not camera.used]
     if left_out:
         said.append(f"cameras left out: {', '.join(left_out)}")
-    orientation = earth_orientation_warning(Instants(request.epoch, np.zeros(1)))
-    return (*said, orientation) if orientation else tuple(said)
+    return (*said, *earth_orientation_warnings(Instants(request.epoch, np.zeros(1))))
 
 
 def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:

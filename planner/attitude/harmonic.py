@@ -107,8 +107,7 @@ class HarmonicAttitude:
             (since_end_s > LEAD_MAX_S, f"is more than {LEAD_MAX_S / 3600.0:.0f} h after it"),
         ):
             if wrong.any():
-                at_s = float(instants.t_s[int(np.argmax(wrong))])
-                at_utc = shifted_utc(instants.epoch_utc, at_s)
+                at_utc = instants.utc(int(np.argmax(wrong)))
                 raise OutsideCoverage(
                     f"the attitude history ends at {utc_text(self._end_utc)}; "
                     f"{utc_text(at_utc)} {why}",
@@ -152,10 +151,8 @@ class HarmonicAttitude:
                 "during it, or send it against LVLH"
             )
         instants = Instants(segment.epoch_utc, segment.t_s[rows])
-        first_utc, last_utc = (
-            shifted_utc(segment.epoch_utc, float(t)) for t in instants.t_s[[0, -1]]
-        )
-        states = self.history_orbit.ephemeris(first_utc, last_utc).states(instants)
+        ephemeris = self.history_orbit.ephemeris(instants.utc(0), instants.utc(-1))
+        states = ephemeris.states(instants)
         q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
         return q_body_from_frame * q_frame_from_eci(segment.frame, instants, states) * q_lvlh.inv()
 

@@ -26,7 +26,7 @@ from planner.frames.time_scales import shifted_utc
 from planner.opportunities import Windows, opportunities_however_many
 from planner.opportunities.carrier import carrier_over
 from planner.platforms import AxisLimits
-from planner.scenario import Scenario, Session
+from planner.scenario import InitialState, Scenario, Session
 from planner.targets import BenchMotionTarget
 from planner.targets.axis_signals import ConstantRate
 
@@ -133,7 +133,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         orbit=request.orbit,
         attitude=request.attitude,
         platform=request.platform,
-        initial_state=request.resting_at(flight.start_utc),
+        initial_state=InitialState(epoch=flight.start_utc, angles_deg=request.rest_deg),
         sessions=(
             *(
                 Session(

@@ -15,7 +15,7 @@ from planner.opportunities import OpportunityConditions, OpportunityRequest, Opp
 from planner.opportunities.request import TARGETS_MAX
 from planner.orbits import Orbit
 from planner.platforms import AngleDeg, Platform
-from planner.scenario import InitialState, SlewOptions
+from planner.scenario import SlewOptions
 from planner.spec import Within, require_within, spec
 from planner.targets import WindowTarget
 
@@ -148,10 +148,6 @@ class CampaignRequest:
             conditions=self.conditions,
             samples=2,
         )
-
-    def resting_at(self, epoch_utc: datetime) -> InitialState:
-        """The platform at rest."""
-        return InitialState(epoch=epoch_utc, angles_deg=self.rest_deg)
 
     @property
     def rest_deg(self) -> Mapping[str, float]:

@@ -235,7 +235,7 @@ def _sample(
     samples = np.column_stack([np.round(t_s, 1), np.round(value_by_row, decimals) + 0.0])
     samples = samples if which is None else samples[which]
     return {
-        "epoch": utc_text(rows.at_utc(0), 1),
+        "epoch": utc_text(rows.instants.utc(0), 1),
         "interpolationAlgorithm": "LINEAR" if degree == 1 else "LAGRANGE",
         "interpolationDegree": degree,
         key: samples.ravel().tolist(),
@@ -256,7 +256,7 @@ def _row_at(rows: TableStates, moment_utc: datetime) -> int:
 
 
 def _span(rows: TableStates, first: int, last: int) -> str:
-    return _interval(rows.at_utc(first), rows.at_utc(last))
+    return _interval(rows.instants.utc(first), rows.instants.utc(last))
 
 
 def _interval(start_utc: datetime, stop_utc: datetime) -> str:

@@ -95,14 +95,11 @@ def notes(plan: FlightPlan, created_utc: datetime) -> tuple[str, ...]:
 def carrier_name(orbit: Orbit) -> CarrierName:
     """As its orbit message names it."""
     if isinstance(orbit, TleOrbit):
-        launch = orbit.line1[9:17].strip()
-        if not launch:
-            return CarrierName(name=f"NORAD {orbit.line1[2:7].strip()}", designator=UNKNOWN)
-        century = "19" if int(launch[:2]) >= 57 else "20"
-        return CarrierName(
-            name=f"NORAD {orbit.line1[2:7].strip()}",
-            designator=f"{century}{launch[:2]}-{launch[2:]}",
-        )
+        launch, designator = orbit.line1[9:17].strip(), UNKNOWN
+        if launch:
+            century = "19" if int(launch[:2]) >= 57 else "20"
+            designator = f"{century}{launch[:2]}-{launch[2:]}"
+        return CarrierName(name=f"NORAD {orbit.line1[2:7].strip()}", designator=designator)
     name = ""
     if isinstance(orbit, OemOrbit):
         name = orbit.message.segments[0].object_name

@@ -1,7 +1,6 @@
 """Where the carrier is and how the payload is turned, row by row of a plan."""
 
 from dataclasses import dataclass
-from datetime import datetime
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -11,7 +10,7 @@ from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.errors import OutsideCoverage
 from planner.export.exporter import FlightPlan
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
+from planner.frames.time_scales import Instants, elapsed_s
 from planner.orbits import OrbitStates
 from planner.platforms import TwoAxisPlatform
 
@@ -36,10 +35,6 @@ class TableStates:
     q_payload_from_eci_xyzw: Array
     omega_payload_rad_s: Array
 
-    def at_utc(self, row: int) -> datetime:
-        """When the row-th of the n rows is flown."""
-        return shifted_utc(self.instants.epoch_utc, float(self.instants.t_s[row]))
-
 
 def table_states(plan: FlightPlan) -> TableStates:
     """Raises OutsideCoverage when orbit or attitude is unknown while a target is tracked."""
@@ -56,8 +51,7 @@ def _states_from(plan: FlightPlan, first_row: int) -> TableStates:
     scenario, table = plan.scenario, plan.table
     t_s = table.t_s[first_row:]
     instants = Instants(table.epoch_utc, t_s)
-    start_utc, stop_utc = (shifted_utc(table.epoch_utc, float(t)) for t in t_s[[0, -1]])
-    states = scenario.orbit.ephemeris(start_utc, stop_utc).states(instants)
+    states = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1)).states(instants)
     q_body_from_eci = scenario.attitude.q_body_from_eci(instants, states)
     platform = scenario.platform
     angle_rad, rate_rad_s = table.angle_rad[first_row:], table.rate_rad_s[first_row:]

@@ -34,7 +34,7 @@ def c_itrf_from_eci(instants: Instants) -> Array:
 
     Leaves out diurnal and semi-diurnal tides in pole and UT1 (3 cm on the ground at most).
     Raises OutsideCoverage before 1973; past the end of the IERS data see
-    `earth_orientation_warning`.  Source: IERS Conventions 2010, 5.4-5.5 (CIO based).
+    `earth_orientation_warnings`.  Source: IERS Conventions 2010, 5.4-5.5 (CIO based).
     """
     return _celestial_to_terrestrial(instants)[0]
 
@@ -77,17 +77,17 @@ def iers_data_end_utc() -> datetime:
     return _MJD_EPOCH + timedelta(days=float(earth_orientation_table().utc_mjd[-1]))
 
 
-def earth_orientation_warning(instants: Instants) -> str | None:
-    """What to tell the user when instants lie past the end of the IERS data, else None."""
+def earth_orientation_warnings(instants: Instants) -> tuple[str, ...]:
+    """What to tell the user when instants lie past the end of the IERS data."""
     past_days = float(
         np.max(instants.utc_mjd(), initial=0.0) - earth_orientation_table().utc_mjd[-1]
     )
     if past_days <= 0.0:
-        return None
+        return ()
     return (
         f"Earth orientation data end on {iers_data_end_utc():%Y-%m-%d}, {past_days:.1f} days too "
         "early: the last values are held and the ground target may be off by about "
-        f"{0.5 * past_days:.1f} m east or west; install a newer astropy-iers-data"
+        f"{0.5 * past_days:.1f} m east or west; install a newer astropy-iers-data",
     )
 
 

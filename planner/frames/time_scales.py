@@ -1,4 +1,4 @@
-"""Time scales: UTC with its leap seconds, TAI, TT and UT1.
+"""Time scales: UTC with its leap seconds, TAI and TT.
 
 Inside a positive leap second a `datetime` can't say 23:59:60.x; here it is the second
 occurrence of 23:59:59.x, marked by `fold=1`.  Every function of this module reads and
@@ -15,7 +15,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.errors import OutsideCoverage
-from planner.frames.iers import earth_orientation_table, leap_seconds
+from planner.frames.iers import leap_seconds
 
 JulianDate = tuple[Array, Array]
 
@@ -61,11 +61,9 @@ class Instants:
         jd1, jd2 = self.tai_jd()
         return jd1, jd2 + TT_MINUS_TAI_S / DAY_S
 
-    def ut1_jd(self) -> JulianDate:
-        """UT1 as a two-part Julian date; past the end of the IERS data UT1 - TAI is held."""
-        jd1, jd2 = self.tai_jd()
-        ut1_minus_tai_s = earth_orientation_table().at(self.utc_mjd())[:, 0]
-        return jd1, jd2 + ut1_minus_tai_s / DAY_S
+    def utc(self, k: int) -> datetime:
+        """The k-th of them, rounded to 1 us."""
+        return shifted_utc(self.epoch_utc, float(self.t_s[k]))
 
     def utc_jd(self) -> JulianDate:
         """UTC as SOFA's quasi Julian date: a day with a leap second has 86401 s; resolves 1 us."""

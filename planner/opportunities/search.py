@@ -10,7 +10,7 @@ from planner import effort
 from planner.arrays import Indices
 from planner.effort import at_most
 from planner.errors import SearchEnded
-from planner.frames.earth_orientation import earth_orientation_warning
+from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
 from planner.opportunities.candidates import candidate_nodes
 from planner.opportunities.carrier import Carrier, carrier_over
@@ -77,7 +77,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         told_rows = work.window_rows + SAMPLE_ROWS * request.samples
         effort.spend(told_rows * len(spans.target))
         found.append(describe_windows(request, carrier, sight, numbers, spans))
-    orientation = earth_orientation_warning(Instants(request.start, np.array([carrier.span_s])))
+    ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(
         start_utc=request.start,
         stop_utc=request.stop,
@@ -85,8 +85,8 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         axis_names=request.platform.axis_names,
         warnings=(
             *ephemeris.warnings,
-            *request.attitude.warnings_at(Instants(request.start, np.array([0.0, carrier.span_s]))),
-            *((orientation,) if orientation else ()),
+            *request.attitude.warnings_at(ends),
+            *earth_orientation_warnings(ends),
         ),
         windows=in_order(found),
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, utc_text
 
 Kind = Literal["tle", "oem", "state"]
 EDGE_S = 1e-6  # the resolution of a datetime
@@ -47,7 +47,7 @@ class Ephemeris(ABC):
         span_s = elapsed_s(self.stop_utc, self.start_utc)
         outside = np.flatnonzero((t_s < -EDGE_S) | (t_s > span_s + EDGE_S))
         if len(outside):
-            at_utc = shifted_utc(instants.epoch_utc, float(instants.t_s[outside[0]]))
+            at_utc = instants.utc(outside[0])
             raise OutsideCoverage(
                 f"the orbit was asked for {utc_text(at_utc)}, but prepared only from "
                 f"{utc_text(self.start_utc)} to {utc_text(self.stop_utc)}",

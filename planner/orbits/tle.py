@@ -16,7 +16,6 @@ from planner.frames.time_scales import (
     Instants,
     elapsed_s,
     require_known,
-    shifted_utc,
     utc_text,
 )
 from planner.messages.omm import MEAN_MOTION_REV_DAY
@@ -104,7 +103,7 @@ class TleEphemeris(Ephemeris):
         )
         failed = np.flatnonzero(errors)
         if len(failed):
-            at_utc = shifted_utc(instants.epoch_utc, float(instants.t_s[failed[0]]))
+            at_utc = instants.utc(failed[0])
             raise OutsideCoverage(
                 f"SGP4 gives up at {utc_text(at_utc, 0)}: {SGP4_ERRORS[int(errors[failed[0]])]}; "
                 "take newer elements",

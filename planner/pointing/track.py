@@ -4,7 +4,6 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from planner.arrays import Array
 from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
-from planner.frames.time_scales import shifted_utc, utc_text
+from planner.frames.time_scales import utc_text
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.pointing.hermite import cubic_and_row_range, quintic_motion
@@ -219,15 +218,11 @@ def _preference(
     return round(effort_s, 6), float(abs(angle[1]))
 
 
-def _at(los: LineOfSight, row: int) -> datetime:
-    return shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[row]))
-
-
 def _unreachable(
     platform: TwoAxisPlatform, los: LineOfSight, reachable: NDArray[np.bool_], first: int
 ) -> Unreachable:
     lost = np.flatnonzero(~reachable)
-    start, stop = _at(los, first + int(lost[0])), _at(los, first + int(lost[-1]))
+    start, stop = (los.instants.utc(first + int(lost[end])) for end in (0, -1))
     share = len(lost) / len(reachable)
     return Unreachable(
         f"no pair of axis angles of {platform.name} points at the target for {_percent(share)} of "
@@ -242,7 +237,7 @@ def _percent(share: float) -> str:
 
 
 def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:
-    at_utc = _at(los, row)
+    at_utc = los.instants.utc(row)
     return Unreachable(
         f"at {utc_text(at_utc)} the line of sight lies in the plane of the axes of "
         f"{platform.name}, a singular direction: the {platform.outer_name} angle is not "
@@ -256,7 +251,7 @@ def _best_refusal(los: LineOfSight, breaks: list[_Break]) -> Refusal:
     """The way that got nearest: a rate or acceleration that breaks lies within the stops."""
     order = {"angle": 0, "jerk": 1, "acceleration": 2, "rate": 3}
     worst = max(breaks, key=lambda found: (order[found.limit], found.row))
-    at_utc = _at(los, worst.row)
+    at_utc = los.instants.utc(worst.row)
     value_deg, bound_deg = math.degrees(worst.value), math.degrees(worst.bound)
     value, bound = figures(value_deg, bound_deg), figures(bound_deg, value_deg)
     if worst.limit == "angle":

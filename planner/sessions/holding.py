@@ -195,8 +195,7 @@ def _require_visible(los: LineOfSight, rows: Rows, target: VisibleTarget, number
     if not hidden.size:
         return
     worst = hidden[np.argmin(los.clearance_rad[hidden])]
-    first_utc = shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[hidden[0]]))
-    worst_utc = shifted_utc(los.instants.epoch_utc, float(los.instants.t_s[worst]))
+    first_utc, worst_utc = los.instants.utc(hidden[0]), los.instants.utc(worst)
     why = target.hidden_because(float(los.clearance_rad[worst]))
     raise NotVisible(
         f"session {number}: from {utc_text(first_utc)} the target can't be seen; at "

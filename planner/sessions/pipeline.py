@@ -12,7 +12,7 @@ from planner.commands import ROWS_PER_S, CommandTable
 from planner.effort import at_most
 from planner.errors import SearchEnded, VerificationFailed
 from planner.export import Segment, SegmentKind
-from planner.frames.earth_orientation import earth_orientation_warning
+from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session, SlewOptions
@@ -68,7 +68,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
             *ephemeris.warnings,
             *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
             *_misses(budgets),
-            *_earth_warning(Instants(epoch_utc, table.t_s)),
+            *earth_orientation_warnings(Instants(epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
         ),
         stage_wall_s=clock.wall_s,
@@ -162,11 +162,6 @@ def _misses(budgets: Sequence[PointingBudget | None]) -> Iterator[str]:
         warning = budget and budget.warning(session)
         if warning:
             yield warning
-
-
-def _earth_warning(instants: Instants) -> tuple[str, ...]:
-    warning = earth_orientation_warning(instants)
-    return (warning,) if warning else ()
 
 
 def _rejection(report: VerificationReport) -> VerificationFailed:

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 
 from planner.arrays import Array
 
-SLOPE_MAX = 35.0 / 16.0  # of w, at x = 1/2
-CURVATURE_MAX = 84.0 * 5.0**0.5 / 25.0  # of w, at x = (5 -+ sqrt 5)/10
 _W = np.polynomial.Polynomial([0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0])
 _SLOPE = _W.deriv()
 _CURVATURE = _W.deriv(2)

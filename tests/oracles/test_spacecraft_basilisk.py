@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nominal_spacecraft import nominal
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.flight.simulation import nominal, plant
+from planner.spacecraft.flight.simulation import plant
 from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.spacecraft.vehicle.dynamics import _derivative, array_momentum, body_rate

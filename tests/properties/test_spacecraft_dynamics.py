@@ -4,11 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from nominal_spacecraft import nominal
 from scipy.integrate import solve_ivp
 from scipy.signal import lti, step
 from scipy.spatial.transform import Rotation
 
-from planner.spacecraft.flight.simulation import nominal, plant
+from planner.spacecraft.flight.simulation import plant
 from planner.spacecraft.vehicle.definition import AGILE_CMG
 from planner.spacecraft.vehicle.dynamics import (
     ETA,

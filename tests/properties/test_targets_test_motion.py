@@ -11,9 +11,11 @@ from planner.errors import InvalidInput, TrackBreaksLimit
 from planner.platforms import PLATFORMS
 from planner.targets import BenchMotionTarget
 from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
-from planner.targets.smooth_step import CURVATURE_MAX, SLOPE_MAX, ramp, step
+from planner.targets.smooth_step import ramp, step
 
 HRC = PLATFORMS["iss-hrc"]
+SLOPE_MAX = 35.0 / 16.0  # of 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7, at x = 1/2
+CURVATURE_MAX = 84.0 * 5.0**0.5 / 25.0  # of the same, at x = (5 -+ sqrt 5)/10
 START = datetime(2015, 2, 27, 17, 36, 20, tzinfo=UTC)
 STILL = ConstantRate(rate_deg_s=0.0)
 

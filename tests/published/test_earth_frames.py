@@ -10,7 +10,7 @@ from planner.frames.earth_orientation import (
     C_GCRF_FROM_EME2000,
     c_itrf_from_eci,
     c_itrf_from_teme,
-    earth_orientation_warning,
+    earth_orientation_warnings,
     iers_data_end_utc,
     itrf_from_eci_state,
 )
@@ -118,10 +118,9 @@ def test_lvlh_of_an_equatorial_orbit():
 
 def test_past_the_end_of_the_iers_data_the_plan_is_warned():
     end_utc = iers_data_end_utc()
-    assert earth_orientation_warning(Instants(end_utc, np.array([-1.0]))) is None
+    assert earth_orientation_warnings(Instants(end_utc, np.array([-1.0]))) == ()
     late = Instants(end_utc, np.array([10.0 * 86400.0]))
-    warning = earth_orientation_warning(late)
-    assert warning is not None
+    (warning,) = earth_orientation_warnings(late)
     assert "10.0 days" in warning
     # held, not extrapolated: still a rotation
     c = c_itrf_from_eci(late)[0]

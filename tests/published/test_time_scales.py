@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from planner.errors import OutsideCoverage
+from planner.frames.iers import earth_orientation_table
 from planner.frames.time_scales import (
     Instants,
     elapsed_s,
@@ -15,6 +16,11 @@ from planner.frames.time_scales import (
 )
 
 ONE = np.zeros(1)
+
+
+def ut1_jd(instants):
+    jd1, jd2 = instants.tai_jd()
+    return jd1, jd2 + earth_orientation_table().at(instants.utc_mjd())[:, 0] / 86400.0
 
 
 def second_of_day(julian_date):
@@ -32,9 +38,7 @@ def test_scales_of_the_sofa_cookbook():
         21 * 3600 + 25 * 60 + 42.684, abs=tolerance_s
     )
     # its UT1 - UTC is printed as 0.3341 s
-    assert second_of_day(instants.ut1_jd()) == pytest.approx(
-        21 * 3600 + 24 * 60 + 37.8341, abs=5e-5
-    )
+    assert second_of_day(ut1_jd(instants)) == pytest.approx(21 * 3600 + 24 * 60 + 37.8341, abs=5e-5)
 
 
 def test_leap_second_of_2016():
@@ -77,7 +81,7 @@ def test_the_day_with_a_leap_second_has_86401_s():
 
 def test_ut1_has_no_step_at_the_leap_second():
     instants = Instants(datetime(2016, 12, 31, 23, 59, 58, tzinfo=UTC), np.arange(5.0))
-    jd1, jd2 = instants.ut1_jd()
+    jd1, jd2 = ut1_jd(instants)
     # a day is 1-2 ms longer than 86400 s: 2e-8 s in each second
     np.testing.assert_allclose(np.diff(jd1 + 0.0 - jd1[0] + jd2) * 86400.0, 1.0, atol=1e-7)
 

@@ -51,25 +51,6 @@ class Dispersion:
     seed: int
 
 
-def nominal(spacecraft: AgileSpacecraft) -> Dispersion:
-    """The spacecraft as designed, without noise."""
-    m = len(spacecraft.modes)
-    return Dispersion(
-        frequency_factor=np.ones(m),
-        coupling_factor=np.ones(m),
-        damping_factor=np.ones(m),
-        inertia_factor=np.ones(3),
-        gimbal_scale=np.ones(4),
-        gimbal_offset_rad_s=np.zeros(4),
-        gimbal_jitter_rad_s=0.0,
-        ripple=Ripple(np.zeros(4), np.ones(4), np.zeros(4)),
-        gyro_bias_rad_s=np.zeros(3),
-        gyro_scale=np.zeros(3),
-        noise=False,
-        seed=0,
-    )
-
-
 def draw_dispersion(spacecraft: AgileSpacecraft, seed: int) -> Dispersion:
     """One draw: modes +-20 % in frequency, x0.5-1.5 in coupling, x0.5-2 in damping, inertia
     +-1 %, gimbal rates +-(1 % + 0.0069 deg/s), rotor drives 1 mN m at 0.3-3 Hz, gyro bias
