@@ -6,9 +6,8 @@ from datetime import datetime
 import numpy as np
 
 from planner.commands import ROWS_PER_S, CommandTable
-from planner.frames.time_scales import elapsed_s
+from planner.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.scenario import Scenario
-from planner.sessions.holding import remaining_span
 from planner.sessions.joining import Join
 
 
@@ -49,7 +48,11 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
     epoch_utc = scenario.initial_state.epoch
     sessions, losses = [], []
     for number, (session, join) in enumerate(zip(scenario.sessions, joins, strict=True)):
-        start, stop = remaining_span(session, epoch_utc, join.join_row, join.stop_row)
+        joined_utc, left_utc = (
+            shifted_utc(epoch_utc, row / ROWS_PER_S) for row in (join.join_row, join.stop_row)
+        )
+        start = max(session.start, joined_utc, key=tai_us)
+        stop = min(session.stop, left_utc, key=tai_us)
         sessions.append(replace(session, start=start, stop=stop))
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
         if late_s or early_s:

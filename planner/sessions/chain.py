@@ -12,8 +12,14 @@ from planner.frames.time_scales import elapsed_s
 from planner.scenario import Scenario
 from planner.sessions.earliest_join import track_states
 from planner.sessions.holding import GRID_TOLERANCE_S, Way
-from planner.sessions.joining import Join, first_row_in_reach, may_slew_between, slew_onto
-from planner.slew import AxisState, next_duration_s
+from planner.sessions.joining import (
+    Join,
+    first_row_in_reach,
+    least_slew_s,
+    may_slew_between,
+    slew_onto,
+)
+from planner.slew import AxisState
 
 SPLITS = 8  # how finely a loss is shared between two sessions
 CARE_SHARE = 0.4  # of the work that is left, for what isn't found at once; then for bettering it
@@ -212,16 +218,12 @@ class Chain:
             return None
         leave_row, join_row = rows
         here, there = self.state(stand.way, leave_row), self.state(way, join_row)
-        least_s = [
-            next_duration_s(*ends, 0.0)
-            for ends in zip(here, there, self.scenario.axis_limits, strict=True)
-        ]
         return ChainStep(
             way=way,
             leave_row=leave_row,
             join_row=join_row,
             lost_rows=stand.last_row - leave_row + join_row - way.rows.start,
-            slew_s=max(0.0 if least is None else least for least in least_s),
+            slew_s=least_slew_s(here, there, self.scenario.axis_limits),
         )
 
     def fits(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Indices
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.detour.detour import avoid_cones
 from planner.effort import EffortSpent
@@ -50,38 +51,88 @@ def track_states(track: AxisTrack, t_s: float) -> tuple[AxisState, ...]:
     return axis_states(angle[0], rate[0], acceleration[0])
 
 
-def earliest_join(
-    track: AxisTrack,
-    limits: tuple[AxisLimits, ...],
-    start: tuple[AxisState, ...],
-    start_s: float,
-    options: SlewOptions,
-    *,
-    after_s: float = -math.inf,
-    until_s: float = math.inf,
-    keep_out: KeepOutView | None = None,
-) -> EarliestJoin | None:
-    """The first command row at which the slew can join the track; None: on no row tried.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Approach:
+    """A slew onto a track from a state at start_s, all times on the track's clock.
 
-    start: state at start_s.  All times count on the track's clock, whose whole multiples of
-    0.2 s are command rows.  after_s, until_s: other joins are of no use.  keep_out: its time
-    counted from start_s.  Each row is tested itself: by closed forms, which see the gaps in the
-    durations that an axis can take, and where they leave it open by solving and flying the slew.
-    When solving fails row after row, rows are left out, more and more; with cones, all within
-    two seconds.  The first success is then taken forward by halving, so that after a failure
-    the join is one with a failure just before it, not surely the first.
+    Whole multiples of 0.2 s on it are command rows.
     """
 
-    def join_at(row: int) -> SlewSolution | None:
-        end = track_states(track, row / ROWS_PER_S)
-        if not _possible(start, end, limits, row / ROWS_PER_S - start_s):
+    track: AxisTrack
+    limits: tuple[AxisLimits, ...]
+    start: tuple[AxisState, ...]
+    start_s: float
+
+    def earliest_join(
+        self,
+        options: SlewOptions,
+        *,
+        after_s: float = -math.inf,
+        until_s: float = math.inf,
+        keep_out: KeepOutView | None = None,
+    ) -> EarliestJoin | None:
+        """The first command row at which the slew can join the track; None: on no row tried.
+
+        after_s, until_s: other joins are of no use.  keep_out: its time counted from start_s.
+        Each row is tested itself: by closed forms, which see the gaps in the durations that an
+        axis can take, and where they leave it open by solving and flying the slew.  When solving
+        fails row after row, rows are left out, more and more; with cones, all within two
+        seconds.  The first success is then taken forward by halving, so that after a failure the
+        join is one with a failure just before it, not surely the first.
+        """
+
+        def join_at(row: int) -> SlewSolution | None:
+            return self._slew_to(row, options, keep_out)
+
+        bad: int | None = None
+        failures = 0
+        for row in self.rows_within_reach(after_s, min(until_s, float(self.track.t_s[-1]))):
+            step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
+            if bad is not None and row < bad + step:
+                continue
+            solution = join_at(row)
+            if solution is not None:
+                return _earlier(join_at, row - 1 if bad is None else bad, row, solution)
+            bad, failures = row, failures + 1
+            if failures >= FAILURES_MOST:
+                break
+        return None
+
+    def rows_within_reach(self, after_s: float, until_s: float) -> Iterator[int]:
+        """Rows in order on which no closed form forbids the slew to end.
+
+        The cheapest of them is asked for all rows at once, the others for those that it leaves.
+        """
+        first_s = max(self.start_s + COMMAND_STEP_S, float(self.track.t_s[0]), after_s)
+        next_row = math.ceil(first_s * ROWS_PER_S - 1e-6)
+        all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
+        if not all_rows.size:
+            return
+        effort.spend(GLANCE + GLANCE_ROW * all_rows.size)
+        for row in all_rows[self._certify(all_rows)].tolist():
+            if row < next_row:
+                continue
+            end = track_states(self.track, row / ROWS_PER_S)
+            available_s = row / ROWS_PER_S - self.start_s
+            lacking_s = self._lacking_s(end, available_s)
+            if lacking_s <= 0.0 and self._is_possible(end, available_s):
+                yield row
+            skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
+            next_row = row + max(1, math.floor(skipped_s * ROWS_PER_S))
+
+    def _slew_to(
+        self, row: int, options: SlewOptions, keep_out: KeepOutView | None
+    ) -> SlewSolution | None:
+        end = track_states(self.track, row / ROWS_PER_S)
+        duration_s = row / ROWS_PER_S - self.start_s
+        if not self._is_possible(end, duration_s):
             return None
         problem = SlewProblem(
-            axis_names=track.axis_names,
-            limits=limits,
-            start=start,
+            axis_names=self.track.axis_names,
+            limits=self.limits,
+            start=self.start,
             end=end,
-            duration_s=row / ROWS_PER_S - start_s,
+            duration_s=duration_s,
             avoid_modes=options.avoid_modes,
             keep_out=keep_out,
         )
@@ -90,78 +141,29 @@ def earliest_join(
         except InfeasibleSlew:
             return None
 
-    last_s = min(until_s, float(track.t_s[-1]))
-    bad: int | None = None
-    failures = 0
-    for row in rows_within_reach(track, limits, start, start_s, after_s, last_s):
-        step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
-        if bad is not None and row < bad + step:
-            continue
-        solution = join_at(row)
-        if solution is not None:
-            return _earlier(join_at, row - 1 if bad is None else bad, row, solution)
-        bad, failures = row, failures + 1
-        if failures >= FAILURES_MOST:
-            break
-    return None
+    def _certify(self, rows: Indices) -> NDArray[np.bool_]:
+        """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
+        duration_s = rows / ROWS_PER_S - self.start_s
+        angle, rate, _ = self.track.motion(rows / ROWS_PER_S)
+        fits = [
+            fits_without_jerk(here, angle[:, axis], rate[:, axis], limit, duration_s)
+            for axis, (here, limit) in enumerate(zip(self.start, self.limits, strict=True))
+        ]
+        return np.asarray(np.all(fits, axis=0))
 
+    def _is_possible(self, end: tuple[AxisState, ...], duration_s: float) -> bool:
+        return all(
+            within(there, limit) and verdict(here, there, limit, duration_s).limit is None
+            for here, there, limit in zip(self.start, end, self.limits, strict=True)
+        )
 
-def rows_within_reach(
-    track: AxisTrack,
-    limits: tuple[AxisLimits, ...],
-    start: tuple[AxisState, ...],
-    start_s: float,
-    after_s: float,
-    until_s: float,
-) -> Iterator[int]:
-    """Rows in order on which no closed form forbids the slew to end.
-
-    The cheapest of them is asked for all rows at once, the others for those that it leaves.
-    """
-    first_s = max(start_s + COMMAND_STEP_S, float(track.t_s[0]), after_s)
-    next_row = math.ceil(first_s * ROWS_PER_S - 1e-6)
-    all_rows = np.arange(next_row, math.floor(until_s * ROWS_PER_S + 1e-6) + 1)
-    if not all_rows.size:
-        return
-    effort.spend(GLANCE + GLANCE_ROW * all_rows.size)
-    for row in all_rows[_certify(track, limits, start, start_s, all_rows)].tolist():
-        if row < next_row:
-            continue
-        end = track_states(track, row / ROWS_PER_S)
-        lacking_s = _lacking_s(start, end, limits, row / ROWS_PER_S - start_s)
-        if lacking_s <= 0.0 and _possible(start, end, limits, row / ROWS_PER_S - start_s):
-            yield row
-        skipped_s = lacking_s / CAUTION if NEAR_S < lacking_s < math.inf else 0.0
-        next_row = row + max(1, math.floor(skipped_s * ROWS_PER_S))
-
-
-def _certify(
-    track: AxisTrack,
-    limits: tuple[AxisLimits, ...],
-    start: tuple[AxisState, ...],
-    start_s: float,
-    rows: NDArray[np.intp],
-) -> NDArray[np.bool_]:
-    """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
-    duration_s = rows / ROWS_PER_S - start_s
-    angle, rate, _ = track.motion(rows / ROWS_PER_S)
-    fits = [
-        fits_without_jerk(here, angle[:, axis], rate[:, axis], limit, duration_s)
-        for axis, (here, limit) in enumerate(zip(start, limits, strict=True))
-    ]
-    return np.asarray(np.all(fits, axis=0))
-
-
-def _possible(
-    start: tuple[AxisState, ...],
-    end: tuple[AxisState, ...],
-    limits: tuple[AxisLimits, ...],
-    duration_s: float,
-) -> bool:
-    return all(
-        within(there, limit) and verdict(here, there, limit, duration_s).limit is None
-        for here, there, limit in zip(start, end, limits, strict=True)
-    )
+    def _lacking_s(self, end: tuple[AxisState, ...], available_s: float) -> float:
+        """How much longer than available_s the slowest axis needs; infinite: it can't at all."""
+        needed_s = 0.0
+        for here, there, limit in zip(self.start, end, self.limits, strict=True):
+            least_s = next_duration_s(here, there, limit, 0.0) if within(there, limit) else None
+            needed_s = max(needed_s, math.inf if least_s is None else least_s)
+        return needed_s - available_s * (1.0 + 1e-9)
 
 
 def _earlier(
@@ -179,17 +181,3 @@ def _earlier(
         else:
             good, solution = middle, found
     return EarliestJoin(t_s=good / ROWS_PER_S, solution=solution)
-
-
-def _lacking_s(
-    start: tuple[AxisState, ...],
-    end: tuple[AxisState, ...],
-    limits: tuple[AxisLimits, ...],
-    available_s: float,
-) -> float:
-    """How much longer than available_s the slowest axis needs; infinite: it can't at all."""
-    needed_s = 0.0
-    for here, there, limit in zip(start, end, limits, strict=True):
-        least_s = next_duration_s(here, there, limit, 0.0) if within(there, limit) else None
-        needed_s = max(needed_s, math.inf if least_s is None else least_s)
-    return needed_s - available_s * (1.0 + 1e-9)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from planner import effort
 from planner.commands import ROWS_PER_S
 from planner.errors import NotVisible, OutsideCoverage, Refusal
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.keyhole import tracks_near
 from planner.orbits import Ephemeris
 from planner.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
@@ -53,15 +53,6 @@ def session_rows(session: Session, epoch_utc: datetime) -> Rows:
     start_s = elapsed_s(session.start, epoch_utc) + GRID_TOLERANCE_S
     stop_s = elapsed_s(session.stop, epoch_utc) - GRID_TOLERANCE_S
     return Rows(start=math.floor(start_s * ROWS_PER_S), stop=math.ceil(stop_s * ROWS_PER_S))
-
-
-def remaining_span(
-    session: Session, epoch_utc: datetime, join_row: int, stop_row: int
-) -> tuple[datetime, datetime]:
-    """What is left of a session between the rows at which its track is joined and left."""
-    joined_utc = shifted_utc(epoch_utc, join_row / ROWS_PER_S)
-    left_utc = shifted_utc(epoch_utc, stop_row / ROWS_PER_S)
-    return max(session.start, joined_utc, key=tai_us), min(session.stop, left_utc, key=tai_us)
 
 
 def ways_to_hold(
@@ -169,16 +160,14 @@ def _line_of_sight(
 
 
 def sight(
-    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows
+    scenario: Scenario,
+    ephemeris: Ephemeris,
+    target: VisibleTarget,
+    rows: Rows,
+    count: int | None = None,
 ) -> LineOfSight:
-    """The target from row to row, finer where the rows are fewer than the derivatives need."""
-    return sampled_sight(scenario, ephemeris, target, rows, rows.stop - rows.start + 1)
-
-
-def sampled_sight(
-    scenario: Scenario, ephemeris: Ephemeris, target: VisibleTarget, rows: Rows, count: int
-) -> LineOfSight:
-    """The target at `count` instants, but at least as many as the derivatives need."""
+    """The target from row to row, or at `count` instants, at least as many as derivatives need."""
+    count = count or rows.stop - rows.start + 1
     t_s = np.linspace(rows.start, rows.stop, max(count, STENCIL)) / ROWS_PER_S
     return line_of_sight(
         Instants(scenario.initial_state.epoch, t_s),

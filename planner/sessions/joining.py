@@ -7,10 +7,11 @@ from planner.commands import ROWS_PER_S
 from planner.detour.detour import avoid_cones
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew
+from planner.platforms import AxisLimits
 from planner.pointing.keep_out import KeepOutView, keep_out_view
 from planner.pointing.track import AxisTrack
 from planner.scenario import Scenario
-from planner.sessions.earliest_join import earliest_join, rows_within_reach, track_states
+from planner.sessions.earliest_join import Approach, track_states
 from planner.sessions.holding import Way
 from planner.slew import (
     AxisState,
@@ -19,6 +20,7 @@ from planner.slew import (
     broken_limit,
     fit_to_rows,
     in_paper_time,
+    next_duration_s,
     optimal_slew,
     paper_slew,
     verdict,
@@ -71,11 +73,7 @@ def slew_onto(
     if early and _joins_early(scenario):
         # What is left must do for a slew to the session's first row.
         with at_most(effort.remaining() / 2.0) as search:
-            met = earliest_join(
-                way.track,
-                scenario.axis_limits,
-                state,
-                from_row / ROWS_PER_S,
+            met = _approach(scenario, way, from_row, state).earliest_join(
                 scenario.slew,
                 after_s=way.seen_from_s,
                 until_s=start_row / ROWS_PER_S,
@@ -130,15 +128,27 @@ def first_row_in_reach(
     """The first row, up to that one, on which closed forms leave open that a slew joins early."""
     if not _joins_early(scenario):
         return None
-    rows = rows_within_reach(
-        way.track,
-        scenario.axis_limits,
-        state,
-        from_row / ROWS_PER_S,
-        way.seen_from_s,
-        last_row / ROWS_PER_S,
+    approach = _approach(scenario, way, from_row, state)
+    return next(approach.rows_within_reach(way.seen_from_s, last_row / ROWS_PER_S), None)
+
+
+def _approach(
+    scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
+) -> Approach:
+    return Approach(
+        track=way.track,
+        limits=scenario.axis_limits,
+        start=state,
+        start_s=from_row / ROWS_PER_S,
     )
-    return next(rows, None)
+
+
+def least_slew_s(
+    start: tuple[AxisState, ...], end: tuple[AxisState, ...], limits: tuple[AxisLimits, ...]
+) -> float:
+    """The least time that the limits allow, stops aside; 0 where an axis can't at all."""
+    axes = zip(start, end, limits, strict=True)
+    return max(next_duration_s(*axis, 0.0) or 0.0 for axis in axes)
 
 
 def _joins_early(scenario: Scenario) -> bool:

@@ -17,12 +17,12 @@ from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session, SlewOptions
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
-from planner.sessions.holding import ephemeris_over, sampled_sight, session_rows
-from planner.sessions.joining import Join
+from planner.sessions.holding import ephemeris_over, session_rows, sight
+from planner.sessions.joining import Join, least_slew_s
 from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import PointingBudget, pointing_budget
-from planner.slew import SlewProblem, compare_with_spline, next_duration_s
+from planner.slew import compare_with_spline
 from planner.targets import BenchMotionTarget
 from planner.verification import VerificationReport, verify
 
@@ -107,14 +107,9 @@ def _slew_run(options: SlewOptions, number: int, join: Join) -> SlewRun:
         iterations=slew.iterations,
         wall_s=slew.wall_s,
         duration_s=slew.duration_s,
-        minimum_s=_minimum_s(slew.problem),
+        minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
         comparison=compare_with_spline(slew, options) if options.keeps_limits else None,
     )
-
-
-def _minimum_s(problem: SlewProblem) -> float:
-    ends = zip(problem.start, problem.end, problem.limits, strict=True)
-    return max(next_duration_s(*axis, 0.0) or 0.0 for axis in ends)
 
 
 def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
@@ -143,9 +138,8 @@ def _budget(
         return None
     rows = session_rows(session, scenario.initial_state.epoch)
     # A target followed only nearly is off by itself, for seconds: every row is looked at.
-    exactly = session.keyhole == "refuse"
-    count = BUDGET_INSTANTS if exactly else rows.stop - rows.start + 1
-    los = sampled_sight(scenario, ephemeris, session.target, rows, count)
+    count = BUDGET_INSTANTS if session.keyhole == "refuse" else None
+    los = sight(scenario, ephemeris, session.target, rows, count)
     angle_rad = [np.interp(los.instants.t_s, table.t_s, angle) for angle in table.angle_rad.T]
     return pointing_budget(
         los,

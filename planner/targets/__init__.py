@@ -12,7 +12,7 @@ from planner.targets.ground import GroundTarget
 from planner.targets.ground_moving import MovingGroundTarget
 from planner.targets.ground_path import GroundPathTarget
 from planner.targets.keep_out import KeepOut
-from planner.targets.session_target import SessionTarget, TimedTarget
+from planner.targets.session_target import SessionTarget
 from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
 
@@ -47,7 +47,6 @@ __all__ = [
     "SkyTarget",
     "StarTarget",
     "Target",
-    "TimedTarget",
     "VisibleTarget",
     "WindowTarget",
 ]

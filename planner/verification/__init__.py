@@ -5,11 +5,8 @@ from planner.verification.report import (
     EarthFixedView,
     Finding,
     LimitMargin,
-    OffTarget,
-    PointingError,
     SessionReport,
     SkyView,
-    SlowStretch,
     VerificationReport,
 )
 
@@ -17,11 +14,8 @@ __all__ = [
     "EarthFixedView",
     "Finding",
     "LimitMargin",
-    "OffTarget",
-    "PointingError",
     "SessionReport",
     "SkyView",
-    "SlowStretch",
     "VerificationReport",
     "verify",
 ]

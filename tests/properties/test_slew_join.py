@@ -9,7 +9,7 @@ from slew_cases import LIMITS, NAMES, deg_state
 
 from planner.pointing.track import AxisTrack
 from planner.scenario import SlewOptions
-from planner.sessions.earliest_join import earliest_join, track_states
+from planner.sessions.earliest_join import Approach, track_states
 from planner.slew.feasibility import verdict
 
 OPTIONS = SlewOptions()
@@ -47,8 +47,8 @@ def feasible(track, start, start_s, t_s):
 )
 @pytest.mark.parametrize("start_s", [0.0, 31.4])
 def test_no_earlier_row_can_be_joined(track, start, start_s):
-    limits = (LIMITS, LIMITS)
-    join = earliest_join(track, limits, start, start_s, OPTIONS)
+    approach = Approach(track=track, limits=(LIMITS, LIMITS), start=start, start_s=start_s)
+    join = approach.earliest_join(OPTIONS)
     row = round(join.t_s * 5)
     assert join.t_s == row / 5.0
     first = math.ceil(start_s * 5 + 1)
@@ -71,4 +71,5 @@ def test_track_out_of_reach_in_time_has_no_join():
         acceleration_rad_s2=track.acceleration_rad_s2[:51],
     )
     start = (deg_state(-120), deg_state(0))
-    assert earliest_join(short, (LIMITS, LIMITS), start, 0.0, OPTIONS) is None
+    approach = Approach(track=short, limits=(LIMITS, LIMITS), start=start, start_s=0.0)
+    assert approach.earliest_join(OPTIONS) is None
