@@ -44,10 +44,7 @@ class CampaignTarget:
 
     def __post_init__(self) -> None:
         OpportunityTarget(id=self.id, target=self.target)
-        require_within(
-            self,
-            ("min_session_s", 1.0, self.session_s),
-        )
+        require_within(self, ("min_session_s", 1.0, self.session_s))
 
     @property
     def lengths_s(self) -> tuple[float, ...]:

@@ -9,17 +9,9 @@ from planner.export.netcdf import write_netcdf
 from planner.export.stk import write_stk_attitude, write_stk_sensor
 
 EXPORTERS: dict[str, Exporter[FlightPlan]] = {
-    "csv": Exporter(
-        title="command table",
-        media_type="text/csv",
-        suffix=".csv",
-        write=write_csv,
-    ),
+    "csv": Exporter(title="command table", media_type="text/csv", suffix=".csv", write=write_csv),
     "json": Exporter(
-        title="command table",
-        media_type="application/json",
-        suffix=".json",
-        write=write_json,
+        title="command table", media_type="application/json", suffix=".json", write=write_json
     ),
     "netcdf": Exporter(
         title="command table, attitude, orbit and ground track (CF-1.12)",

@@ -191,11 +191,7 @@ class ExactFollowing:
     def _motion(self, angle_rad: Array, rows_s: Array, directions: Array) -> RowMotion:
         with np.errstate(divide="ignore", invalid="ignore"):
             rate, acceleration = axis_motion(
-                self._platform,
-                angle_rad,
-                directions,
-                self._rate(rows_s),
-                self._rate(rows_s, 1),
+                self._platform, angle_rad, directions, self._rate(rows_s), self._rate(rows_s, 1)
             )
         return RowMotion(
             first_row=self.first_row,

@@ -205,10 +205,7 @@ class NearestOcp:
         effort.count(iterations * ITERATION_ROW * (len(x_start) + sum(map(len, lbg))))
         x = np.asarray(found["x"]).ravel()[: x0.size].reshape(x0.shape) / scale
         return Motion(
-            rows=guess.rows,
-            angle_rad=x[:, :2],
-            rate_rad_s=x[:, 2:4],
-            acceleration_rad_s2=x[:, 4:],
+            rows=guess.rows, angle_rad=x[:, :2], rate_rad_s=x[:, 2:4], acceleration_rad_s2=x[:, 4:]
         )
 
 

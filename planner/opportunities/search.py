@@ -17,13 +17,7 @@ from planner.opportunities.carrier import Carrier, carrier_over
 from planner.opportunities.conditions import Condition, conditions_of
 from planner.opportunities.description import describe_windows
 from planner.opportunities.request import OpportunityRequest
-from planner.opportunities.sights import (
-    EarthSight,
-    FixedPlaces,
-    Sight,
-    resting_places,
-    sight_of,
-)
+from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
 from planner.opportunities.spans import Nodes, Spans, nodes_over, stretches
 from planner.opportunities.windows import Opportunities, in_order
 from planner.targets import EarthFixedTarget

@@ -15,13 +15,7 @@ from planner.frames.earth_orientation import (
     OMEGA_EARTH_RAD_S,
     eci_from_itrf_state,
 )
-from planner.frames.time_scales import (
-    Instants,
-    elapsed_s,
-    require_known,
-    shifted_utc,
-    utc_text,
-)
+from planner.frames.time_scales import Instants, elapsed_s, require_known, shifted_utc, utc_text
 from planner.orbits.accuracy import state_sigma
 from planner.orbits.atmosphere import HEIGHT_MIN_M
 from planner.orbits.collocation import (

@@ -11,13 +11,7 @@ from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
-from planner.frames.time_scales import (
-    DAY_S,
-    Instants,
-    elapsed_s,
-    require_known,
-    utc_text,
-)
+from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.messages.omm import MEAN_MOTION_REV_DAY
 from planner.orbits.accuracy import tle_sigma
 from planner.orbits.ephemeris import Ephemeris, OrbitStates
@@ -98,8 +92,7 @@ class TleEphemeris(Ephemeris):
         """Raises OutsideCoverage where SGP4 itself gives up."""
         since_days = self.since_epoch_s(instants) / DAY_S
         errors, r_teme_km, v_teme_km_s = self.satrec.sgp4_array(
-            np.full(len(instants), self.satrec.jdsatepoch),
-            self.satrec.jdsatepochF + since_days,
+            np.full(len(instants), self.satrec.jdsatepoch), self.satrec.jdsatepochF + since_days
         )
         failed = np.flatnonzero(errors)
         if len(failed):

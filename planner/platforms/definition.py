@@ -3,12 +3,7 @@
 import math
 from typing import Annotated
 
-from planner.platforms.two_axis import (
-    HRC_FRAME_HALF_RAD,
-    AxisLimits,
-    TwoAxisPlatform,
-    UnitVector,
-)
+from planner.platforms.two_axis import HRC_FRAME_HALF_RAD, AxisLimits, TwoAxisPlatform, UnitVector
 from planner.spec import UnitPart, Within, spec
 
 HRC_FIELD_OF_VIEW_DEG = (

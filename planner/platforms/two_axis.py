@@ -46,10 +46,7 @@ class AxisLimits:
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """(least, greatest) of angle, rate, acceleration and jerk."""
         symmetric = (self.rate_max_rad_s, self.acceleration_max_rad_s2, self.jerk_max_rad_s3)
-        return (
-            (self.angle_min_rad, self.angle_max_rad),
-            *((-bound, bound) for bound in symmetric),
-        )
+        return ((self.angle_min_rad, self.angle_max_rad), *((-bound, bound) for bound in symmetric))
 
 
 @spec

@@ -89,10 +89,7 @@ class ConeEntry:
 
 
 def deepest_entry(
-    view: KeepOutView,
-    motion: Callable[[Array], tuple[Array, Array]],
-    start_s: float,
-    stop_s: float,
+    view: KeepOutView, motion: Callable[[Array], tuple[Array, Array]], start_s: float, stop_s: float
 ) -> ConeEntry:
     """Looked for every 10 ms wherever a cone may be met.
 

@@ -136,10 +136,7 @@ def _approach(
     scenario: Scenario, way: Way, from_row: int, state: tuple[AxisState, ...]
 ) -> Approach:
     return Approach(
-        track=way.track,
-        limits=scenario.axis_limits,
-        start=state,
-        start_s=from_row / ROWS_PER_S,
+        track=way.track, limits=scenario.axis_limits, start=state, start_s=from_row / ROWS_PER_S
     )
 
 

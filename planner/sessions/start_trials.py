@@ -131,12 +131,7 @@ class Trials:
             return False
         try:
             slew_onto(
-                refused.scenario,
-                way,
-                refused.from_row,
-                refused.state,
-                thorough=False,
-                early=early,
+                refused.scenario, way, refused.from_row, refused.state, thorough=False, early=early
             )
         except Refusal:
             return False

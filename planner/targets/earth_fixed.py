@@ -12,12 +12,7 @@ from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.spec import Within
-from planner.targets.apparent import (
-    SPEED_OF_LIGHT_M_S,
-    ApparentDirection,
-    VisibleTarget,
-    aberrate,
-)
+from planner.targets.apparent import SPEED_OF_LIGHT_M_S, ApparentDirection, VisibleTarget, aberrate
 from planner.targets.refraction import LOWEST_ELEVATION_DEG, Refraction, raised_m
 
 ElevationDeg = Annotated[float, Within(0.0, 90.0)]

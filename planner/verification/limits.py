@@ -84,11 +84,7 @@ def axis_hermite(table: CommandTable, column: int) -> AxisHermite:
 
 
 def slow_stretches(
-    axis: str,
-    hermite: AxisHermite,
-    rate_min_rad_s: float,
-    rows: range,
-    epoch_utc: datetime,
+    axis: str, hermite: AxisHermite, rate_min_rad_s: float, rows: range, epoch_utc: datetime
 ) -> Iterator[SlowStretch]:
     """Where the rate stays below rate_min between the first and the last of `rows`, exactly."""
     starts_s = np.arange(len(hermite.angle_rad) - 1) / ROWS_PER_S
@@ -116,9 +112,7 @@ def slow_stretches(
 
 
 def _extremes(
-    hermite: AxisHermite,
-    limits: AxisLimits,
-    initial_acceleration_rad_s2: float,
+    hermite: AxisHermite, limits: AxisLimits, initial_acceleration_rad_s2: float
 ) -> Iterator[tuple[Limit, float, HermiteExtreme]]:
     least, greatest = hermite.angle_extremes()
     yield "angle_min", limits.angle_min_rad, least

@@ -147,11 +147,7 @@ def _ground_findings(
 
 
 def _sky_findings(
-    flight: TableSession,
-    sky: SkyDirection,
-    error_rad: Array,
-    allowed_rad: Array,
-    target: SkyTarget,
+    flight: TableSession, sky: SkyDirection, error_rad: Array, allowed_rad: Array, target: SkyTarget
 ) -> Iterator[Finding]:
     worst = int(np.argmax(error_rad - allowed_rad))
     if not error_rad[worst] <= allowed_rad[worst]:

@@ -182,8 +182,7 @@ def _scanning(arc: GroundArc, share: float, t_s: Array, session: ImagingSession)
         for after_s in (0.0, TICK_S)
     )
     return MovingEnds(
-        q_body_from_eci_xyzw=now.as_quat(),
-        rate_eci_rad_s=(later.inv() * now).as_rotvec() / TICK_S,
+        q_body_from_eci_xyzw=now.as_quat(), rate_eci_rad_s=(later.inv() * now).as_rotvec() / TICK_S
     )
 
 

@@ -125,10 +125,7 @@ def _ruckig(limits: AngleLimits) -> tuple[AngleCurve, float]:
         u = t_s - starts_s[k]
         j, a, v, p = jerks[k], accelerations[k], rates[k], angles[k]
         return AngleMotion(
-            p + u * (v + u * (a / 2.0 + u * j / 6.0)),
-            v + u * (a + u * j / 2.0),
-            a + u * j,
-            j,
+            p + u * (v + u * (a / 2.0 + u * j / 6.0)), v + u * (a + u * j / 2.0), a + u * j, j
         )
 
     return angle_at, float(found.duration)

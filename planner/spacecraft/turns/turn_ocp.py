@@ -239,10 +239,7 @@ def _turn(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float) -
     def mrp_at(t_s: Array) -> MrpMotion:
         u = np.clip(np.asarray(t_s) / span_s, 0.0, 1.0)
         return MrpMotion(
-            spline(u),
-            spline(u, 1) / span_s,
-            spline(u, 2) / span_s**2,
-            spline(u, 3) / span_s**3,
+            spline(u), spline(u, 1) / span_s, spline(u, 2) / span_s**2, spline(u, 3) / span_s**3
         )
 
     return Turn(

@@ -7,14 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
-from planner.spacecraft.mrp import (
-    BodyMotion,
-    MrpCurve,
-    MrpMotion,
-    MrpState,
-    body_motion,
-    mrp_state,
-)
+from planner.spacecraft.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
 from planner.spacecraft.vehicle.definition import SlewLimits
 
 Method = Literal["ocp", "eigenaxis"]

@@ -43,8 +43,7 @@ class MovingEnds:
 
     def __getitem__(self, k: NDArray[np.int64] | slice) -> "MovingEnds":
         return MovingEnds(
-            q_body_from_eci_xyzw=self.q_body_from_eci_xyzw[k],
-            rate_eci_rad_s=self.rate_eci_rad_s[k],
+            q_body_from_eci_xyzw=self.q_body_from_eci_xyzw[k], rate_eci_rad_s=self.rate_eci_rad_s[k]
         )
 
 
