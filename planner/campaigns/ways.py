@@ -70,7 +70,7 @@ def ways_to_follow(
     found = [
         run
         for rows, sight, which in _batches(looks, targets, carrier, last - first + 1)
-        for run in _runs(rows, first, last, sight, which, carrier, platform, step_s, grid_s)
+        for run in _runs(rows, first, last, sight, which, platform, step_s, grid_s)
     ]
     return _gather(found, looks, least, step_s)
 
@@ -101,7 +101,6 @@ def _runs(
     last: Indices,
     sight: Sight,
     which: Indices,
-    carrier: Carrier,
     platform: TwoAxisPlatform,
     step_s: float,
     grid_s: float,
@@ -114,7 +113,9 @@ def _runs(
     step = np.arange(len(look)) - np.repeat(begins, counts) + np.repeat(first[rows], counts)
     t_s = grid_s + step * step_s
     before, los, after = (
-        carrier.in_platform(sight.sighting(np.repeat(which, counts), at_s).direction_itrf, at_s)
+        sight.carrier.in_platform(
+            sight.sighting(np.repeat(which, counts), at_s).direction_itrf, at_s
+        )
         for at_s in (t_s - DELTA_S, t_s, t_s + DELTA_S)
     )
     los_rate_s = (after - before) / (2.0 * DELTA_S)

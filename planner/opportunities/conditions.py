@@ -43,9 +43,10 @@ class Condition:
 
 
 def conditions_of(
-    asked: OpportunityConditions, platform: TwoAxisPlatform, carrier: Carrier, sight: Sight
+    asked: OpportunityConditions, platform: TwoAxisPlatform, sight: Sight
 ) -> Iterator[Condition]:
     """What narrows the time a target is in sight; the cheap and the selective first."""
+    carrier = sight.carrier
     orbit_step_s = float(carrier.node_s[1])
     on_earth = isinstance(sight, EarthSight)
     if on_earth and not (asked.sun_elevation_min_deg is asked.sun_elevation_max_deg is None):
@@ -55,15 +56,15 @@ def conditions_of(
         return Condition(cause, margin, orbit_step_s, TURN_MAX_RAD)
 
     if on_earth and asked.max_off_nadir_deg is not None:
-        yield turning("off_nadir", _off_nadir(asked.max_off_nadir_deg, carrier, sight))
+        yield turning("off_nadir", _off_nadir(asked.max_off_nadir_deg, sight))
     bodies: tuple[tuple[Cause, float | None, UniformTable], ...] = (
         ("sun_keep_out", asked.sun_keep_out_deg, carrier.r_sun_itrf_m),
         ("moon_keep_out", asked.moon_keep_out_deg, carrier.r_moon_itrf_m),
     )
     for cause, keep_out_deg, r_body_itrf_m in bodies:
         if keep_out_deg is not None:
-            yield turning(cause, _keep_out(keep_out_deg, r_body_itrf_m, carrier, sight))
-    yield turning("reach", _reach(platform, carrier, sight))
+            yield turning(cause, _keep_out(keep_out_deg, r_body_itrf_m, sight))
+    yield turning("reach", _reach(platform, sight))
 
 
 def reach_margin_rad(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
@@ -124,29 +125,27 @@ def _sunlight(asked: OpportunityConditions, sight: Sight) -> Margin:
     return margin
 
 
-def _off_nadir(limit_deg: float, carrier: Carrier, sight: Sight) -> Margin:
+def _off_nadir(limit_deg: float, sight: Sight) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
         direction_itrf = sight.sighting(which, t_s).direction_itrf
-        return math.radians(limit_deg) - off_nadir_rad(direction_itrf, carrier, t_s)
+        return math.radians(limit_deg) - off_nadir_rad(direction_itrf, sight.carrier, t_s)
 
     return margin
 
 
-def _keep_out(
-    keep_out_deg: float, r_body_itrf_m: UniformTable, carrier: Carrier, sight: Sight
-) -> Margin:
+def _keep_out(keep_out_deg: float, r_body_itrf_m: UniformTable, sight: Sight) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
-        body = _body_direction(r_body_itrf_m, carrier, t_s)
+        body = _body_direction(r_body_itrf_m, sight.carrier, t_s)
         away_rad = angle_rad(sight.sighting(which, t_s).direction_itrf, body)
-        above_limb_rad = limb_clearance_rad(body, carrier.r_sat_itrf_m.at(t_s), 0.0)
+        above_limb_rad = limb_clearance_rad(body, sight.carrier.r_sat_itrf_m.at(t_s), 0.0)
         return np.maximum(away_rad - math.radians(keep_out_deg), -HIDDEN_RAD - above_limb_rad)
 
     return margin
 
 
-def _reach(platform: TwoAxisPlatform, carrier: Carrier, sight: Sight) -> Margin:
+def _reach(platform: TwoAxisPlatform, sight: Sight) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
-        los_platform = carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
+        los_platform = sight.carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
         angle_rad = axis_angles(platform, los_platform).angle_rad
         return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
 

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array, Indices
-from planner.opportunities.carrier import Carrier
 from planner.opportunities.conditions import (
     off_nadir_rad,
     reach_margin_rad,
@@ -26,7 +25,7 @@ _STEP_S = 600.0  # windows shorter than three of these hold one approach
 
 
 def describe_windows(
-    request: OpportunityRequest, carrier: Carrier, sight: Sight, numbers: Indices, spans: Spans
+    request: OpportunityRequest, sight: Sight, numbers: Indices, spans: Spans
 ) -> Windows:
     """The windows of one sight; numbers: its targets' rows in the request."""
     highest_s = _greatest(sight.clearance_rad, sight, spans)
@@ -39,7 +38,7 @@ def describe_windows(
         axis=1,
     )
     which = np.repeat(spans.target, request.samples + 1)
-    sightings, branch, branches = _sightings(request, carrier, sight, which, t_s)
+    sightings, branch, branches = _sightings(request, sight, which, t_s)
     return Windows(
         target=numbers[spans.target],
         rise_s=spans.start_s,
@@ -69,10 +68,10 @@ def _greatest(function: Margin, sight: Sight, spans: Spans) -> Array:
 
 
 def _sightings(
-    request: OpportunityRequest, carrier: Carrier, sight: Sight, which: Indices, at_s: Array
+    request: OpportunityRequest, sight: Sight, which: Indices, at_s: Array
 ) -> tuple[Sightings, Indices, NDArray[np.bool_]]:
     """Of at_s (m, k), which (m k,); the branch reported, (m,), and the usable ones, (m, 2)."""
-    t_s, shape = at_s.ravel(), at_s.shape
+    t_s, shape, carrier = at_s.ravel(), at_s.shape, sight.carrier
     seen = sight.sighting(which, t_s)
     direction_itrf, range_m = seen.direction_itrf, seen.range_m
     across_m = range_m * math.radians(request.pixel_arcsec / 3600.0)
@@ -91,7 +90,7 @@ def _sightings(
         "sun_separation_rad": separation_rad(direction_itrf, carrier.r_sun_itrf_m, carrier, t_s),
         "moon_separation_rad": separation_rad(direction_itrf, carrier.r_moon_itrf_m, carrier, t_s),
         "angle_rad": angle_rad,
-        "rate_rad_s": _rates(request.platform, carrier, sight, which, t_s, angle_rad, los_platform),
+        "rate_rad_s": _rates(request.platform, sight, which, t_s, angle_rad, los_platform),
     }
     shaped = {name: values.reshape(*shape, *values.shape[1:]) for name, values in columns.items()}
     return Sightings(**shaped), branch, branches
@@ -112,7 +111,6 @@ def _pointing(
 
 def _rates(
     platform: TwoAxisPlatform,
-    carrier: Carrier,
     sight: Sight,
     which: Indices,
     t_s: Array,
@@ -121,7 +119,7 @@ def _rates(
 ) -> Array:
     """Axis rates, (n, 2), at angles (n, 2)."""
     before, after = (
-        carrier.in_platform(sight.sighting(which, t).direction_itrf, t)
+        sight.carrier.in_platform(sight.sighting(which, t).direction_itrf, t)
         for t in (t_s - _DELTA_S, t_s + _DELTA_S)
     )
     los_rate_s = (after - before) / (2.0 * _DELTA_S)

@@ -67,10 +67,10 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     )
     found = []
     for numbers, sight, nodes, work in _batches(request, carrier):
-        spans = _windows(request, carrier, sight, nodes, work)
+        spans = _windows(request, sight, nodes, work)
         told_rows = work.window_rows + SAMPLE_ROWS * request.samples
         effort.spend(told_rows * len(spans.target))
-        found.append(describe_windows(request, carrier, sight, numbers, spans))
+        found.append(describe_windows(request, sight, numbers, spans))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(
         start_utc=request.start,
@@ -113,9 +113,7 @@ def _least_rad(target: object, asked_rad: float) -> float:
     return max(math.radians(own_deg), asked_rad)
 
 
-def _windows(
-    request: OpportunityRequest, carrier: Carrier, sight: Sight, nodes: Nodes, work: Work
-) -> Spans:
+def _windows(request: OpportunityRequest, sight: Sight, nodes: Nodes, work: Work) -> Spans:
     """When all conditions hold, condition after condition."""
     effort.spend(work.look_rows * len(nodes.t_s))
     inside = stretches(sight.clearance_rad, nodes)
@@ -126,7 +124,7 @@ def _windows(
         opened_by=np.where(inside.from_first, "interval", "elevation"),
         closed_by=np.where(inside.to_last, "interval", "elevation"),
     )
-    for condition in conditions_of(request.conditions, request.platform, carrier, sight):
+    for condition in conditions_of(request.conditions, request.platform, sight):
         spans = _narrow(spans, sight, condition, work)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)
     return spans.select(spans.stop_s - spans.start_s >= least_s)

@@ -34,6 +34,11 @@ class Sighting:
 class Sight(Protocol):
     """Targets that are looked at alike; `which` (n,) numbers them, t_s (n,) is the carrier's."""
 
+    @property
+    def carrier(self) -> Carrier:
+        """From which they are looked at."""
+        ...
+
     def clearance_rad(self, which: Indices, t_s: Array) -> Array:
         """How far inside the region where it can be seen, (n,); `VisibleTarget`'s."""
         ...

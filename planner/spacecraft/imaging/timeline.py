@@ -7,14 +7,12 @@ turn onto the next one's profile, which is then followed until the camera starts
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S
-from planner.frames.time_scales import shifted_utc
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.imaging.ground_arc import GroundArc
 from planner.spacecraft.imaging.session import ImagingSession
@@ -54,7 +52,6 @@ class PlannedTurn:
 
     first_row: int
     last_row: int
-    start_utc: datetime
     window: int | None
     comparison: TurnComparison
 
@@ -229,7 +226,6 @@ class _Builder:
                 PlannedTurn(
                     first_row=self.row,
                     last_row=self.row + rows,
-                    start_utc=shifted_utc(self.session.epoch_utc, start_s),
                     window=slot.window,
                     comparison=compare(self.problem(goal, self.row, self.row + rows), turn),
                 )
