@@ -43,23 +43,25 @@ class Condition:
 
 
 def conditions_of(
-    asked: OpportunityConditions, platform: TwoAxisPlatform, sight: Sight
+    conditions: OpportunityConditions, platform: TwoAxisPlatform, sight: Sight
 ) -> Iterator[Condition]:
     """What narrows the time a target is in sight; the cheap and the selective first."""
     carrier = sight.carrier
     orbit_step_s = float(carrier.node_s[1])
     on_earth = isinstance(sight, EarthSight)
-    if on_earth and not (asked.sun_elevation_min_deg is asked.sun_elevation_max_deg is None):
-        yield Condition("sun_elevation", _sunlight(asked, sight), SUN_STEP_S, math.inf)
+    if on_earth and not (
+        conditions.sun_elevation_min_deg is conditions.sun_elevation_max_deg is None
+    ):
+        yield Condition("sun_elevation", _sunlight(conditions, sight), SUN_STEP_S, math.inf)
 
     def turning(cause: Cause, margin: Margin) -> Condition:
         return Condition(cause, margin, orbit_step_s, TURN_MAX_RAD)
 
-    if on_earth and asked.max_off_nadir_deg is not None:
-        yield turning("off_nadir", _off_nadir(asked.max_off_nadir_deg, sight))
+    if on_earth and conditions.max_off_nadir_deg is not None:
+        yield turning("off_nadir", _off_nadir(conditions.max_off_nadir_deg, sight))
     bodies: tuple[tuple[Cause, float | None, UniformTable], ...] = (
-        ("sun_keep_out", asked.sun_keep_out_deg, carrier.r_sun_itrf_m),
-        ("moon_keep_out", asked.moon_keep_out_deg, carrier.r_moon_itrf_m),
+        ("sun_keep_out", conditions.sun_keep_out_deg, carrier.r_sun_itrf_m),
+        ("moon_keep_out", conditions.moon_keep_out_deg, carrier.r_moon_itrf_m),
     )
     for cause, keep_out_deg, r_body_itrf_m in bodies:
         if keep_out_deg is not None:
@@ -113,8 +115,8 @@ def _body_direction(r_body_itrf_m: UniformTable, carrier: Carrier, t_s: Array) -
     return aberrate(direction, carrier.v_sat_itrf_m_s.at(t_s))
 
 
-def _sunlight(asked: OpportunityConditions, sight: Sight) -> Margin:
-    low_deg, high_deg = asked.sun_elevation_min_deg, asked.sun_elevation_max_deg
+def _sunlight(conditions: OpportunityConditions, sight: Sight) -> Margin:
+    low_deg, high_deg = conditions.sun_elevation_min_deg, conditions.sun_elevation_max_deg
     low_rad = -math.inf if low_deg is None else math.radians(low_deg)
     high_rad = math.inf if high_deg is None else math.radians(high_deg)
 

@@ -68,8 +68,8 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     found = []
     for numbers, sight, nodes, work in _batches(request, carrier):
         spans = _windows(request, sight, nodes, work)
-        told_rows = work.window_rows + SAMPLE_ROWS * request.samples
-        effort.spend(told_rows * len(spans.target))
+        window_rows = work.window_rows + SAMPLE_ROWS * request.samples
+        effort.spend(window_rows * len(spans.target))
         found.append(describe_windows(request, sight, numbers, spans))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(

@@ -117,12 +117,12 @@ def in_order(parts: Sequence[Windows]) -> Windows:
 
 def _concatenate(parts: Sequence[T], order: NDArray[np.intp]) -> T:
     """The arrays of like dataclasses, however deep, end to end and then put in order."""
-    joined: dict[str, object] = {}
+    columns: dict[str, object] = {}
     for field in fields(parts[0]):  # type: ignore[arg-type]  # T is a dataclass
         values = [getattr(part, field.name) for part in parts]
-        joined[field.name] = (
+        columns[field.name] = (
             np.concatenate(values)[order]
             if isinstance(values[0], np.ndarray)
             else _concatenate(values, order)
         )
-    return type(parts[0])(**joined)
+    return type(parts[0])(**columns)

@@ -212,8 +212,8 @@ class Chain:
         return self._steps[known]
 
     def _new_step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
-        asked = (stand.last_row, way.rows.start)
-        rows = asked if self.fits_as_asked(stand, way) else resolve(self, stand, way)
+        whole = (stand.last_row, way.rows.start)
+        rows = whole if self.fits_as_asked(stand, way) else resolve(self, stand, way)
         if rows is None:
             return None
         leave_row, join_row = rows

@@ -202,11 +202,11 @@ def _latest_stop(trials: Trials, span: _Span) -> int:
     return wanted.stop
 
 
-def _way_out(found: Session, asked: Session) -> str:
+def _way_out(found: Session, wanted: Session) -> str:
     start, stop = utc_text(found.start, 1), utc_text(found.stop, 1)
-    if found.start == asked.start:
+    if found.start == wanted.start:
         return f"from the start asked for it can be flown until {stop}"
-    kept = found.stop == asked.stop
+    kept = found.stop == wanted.stop
     how = "keeping the stop" if kept else f"with the stop moved to {stop}"
     return f"earliest feasible start {start}, {how}"
 
@@ -228,14 +228,14 @@ def _not_found(
         ("keeping the stop", max(wanted.start, first_row), wanted.stop - 1, later_reach_rows),
         ("moving it", max(span.known.start, first_row), last_row, moved_reach_rows),
     )
-    said = [
+    searches = [
         f"{_span_searched(refused, low, high, reach_rows)} {how}"
         for how, low, high, reach_rows in ways
         if low <= high
     ]
-    if not said:
+    if not searches:
         return "no other start can be tried: the orbit is not known beyond the session"
-    return f"no start that can be flown was found {' and '.join(said)}"
+    return f"no start that can be flown was found {' and '.join(searches)}"
 
 
 def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int | None) -> str:

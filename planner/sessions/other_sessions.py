@@ -74,5 +74,5 @@ def _is_planned(scenario: Scenario) -> bool:
     if not scenario.slew.keeps_limits:
         return True
     effort.spend(JUDGED_ROW * rows[-1].stop)
-    flown, _ = sessions_after_conflicts(scenario, joins)
-    return verify(assemble_table(epoch_utc, scenario.platform.axis_names, joins), flown).passed
+    final, _ = sessions_after_conflicts(scenario, joins)
+    return verify(assemble_table(epoch_utc, scenario.platform.axis_names, joins), final).passed

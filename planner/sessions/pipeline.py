@@ -47,16 +47,16 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
         joins = _joins(scenario, ephemeris)
     with clock.stage("comparison"):
         slews = tuple(_slew_run(scenario.slew, number, join) for number, join in enumerate(joins))
-    flown, losses = sessions_after_conflicts(scenario, joins)
+    final, losses = sessions_after_conflicts(scenario, joins)
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with clock.stage("pointing budget"):
-        budgets = tuple(_budget(flown, ephemeris, table, session) for session in flown.sessions)
+        budgets = tuple(_budget(final, ephemeris, table, session) for session in final.sessions)
     with clock.stage("verification"):
-        report = verify(table, flown)
+        report = verify(table, final)
     if scenario.slew.keeps_limits and not report.passed:
         raise _rejection(report)
     return Plan(
-        scenario=flown,
+        scenario=final,
         segments=_segments(epoch_utc, joins),
         table=table,
         verification=report,
