@@ -159,7 +159,8 @@ class Scenario:
 
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
-        for what in ("angles_deg", "rates_deg_s", "accelerations_deg_s2"):
+        fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
+        for what in fields:
             given = getattr(self.initial_state, what)
             at_rest = what != "angles_deg" and not given
             if not at_rest and set(given) != set(names):
@@ -168,14 +169,8 @@ class Scenario:
                     f"{self.platform.name}, not {', '.join(given) or 'none'}"
                 )
         for axis, limits in zip(names, self.platform.axis_limits, strict=True):
-            rate_max, acceleration_max = limits.rate_max_rad_s, limits.acceleration_max_rad_s2
-            ranges_rad = (
-                ("angles_deg", limits.angle_min_rad, limits.angle_max_rad),
-                ("rates_deg_s", -rate_max, rate_max),
-                ("accelerations_deg_s2", -acceleration_max, acceleration_max),
-            )
             motion_rad = self.initial_motion(axis)
-            for value, (what, low, high) in zip(motion_rad, ranges_rad, strict=True):
+            for what, value, (low, high) in zip(fields, motion_rad, limits.bounds, strict=False):
                 if not low <= value <= high:
                     raise ValueError(
                         f"initial_state.{what}.{axis} is "

@@ -1,7 +1,7 @@
 """Axis motions that identify the platform on the bench, with no target in sight."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Literal
@@ -12,7 +12,7 @@ from pydantic import Field
 from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InvalidInput, TrackBreaksLimit, figures
-from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.platforms import AxisLimits
 from planner.spec import spec
 from planner.targets.axis_signals import Chirp, ConstantRate, Multisine, Sine, Step, Triangle
@@ -93,79 +93,62 @@ class BenchMotionTarget(TimedTarget):
             )
         zero_utc = self.start or start_utc
         t_s = np.arange(count, dtype=np.float64) * (COMMAND_STEP_S / row)
-        t_s += elapsed_s(start_utc, zero_utc)
-        motion = self.axis_motion(axis_names, t_s)
+        instants = Instants(zero_utc, t_s + elapsed_s(start_utc, zero_utc))
+        motion = self.axis_motion(axis_names, instants.t_s)
+        parts = (motion.angle_rad, motion.rate_rad_s, motion.acceleration_rad_s2)
         for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
-            samples = _AxisSamples(
-                axis=name,
-                start_utc=zero_utc,
-                t_s=t_s,
-                angle_rad=motion.angle_rad[:, axis],
-                rate_rad_s=motion.rate_rad_s[:, axis],
-                acceleration_rad_s2=motion.acceleration_rad_s2[:, axis],
-            )
-            samples.require_within(limits)
-            samples.require_on_grid(row)
+            axis_states = [part[:, axis] for part in parts]
+            _require_within(name, limits, instants, axis_states)
+            _require_on_grid(name, row, instants, axis_states)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _AxisSamples:
-    """One axis's motion at uniformly spaced instants, each array of shape (n,)."""
-
-    axis: str
-    start_utc: datetime
-    t_s: Array
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
-
-    def require_within(self, limits: AxisLimits) -> None:
-        jerk_rad_s3 = np.diff(self.acceleration_rad_s2) / (self.t_s[1] - self.t_s[0])
-        ranges = (
-            ("angle", self.angle_rad, limits.angle_min_rad, limits.angle_max_rad),
-            ("rate", self.rate_rad_s, -limits.rate_max_rad_s, limits.rate_max_rad_s),
-            (
-                "acceleration",
-                self.acceleration_rad_s2,
-                -limits.acceleration_max_rad_s2,
-                limits.acceleration_max_rad_s2,
-            ),
-            ("jerk", jerk_rad_s3, -limits.jerk_max_rad_s3, limits.jerk_max_rad_s3),
-        )
-        for limit, values, low, high in ranges:
-            excess = np.maximum(values - high, low - values)
-            worst = int(np.argmax(excess))
-            if excess[worst] > 0.0:
-                at_utc = shifted_utc(self.start_utc, float(self.t_s[worst]))
-                raise TrackBreaksLimit(
-                    f"{self.axis}'s test motion reaches "
-                    f"{figures(*np.rad2deg([values[worst], low, high]).tolist())} "
-                    f"{_UNITS[limit]} at {utc_text(at_utc)}, beyond its {limit} limits of "
-                    f"{math.degrees(low):.4g}..{math.degrees(high):.4g}; lower its amplitude "
-                    "or frequency, or give its steps and turns more time",
-                    field=f"axes.{self.axis}",
-                    axis=self.axis,
-                    limit=limit,
-                    at_utc=at_utc,
-                )
-
-    def require_on_grid(self, row: int) -> None:
-        """The cubic Hermite of rows 0.2 s apart, wherever they fall, must follow the motion."""
-        if len(self.t_s) <= row:
-            return
-        middle_rad = (self.angle_rad[:-row] + self.angle_rad[row:]) / 2.0 + (
-            self.rate_rad_s[:-row] - self.rate_rad_s[row:]
-        ) * (COMMAND_STEP_S / 8.0)
-        off_rad = np.abs(middle_rad - self.angle_rad[row // 2 : row // 2 - row])
-        worst = int(np.argmax(off_rad))
-        if off_rad[worst] > ON_GRID_RAD:
+def _require_within(
+    axis: str, limits: AxisLimits, instants: Instants, axis_states: Sequence[Array]
+) -> None:
+    """axis_states: angle, rate and acceleration of one axis (rad, s) at even instants, (n,)."""
+    jerk_rad_s3 = np.diff(axis_states[2]) / (instants.t_s[1] - instants.t_s[0])
+    parts = (*axis_states, jerk_rad_s3)
+    for (limit, unit), values, (low, high) in zip(
+        _UNITS.items(), parts, limits.bounds, strict=True
+    ):
+        excess = np.maximum(values - high, low - values)
+        worst = int(np.argmax(excess))
+        if excess[worst] > 0.0:
+            at_utc = instants.utc(worst)
             raise TrackBreaksLimit(
-                f"{self.axis}'s test motion leaves the 0.2 s table by "
-                f"{figures(off_rad[worst] / ON_GRID_RAD / 10.0, 0.1, digits=2)} arcsec between "
-                "rows (0.1 at most); lower its amplitude (proportional) or frequency (fourth "
-                "power)",
-                field=f"axes.{self.axis}",
-                axis=self.axis,
-                limit="table step",
-                at_utc=shifted_utc(self.start_utc, float(self.t_s[worst])),
+                f"{axis}'s test motion reaches "
+                f"{figures(*np.rad2deg([values[worst], low, high]).tolist())} "
+                f"{unit} at {utc_text(at_utc)}, beyond its {limit} limits of "
+                f"{math.degrees(low):.4g}..{math.degrees(high):.4g}; lower its amplitude "
+                "or frequency, or give its steps and turns more time",
+                field=f"axes.{axis}",
+                axis=axis,
+                limit=limit,
+                at_utc=at_utc,
             )
+
+
+def _require_on_grid(axis: str, row: int, instants: Instants, axis_states: Sequence[Array]) -> None:
+    """The cubic Hermite of rows 0.2 s apart, wherever they fall, must follow the motion.
+
+    row: how many of the instants lie in a row.  axis_states: as of `_require_within`.
+    """
+    if len(instants) <= row:
+        return
+    angle_rad, rate_rad_s, _ = axis_states
+    middle_rad = (angle_rad[:-row] + angle_rad[row:]) / 2.0 + (
+        rate_rad_s[:-row] - rate_rad_s[row:]
+    ) * (COMMAND_STEP_S / 8.0)
+    off_rad = np.abs(middle_rad - angle_rad[row // 2 : row // 2 - row])
+    worst = int(np.argmax(off_rad))
+    if off_rad[worst] > ON_GRID_RAD:
+        raise TrackBreaksLimit(
+            f"{axis}'s test motion leaves the 0.2 s table by "
+            f"{figures(off_rad[worst] / ON_GRID_RAD / 10.0, 0.1, digits=2)} arcsec between "
+            "rows (0.1 at most); lower its amplitude (proportional) or frequency (fourth "
+            "power)",
+            field=f"axes.{axis}",
+            axis=axis,
+            limit="table step",
+            at_utc=instants.utc(worst),
+        )
