@@ -62,13 +62,8 @@ class Crossing:
 
     def nearest_in_frame(self, found: CrossingMotion) -> CrossingMotion:
         """Near a crossing that leaves the frame, the best one that doesn't, or the least beyond."""
-        motion, at = found.motion, self._knots - self.window.first
-        guess = Motion(
-            rows=self._knots,
-            angle_rad=motion.angle_rad[at],
-            rate_rad_s=motion.rate_rad_s[at],
-            acceleration_rad_s2=motion.acceleration_rad_s2[at],
-        )
+        at = self._knots - self.window.first
+        guess = Motion(rows=self._knots, axis_states=found.motion.axis_states[:, at])
         bounded = self._solve(guess, in_frame=True)
         return bounded if bounded.beyond_rad < found.beyond_rad else found
 
@@ -82,7 +77,7 @@ class Crossing:
             FRAME_SHARE * self.frame_rad,
             fixed=self.window.fixed,
         )
-        motion = RowMotion(self.window.first, *found.at_rows())
+        motion = RowMotion(self.window.first, found.at_rows())
         t_s, error_rad = self._following.error_rad(motion)
         beyond_rad = max(float(error_rad.max()) - self.frame_rad, 0.0)
         return CrossingMotion(
@@ -127,14 +122,9 @@ class Crossing:
         angle = np.where((knots < start)[:, None], before.at(knots), angle)
         angle = np.where((knots > stop)[:, None], after.at(knots), angle)
         rate = np.gradient(angle, knots / ROWS_PER_S, axis=0)
-        acceleration = np.zeros_like(rate)
+        axis_states = np.stack([angle, rate, np.zeros_like(rate)])
         for motion, end, is_fixed in zip((before, after), (0, -1), window.fixed, strict=True):
             if is_fixed:
                 row = int(knots[end]) - motion.first_row
-                rate[end], acceleration[end] = (
-                    motion.rate_rad_s[row],
-                    motion.acceleration_rad_s2[row],
-                )
-        return Motion(
-            rows=knots, angle_rad=angle, rate_rad_s=rate, acceleration_rad_s2=acceleration
-        )
+                axis_states[1:, end] = motion.axis_states[1:, row]
+        return Motion(rows=knots, axis_states=axis_states)

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -30,20 +30,21 @@ POINTS_PER_ROW = 4  # where an error is measured, as the judge does
 
 @dataclass(frozen=True, eq=False)
 class RowMotion:
-    """Both axes on n consecutive rows: angle_rad, rate_rad_s, acceleration_rad_s2, (n, 2) each."""
+    """Both axes on n consecutive rows.
+
+    axis_states: angle, rate, acceleration (rad, s), (3, n, 2).
+    """
 
     first_row: int
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
+    axis_states: Array
 
     @property
     def last_row(self) -> int:
-        return self.first_row + len(self.angle_rad) - 1
+        return self.first_row + len(self.axis_states[0]) - 1
 
     def at(self, row: int | NDArray[np.intp]) -> Array:
         """The angles on that row, (2,), or on those rows, (n, 2)."""
-        return np.asarray(self.angle_rad[row - self.first_row])
+        return np.asarray(self.axis_states[0, row - self.first_row])
 
     def within(self, limits: tuple[AxisLimits, ...]) -> Mask:
         """Cells (n - 1,) in which angle, rate, acceleration and jerk keep the limits, as met."""
@@ -55,9 +56,7 @@ class RowMotion:
 
     def _beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
         """(4, n - 1, 2): by order of derivative, cell and axis; also where not a number."""
-        ranges = cubic_and_row_range(
-            COMMAND_STEP_S, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2
-        )
+        ranges = cubic_and_row_range(COMMAND_STEP_S, *self.axis_states)
         beyond = []
         for order, (least, greatest) in enumerate(ranges):
             low, high = np.array([axis.bounds[order] for axis in limits]).T
@@ -68,16 +67,12 @@ class RowMotion:
     def part(self, first_row: int, last_row: int) -> "RowMotion":
         """Of these rows, both included."""
         rows = slice(first_row - self.first_row, last_row - self.first_row + 1)
-        return RowMotion(
-            first_row=first_row,
-            angle_rad=self.angle_rad[rows],
-            rate_rad_s=self.rate_rad_s[rows],
-            acceleration_rad_s2=self.acceleration_rad_s2[rows],
-        )
+        return RowMotion(first_row, self.axis_states[:, rows])
 
     def turn(self, turns: tuple[int, ...]) -> "RowMotion":
         """By whole turns of each axis."""
-        return replace(self, angle_rad=self.angle_rad + TURN_RAD * np.array(turns))
+        angle_rad, *rates = self.axis_states
+        return RowMotion(self.first_row, np.stack([angle_rad + TURN_RAD * np.array(turns), *rates]))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,9 +123,8 @@ class ExactFollowing:
 
     def error_rad(self, motion: RowMotion) -> tuple[Array, Array]:
         """Times and the angle between the flown boresight and the target, (n,) each."""
-        cells = len(motion.angle_rad) - 1
         u = np.arange(POINTS_PER_ROW)[:, None, None] / POINTS_PER_ROW
-        q, v = motion.angle_rad, motion.rate_rad_s * COMMAND_STEP_S
+        q, v = motion.axis_states[0], motion.axis_states[1] * COMMAND_STEP_S
         angle = (
             q[:-1] * (1.0 - u * u * (3.0 - 2.0 * u))
             + q[1:] * (u * u * (3.0 - 2.0 * u))
@@ -138,8 +132,7 @@ class ExactFollowing:
             - v[1:] * (u * u * (1.0 - u))
         )
         angle = np.vstack([angle.transpose(1, 0, 2).reshape(-1, 2), q[-1:]])
-        count = POINTS_PER_ROW * cells + 1
-        t_s = (motion.first_row + np.arange(count) / POINTS_PER_ROW) / ROWS_PER_S
+        t_s = (motion.first_row + np.arange(len(angle)) / POINTS_PER_ROW) / ROWS_PER_S
         boresight, towards = boresight_platform(self._platform, angle), self.directions(t_s)
         across = np.linalg.norm(np.cross(boresight, towards), axis=1)
         return t_s, np.arctan2(across, np.sum(boresight * towards, axis=1))
@@ -193,12 +186,8 @@ class ExactFollowing:
             rate, acceleration = axis_motion(
                 self._platform, angle_rad, directions, self._rate(rows_s), self._rate(rows_s, 1)
             )
-        return RowMotion(
-            first_row=self.first_row,
-            angle_rad=np.unwrap(angle_rad, axis=0),
-            rate_rad_s=rate,
-            acceleration_rad_s2=acceleration,
-        )
+        axis_states = np.stack([np.unwrap(angle_rad, axis=0), rate, acceleration])
+        return RowMotion(self.first_row, axis_states)
 
 
 def _nearest_reachable(platform: TwoAxisPlatform, directions: Array) -> Array:
@@ -222,6 +211,6 @@ def _whole_turns(
     motion: RowMotion, first_row: int, last_row: int, limits: tuple[AxisLimits, ...]
 ) -> list[RowMotion]:
     """The motion with each number of turns that fits the stops over these rows."""
-    angle_rad = motion.part(first_row, last_row).angle_rad
+    angle_rad = motion.part(first_row, last_row).axis_states[0]
     choices = turns_within_stops(angle_rad, limits, LIMIT_TOLERANCE)
     return [motion.turn(turns) for turns in itertools.product(*choices)]

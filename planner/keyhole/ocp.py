@@ -43,16 +43,14 @@ OPTIONS: dict[str, str | float | int] = {
 class Motion:
     """Both axes at knots on rows, jerk constant in between.
 
-    rows: (k + 1,).  angle_rad, rate_rad_s, acceleration_rad_s2: (k + 1, 2).
+    rows: (k + 1,).  axis_states: angle, rate, acceleration (rad, s), (3, k + 1, 2).
     """
 
     rows: NDArray[np.intp]
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
+    axis_states: Array
 
-    def at_rows(self) -> tuple[Array, Array, Array]:
-        """Angle, rate and acceleration on every row from the first knot to the last, (n, 2) each.
+    def at_rows(self) -> Array:
+        """Angle, rate and acceleration on every row from the first knot to the last, (3, n, 2).
 
         Of the cubic Hermite through the knots, which what the solver leaves unsatisfied can't
         tear apart.
@@ -61,14 +59,16 @@ class Motion:
         span = np.clip(np.searchsorted(self.rows, rows, side="right") - 1, 0, len(self.rows) - 2)
         h = (np.diff(self.rows)[span] / ROWS_PER_S)[:, None]
         u = (rows - self.rows[span])[:, None] / ROWS_PER_S / h
-        q, v = self.angle_rad[span], self.rate_rad_s[span] * h
-        moved = self.angle_rad[span + 1] - q
-        v_next = self.rate_rad_s[span + 1] * h
+        angle, rate, _ = self.axis_states
+        q, v = angle[span], rate[span] * h
+        moved, v_next = angle[span + 1] - q, rate[span + 1] * h
         c2, c3 = 3.0 * moved - 2.0 * v - v_next, v + v_next - 2.0 * moved
-        return (
-            q + u * (v + u * (c2 + u * c3)),
-            (v + u * (2.0 * c2 + 3.0 * u * c3)) / h,
-            (2.0 * c2 + 6.0 * u * c3) / h**2,
+        return np.stack(
+            [
+                q + u * (v + u * (c2 + u * c3)),
+                (v + u * (2.0 * c2 + 3.0 * u * c3)) / h,
+                (2.0 * c2 + 6.0 * u * c3) / h**2,
+            ]
         )
 
 
@@ -159,7 +159,7 @@ class NearestOcp:
         """
         h = np.diff(guess.rows) / ROWS_PER_S / TIME_UNIT_S
         scale = np.repeat([1.0, TIME_UNIT_S, TIME_UNIT_S**2], 2)
-        x0 = np.hstack([guess.angle_rad, guess.rate_rad_s, guess.acceleration_rad_s2]) * scale
+        x0 = np.hstack([*guess.axis_states]) * scale
         units = TIME_UNIT_S ** np.arange(4.0)[:, None]
         low, high = (
             INSIDE * units * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
@@ -204,9 +204,7 @@ class NearestOcp:
         iterations = int(self._solver.stats()["iter_count"])
         effort.count(iterations * ITERATION_ROW * (len(x_start) + sum(map(len, lbg))))
         x = np.asarray(found["x"]).ravel()[: x0.size].reshape(x0.shape) / scale
-        return Motion(
-            rows=guess.rows, angle_rad=x[:, :2], rate_rad_s=x[:, 2:4], acceleration_rad_s2=x[:, 4:]
-        )
+        return Motion(rows=guess.rows, axis_states=x.reshape(-1, 3, 2).swapaxes(0, 1))
 
 
 def _coasting_s(limits: AxisLimits) -> float:

@@ -62,11 +62,8 @@ class _Chain:
             first = 0 if number == 0 else 1
             last = None if number == len(self.parts) else -1
             rows = slice(None) if number % 2 else slice(first, last)
-            pieces.append(
-                (part.angle_rad[rows], part.rate_rad_s[rows], part.acceleration_rad_s2[rows])
-            )
-        columns = (np.concatenate(column) for column in zip(*pieces, strict=True))
-        return RowMotion(self.parts[0].first_row, *columns)
+            pieces.append(part.axis_states[:, rows])
+        return RowMotion(self.parts[0].first_row, np.concatenate(pieces, axis=1))
 
 
 def tracks_near(
@@ -115,12 +112,13 @@ def nearest_track(
         )
     motion = best.join_parts()
     _require_in_frame(following, platform, los, motion, exact)
+    angle_rad, rate_rad_s, acceleration_rad_s2 = motion.axis_states
     return AxisTrack(
         axis_names=platform.axis_names,
         t_s=np.arange(motion.first_row, motion.last_row + 1) / ROWS_PER_S,
-        angle_rad=motion.angle_rad,
-        rate_rad_s=motion.rate_rad_s,
-        acceleration_rad_s2=motion.acceleration_rad_s2,
+        angle_rad=angle_rad,
+        rate_rad_s=rate_rad_s,
+        acceleration_rad_s2=acceleration_rad_s2,
     )
 
 

@@ -41,13 +41,7 @@ class Spans:
 
     def select(self, rows: NDArray[np.bool_] | Indices) -> "Spans":
         """Those at `rows`."""
-        return Spans(
-            self.target[rows],
-            self.start_s[rows],
-            self.stop_s[rows],
-            self.opened_by[rows],
-            self.closed_by[rows],
-        )
+        return Spans(*(column[rows] for column in vars(self).values()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -29,8 +28,7 @@ _SAMPLES_MAX = 2_000_000
 _UNITS = {"angle": "deg", "rate": "deg/s", "acceleration": "deg/s2", "jerk": "deg/s3"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class AxisMotion:
+class AxisMotion(NamedTuple):
     """Angle, rate and acceleration of m axes at n instants, each of shape (n, m)."""
 
     angle_rad: Array
@@ -63,10 +61,7 @@ class BenchMotionTarget(TimedTarget):
                 field="axes",
             )
         motion_rad = np.deg2rad([self.axes[name].motion_deg(t_s) for name in axis_names])
-        angle_rad, rate_rad_s, acceleration_rad_s2 = motion_rad.transpose(1, 2, 0)
-        return AxisMotion(
-            angle_rad=angle_rad, rate_rad_s=rate_rad_s, acceleration_rad_s2=acceleration_rad_s2
-        )
+        return AxisMotion(*motion_rad.transpose(1, 2, 0))
 
     def require_flyable(
         self,
@@ -95,9 +90,8 @@ class BenchMotionTarget(TimedTarget):
         t_s = np.arange(count, dtype=np.float64) * (COMMAND_STEP_S / row)
         instants = Instants(zero_utc, t_s + elapsed_s(start_utc, zero_utc))
         motion = self.axis_motion(axis_names, instants.t_s)
-        parts = (motion.angle_rad, motion.rate_rad_s, motion.acceleration_rad_s2)
         for axis, (name, limits) in enumerate(zip(axis_names, axis_limits, strict=True)):
-            axis_states = [part[:, axis] for part in parts]
+            axis_states = [part[:, axis] for part in motion]
             _require_within(name, limits, instants, axis_states)
             _require_on_grid(name, row, instants, axis_states)
 
