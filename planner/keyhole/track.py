@@ -112,13 +112,10 @@ def nearest_track(
         )
     motion = best.join_parts()
     _require_in_frame(following, platform, los, motion, exact)
-    angle_rad, rate_rad_s, acceleration_rad_s2 = motion.axis_states
     return AxisTrack(
         axis_names=platform.axis_names,
         t_s=np.arange(motion.first_row, motion.last_row + 1) / ROWS_PER_S,
-        angle_rad=angle_rad,
-        rate_rad_s=rate_rad_s,
-        acceleration_rad_s2=acceleration_rad_s2,
+        axis_states=motion.axis_states,
     )
 
 

@@ -28,20 +28,16 @@ class AxisTrack:
 
     t_s: (n,), rows on the clock of the line of sight: the session, and the time around it
     over which the target can be followed within the limits too.
-    angle_rad, rate_rad_s, acceleration_rad_s2: (n, 2).
+    axis_states: angle, rate and acceleration (rad, s), (3, n, 2).
     """
 
     axis_names: tuple[str, str]
     t_s: Array
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
+    axis_states: Array
 
     def motion(self, t_s: Array) -> tuple[Array, Array, Array]:
         """Angle, rate, acceleration, each (k, 2), at t_s (k,) within the rows."""
-        return quintic_motion(
-            t_s, self.t_s, self.angle_rad, self.rate_rad_s, self.acceleration_rad_s2
-        )
+        return quintic_motion(t_s, self.t_s, *self.axis_states)
 
 
 class _Break(NamedTuple):
@@ -106,7 +102,8 @@ def track_candidates(
         )
         session = slice(first - here.start, last - here.start)
         for angle_rad in _whole_turns(unwrapped, session, platform.axis_limits):
-            breaks_at = _breaks(platform, t_s[here], angle_rad, rate, acceleration)
+            axis_states = np.stack([angle_rad, rate, acceleration])
+            breaks_at = _breaks(platform, t_s[here], axis_states)
             session_break = _first_break(platform, breaks_at, session)
             if session_break is not None:
                 breaks.append(session_break._replace(row=here.start + session_break.row))
@@ -118,9 +115,7 @@ def track_candidates(
                 AxisTrack(
                     axis_names=platform.axis_names,
                     t_s=t_s[here][rows],
-                    angle_rad=angle_rad[rows],
-                    rate_rad_s=rate[rows],
-                    acceleration_rad_s2=acceleration[rows],
+                    axis_states=axis_states[:, rows],
                 )
             )
     if not ways:
@@ -178,14 +173,8 @@ def turns_within_stops(
     return choices
 
 
-def _breaks(
-    platform: TwoAxisPlatform,
-    t_s: Array,
-    angle_rad: Array,
-    rate_rad_s: Array,
-    acceleration_rad_s2: Array,
-) -> list[_LimitBreaks]:
-    ranges = cubic_and_row_range(float(t_s[1] - t_s[0]), angle_rad, rate_rad_s, acceleration_rad_s2)
+def _breaks(platform: TwoAxisPlatform, t_s: Array, axis_states: Array) -> list[_LimitBreaks]:
+    ranges = cubic_and_row_range(float(t_s[1] - t_s[0]), *axis_states)
     limits = np.array([axis.bounds for axis in platform.axis_limits])
     found = []
     for order, limit in enumerate(("angle", "rate", "acceleration", "jerk")):

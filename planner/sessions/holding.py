@@ -116,13 +116,7 @@ def _prescribed_track(
     except Refusal as refusal:
         refusal.field = f"sessions.{number}.target.{refusal.field}"
         raise
-    return AxisTrack(
-        axis_names=names,
-        t_s=t_s,
-        angle_rad=motion.angle_rad,
-        rate_rad_s=motion.rate_rad_s,
-        acceleration_rad_s2=motion.acceleration_rad_s2,
-    )
+    return AxisTrack(axis_names=names, t_s=t_s, axis_states=np.stack(motion))
 
 
 def ephemeris_over(scenario: Scenario, sessions: list[Rows]) -> Ephemeris:

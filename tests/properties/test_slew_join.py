@@ -23,9 +23,13 @@ def swinging_track(start_deg, swing_deg, angular_rate_rad_s):
     return AxisTrack(
         axis_names=NAMES,
         t_s=t_s,
-        angle_rad=np.radians(start_deg) + swing * np.sin(phase),
-        rate_rad_s=swing * angular_rate_rad_s * np.cos(phase),
-        acceleration_rad_s2=-swing * angular_rate_rad_s**2 * np.sin(phase),
+        axis_states=np.stack(
+            [
+                np.radians(start_deg) + swing * np.sin(phase),
+                swing * angular_rate_rad_s * np.cos(phase),
+                -swing * angular_rate_rad_s**2 * np.sin(phase),
+            ]
+        ),
     )
 
 
@@ -63,13 +67,7 @@ def test_no_earlier_row_can_be_joined(track, start, start_s):
 
 def test_track_out_of_reach_in_time_has_no_join():
     track = swinging_track([120, 0], [0, 0], 0.01)
-    short = dataclasses.replace(
-        track,
-        t_s=track.t_s[:51],
-        angle_rad=track.angle_rad[:51],
-        rate_rad_s=track.rate_rad_s[:51],
-        acceleration_rad_s2=track.acceleration_rad_s2[:51],
-    )
+    short = dataclasses.replace(track, t_s=track.t_s[:51], axis_states=track.axis_states[:, :51])
     start = (deg_state(-120), deg_state(0))
     approach = Approach(track=short, limits=(LIMITS, LIMITS), start=start, start_s=0.0)
     assert approach.earliest_join(OPTIONS) is None

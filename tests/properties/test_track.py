@@ -77,13 +77,15 @@ def test_nearer_branch_comes_first():
     platform = roomy(200.0)
     ways = track_candidates(platform, los, 0.0, 40.0, REST)
     for branch_rad in axis_angles(platform, los.los_platform[:1]).angle_rad[:, 0]:
-        whole_turns = np.array([way.angle_rad[0] - branch_rad for way in ways]) / (2.0 * math.pi)
+        whole_turns = np.array([way.axis_states[0][0] - branch_rad for way in ways]) / (
+            2.0 * math.pi
+        )
         assert np.isclose(whole_turns, np.round(whole_turns)).all(axis=1).any()
-    distances = [np.abs(way.angle_rad[0]).max() for way in ways]
+    distances = [np.abs(way.axis_states[0][0]).max() for way in ways]
     assert distances == sorted(distances)
     for way in ways:
-        nearest = track_candidates(platform, los, 0.0, 40.0, way.angle_rad[0])[0]
-        np.testing.assert_array_equal(nearest.angle_rad, way.angle_rad)
+        nearest = track_candidates(platform, los, 0.0, 40.0, way.axis_states[0][0])[0]
+        np.testing.assert_array_equal(nearest.axis_states[0], way.axis_states[0])
 
 
 def test_angles_run_on_beyond_half_a_turn_when_the_stops_allow():
@@ -93,8 +95,8 @@ def test_angles_run_on_beyond_half_a_turn_when_the_stops_allow():
     los = great_circle(t_s, outer, [0.2, -0.4, 0.9], math.radians(2.4))
     ways = track_candidates(roomy(400.0), los, 0.0, 180.0, REST)
     for way in ways:
-        assert np.abs(np.diff(way.angle_rad, axis=0)).max() < math.radians(0.5)
-        span = np.degrees(way.angle_rad[-1, 0] - way.angle_rad[0, 0])
+        assert np.abs(np.diff(way.axis_states[0], axis=0)).max() < math.radians(0.5)
+        span = np.degrees(way.axis_states[0, -1, 0] - way.axis_states[0, 0, 0])
         assert span == pytest.approx(432.0, abs=1e-6)
     with pytest.raises(Unreachable) as refused:
         track_candidates(ISS_HRC, los, 0.0, 180.0, REST)
@@ -106,10 +108,10 @@ def test_angles_run_on_beyond_half_a_turn_when_the_stops_allow():
 def test_whole_turns_that_fit_are_all_candidates():
     los = great_circle(rows(0, 20), [0.0, -1.0, 0.0], [-0.2, 0.3, 1.0], 0.005)
     ways = track_candidates(roomy(300.0), los, 0.0, 20.0, REST)
-    starts = {tuple(np.round(np.degrees(way.angle_rad[0]), 6)) for way in ways}
+    starts = {tuple(np.round(np.degrees(way.axis_states[0][0]), 6)) for way in ways}
     assert len(starts) == len(ways) > 2
     for way in ways:
-        pointed = scipy_boresight(way.angle_rad)
+        pointed = scipy_boresight(way.axis_states[0])
         np.testing.assert_allclose(pointed, los.los_platform, rtol=0, atol=1e-12)
 
 
@@ -137,8 +139,8 @@ def test_track_goes_on_around_the_session_only_while_it_can():
     assert way.t_s[0] <= 0.0
     assert way.t_s[-1] >= 20.0
     limits = ISS_HRC.outer_limits
-    assert np.abs(way.angle_rad).max() <= limits.angle_max_rad
-    assert np.abs(way.rate_rad_s).max() <= limits.rate_max_rad_s * (1.0 + 1e-9)
+    assert np.abs(way.axis_states[0]).max() <= limits.angle_max_rad
+    assert np.abs(way.axis_states[1]).max() <= limits.rate_max_rad_s * (1.0 + 1e-9)
 
 
 def test_singular_direction_itself_is_refused():
@@ -152,7 +154,7 @@ def test_a_jerk_beyond_the_limit_is_refused_with_its_axis_and_time():
     t_s = rows(0.0, 60.0)
     los = great_circle(t_s, [1.0, 0.3, 0.0], [0.0, 0.3, 1.0], 0.01)
     [found, *_] = track_candidates(ISS_HRC, los, 10.0, 50.0, REST)
-    jerk = np.abs(np.diff(found.acceleration_rad_s2, axis=0)) / 0.2
+    jerk = np.abs(np.diff(found.axis_states[2], axis=0)) / 0.2
     worst = jerk.max(axis=0)
     axis = int(np.argmax(worst))
     # of the flown cubic's jerk, a mean over the cell as the difference is
@@ -171,7 +173,7 @@ def test_a_stop_passed_by_little_is_told_with_enough_digits():
     los = great_circle(rows(0.0, 30.0), [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.01)
     [found, *_] = track_candidates(roomy(350.0), los, 0.0, 30.0, REST)
     passed = dataclasses.replace(
-        ISS_HRC.inner_limits, angle_max_rad=found.angle_rad[:, 1].max() - math.radians(1e-5)
+        ISS_HRC.inner_limits, angle_max_rad=found.axis_states[0][:, 1].max() - math.radians(1e-5)
     )
     stopped = dataclasses.replace(ISS_HRC, inner_limits=passed)
     with pytest.raises(Unreachable) as refused:
