@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from app.answers.job import JobProblem, JobResponse, job_out, page
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.states import JobState
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from app.answers.problem import Problem
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.states import JobState
 from planner.frames.time_scales import utc_text
 
 

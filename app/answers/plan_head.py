@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from pydantic import TypeAdapter
 
-from app.store.ids import new_id
-from app.store.states import JobState
+from app.store.ids import JobState, new_id
 
 
 @dataclass(frozen=True, kw_only=True)

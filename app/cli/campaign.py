@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from app.cli.report_parts import print_warnings
-from app.store.new_plan import NewPlan
+from app.store.packed import NewPlan
 from app.work import progress
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json

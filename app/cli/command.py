@@ -101,7 +101,7 @@ def plan(
 
             checks = []
             if request.horizon_cameras:
-                from app.work.horizon_checks import horizon_checks
+                from app.work.horizon_views import horizon_checks
 
                 checks = horizon_checks(made.scenario, request.horizon_cameras)
             answer = plan_json(

@@ -11,7 +11,7 @@ from app.jobs.executors import LocalExecutor, SolveExecutor
 from app.settings import Settings
 from app.store import jobs
 from app.store.database import Database
-from app.store.states import JobState
+from app.store.ids import JobState
 
 
 @contextmanager

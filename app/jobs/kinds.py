@@ -12,9 +12,9 @@ from sqlalchemy import Connection
 from app.jobs.child import Bounds
 from app.jobs.parts import add_part
 from app.store import plans
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.new_plan import NewPlan
-from app.store.states import JobState
+from app.store.packed import NewPlan
 from app.work.campaign import NewCampaign, choose
 from app.work.plan import plan_and_pack
 from app.work.spacecraft import plan_and_pack_session

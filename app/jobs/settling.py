@@ -13,8 +13,8 @@ from app.jobs.parts import replace_refused
 from app.jobs.refusals import Interrupted
 from app.log.logs import log
 from app.store import jobs
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.states import JobState
 from planner.errors import Refusal
 
 

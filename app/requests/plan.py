@@ -4,9 +4,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, FailFast, Field
 
-from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
+from estimator.request import require_cameras
 from planner.frames.time_scales import elapsed_s
 from planner.scenario import Scenario, Session
 from planner.spec import spec

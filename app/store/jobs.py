@@ -28,8 +28,8 @@ from sqlalchemy.orm import aliased
 
 from app.store import events
 from app.store.columns import database_now_s
+from app.store.ids import OPEN_STATES, JobState
 from app.store.models import JobRow
-from app.store.states import OPEN_STATES, JobState
 
 
 @dataclass(frozen=True, kw_only=True)

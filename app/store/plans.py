@@ -9,9 +9,9 @@ from typing import Any
 
 from sqlalchemy import Connection, func, insert, select
 
+from app.store.ids import JobState
 from app.store.models import CampaignRow, PlanRow
-from app.store.new_plan import NewPlan
-from app.store.states import JobState
+from app.store.packed import NewPlan
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,6 @@ from pydantic import TypeAdapter
 from app.answers.horizon import degrees, rounded, rows, word
 from app.answers.provenance import ProvenanceOut
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
-from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
@@ -22,7 +21,13 @@ from estimator.check import Verdict
 from estimator.errors import InvalidImage
 from estimator.images import Pixels
 from estimator.pipeline import VerticalEstimate, estimate_vertical
-from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
+from estimator.request import (
+    Body,
+    HorizonRequest,
+    Position,
+    PredictedAttitude,
+    require_cameras,
+)
 from estimator.series import SeriesReport, summarise_series
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude

@@ -1,4 +1,4 @@
-"""What horizon cameras will see from an orbit under an attitude."""
+"""What horizon cameras will see, and which sessions of a plan they can check."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PredictionResponse, view_out
-from app.answers.horizon_view import ViewOut
+from app.answers.horizon_view import HorizonCheckOut, ViewOut
 from app.answers.provenance import ProvenanceOut
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
@@ -18,8 +18,11 @@ from estimator.surroundings import Surroundings
 from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.errors import InvalidInput
-from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.orbits import Orbit
+from planner.scenario import Scenario
+
+SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
 
 
 def attitudes_at(
@@ -89,3 +92,34 @@ def prediction_json(asked: PredictionRequest, made: ProvenanceOut) -> bytes:
     )
     answer = PredictionResponse(views=found, warnings=list(warnings), provenance=made)
     return _PREDICTION.dump_json(answer)
+
+
+def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:
+    """Session by session every camera's part; none without cameras."""
+    if not cameras:
+        return []
+    moments = [
+        shifted_utc(session.start, share * elapsed_s(session.stop, session.start))
+        for session in scenario.sessions
+        for share in SEEN_AT
+    ]
+    seen, _ = views(scenario.orbit, scenario.attitude, cameras, moments, body=Body())
+    count = len(cameras)
+    per_session = len(SEEN_AT) * count
+    return [
+        _check(number, seen[number * per_session + k : (number + 1) * per_session : count])
+        for number in range(len(scenario.sessions))
+        for k in range(count)
+    ]
+
+
+def _check(session: int, seen: list[ViewOut]) -> HorizonCheckOut:
+    worst = next((view for view in seen if not view.usable), seen[0])
+    return HorizonCheckOut(
+        session=session,
+        camera=worst.camera,
+        usable=worst.usable,
+        reason=worst.reason,
+        explanation=worst.explanation,
+        views=seen,
+    )

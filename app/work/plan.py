@@ -9,9 +9,8 @@ from typing import Any
 from app.answers.plan import plan_document, require_verified, table_json, verdict_state
 from app.answers.provenance import provenance
 from app.requests.plan import PlanRequest, read_plan_request
-from app.store.new_plan import NewPlan
-from app.store.packed import PackedColumns, pack, unpack
-from app.work.horizon_checks import horizon_checks
+from app.store.packed import NewPlan, PackedColumns, pack, unpack
+from app.work.horizon_views import horizon_checks
 from app.work.progress import Progress, report
 from planner.commands import CommandTable
 from planner.export import EXPORTERS, FlightPlan, Segment

@@ -8,8 +8,7 @@ from datetime import UTC, datetime
 from app.answers.provenance import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
 from app.requests.spacecraft import read_spacecraft_request
-from app.store.new_plan import NewPlan
-from app.store.packed import PackedColumns, pack, unpack
+from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.plan import plan_imaging

@@ -7,8 +7,7 @@ from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
 from app.http.routes.resources import PlanResource
-from app.store.ids import is_id
-from app.store.states import JobState
+from app.store.ids import JobState, is_id
 from planner.errors import InvalidInput
 
 LIST_MAX = 200
