@@ -27,7 +27,6 @@ from app.http.readiness import (
     solver_answers,
 )
 from app.http.routes import (
-    audit,
     campaigns,
     horizon,
     opportunities,
@@ -97,7 +96,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         spacecraft,
         platforms,
         system,
-        audit,
         pages,
     ):
         app.include_router(resource.router)

@@ -13,7 +13,7 @@ from fastapi import Request
 from fastapi.sse import format_sse_event
 from sqlalchemy import Connection
 
-from app.http.reading import read
+from app.http.blocking import read
 from app.store import events, jobs
 from app.store.events import Event
 from app.store.failures import StoreUnavailable

@@ -14,7 +14,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
 from app.answers.problem import Problem, bug, problem_of
-from app.http.door import request_id
+from app.http.door.headers import instance
 from app.requests.json_reader import field_errors
 from planner.errors import InvalidRequest, Refusal
 
@@ -93,7 +93,7 @@ def problem_answer(
     request: Request, problem: Mapping[str, Any], headers: Mapping[str, str] | None = None
 ) -> Response:
     """The answer to this request that tells a problem."""
-    members = {**problem, "instance": request_id.instance(request.scope)}
+    members = {**problem, "instance": instance(request.scope)}
     request.scope["state"][_PROBLEM_TYPE] = members["type"]
     status = HTTPStatus(members["status"])
     if status is HTTPStatus.SERVICE_UNAVAILABLE:

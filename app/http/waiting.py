@@ -10,7 +10,7 @@ from typing import Any
 
 from fastapi import Request
 
-from app.http.reading import read
+from app.http.blocking import read
 from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
 

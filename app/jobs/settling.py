@@ -8,8 +8,7 @@ from sqlalchemy import Connection
 
 from app.answers.problem import bug, problem_of
 from app.jobs.disposable import ChildFailed, Stopped
-from app.jobs.kinds import JobKind
-from app.jobs.parts import replace_refused
+from app.jobs.kinds import JobKind, replace_refused
 from app.jobs.refusals import Interrupted
 from app.log.logs import log
 from app.store import jobs

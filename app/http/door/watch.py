@@ -5,8 +5,6 @@ carries the id and the security headers.
 """
 
 import time
-from collections.abc import MutableMapping
-from typing import Any
 
 import structlog
 from fastapi import Request
@@ -14,8 +12,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.door import request_id
-from app.http.door.headers import harden
+from app.http.door.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
 from app.http.problems import bug_response, problem_type, refusal_answer
 from app.log.logs import log
@@ -47,8 +44,6 @@ class Watch:
                 await self._app(scope, receive, this.send)
             except ClientDisconnect:
                 this.status = this.status or CLIENT_GONE
-            except StoreUnavailable as error:  # before the request was let in, or after its answer
-                await this.refuse(error, receive)
             except Exception as error:  # noqa: BLE001 (the edge: the log gets all, the client none)
                 await this.fail(error, receive)
             finally:
@@ -81,28 +76,27 @@ class _Answer:
         self.status = 0
         self._scope = scope
         self._send = send
-        _own_state(scope)
-        self.request_id = request_id.given_or_new(Headers(scope=scope).get(request_id.HEADER))
-        request_id.remember(scope, self.request_id)
+        scope["state"] = dict(scope.get("state", {}))  # of this request, not the connection's
+        self.request_id = request_id_of(Headers(scope=scope).get(REQUEST_ID))
+        remember_request_id(scope, self.request_id)
 
     async def send(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self.status = message["status"]
             headers = MutableHeaders(scope=message)
-            headers[request_id.HEADER] = self.request_id
+            headers[REQUEST_ID] = self.request_id
             harden(headers)
         await self._send(message)
 
-    async def refuse(self, error: StoreUnavailable, receive: Receive) -> None:
-        if self.status:  # too late for another answer: break off, so that none takes it for whole
-            raise error
-        await refusal_answer(Request(self._scope), error)(self._scope, receive, self.send)
-
     async def fail(self, error: Exception, receive: Receive) -> None:
-        log.error("bug", exc_info=error)
+        """By our fault, or the database's: before the request was let in, or after its answer."""
+        is_bug = not isinstance(error, StoreUnavailable)
+        if is_bug:
+            log.error("bug", exc_info=error)
         if self.status:  # too late for another answer: break off, so that none takes it for whole
             raise error
-        response = bug_response(Request(self._scope))
+        request = Request(self._scope)
+        response = bug_response(request) if is_bug else refusal_answer(request, error)
         await response(self._scope, receive, self.send)
 
 
@@ -110,7 +104,3 @@ def _shown_path(scope: Scope) -> str:
     """As it was sent, in ASCII, so that no terminal is steered by it; no query, which may tell."""
     raw: bytes = scope.get("raw_path") or scope["path"].encode("ascii", "backslashreplace")
     return raw[:_PATH_SHOWN].decode("ascii", "replace")
-
-
-def _own_state(scope: MutableMapping[str, Any]) -> None:
-    scope["state"] = dict(scope.get("state", {}))

@@ -16,11 +16,11 @@ from app.answers.campaign import (
     campaign_json,
     campaign_list_json,
 )
+from app.http.blocking import read
 from app.http.negotiation import JSON, accepts_json, json_body
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
 from app.http.query import Parameters
-from app.http.reading import read
 from app.http.routes.jobs import (
     PREFER,
     accept_job,

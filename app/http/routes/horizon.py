@@ -11,8 +11,8 @@ from pydantic import TypeAdapter
 
 from app.answers.horizon import EstimateResponse, PredictionResponse
 from app.answers.provenance import provenance
+from app.http.blocking import in_child
 from app.http.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
-from app.http.in_child import in_child
 from app.http.negotiation import JSON, accepts_json, json_body, preferred_type
 from app.http.openapi.schema import REF, request_body
 from app.jobs.child import Bounds

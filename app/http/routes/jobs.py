@@ -11,9 +11,9 @@ from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json
+from app.http.blocking import read
 from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
 from app.http.negotiation import JSON, accepts_json, preferred_type
-from app.http.reading import read
 from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
 from app.http.routes.resources import JobResource
 from app.http.waiting import wait_for_end

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from app.answers.opportunities import OpportunitiesResponse
 from app.answers.provenance import provenance
-from app.http.in_child import in_child
+from app.http.blocking import in_child
 from app.http.negotiation import JSON, accepts_json, json_body
 from app.http.openapi.schema import request_body
 from app.jobs.child import Bounds

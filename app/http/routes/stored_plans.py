@@ -9,9 +9,8 @@ from fastapi import Request, Response
 from sqlalchemy import Connection
 
 from app.answers.plan_head import PlanHead, whole_answer
-from app.http.in_child import in_child
+from app.http.blocking import in_child, read
 from app.http.negotiation import JSON
-from app.http.reading import read
 from app.http.routes.jobs import job_of
 from app.http.routes.resources import PlanResource
 from app.jobs.child import Bounds

@@ -1,4 +1,4 @@
-"""Runs the work of a route that answers directly where it can do no harm."""
+"""What would hold up other requests: database reads in a thread, a route's work in a child."""
 
 import asyncio
 from collections.abc import Callable
@@ -6,13 +6,26 @@ from typing import TypeVar
 
 import anyio.to_thread
 from fastapi import Request
+from sqlalchemy import Connection
 from starlette.requests import ClientDisconnect
 
 from app.http.problems import service_stops
 from app.jobs.child import Bounds
 from app.jobs.disposable import Stop, Stopped, run_disposable
+from app.store.database import Database
 
 T = TypeVar("T")
+
+
+async def read(request: Request, reading: Callable[[Connection], T]) -> T:
+    """What `reading` returns in one transaction, in a thread."""
+    database: Database = request.app.state.database
+
+    def in_transaction() -> T:
+        with database.reading() as connection:
+            return reading(connection)
+
+    return await anyio.to_thread.run_sync(in_transaction)
 
 
 async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
