@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from app.answers.job import JobProblem, JobResponse, job_out, page
+from app.answers.members import fill
 from app.store.ids import JobState
 from app.store.jobs import Job
 
@@ -125,10 +126,10 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
     """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
     latest = {part.options["campaign"]["pass"]: part for part in parts}
     passes = [_pass_out(latest[number]) for number in sorted(latest)]
-    told = job_out(job)
     return _CAMPAIGN.dump_json(
-        CampaignResponse(
-            **{name: getattr(told, name) for name in JobResponse.__dataclass_fields__},
+        fill(
+            CampaignResponse,
+            job_out(job),
             choice=None if choice is None else _CHOICE.validate_python(choice),
             planned=_planned_out(passes),
             passes=passes,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings

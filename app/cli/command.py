@@ -151,8 +151,8 @@ def windows(
 
         request = read_opportunity_request(asked.body)
 
+        from app.answers.members import provenance
         from app.answers.opportunities import opportunities_json, windows_out
-        from app.answers.provenance import provenance
         from app.cli.windows_report import print_windows, windows_csv
         from planner.opportunities import find_opportunities
 
@@ -261,7 +261,7 @@ def spacecraft(
         for name, path in exports:
             _write(path, IMAGING_EXPORTERS[name].write(made, asked.read_utc))
         if json:
-            from app.answers.provenance import provenance
+            from app.answers.members import provenance
             from app.answers.spacecraft import spacecraft_plan_json
 
             told = provenance(asked.sha256, asked.read_utc)

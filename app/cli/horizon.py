@@ -8,7 +8,7 @@ import cv2
 from pydantic import TypeAdapter
 
 from app.answers.horizon import EstimateResponse, estimate_out
-from app.answers.provenance import provenance
+from app.answers.members import provenance
 from app.cli.horizon_report import print_estimate, print_series
 from app.http.horizon_upload import HorizonUpload
 from app.requests.horizon import read_estimate_request

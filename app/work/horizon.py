@@ -15,7 +15,7 @@ from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import EstimateResponse, estimate_out, rounded
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from pydantic import TypeAdapter
 
-from app.answers.horizon import degrees, rounded, rows, word
-from app.answers.provenance import ProvenanceOut
+from app.answers.horizon import covariance_deg2, rounded, word
+from app.answers.members import ProvenanceOut, degrees
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.json_reader import JsonReader
 from app.work.horizon_views import attitudes_at, surroundings
@@ -223,9 +223,7 @@ def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
             verdict=report.verdict,
             used=len(report.t_s),
             bias_deg=rounded(np.degrees(report.bias_rad)) if observed else None,
-            covariance_deg2=(
-                rows(report.covariance_rad2 * math.degrees(1.0) ** 2, 12) if observed else None
-            ),
+            covariance_deg2=(covariance_deg2(report.covariance_rad2) if observed else None),
             scatter_deg=rounded(np.degrees(report.scatter_rad)) if observed else None,
             probability=report.probability if observed else None,
             frames=[

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PredictionResponse, view_out
 from app.answers.horizon_view import HorizonCheckOut, ViewOut
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon

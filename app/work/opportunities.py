@@ -1,7 +1,7 @@
 """A child's work for opportunities."""
 
+from app.answers.members import ProvenanceOut
 from app.answers.opportunities import opportunities_json
-from app.answers.provenance import ProvenanceOut
 from planner.opportunities import OpportunityRequest, find_opportunities
 
 

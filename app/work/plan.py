@@ -6,8 +6,8 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
+from app.answers.members import provenance
 from app.answers.plan import plan_document, require_verified, table_json, verdict_state
-from app.answers.provenance import provenance
 from app.requests.plan import PlanRequest, read_plan_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks

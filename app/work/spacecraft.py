@@ -5,7 +5,7 @@ import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 
-from app.answers.provenance import provenance
+from app.answers.members import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
 from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from pydantic import TypeAdapter
 
 from app.answers.horizon import EstimateResponse, PredictionResponse
-from app.answers.provenance import provenance
+from app.answers.members import provenance
 from app.http.blocking import in_child
 from app.http.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
 from app.http.negotiation import JSON, accepts_json, json_body, preferred_type

@@ -7,8 +7,8 @@ from typing import Annotated
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
+from app.answers.members import provenance
 from app.answers.opportunities import OpportunitiesResponse
-from app.answers.provenance import provenance
 from app.http.blocking import in_child
 from app.http.negotiation import JSON, accepts_json, json_body
 from app.http.openapi.schema import request_body

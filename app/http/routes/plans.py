@@ -1,7 +1,7 @@
 """Plans of the two-axis platform over HTTP."""
 
+from app.answers.members import ProvenanceOut
 from app.answers.plan import DryRunResponse, PlanResponse
-from app.answers.provenance import ProvenanceOut
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN

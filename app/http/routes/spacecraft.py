@@ -1,6 +1,6 @@
 """Imaging sessions of the spacecraft over HTTP."""
 
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource

@@ -8,7 +8,7 @@ import anyio.to_thread
 from fastapi import Request, Response
 from sqlalchemy import Connection
 
-from app.answers.plan_head import PlanHead, whole_answer
+from app.answers.members import PlanHead, whole_answer
 from app.http.blocking import in_child, read
 from app.http.negotiation import JSON
 from app.http.routes.jobs import job_of
