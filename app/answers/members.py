@@ -1,5 +1,6 @@
 """Members that answers share: filled by their names, the provenance, the head of every plan's."""
 
+import hashlib
 import math
 from dataclasses import dataclass, fields
 from datetime import datetime
@@ -71,10 +72,15 @@ class ProvenanceOut:
     versions: dict[str, str]
 
 
-def provenance(input_sha256: str, planned_at_utc: datetime) -> ProvenanceOut:
-    """Of an answer to the request with this digest."""
+def provenance(planned_at_utc: datetime, *parts: bytes) -> ProvenanceOut:
+    """Of an answer to the request that has these parts, in order."""
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part)
     return ProvenanceOut(
-        input_sha256=input_sha256, planned_at=utc_text(planned_at_utc), versions=versions()
+        input_sha256=digest.hexdigest(),
+        planned_at=utc_text(planned_at_utc),
+        versions=versions(),
     )
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter
@@ -16,7 +15,6 @@ from app.answers.members import (
     degrees_of,
     fill,
     new_head,
-    provenance,
     whole_answer,
 )
 from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out
@@ -186,14 +184,10 @@ _TABLE = TypeAdapter(TableOut)
 
 
 def plan_json(
-    plan: Plan,
-    *,
-    input_sha256: str,
-    planned_at_utc: datetime,
-    horizon_checks: Sequence[HorizonCheckOut] = (),
+    plan: Plan, provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
 ) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
-    document = plan_document(plan, horizon_checks, provenance(input_sha256, planned_at_utc))
+    document = plan_document(plan, checks, provenance)
     return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 

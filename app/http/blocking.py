@@ -2,13 +2,16 @@
 
 import asyncio
 from collections.abc import Callable
+from datetime import UTC, datetime
 from typing import TypeVar
 
 import anyio.to_thread
-from fastapi import Request
+from fastapi import Request, Response
 from sqlalchemy import Connection
 from starlette.requests import ClientDisconnect
 
+from app.answers.members import ProvenanceOut, provenance
+from app.http.negotiation import JSON
 from app.http.problems import service_stops
 from app.jobs.child import Bounds
 from app.jobs.disposable import Stop, Stopped, run_disposable
@@ -26,6 +29,20 @@ async def read(request: Request, reading: Callable[[Connection], T]) -> T:
             return reading(connection)
 
     return await anyio.to_thread.run_sync(in_transaction)
+
+
+async def answer_in_child(
+    request: Request,
+    body: bytes,
+    read_request: Callable[[bytes], T],
+    bounds: Bounds,
+    work: Callable[[T, ProvenanceOut], bytes],
+) -> Response:
+    """The JSON that `work` makes of the request in a body and its provenance; see `in_child`."""
+    now_utc = datetime.now(UTC)
+    spec = await anyio.to_thread.run_sync(read_request, body)
+    answer = await in_child(request, bounds, work, spec, provenance(now_utc, body))
+    return Response(answer, media_type=JSON)
 
 
 async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:

@@ -97,7 +97,7 @@ def replace_refused(connection: Connection, refused: Job, problem: Mapping[str, 
     never sees itself complete in between.
     """
     part = Part(
-        request=jobs.request_of(connection, refused.id) or b"", told=refused.options["campaign"]
+        request=jobs.request_of(connection, refused.id) or b"", facts=refused.options["campaign"]
     )
     repaired = without_refused(part, problem.get("field"), problem["detail"])
     if repaired is not None and refused.parent_id is not None:
@@ -117,7 +117,7 @@ def _accept_part(
             request=part.request,
             request_sha256=hashlib.sha256(part.request).hexdigest(),
             deadline_s=deadline_s,
-            options={"campaign": dict(part.told)},
+            options={"campaign": dict(part.facts)},
             key_id=key_id,
             parent_id=whole_id,
             rank=_PART_RANK,

@@ -28,16 +28,16 @@ _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 class Part:
     """A pass to be planned.
 
-    request: a plan request.  told: the pass's number, times, looks, and what was left out.
+    request: a plan request.  facts: the pass's number, times, looks, and what was left out.
     """
 
     request: bytes
-    told: Mapping[str, Any]
+    facts: Mapping[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewCampaign:
-    """document: what is told of the choice as a whole, JSON, zlib."""
+    """document: the choice as a whole, JSON, zlib."""
 
     document: bytes
     parts: tuple[Part, ...]
@@ -116,14 +116,14 @@ def _part(
         "on_conflict": scenario.on_conflict,
     }
     written.setdefault("attitude", {"law": "lvlh"})
-    told = {
+    facts = {
         "pass": number,
         "start": utc_text(flight.start_utc),
         "stop": utc_text(flight.stop_utc),
         "looks": [_look(request, look) for look in flight.looks],
         "left_out": [],
     }
-    return Part(request=json.dumps(written).encode(), told=told)
+    return Part(request=json.dumps(written).encode(), facts=facts)
 
 
 def _look(request: CampaignRequest, look: ChosenLook) -> dict[str, Any]:
@@ -141,7 +141,7 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
 
     None when no look would be left.  field: the refusal's.
     """
-    looks = list(part.told["looks"])
+    looks = list(part.facts["looks"])
     if len(looks) < 2:
         return None
     named = _SESSION.match(field or "")
@@ -153,5 +153,5 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
     left_out = {"target": looks.pop(row)["target"], "because": detail}
     return Part(
         request=json.dumps(request).encode(),
-        told={**part.told, "looks": looks, "left_out": [*part.told["left_out"], left_out]},
+        facts={**part.facts, "looks": looks, "left_out": [*part.facts["left_out"], left_out]},
     )

@@ -27,6 +27,7 @@ from estimator.prediction import predict_horizon
 from estimator.rendering.scene import HorizonRenderer
 from estimator.request import Body, HorizonRequest
 from estimator.surroundings import Surroundings
+from planner.frames.time_scales import utc_text
 
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
@@ -60,6 +61,7 @@ class PictureOut:
 
 
 _ESTIMATE = TypeAdapter(EstimateResponse)
+_PICTURE = TypeAdapter(PictureOut)
 
 
 def _report_out_of_memory(work: Callable[P, T]) -> Callable[P, T]:
@@ -124,18 +126,19 @@ def picture(request: PictureRequest) -> bytes:
     return encode_png(horizon.picture(request.camera, request.sensor))
 
 
-def picture_with_truth(request: PictureRequest, at: str) -> PictureOut:
-    """The rendered picture and what an estimate should find in it."""
+def picture_json(request: PictureRequest) -> bytes:
+    """The rendered picture and what an estimate should find in it, as UTF-8 JSON."""
     around, c_body_from_itrf = _surroundings(request)
     q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci)
-    return PictureOut(
+    answer = PictureOut(
         image_png=base64.b64encode(picture(request)).decode("ascii"),
-        at=at,
+        at=utc_text(request.at),
         position_itrf_km=rounded(around.limb.r_itrf_m / 1e3),
         q_body_from_eci_xyzw=rounded(q.as_quat(), 12),
         nadir_body=rounded(c_body_from_itrf @ around.limb.nadir_itrf),
         nadir_geodetic_body=rounded(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
     )
+    return _PICTURE.dump_json(answer)
 
 
 def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:

@@ -1,6 +1,5 @@
 """A child's work for a plan, and the reading of its stored table."""
 
-import hashlib
 import zlib
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -25,7 +24,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
     plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
-    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    made = provenance(now_utc, body)
     checks = horizon_checks(plan.scenario, request.horizon_cameras)
     return NewPlan(
         name=request.name,

@@ -1,6 +1,5 @@
 """A child's work for an imaging session, and the reading of its stored table."""
 
-import hashlib
 import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -28,7 +27,7 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
     plan = plan_imaging(request or read_spacecraft_request(body))
-    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    made = provenance(now_utc, body)
     return NewPlan(
         name=plan.request.name,
         state="done",
