@@ -32,15 +32,15 @@ def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> byt
     cv2.setNumThreads(1)  # a frame is too small to share
     images = tuple(path.read_bytes() for path in paths)
     request = read_estimate_request(body)
-    measured = measure(request, images, draw=overlay is not None)
-    print_estimate(measured.estimate)
+    estimate, overlays = measure(request, images, draw=overlay is not None)
+    print_estimate(estimate)
     if overlay is not None:
         names = [camera.name for camera in request.cameras]
-        for path, png in zip(overlay_paths(overlay, names), measured.overlays, strict=True):
+        for path, png in zip(overlay_paths(overlay, names), overlays, strict=True):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(png)
     origin = provenance(datetime.now(UTC), body, *images)
-    answer = estimate_out(measured.estimate, measured.overlays if request.overlay else (), origin)
+    answer = estimate_out(estimate, overlays if request.overlay else (), origin)
     return TypeAdapter(EstimateResponse).dump_json(answer)
 
 

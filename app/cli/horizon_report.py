@@ -59,7 +59,7 @@ def print_series(series: Series) -> None:
     console.print(table)
     report = series.report
     console.print(_verdict(report.verdict, None))
-    if len(report.t_s):
+    if report.used:
         for name, bias, scatter, variance in zip(
             ("along", "across"),
             report.bias_rad,
@@ -72,7 +72,7 @@ def print_series(series: Series) -> None:
                 f"{math.degrees(math.sqrt(variance)):.4f}, scatter {math.degrees(scatter):.4f}"
             )
         console.print(
-            f"{len(report.t_s)} of {len(series.estimates)} frames used, probability "
+            f"{report.used} of {len(series.estimates)} frames used, probability "
             f"{report.probability:.2g}"
         )
 

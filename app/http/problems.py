@@ -13,7 +13,7 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
-from app.answers.problem import Problem, bug, problem_of
+from app.answers.problem import Problem, problem_of
 from app.http.door.headers import instance
 from app.requests.json_reader import field_errors
 from planner.errors import InvalidRequest, Refusal
@@ -82,11 +82,6 @@ _WAY_OUT = {
     HTTPStatus.NOT_FOUND: "there is nothing at this address; /docs lists what there is",
     HTTPStatus.METHOD_NOT_ALLOWED: "this address has other methods: see the Allow header",
 }
-
-
-def bug_response(request: Request) -> Response:
-    """The answer when the service is at fault; why is in its log only."""
-    return problem_answer(request, bug())
 
 
 def problem_answer(

@@ -137,18 +137,17 @@ class Dispatcher:
                 if known is not None:
                     return known, None
             if not mine:
-                self._require_room(jobs.count_waiting(connection))
+                waiting = jobs.count_waiting(connection)
+                if waiting >= self._rules.queue_max:
+                    raise QueueFull(
+                        f"{waiting} requests wait already, the most that may; ask again when some "
+                        "are done"
+                    )
             token = jobs.accept(connection, new, self._rules.lease_s if mine else None)
             audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
             job = jobs.get(connection, new.id)
         assert job is not None
         return job, token
-
-    def _require_room(self, waiting: int) -> None:
-        if waiting >= self._rules.queue_max:
-            raise QueueFull(
-                f"{waiting} requests wait already, the most that may; ask again when some are done"
-            )
 
     def cancel(self, job_id: str, key_id: str | None) -> Job | None:
         """End a job; one that another service works on ends within its POLL_S."""

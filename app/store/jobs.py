@@ -15,6 +15,7 @@ from sqlalchemy import (
     ColumnElement,
     Connection,
     Row,
+    Select,
     delete,
     exists,
     func,
@@ -121,14 +122,12 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
 
 def get(connection: Connection, job_id: str) -> Job | None:
     """By its id."""
-    row = connection.execute(_JOBS.where(JobRow.id == job_id)).one_or_none()
-    return None if row is None else _job(row)
+    return _one(connection, _JOBS.where(JobRow.id == job_id))
 
 
 def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
     """The job accepted under this key before."""
-    row = connection.execute(_JOBS.where(JobRow.idempotency == idempotency)).one_or_none()
-    return None if row is None else _job(row)
+    return _one(connection, _JOBS.where(JobRow.idempotency == idempotency))
 
 
 def request_of(connection: Connection, job_id: str) -> bytes | None:
@@ -248,10 +247,7 @@ def leases_to_end(connection: Connection, tokens: Collection[str]) -> frozenset[
 
 def job_of_lease(connection: Connection, token: str) -> Job | None:
     """The job of a lease that is still ours, locked until the transaction ends."""
-    row = connection.execute(
-        _JOBS.where(JobRow.lease_token == token).with_for_update()
-    ).one_or_none()
-    return None if row is None else _job(row)
+    return _one(connection, _JOBS.where(JobRow.lease_token == token).with_for_update())
 
 
 def finish(
@@ -318,10 +314,9 @@ def _change(
 
 def cancel(connection: Connection, job_id: str) -> Job | None:
     """End a job in the queue; one that runs is marked for whoever works on it."""
-    row = connection.execute(_JOBS.where(JobRow.id == job_id).with_for_update()).one_or_none()
-    if row is None:
+    job = _one(connection, _JOBS.where(JobRow.id == job_id).with_for_update())
+    if job is None:
         return None
-    job = _job(row)
     if job.state == "queued":
         finish(connection, job, "cancelled")
     elif job.state == "running" and not job.cancel_requested:
@@ -346,6 +341,11 @@ def remove_finished(connection: Connection, before_utc: datetime, limit: int) ->
     ).all()
     connection.execute(delete(JobRow).where(JobRow.id.in_(found)))
     return list(found)
+
+
+def _one(connection: Connection, query: Select[*tuple[Any, ...]]) -> Job | None:
+    row = connection.execute(query).one_or_none()
+    return None if row is None else _job(row)
 
 
 def _job(row: Row[*tuple[Any, ...]]) -> Job:

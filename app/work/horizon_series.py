@@ -32,7 +32,7 @@ from estimator.series import SeriesReport, summarise_series
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.errors import InvalidInput
-from planner.frames.time_scales import elapsed_s, require_offset, shifted_utc, utc_text
+from planner.frames.time_scales import require_offset, shifted_utc, utc_text
 from planner.orbits import Orbit
 from planner.spec import Within, spec
 
@@ -184,8 +184,7 @@ def measure_series(
         estimate_vertical(images, request) for request, images in zip(requests, frames, strict=True)
     )
     sigma_deg = max((r.predicted.sigma_deg for r in requests if r.predicted), default=0.0)
-    t_s = [elapsed_s(request.epoch, requests[0].epoch) for request in requests]
-    report = summarise_series(t_s, estimates, math.radians(sigma_deg))
+    report = summarise_series(estimates, math.radians(sigma_deg))
     return Series(tuple(requests), estimates, report)
 
 
@@ -216,12 +215,11 @@ def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels:
 
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    report = series.report
-    observed = len(report.t_s) > 0
+    report, observed = series.report, series.report.used > 0
     return _ADAPTER.dump_json(
         SeriesResponse(
             verdict=report.verdict,
-            used=len(report.t_s),
+            used=report.used,
             bias_deg=rounded(np.degrees(report.bias_rad)) if observed else None,
             covariance_deg2=(covariance_deg2(report.covariance_rad2) if observed else None),
             scatter_deg=rounded(np.degrees(report.scatter_rad)) if observed else None,

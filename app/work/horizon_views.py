@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PredictionResponse, view_out
 from app.answers.horizon_view import HorizonCheckOut, ViewOut
-from app.answers.members import ProvenanceOut
+from app.answers.members import ProvenanceOut, fill
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
@@ -115,11 +115,4 @@ def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> li
 
 def _check(session: int, seen: list[ViewOut]) -> HorizonCheckOut:
     worst = next((view for view in seen if not view.usable), seen[0])
-    return HorizonCheckOut(
-        session=session,
-        camera=worst.camera,
-        usable=worst.usable,
-        reason=worst.reason,
-        explanation=worst.explanation,
-        views=seen,
-    )
+    return fill(HorizonCheckOut, worst, session=session, views=seen)

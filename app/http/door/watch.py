@@ -12,9 +12,10 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.answers.problem import bug, problem_of
 from app.http.door.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
-from app.http.problems import bug_response, problem_type, refusal_answer
+from app.http.problems import problem_answer, problem_type
 from app.log.logs import log
 from app.store.failures import StoreUnavailable
 
@@ -90,14 +91,15 @@ class _Answer:
 
     async def fail(self, error: Exception, receive: Receive) -> None:
         """By our fault, or the database's: before the request was let in, or after its answer."""
-        is_bug = not isinstance(error, StoreUnavailable)
-        if is_bug:
+        if isinstance(error, StoreUnavailable):
+            problem = problem_of(error)
+        else:
+            problem = bug()
             log.error("bug", exc_info=error)
         if self.status:  # too late for another answer: break off, so that none takes it for whole
             raise error
-        request = Request(self._scope)
-        response = bug_response(request) if is_bug else refusal_answer(request, error)
-        await response(self._scope, receive, self.send)
+        answer = problem_answer(Request(self._scope), problem)
+        await answer(self._scope, receive, self.send)
 
 
 def _shown_path(scope: Scope) -> str:
