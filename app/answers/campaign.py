@@ -138,15 +138,15 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
 
 
 def _pass_out(part: Job) -> CampaignPassOut:
-    told = part.options["campaign"]
+    facts = part.options["campaign"]
     return CampaignPassOut(
-        number=told["pass"],
+        number=facts["pass"],
         plan=part.id,
         state=part.state,
-        start=told["start"],
-        stop=told["stop"],
-        looks=_LOOKS.validate_python(told["looks"]),
-        left_out=_LEFT_OUT.validate_python(told["left_out"]),
+        start=facts["start"],
+        stop=facts["stop"],
+        looks=_LOOKS.validate_python(facts["looks"]),
+        left_out=_LEFT_OUT.validate_python(facts["left_out"]),
         problem=job_out(part).problem,
     )
 

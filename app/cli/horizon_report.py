@@ -78,8 +78,8 @@ def print_series(series: Series) -> None:
 
 
 def _verdict(verdict: Verdict, reason: str | None) -> Text:
-    said = verdict.replace("_", " ") + (f": {reason}" if reason else "")
-    return Text(said, style=_STYLES.get(verdict, "green"))
+    text = verdict.replace("_", " ") + (f": {reason}" if reason else "")
+    return Text(text, style=_STYLES.get(verdict, "green"))
 
 
 def _nadir(name: str, nadir: Nadir) -> str:

@@ -128,7 +128,7 @@ class DaskExecutor:
             log.warning("no worker of this version is connected; work waits for one", slot=SLOT)
 
     def _tell(self, event: tuple[object, dict[str, Any]]) -> None:
-        _, told = event
-        listener = self._listeners.get(told["key"])
+        _, content = event
+        listener = self._listeners.get(content["key"])
         if listener is not None:
-            listener(Progress(**told["progress"]))
+            listener(Progress(**content["progress"]))

@@ -241,11 +241,11 @@ class Dispatcher:
         if now_s - running.told_s < PROGRESS_S or not running.token:
             return
         running.told_s = now_s
-        told = {name: value for name, value in asdict(progress).items() if value is not None}
+        data = {name: value for name, value in asdict(progress).items() if value is not None}
         try:
             with self._database.writing() as connection:
                 if jobs.job_of_lease(connection, running.token) is not None:
-                    events.record(connection, running.job_id, events.PROGRESS, told)
+                    events.record(connection, running.job_id, events.PROGRESS, data)
         except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
             log.warning("progress can't be stored", job=running.job_id, error=error)
 

@@ -41,13 +41,13 @@ class JobKind:
     iterations: Callable[[Any], int | None] = lambda _: None
 
 
-def _store_plan(connection: Connection, job: Job, made: NewPlan) -> JobState:
-    plans.store(connection, job.id, job.kind, job.options.get("revises"), made)
-    return made.state
+def _store_plan(connection: Connection, job: Job, new: NewPlan) -> JobState:
+    plans.store(connection, job.id, job.kind, job.options.get("revises"), new)
+    return new.state
 
 
-def _iterations(made: NewPlan) -> int | None:
-    return made.iterations
+def _iterations(new: NewPlan) -> int | None:
+    return new.iterations
 
 
 PLAN = JobKind(
@@ -69,14 +69,14 @@ SPACECRAFT_PLAN = JobKind(
 )
 
 
-def _store_campaign(connection: Connection, job: Job, made: NewCampaign) -> JobState:
+def _store_campaign(connection: Connection, job: Job, new: NewCampaign) -> JobState:
     if job.cancel_requested:
         return "cancelled"
-    plans.store_choice(connection, job.id, made.document)
-    for part in made.parts:
+    plans.store_choice(connection, job.id, new.document)
+    for part in new.parts:
         deadline_s = min(PLAN.bounds.deadline_s, job.deadline_s)
         _accept_part(connection, part, job.id, job.key_id, deadline_s)
-    return "running" if made.parts else "done"
+    return "running" if new.parts else "done"
 
 
 CAMPAIGN = JobKind(

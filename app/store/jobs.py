@@ -225,8 +225,8 @@ def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: floa
             started_utc=job.started_utc or datetime.now(UTC),
         )
     )
-    told = {"state": "running", "attempt": job.attempts + 1}
-    events.record(connection, job.id, events.STATE, told)
+    data = {"state": "running", "attempt": job.attempts + 1}
+    events.record(connection, job.id, events.STATE, data)
     return Claimed(job=job, request=request, token=token)
 
 
@@ -289,8 +289,8 @@ def _record_end_of_part(connection: Connection, whole_id: str) -> None:
     counted = {state: int(count) for state, count in grouped}
     left = sum(counted.get(state, 0) for state in OPEN_STATES)
     done = sum(counted.values()) - left
-    told = {"stage": "plans", "done": done, "of": done + left}
-    events.record(connection, whole_id, events.PROGRESS, told)
+    data = {"stage": "plans", "done": done, "of": done + left}
+    events.record(connection, whole_id, events.PROGRESS, data)
     if not left:
         finish(connection, whole, "cancelled" if whole.cancel_requested else "done")
 
@@ -302,14 +302,14 @@ def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
 
 
 def _change(
-    connection: Connection, job: Job, state: JobState, told: dict[str, Any], **values: object
+    connection: Connection, job: Job, state: JobState, data: dict[str, Any], **values: object
 ) -> None:
     connection.execute(
         update(JobRow)
         .where(JobRow.id == job.id)
         .values(state=state, lease_token=None, lease_until_s=None, **values)
     )
-    events.record(connection, job.id, events.STATE, told)
+    events.record(connection, job.id, events.STATE, data)
 
 
 def cancel(connection: Connection, job_id: str) -> Job | None:

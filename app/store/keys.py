@@ -40,8 +40,8 @@ class KeyStore:
         }
         with self._database.writing() as connection:
             connection.execute(insert(KeyRow).values(**values))
-            told = f"{name} ({', '.join(scopes)})"
-            audit.record(connection, key_id=None, action="key.create", subject=key_id, detail=told)
+            whose = f"{name} ({', '.join(scopes)})"
+            audit.record(connection, key_id=None, action="key.create", subject=key_id, detail=whose)
         return Key(**values | {"scopes": tuple(scopes)}), secret
 
     def all(self) -> list[Key]:

@@ -46,14 +46,15 @@ class NewCampaign:
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     """Read unless that is done, choose and write down; raises a Refusal."""
     request = request or read_campaign_request(body)
-    asked = json.loads(body)  # passes say orbit, platform and targets in its own words
+    document = json.loads(body)  # passes say orbit, platform and targets in its own words
     campaign = choose_campaign(
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
     return NewCampaign(
         document=zlib.compress(json.dumps(_document(request, campaign)).encode()),
         parts=tuple(
-            _part(asked, request, number, flight) for number, flight in enumerate(campaign.passes)
+            _part(document, request, number, flight)
+            for number, flight in enumerate(campaign.passes)
         ),
     )
 
@@ -71,8 +72,8 @@ def _document(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
         "passes": len(campaign.passes),
         "unseen": [request.targets[row].id for row in campaign.unseen],
         "left_out": [
-            wanted.id
-            for row, wanted in enumerate(request.targets)
+            target.id
+            for row, target in enumerate(request.targets)
             if row not in looked_at and row not in unseen
         ],
         "warnings": list(campaign.warnings),
@@ -80,14 +81,14 @@ def _document(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
 
 
 def _part(
-    asked: Mapping[str, Any], request: CampaignRequest, number: int, flight: ChosenPass
+    document: Mapping[str, Any], request: CampaignRequest, number: int, flight: ChosenPass
 ) -> Part:
     scenario = scenario_of(request, flight, number)
     rest = scenario.sessions[-1]
     assert isinstance(rest.target, BenchMotionTarget)
-    written = {
+    plan_request = {
         "name": scenario.name,
-        **{name: asked[name] for name in _CARRIED_OVER if name in asked},
+        **{name: document[name] for name in _CARRIED_OVER if name in document},
         "initial_state": {
             "epoch": utc_text(scenario.initial_state.epoch, 6),
             "angles_deg": dict(scenario.initial_state.angles_deg),
@@ -95,7 +96,7 @@ def _part(
         "sessions": [
             *(
                 {
-                    "target": asked["targets"][look.target]["target"],
+                    "target": document["targets"][look.target]["target"],
                     "start": utc_text(look.start_utc, 6),
                     "stop": utc_text(look.stop_utc, 6),
                 }
@@ -115,7 +116,7 @@ def _part(
         ],
         "on_conflict": scenario.on_conflict,
     }
-    written.setdefault("attitude", {"law": "lvlh"})
+    plan_request.setdefault("attitude", {"law": "lvlh"})
     facts = {
         "pass": number,
         "start": utc_text(flight.start_utc),
@@ -123,16 +124,16 @@ def _part(
         "looks": [_look(request, look) for look in flight.looks],
         "left_out": [],
     }
-    return Part(request=json.dumps(written).encode(), facts=facts)
+    return Part(request=json.dumps(plan_request).encode(), facts=facts)
 
 
 def _look(request: CampaignRequest, look: ChosenLook) -> dict[str, Any]:
-    wanted = request.targets[look.target]
+    target = request.targets[look.target]
     return {
-        "target": wanted.id,
+        "target": target.id,
         "start": utc_text(look.start_utc),
         "stop": utc_text(look.stop_utc),
-        "value": wanted.worth_value(elapsed_s(look.stop_utc, look.start_utc)),
+        "value": target.worth_value(elapsed_s(look.stop_utc, look.start_utc)),
     }
 
 

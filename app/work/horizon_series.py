@@ -60,14 +60,14 @@ class HorizonSession:
         require_cameras("cameras", self.cameras)
 
     def requests(self, count: int) -> tuple[HorizonRequest, ...]:
-        """What is asked of the first `count` frames; raises OutsideCoverage."""
+        """The requests for the first `count` frames; raises OutsideCoverage."""
         moments = [shifted_utc(self.start, k * self.step_s) for k in range(count)]
         r_sat_eci_m, q_body_from_eci, _ = attitudes_at(self.orbit, self.attitude, moments)
-        asked = []
+        requests = []
         for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci.as_quat(), strict=True):
             around = surroundings(moment, r_m, self.cameras, self.body)
             x, y, z = (around.limb.r_itrf_m / 1e3).tolist()
-            asked.append(
+            requests.append(
                 HorizonRequest(
                     epoch=moment,
                     position=Position(frame="ITRF", position_km=(x, y, z)),
@@ -78,7 +78,7 @@ class HorizonSession:
                     ),
                 )
             )
-        return tuple(asked)
+        return tuple(requests)
 
 
 @spec
@@ -154,26 +154,26 @@ def read_series(body: bytes) -> HorizonSession | HorizonFrames | None:
 
 
 def frame_requests(
-    asked: HorizonSession | HorizonFrames, images: int
+    source: HorizonSession | HorizonFrames, images: int
 ) -> tuple[HorizonRequest, ...]:
     """One request per frame for so many images; raises InvalidInput when they don't come out."""
-    if isinstance(asked, HorizonFrames):
-        needed = sum(len(request.cameras) for request in asked.frames)
+    if isinstance(source, HorizonFrames):
+        needed = sum(len(request.cameras) for request in source.frames)
         if needed != images:
             raise InvalidInput(
                 f"{images} images for frames that need {needed}; send each frame's in the "
                 "cameras' order, frame after frame",
                 field="frames",
             )
-        return asked.frames
-    count, rest = divmod(images, len(asked.cameras))
+        return source.frames
+    count, rest = divmod(images, len(source.cameras))
     if rest or not 1 <= count <= FRAMES_MAX:
         raise InvalidInput(
-            f"{images} images don't come out for {len(asked.cameras)} cameras; send each frame's "
+            f"{images} images don't come out for {len(source.cameras)} cameras; send each frame's "
             f"in the cameras' order, up to {FRAMES_MAX} frames",
             field="cameras",
         )
-    return asked.requests(count)
+    return source.requests(count)
 
 
 def measure_series(

@@ -80,17 +80,17 @@ def views(
 _PREDICTION = TypeAdapter(PredictionResponse)
 
 
-def prediction_json(asked: PredictionRequest, made: ProvenanceOut) -> bytes:
+def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
     found, warnings = views(
-        asked.orbit,
-        asked.attitude,
-        asked.cameras,
-        asked.instants,
-        body=asked.body,
-        attitude_sigma_deg=asked.attitude_sigma_deg,
+        request.orbit,
+        request.attitude,
+        request.cameras,
+        request.instants,
+        body=request.body,
+        attitude_sigma_deg=request.attitude_sigma_deg,
     )
-    answer = PredictionResponse(views=found, warnings=list(warnings), provenance=made)
+    answer = PredictionResponse(views=found, warnings=list(warnings), provenance=provenance)
     return _PREDICTION.dump_json(answer)
 
 

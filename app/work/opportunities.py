@@ -5,6 +5,6 @@ from app.answers.opportunities import opportunities_json
 from planner.opportunities import OpportunityRequest, find_opportunities
 
 
-def answer_opportunities(request: OpportunityRequest, made: ProvenanceOut) -> bytes:
+def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    return opportunities_json(find_opportunities(request), made)
+    return opportunities_json(find_opportunities(request), provenance)

@@ -27,13 +27,13 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
     plan = plan_imaging(request or read_spacecraft_request(body))
-    made = provenance(now_utc, body)
+    origin = provenance(now_utc, body)
     return NewPlan(
         name=plan.request.name,
         state="done",
-        input_sha256=made.input_sha256,
-        versions=made.versions,
-        document=zlib.compress(spacecraft_document(plan, made)),
+        input_sha256=origin.input_sha256,
+        versions=origin.versions,
+        document=zlib.compress(spacecraft_document(plan, origin)),
         table_columns=pack(_pack(plan.table)),
         planned_utc=now_utc,
     )

@@ -12,13 +12,13 @@ from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.requests import ImagingPlanRequest
 
 
-def _dry_run(asked: ImagingPlanRequest, made: ProvenanceOut) -> SpacecraftDryRunResponse:
+def _dry_run(spec: ImagingPlanRequest, provenance: ProvenanceOut) -> SpacecraftDryRunResponse:
     return SpacecraftDryRunResponse(
         valid=True,
-        name=asked.name,
-        spacecraft=asked.definition().name,
-        requests=len(asked.requests),
-        provenance=made,
+        name=spec.name,
+        spacecraft=spec.definition().name,
+        requests=len(spec.requests),
+        provenance=provenance,
     )
 
 
