@@ -102,8 +102,8 @@ def estimate_out(
         EstimateResponse,
         estimate,
         **_why(estimate.reason),
-        nadir_body=geocentric and rounded(geocentric.nadir_body),
-        nadir_geodetic_body=geodetic and rounded(geodetic.nadir_body),
+        nadir_body=geocentric and numbers_of(geocentric.nadir_body),
+        nadir_geodetic_body=geodetic and numbers_of(geodetic.nadir_body),
         **_on_its_axes(geocentric),
         **_on_its_axes(geodetic, "geodetic_"),
         limb_height_km=_kilometres(estimate.limb_height_m),
@@ -128,7 +128,7 @@ def view_out(view: HorizonPrediction, at: str) -> ViewOut:
         **_why(view.reason),
         limb_in_frame=view.arc_rad > 0.0,
         lit=view.lit_arc_rad > 0.0,
-        limb_px=rows(seen, PIXEL_DECIMALS),
+        limb_px=rows_of(seen, PIXEL_DECIMALS),
         decimals=DECIMALS,
     )
 
@@ -147,7 +147,7 @@ def _camera(report: CameraReport, overlay_png: str | None) -> CameraOut:
 def _on_its_axes(nadir: Nadir | None, kind: str = "") -> dict[str, Any]:
     """The members that tell how sure a nadir of one kind is, null without it."""
     return {
-        f"{kind}axes_body": nadir and rows(nadir.axes_body),
+        f"{kind}axes_body": nadir and rows_of(nadir.axes_body),
         f"{kind}covariance_deg2": nadir and covariance_deg2(nadir.covariance_rad2),
         f"{kind}sigma_deg": nadir and degrees(nadir.sigma_rad),
     }
@@ -168,14 +168,14 @@ def _kilometres(height_m: float | None) -> float | None:
 
 def covariance_deg2(covariance_rad2: Array) -> list[list[float]]:
     """Of two angles, in square degrees."""
-    return rows(covariance_rad2 * math.degrees(1.0) ** 2, 12)
+    return rows_of(covariance_rad2 * math.degrees(1.0) ** 2, 12)
 
 
-def rounded(numbers: Array, decimals: int = DECIMALS) -> list[float]:
+def numbers_of(numbers: Array, decimals: int = DECIMALS) -> list[float]:
     """A vector as plain numbers."""
     return [round(float(number), decimals) + 0.0 for number in numbers]
 
 
-def rows(numbers: Array, decimals: int = DECIMALS) -> list[list[float]]:
+def rows_of(numbers: Array, decimals: int = DECIMALS) -> list[list[float]]:
     """The rows of a matrix as plain numbers."""
-    return [rounded(row, decimals) for row in numbers]
+    return [numbers_of(row, decimals) for row in numbers]

@@ -45,7 +45,9 @@ async def answer_in_child(
     return Response(answer, media_type=JSON)
 
 
-async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
+async def in_child(
+    request: Request, bounds: Bounds, work: Callable[..., T], *arguments: object
+) -> T:
     """`run_disposable` when its turn has come; stopped when the client or the service goes away.
 
     Raises ClientDisconnect or 503 then, and else what `run_disposable` does.  The request's body
@@ -59,7 +61,7 @@ async def in_child(request: Request, bounds: Bounds, work: Callable[..., T], *gi
     ]
     try:
         return await anyio.to_thread.run_sync(
-            lambda: run_disposable(bounds, work, *given, stop=stop),
+            lambda: run_disposable(bounds, work, *arguments, stop=stop),
             limiter=request.app.state.children,
         )
     except Stopped:

@@ -22,15 +22,15 @@ class Parameters(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _require_documented_form(cls, given: object, info: ValidationInfo) -> object:
-        if isinstance(given, str) and info.field_name is not None:
-            wanted = cls.model_fields[info.field_name].annotation
-            if wanted is int and not _WHOLE.fullmatch(given):
+    def _require_documented_form(cls, value: object, info: ValidationInfo) -> object:
+        if isinstance(value, str) and info.field_name is not None:
+            annotation = cls.model_fields[info.field_name].annotation
+            if annotation is int and not _WHOLE.fullmatch(value):
                 raise PydanticKnownError("int_parsing")
-            if wanted is bool and given not in ("true", "false"):
+            if annotation is bool and value not in ("true", "false"):
                 raise PydanticKnownError("bool_parsing")
-            require_plain(given)
-        return given
+            require_plain(value)
+        return value
 
 
 async def require_sound_query(request: Request) -> None:

@@ -65,7 +65,7 @@ class DaskExecutor:
             with stop.ending_by(wake.set):
                 while not stop.requested:
                     try:
-                        return self._done(key, task, stop, wake)
+                        return self._result_of(key, task, stop, wake)
                     except _LOST as error:
                         log.warning("the cluster was lost", job=task.job_id, error=error)
                         wake.clear()
@@ -74,7 +74,7 @@ class DaskExecutor:
         finally:
             del self._listeners[key]
 
-    def _done(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
+    def _result_of(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
         client = self._connect()
         future = client.submit(run_here, key, task, key=key, resources={SLOT: 1}, pure=False)
         future.add_done_callback(lambda _: wake.set())
@@ -113,7 +113,7 @@ class DaskExecutor:
                     name="slewtrack",
                     loop=self._loop,
                 )
-                self._client.subscribe_topic(PROGRESS_TOPIC, self._tell)
+                self._client.subscribe_topic(PROGRESS_TOPIC, self._pass_progress_on)
                 self._warn_without_workers(self._client)
             return self._client
 
@@ -127,7 +127,7 @@ class DaskExecutor:
         if not any(SLOT in worker["resources"] for worker in workers):
             log.warning("no worker of this version is connected; work waits for one", slot=SLOT)
 
-    def _tell(self, event: tuple[object, dict[str, Any]]) -> None:
+    def _pass_progress_on(self, event: tuple[object, dict[str, Any]]) -> None:
         _, content = event
         listener = self._listeners.get(content["key"])
         if listener is not None:

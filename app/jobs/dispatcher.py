@@ -28,7 +28,7 @@ from app.store import audit, events, jobs
 from app.store.database import Database
 from app.store.failures import StoreUnavailable
 from app.store.ids import OPEN_STATES, JobState
-from app.store.jobs import Claimed, Job, NewJob
+from app.store.jobs import Claim, Job, NewJob
 from app.work.progress import Progress
 
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote
@@ -59,7 +59,7 @@ class _Running:
     token: str = ""
     stop: Stop = field(default_factory=Stop)
     began_s: float = field(default_factory=time.monotonic)
-    told_s: float = field(default_factory=time.monotonic)
+    progress_s: float = field(default_factory=time.monotonic)
 
 
 # Told of a job's kind, the state its work ended in, how long it took and the iterations.
@@ -83,7 +83,7 @@ class Dispatcher:
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
         self._closing = Event()
-        self._thread = Thread(target=self._keep_going, name="dispatcher", daemon=True)
+        self._thread = Thread(target=self._work_until_closed, name="dispatcher", daemon=True)
         self._extended_s = self._pruned_s = time.monotonic()
 
     def start(self) -> None:
@@ -107,7 +107,7 @@ class Dispatcher:
         """
         if not self._take_place():
             job, _ = self._accept_once(new, mine=False)
-            self._look_again()
+            self._wake_up()
             return job
         # Worked on while the database writes it down; nobody hears of what isn't accepted.
         running = _Running(job_id=new.id, kind=JOB_KINDS[new.kind], parent_id=new.parent_id)
@@ -190,7 +190,7 @@ class Dispatcher:
         for ended in watchers:
             ended.set_result(is_end)
 
-    def _look_again(self) -> None:
+    def _wake_up(self) -> None:
         self._may_wait = True
         self._wake.set()
 
@@ -223,7 +223,7 @@ class Dispatcher:
             request=request,
         )
         return self._executor.submit(
-            task, running.stop, lambda progress: self._tell(running, progress)
+            task, running.stop, lambda progress: self._record_progress(running, progress)
         )
 
     def _follow(self, running: _Running, work: Future[Any]) -> None:
@@ -236,11 +236,11 @@ class Dispatcher:
             running.stop.request()
         work.add_done_callback(lambda done: self._end(running, done))
 
-    def _tell(self, running: _Running, progress: Progress) -> None:
+    def _record_progress(self, running: _Running, progress: Progress) -> None:
         now_s = time.monotonic()
-        if now_s - running.told_s < PROGRESS_S or not running.token:
+        if now_s - running.progress_s < PROGRESS_S or not running.token:
             return
-        running.told_s = now_s
+        running.progress_s = now_s
         data = {name: value for name, value in asdict(progress).items() if value is not None}
         try:
             with self._database.writing() as connection:
@@ -269,7 +269,7 @@ class Dispatcher:
             self._tell_watchers(running.job_id, is_end)
             # A look that finds nothing would only keep the answer waiting for the interpreter.
             if self._may_wait or state in OPEN_STATES or running.parent_id is not None:
-                self._look_again()
+                self._wake_up()
 
     def _store_end(self, running: _Running, done: Future[Any]) -> JobState | None:
         """The state the job has now; None when it is no longer ours.
@@ -311,11 +311,11 @@ class Dispatcher:
 
     # The thread
 
-    def _keep_going(self) -> None:
+    def _work_until_closed(self) -> None:
         while not self._closing.is_set():
             try:
-                self._take_up()
-                self._look_after()
+                self._begin_waiting()
+                self._keep_leases()
                 self._prune()
             except StoreUnavailable:  # which is told where it is raised
                 self._closing.wait(_PAUSE_S)
@@ -325,7 +325,7 @@ class Dispatcher:
             self._wake.wait(POLL_S)
             self._wake.clear()
 
-    def _take_up(self) -> None:
+    def _begin_waiting(self) -> None:
         while self._is_work_waiting() and self._take_place():
             claimed = None
             try:
@@ -352,7 +352,7 @@ class Dispatcher:
             self._may_wait = jobs.is_work_waiting(connection, tuple(JOB_KINDS))
         return self._may_wait
 
-    def _claim_next(self) -> Claimed | None:
+    def _claim_next(self) -> Claim | None:
         """The next job that is to be worked on."""
         while True:
             with self._database.writing() as connection:
@@ -367,7 +367,7 @@ class Dispatcher:
                 else:
                     return claimed
 
-    def _look_after(self) -> None:
+    def _keep_leases(self) -> None:
         """Keep the leases; end what somebody cancelled or is no longer ours."""
         by_token = {running.token: running for running in self._now_running()}
         if not by_token:

@@ -20,7 +20,7 @@ from multiprocessing import connection, forkserver
 from threading import Lock, Timer
 from typing import ClassVar, TypeVar
 
-from app.jobs.child import Bounds, Message, TooDemanding, do_all
+from app.jobs.child import Bounds, Message, TooDemanding, work_until_closed
 from app.log.logs import log
 from app.work.progress import Progress
 
@@ -90,7 +90,7 @@ class _Child:
     def __init__(self) -> None:
         context = multiprocessing.get_context("forkserver")
         self.line, childs_end = context.Pipe(duplex=True)
-        self._process = context.Process(target=do_all, args=(childs_end,), daemon=True)
+        self._process = context.Process(target=work_until_closed, args=(childs_end,), daemon=True)
         try:
             with self._books:
                 start_server()
@@ -238,17 +238,17 @@ def spare_children(count: int) -> Iterator[None]:
 def run_disposable(
     bounds: Bounds,
     work: Callable[..., T],
-    *given: object,
+    *arguments: object,
     stop: Stop | None = None,
     on_progress: Callable[[Progress], None] | None = None,
 ) -> T:
-    """What `work(*given)` returns; both go through pickle, so `work` is a module's function.
+    """What `work(*arguments)` returns; both go through pickle, so `work` is a module's function.
 
     stop: ends it from another thread.  on_progress: called here with what the work reports.
     Raises the Refusal that the work raises; TooDemanding beyond the bounds; Stopped;
     ChildFailed; ChildDied.
     """
-    task = pickle.dumps((bounds, work, given))
+    task = pickle.dumps((bounds, work, arguments))
     stop = stop or Stop()
     if stop.requested:
         raise Stopped

@@ -203,7 +203,7 @@ def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
         named_path, named = _path_in(node, name.split("."))
         if ".".join(named_path) == name:
             path, detail, given = path + named_path, rest, named
-    value = _shown(given)
+    value = _short_value(given)
     if kind not in ("value_error", "missing", "unexpected_keyword_argument") and value is not None:
         detail += f", not {json.dumps(value)}"
     return FieldError(
@@ -268,7 +268,7 @@ def _detail(error: Mapping[str, Any]) -> str:
             return _DETAILS.get(kind, "can't be read as what belongs here").format_map(context)
 
 
-def _shown(value: object) -> str | float | int | bool | None:
+def _short_value(value: object) -> str | float | int | bool | None:
     """A value fit to be repeated: scalars, cut short; never NaN, which is no JSON."""
     if isinstance(value, str):
         return _shorten(value)

@@ -80,7 +80,7 @@ class Job:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Claimed:
+class Claim:
     """A job that is ours while the lease lasts."""
 
     job: Job
@@ -150,14 +150,14 @@ def latest(
 
     Parts of the larger job, or without one those that are no parts.
     """
-    wanted: list[ColumnElement[bool]] = [JobRow.kind == kind, JobRow.parent_id == parent_id]
+    conditions: list[ColumnElement[bool]] = [JobRow.kind == kind, JobRow.parent_id == parent_id]
     if before is not None:
-        wanted.append(JobRow.id < before)
+        conditions.append(JobRow.id < before)
     if state is not None:
-        wanted.append(JobRow.state == state)
+        conditions.append(JobRow.state == state)
     if name is not None:
-        wanted.append(JobRow.name.contains(name, autoescape=True))
-    found = connection.execute(_JOBS.where(*wanted).order_by(JobRow.id.desc()).limit(limit))
+        conditions.append(JobRow.name.contains(name, autoescape=True))
+    found = connection.execute(_JOBS.where(*conditions).order_by(JobRow.id.desc()).limit(limit))
     return [_job(row) for row in found]
 
 
@@ -179,19 +179,19 @@ def counts(connection: Connection) -> dict[tuple[str, str], int]:
 
 def is_work_waiting(connection: Connection, kinds: Collection[str]) -> bool:
     """Whether `claim` would find anything."""
-    either = or_(*(exists().where(*wanted) for wanted in _claimable(kinds)))
+    either = or_(*(exists().where(*conditions) for conditions in _claimable(kinds)))
     return bool(connection.scalar(select(either)))
 
 
-def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claimed | None:
+def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claim | None:
     """Take the next job: one whose lease ran out, else the first in the queue.
 
     Returns the job as it was before, with the attempts made so far.
     """
-    for wanted in _claimable(kinds):
+    for conditions in _claimable(kinds):
         row = connection.execute(
             select(*_COLUMNS, JobRow.request)
-            .where(*wanted)
+            .where(*conditions)
             .order_by(JobRow.rank, JobRow.id)
             .limit(1)
             .with_for_update(skip_locked=True)
@@ -209,7 +209,7 @@ def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...],
     )
 
 
-def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claimed:
+def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claim:
     token = secrets.token_hex(16)
     members = dict(row._mapping)
     request = zlib.decompress(members.pop("request"))
@@ -227,7 +227,7 @@ def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: floa
     )
     data = {"state": "running", "attempt": job.attempts + 1}
     events.record(connection, job.id, events.STATE, data)
-    return Claimed(job=job, request=request, token=token)
+    return Claim(job=job, request=request, token=token)
 
 
 def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> frozenset[str]:
@@ -239,10 +239,10 @@ def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> f
 
 def leases_to_end(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
     """Leases that are no longer ours, or on jobs that somebody wants to end."""
-    wanted = connection.scalars(
+    still_ours = connection.scalars(
         select(JobRow.lease_token).where(JobRow.lease_token.in_(tokens), not_(_UNWANTED))
     )
-    return frozenset(tokens) - frozenset(wanted)
+    return frozenset(tokens) - frozenset(still_ours)
 
 
 def job_of_lease(connection: Connection, token: str) -> Job | None:

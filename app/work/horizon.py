@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
-from app.answers.horizon import EstimateResponse, estimate_out, rounded
+from app.answers.horizon import EstimateResponse, estimate_out, numbers_of
 from app.answers.members import ProvenanceOut
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
@@ -117,10 +117,10 @@ def picture_json(request: PictureRequest) -> bytes:
     answer = PictureOut(
         image_png=base64.b64encode(picture(request)).decode("ascii"),
         at=utc_text(request.at),
-        position_itrf_km=rounded(around.limb.r_itrf_m / 1e3),
-        q_body_from_eci_xyzw=rounded(q.as_quat(), 12),
-        nadir_body=rounded(c_body_from_itrf @ around.limb.nadir_itrf),
-        nadir_geodetic_body=rounded(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
+        position_itrf_km=numbers_of(around.limb.r_itrf_m / 1e3),
+        q_body_from_eci_xyzw=numbers_of(q.as_quat(), 12),
+        nadir_body=numbers_of(c_body_from_itrf @ around.limb.nadir_itrf),
+        nadir_geodetic_body=numbers_of(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
     )
     return _PICTURE.dump_json(answer)
 

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from pydantic import TypeAdapter
 
-from app.answers.horizon import covariance_deg2, rounded, word
+from app.answers.horizon import covariance_deg2, numbers_of, word
 from app.answers.members import ProvenanceOut, degrees
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.json_reader import JsonReader
@@ -220,9 +220,9 @@ def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
         SeriesResponse(
             verdict=report.verdict,
             used=report.used,
-            bias_deg=rounded(np.degrees(report.bias_rad)) if observed else None,
+            bias_deg=numbers_of(np.degrees(report.bias_rad)) if observed else None,
             covariance_deg2=(covariance_deg2(report.covariance_rad2) if observed else None),
-            scatter_deg=rounded(np.degrees(report.scatter_rad)) if observed else None,
+            scatter_deg=numbers_of(np.degrees(report.scatter_rad)) if observed else None,
             probability=report.probability if observed else None,
             frames=[
                 frame_out(request, estimate)
@@ -240,7 +240,7 @@ def frame_out(request: HorizonRequest, estimate: VerticalEstimate) -> FrameOut:
         at=utc_text(request.epoch),
         verdict=estimate.verdict,
         reason=word(estimate.reason),
-        nadir_body=None if nadir is None else rounded(nadir.nadir_body),
+        nadir_body=None if nadir is None else numbers_of(nadir.nadir_body),
         sigma_deg=None if nadir is None else degrees(nadir.sigma_rad),
         along_deg=None if check is None else degrees(check.along_rad),
         across_deg=None if check is None else degrees(check.across_rad),

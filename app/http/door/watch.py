@@ -48,9 +48,9 @@ class Watch:
             except Exception as error:  # noqa: BLE001 (the edge: the log gets all, the client none)
                 await this.fail(error, receive)
             finally:
-                self._tell(scope, this, time.perf_counter() - began_s)
+                self._report(scope, this, time.perf_counter() - began_s)
 
-    def _tell(self, scope: Scope, answer: "_Answer", took_s: float) -> None:
+    def _report(self, scope: Scope, answer: "_Answer", took_s: float) -> None:
         status = int(answer.status or CLIENT_GONE)
         problem = problem_type(scope)
         route = getattr(scope.get("route"), "path", UNMATCHED)
