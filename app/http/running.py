@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from app.http.metrics import Metrics
-from app.jobs.dispatcher import Dispatcher, Rules
+from app.jobs.dispatcher import Dispatcher
 from app.jobs.disposable import spare_children
 from app.jobs.executors import LocalExecutor, SolveExecutor
 from app.settings import Settings
@@ -28,16 +28,10 @@ def dispatching(settings: Settings, database: Database, metrics: Metrics) -> Ite
             return jobs.counts(connection)
 
     metrics.count_jobs_by(counts)
-    rules = Rules(
-        lease_s=settings.lease_s,
-        attempts_max=settings.job_attempts,
-        queue_max=settings.queue_max,
-        retention_days=settings.retention_days,
-    )
     # With a cluster only what is answered at once is done here.
     here = settings.workers if not settings.dask_scheduler else os.cpu_count() or 1
     with spare_children(here):
-        dispatcher = Dispatcher(database, _executor(settings), rules, on_end)
+        dispatcher = Dispatcher(database, _executor(settings), settings, on_end)
         dispatcher.start()
         try:
             yield dispatcher

@@ -7,7 +7,6 @@ or the connection, is begun again; a result counts once, for the lease it was ma
 import secrets
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from typing import Any
@@ -23,14 +22,12 @@ from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
 from app.jobs.disposable import Stop, Stopped
 from app.jobs.executors import Task
 from app.log.logs import log
-from app.work.progress import Progress
+from app.work.progress import OnProgress, Progress
 
 _CONNECT_S = 5.0
 _PAUSE_S = 1.0
 _STOP_TRIES = 3
 _LOST = (CancelledError, ClosedClientError, CommClosedError, TimeoutError, OSError)
-
-OnProgress = Callable[[Progress], None]
 
 
 class DaskExecutor:

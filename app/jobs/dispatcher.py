@@ -24,6 +24,7 @@ from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
 from app.jobs.settling import give_up, settle, take_up_again
 from app.log.logs import log
+from app.settings import Settings
 from app.store import audit, events, jobs
 from app.store.database import Database
 from app.store.failures import StoreUnavailable
@@ -37,16 +38,6 @@ _PAUSE_S = 1.0  # when the database doesn't answer
 _STORE_PAUSES_S = (0.2, 1.0, 2.0, 4.0, 8.0)  # the last again and again
 _PRUNE_S = 3600.0
 _PRUNED_AT_ONCE = 200
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rules:
-    """What the operator sets."""
-
-    lease_s: float
-    attempts_max: int
-    queue_max: int
-    retention_days: float | None
 
 
 @dataclass(kw_only=True)
@@ -70,11 +61,11 @@ class Dispatcher:
     """Accepts jobs, and works on those of the database as far as there is room."""
 
     def __init__(
-        self, database: Database, executor: SolveExecutor, rules: Rules, on_end: OnEnd
+        self, database: Database, executor: SolveExecutor, settings: Settings, on_end: OnEnd
     ) -> None:
         self._database = database
         self._executor = executor
-        self._rules = rules
+        self._settings = settings
         self._on_end = on_end
         self._lock = Lock()
         self._free = executor.workers
@@ -138,12 +129,12 @@ class Dispatcher:
                     return known, None
             if not mine:
                 waiting = jobs.count_waiting(connection)
-                if waiting >= self._rules.queue_max:
+                if waiting >= self._settings.queue_max:
                     raise QueueFull(
                         f"{waiting} requests wait already, the most that may; ask again when some "
                         "are done"
                     )
-            token = jobs.accept(connection, new, self._rules.lease_s if mine else None)
+            token = jobs.accept(connection, new, self._settings.lease_s if mine else None)
             audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
             job = jobs.get(connection, new.id)
         assert job is not None
@@ -276,7 +267,7 @@ class Dispatcher:
 
         What no database takes would fail again at every attempt: it is given up at once.
         """
-        most = self._rules.attempts_max
+        most = self._settings.job_attempts
         try:
             return self._change(
                 running, lambda connection, job: settle(connection, job, running.kind, done, most)
@@ -356,14 +347,14 @@ class Dispatcher:
         """The next job that is to be worked on."""
         while True:
             with self._database.writing() as connection:
-                claimed = jobs.claim(connection, tuple(JOB_KINDS), self._rules.lease_s)
+                claimed = jobs.claim(connection, tuple(JOB_KINDS), self._settings.lease_s)
                 if claimed is None:
                     return None
                 job = claimed.job
                 if job.cancel_requested:
                     jobs.finish(connection, job, "cancelled")
-                elif job.attempts >= self._rules.attempts_max:
-                    take_up_again(connection, job, self._rules.attempts_max)
+                elif job.attempts >= self._settings.job_attempts:
+                    take_up_again(connection, job, self._settings.job_attempts)
                 else:
                     return claimed
 
@@ -373,9 +364,9 @@ class Dispatcher:
         if not by_token:
             return
         now_s = time.monotonic()
-        if now_s - self._extended_s >= self._rules.lease_s / 4.0:
+        if now_s - self._extended_s >= self._settings.lease_s / 4.0:
             with self._database.writing() as connection:
-                unwanted = jobs.extend(connection, tuple(by_token), self._rules.lease_s)
+                unwanted = jobs.extend(connection, tuple(by_token), self._settings.lease_s)
             self._extended_s = now_s
         else:
             with self._database.reading() as connection:
@@ -386,9 +377,9 @@ class Dispatcher:
     def _prune(self) -> None:
         """Delete what the operator doesn't keep."""
         now_s = time.monotonic()
-        if self._rules.retention_days is None or now_s < self._pruned_s:
+        if self._settings.retention_days is None or now_s < self._pruned_s:
             return
-        before_utc = datetime.now(UTC) - timedelta(days=self._rules.retention_days)
+        before_utc = datetime.now(UTC) - timedelta(days=self._settings.retention_days)
         with self._database.writing() as connection:
             gone = jobs.remove_finished(connection, before_utc, _PRUNED_AT_ONCE)
             for job_id in gone:

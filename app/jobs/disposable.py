@@ -22,7 +22,7 @@ from typing import ClassVar, TypeVar
 
 from app.jobs.child import Bounds, Message, TooDemanding, work_until_closed
 from app.log.logs import log
-from app.work.progress import Progress
+from app.work.progress import OnProgress
 
 T = TypeVar("T")
 # What the children run: the server imports it, and warms it up, once for all of them.
@@ -240,7 +240,7 @@ def run_disposable(
     work: Callable[..., T],
     *arguments: object,
     stop: Stop | None = None,
-    on_progress: Callable[[Progress], None] | None = None,
+    on_progress: OnProgress | None = None,
 ) -> T:
     """What `work(*arguments)` returns; both go through pickle, so `work` is a module's function.
 
@@ -272,9 +272,7 @@ def run_disposable(
     return done
 
 
-def _end(
-    child: _Child, task: bytes, bounds: Bounds, on_progress: Callable[[Progress], None] | None
-) -> Message:
+def _end(child: _Child, task: bytes, bounds: Bounds, on_progress: OnProgress | None) -> Message:
     """The last message of the work; raises ChildDied without one, TooDemanding when it's late."""
     try:
         child.line.send_bytes(task)

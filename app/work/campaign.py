@@ -1,4 +1,4 @@
-"""A child's work for a campaign: choose, and write a plan request per pass."""
+"""A child's work for opportunities, and for a campaign: choose, write a plan request per pass."""
 
 import json
 import re
@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from app.answers.members import ProvenanceOut
+from app.answers.opportunities import opportunities_json
 from app.requests.campaign import read_campaign_request
 from app.work.progress import Progress, report
 from planner.campaigns import (
@@ -18,6 +20,7 @@ from planner.campaigns import (
     scenario_of,
 )
 from planner.frames.time_scales import elapsed_s, utc_text
+from planner.opportunities import OpportunityRequest, find_opportunities
 from planner.targets import BenchMotionTarget
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
@@ -41,6 +44,11 @@ class NewCampaign:
 
     document: bytes
     parts: tuple[Part, ...]
+
+
+def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    return opportunities_json(find_opportunities(request), provenance)
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:

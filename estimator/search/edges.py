@@ -1,6 +1,6 @@
 """Pixels of a frame that may lie on the limb: edges, bright on one side, dark beyond.
 
-Source: Canny 1986 for the edges; the outer-side test is systems.md's "dark on the outer side".
+Source: Canny 1986 for the edges.
 """
 
 from dataclasses import dataclass

@@ -11,7 +11,7 @@ from app.http.openapi.schema import request_body
 from app.jobs.child import Bounds
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
-from app.work.opportunities import answer_opportunities
+from app.work.campaign import answer_opportunities
 
 SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 
