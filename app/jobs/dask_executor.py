@@ -49,7 +49,6 @@ class DaskExecutor:
         return self._threads.submit(self._run, task, stop, on_progress)
 
     def close(self) -> None:
-        """As a SolveExecutor does."""
         self._threads.shutdown()
         with self._loop_kept:
             self._disconnect()

@@ -52,7 +52,6 @@ class LocalExecutor:
         self._threads = ThreadPoolExecutor(workers, thread_name_prefix="solve")
 
     def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
-        """As a SolveExecutor does."""
         return self._threads.submit(
             run_disposable,
             task.bounds,
@@ -64,5 +63,4 @@ class LocalExecutor:
         )
 
     def close(self) -> None:
-        """As a SolveExecutor does."""
         self._threads.shutdown()

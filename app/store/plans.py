@@ -19,7 +19,6 @@ class StoredPlan:
     """A plan as it is read again."""
 
     id: str
-    kind: str
     series: str
     revision: int
     revises: str | None

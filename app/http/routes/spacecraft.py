@@ -22,7 +22,7 @@ def _dry_run(spec: ImagingPlanRequest, provenance: ProvenanceOut) -> SpacecraftD
     )
 
 
-SPACECRAFT_PLANS = PlanResource(
+_PLANS = PlanResource(
     kind=SPACECRAFT_PLAN,
     path="/v1/spacecraft/plans",
     tag="spacecraft",
@@ -45,4 +45,4 @@ SPACECRAFT_PLANS = PlanResource(
     file_stem="session",
 )
 
-router = plan_routes(SPACECRAFT_PLANS)
+router = plan_routes(_PLANS)

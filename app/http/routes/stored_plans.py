@@ -7,7 +7,7 @@ import anyio.to_thread
 from fastapi import Request, Response
 from sqlalchemy import Connection
 
-from app.answers.members import PlanHead, whole_answer
+from app.answers.members import PlanHead, fill, whole_answer
 from app.http.blocking import in_child, read
 from app.http.negotiation import JSON
 from app.http.routes.jobs import job_of
@@ -47,12 +47,11 @@ def immutable_tag(plan: StoredPlan, form: str = "json") -> str:
 
 async def whole_json(request: Request, resource: PlanResource, plan: StoredPlan) -> bytes:
     """The answer to the request it was planned for."""
-    head = PlanHead(id=plan.id, state=plan.state, revision=plan.revision, revises=plan.revises)
     if len(plan.table_columns) > _PACKED_MAX_BYTES:
         table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
     else:
         table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
-    return whole_answer(head, plan.document, table)
+    return whole_answer(fill(PlanHead, plan), plan.document, table)
 
 
 async def table_answer(
