@@ -230,13 +230,13 @@ def attitude_table_json(table: AttitudeTable) -> bytes:
     )
 
 
-def _window(found: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
+def _window(window: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
     return fill(
         ImagingWindowOut,
-        found,
-        found.window,
-        start=row_text(table, found.window.first_row),
-        stop=row_text(table, found.window.last_row),
+        window,
+        window.window,
+        start=row_text(table, window.window.first_row),
+        stop=row_text(table, window.window.last_row),
     )
 
 
@@ -250,14 +250,14 @@ def _turn(turn: PlannedTurn, table: AttitudeTable) -> TurnOut:
     )
 
 
-def _verification(found: SpacecraftVerification) -> SpacecraftVerificationOut:
+def _verification(verdict: SpacecraftVerification) -> SpacecraftVerificationOut:
     return fill(
         SpacecraftVerificationOut,
-        found,
-        rate_max_deg_s=found.rate_deg_s.tolist(),
-        torque_max_n_m=found.torque_n_m,
-        momentum_max_n_m_s=found.momentum_n_m_s,
-        gimbal_rate_max_deg_s=found.gimbal_rate_deg_s,
+        verdict,
+        rate_max_deg_s=verdict.rate_deg_s.tolist(),
+        torque_max_n_m=verdict.torque_n_m,
+        momentum_max_n_m_s=verdict.momentum_n_m_s,
+        gimbal_rate_max_deg_s=verdict.gimbal_rate_deg_s,
     )
 
 

@@ -186,14 +186,14 @@ class _Children:
         child.kill()
         self._refill_after(_ANSWER_S, child)
 
-    def _refill_after(self, wait_s: float, gone: _Child | None = None) -> None:
-        timer = Timer(wait_s, self._refill, (gone,))
+    def _refill_after(self, wait_s: float, old: _Child | None = None) -> None:
+        timer = Timer(wait_s, self._refill, (old,))
         timer.daemon = True
         timer.start()
 
-    def _refill(self, gone: _Child | None) -> None:
-        if gone is not None:
-            gone.throw_away()
+    def _refill(self, old: _Child | None) -> None:
+        if old is not None:
+            old.throw_away()
         with self._forking:
             while self._working + len(self._waiting) < self._kept:
                 try:
