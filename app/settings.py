@@ -136,5 +136,5 @@ def settings_of_environment() -> Settings:
     except ValidationError as error:
         fault = error.errors()[0]
     (name,) = fault["loc"]
-    told = fault["msg"][0].lower() + fault["msg"][1:]
-    raise InvalidInput(f"{told}, not {fault['input']!r}", field=f"SLEWTRACK_{name}".upper())
+    detail = fault["msg"][0].lower() + fault["msg"][1:]
+    raise InvalidInput(f"{detail}, not {fault['input']!r}", field=f"SLEWTRACK_{name}".upper())

@@ -94,7 +94,6 @@ FIRST = {
     "app/jobs/dask_": "contracts/test_cluster",
     "app/jobs/disposable.py": "contracts/test_disposable_child contracts/test_jobs",
     "app/jobs/kinds.py": "contracts/test_campaign_jobs contracts/test_http_jobs",
-    "app/jobs/parts.py": "contracts/test_campaign_jobs",
     "app/jobs/settling.py": "contracts/test_jobs contracts/test_campaign_jobs",
     "app/requests/": "contracts/test_text_bounds contracts/test_spacecraft_requests "
     "contracts/test_limits "

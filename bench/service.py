@@ -19,7 +19,7 @@ import httpx2 as httpx
 import numpy as np
 from plan import EXAMPLE, running_service
 
-from app.answers.plan_head import new_head, whole_answer
+from app.answers.members import new_head, whole_answer
 from app.work.plan import plan_and_pack, stored_table_json
 
 WARM_UP = 10

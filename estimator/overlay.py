@@ -34,10 +34,10 @@ def draw_overlay(
         cv2.polylines(picture, [line], False, _EXPECTED, thick)
     for x, y in np.rint(report.limb_px[::3]).astype(int):
         cv2.circle(picture, (int(x), int(y)), thick, _MEASURED, -1)
-    said = str(estimate.verdict)
+    verdict = str(estimate.verdict)
     if estimate.geocentric is not None:
-        said += f" +-{np.rad2deg(estimate.geocentric.sigma_rad):.3f} deg"
-    lines = [f"{camera.name}: {said}", f"arc {report.arc_deg:.0f} deg"]
+        verdict += f" +-{np.rad2deg(estimate.geocentric.sigma_rad):.3f} deg"
+    lines = [f"{camera.name}: {verdict}", f"arc {report.arc_deg:.0f} deg"]
     if report.reason is not None:
         lines.append(report.reason.name.lower().replace("_", " "))
     size = max(0.4, camera.width_px / 1400.0)

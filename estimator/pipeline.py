@@ -138,17 +138,17 @@ def _answer(horizon: SearchResult, request: HorizonRequest, search: Search) -> V
 
 
 def _warnings(request: HorizonRequest, cameras: tuple[CameraReport, ...]) -> tuple[str, ...]:
-    said = []
+    warnings = []
     if request.predicted is None:
-        said.append(
+        warnings.append(
             "no attitude was predicted, so the heading is known only from the sunlight along the "
             "limb: geodetic nadir is measured, geocentric less surely, as its covariance says; "
             "give `predicted` to have both"
         )
     left_out = [camera.name for camera in cameras if not camera.used]
     if left_out:
-        said.append(f"cameras left out: {', '.join(left_out)}")
-    return (*said, *earth_orientation_warnings(Instants(request.epoch, np.zeros(1))))
+        warnings.append(f"cameras left out: {', '.join(left_out)}")
+    return (*warnings, *earth_orientation_warnings(Instants(request.epoch, np.zeros(1))))
 
 
 def _nadir(fits: tuple[Fit, ...], limb: Limb, nadir_itrf: Array) -> Nadir:

@@ -14,42 +14,38 @@ from planner.arrays import Array
 class SeriesReport:
     """Measured minus predicted nadir over the frames that could be used.
 
-    t_s (n,); off_rad (n, 2): along and across as in `AttitudeCheck`.  bias_rad (2,), with
-    covariance (2, 2): the limb's height errs alike in all frames of a session, so the bias is
-    no surer than one frame.  scatter_rad (2,): rms about the bias, jitter and limb roughness.
+    used: how many those are; without any, the rest is NaN.  bias_rad (2,), along and across as
+    in `AttitudeCheck`, with covariance (2, 2): the limb's height errs alike in all frames of a
+    session, so the bias is no surer than one frame.  scatter_rad (2,): rms about the bias,
+    jitter and limb roughness.
     """
 
     verdict: Verdict
-    t_s: Array
-    off_rad: Array
+    used: int
     bias_rad: Array
     covariance_rad2: Array
     scatter_rad: Array
     probability: float
 
 
-def summarise_series(
-    t_s: Sequence[float], estimates: Sequence[VerticalEstimate], sigma_rad: float
-) -> SeriesReport:
+def summarise_series(estimates: Sequence[VerticalEstimate], sigma_rad: float) -> SeriesReport:
     """Estimates made against predictions, and the predictions' own 1-sigma."""
     used = [
-        (t, e.check, e.geocentric)
-        for t, e in zip(t_s, estimates, strict=True)
+        (e.check, e.geocentric)
+        for e in estimates
         if e.check is not None and e.geocentric is not None
     ]
     if not used:
-        none = np.zeros((0, 2))
         return SeriesReport(
             verdict=Verdict.NOT_OBSERVABLE,
-            t_s=np.zeros(0),
-            off_rad=none,
+            used=0,
             bias_rad=np.full(2, np.nan),
             covariance_rad2=np.full((2, 2), np.nan),
             scatter_rad=np.full(2, np.nan),
             probability=float("nan"),
         )
-    off_rad = np.array([[check.along_rad, check.across_rad] for _, check, _ in used])
-    covariances_rad2 = np.array([nadir.covariance_rad2 for _, _, nadir in used])
+    off_rad = np.array([[check.along_rad, check.across_rad] for check, _ in used])
+    covariances_rad2 = np.array([nadir.covariance_rad2 for _, nadir in used])
     weight = np.array([1.0 / np.trace(covariance_rad2) for covariance_rad2 in covariances_rad2])
     weight /= weight.sum()
     bias_rad = weight @ off_rad
@@ -58,8 +54,7 @@ def summarise_series(
     consistent = probability >= INCONSISTENT_BELOW
     return SeriesReport(
         verdict=Verdict.CONSISTENT if consistent else Verdict.INCONSISTENT,
-        t_s=np.array([t for t, _, _ in used]),
-        off_rad=off_rad,
+        used=len(used),
         bias_rad=bias_rad,
         covariance_rad2=covariance_rad2,
         scatter_rad=np.sqrt(weight @ (off_rad - bias_rad) ** 2),

@@ -32,14 +32,14 @@ __all__ = [
 ]
 
 Json = bytes | Mapping[str, Any]
-Asked = TypeVar("Asked")
+Request = TypeVar("Request")
 
 
 def read_request(request: Json) -> "PlanRequest":
     """The request for a plan, every field checked; a `Scenario`, with its horizon cameras."""
     from app.requests.plan import read_plan_request
 
-    return _read_unless_done(request, read_plan_request)
+    return _value_of(request, read_plan_request)
 
 
 def plan(request: "Scenario | Json") -> "Plan":
@@ -54,7 +54,7 @@ def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":
     from app.requests.opportunities import read_opportunity_request
     from planner.opportunities import find_opportunities
 
-    return find_opportunities(_read_unless_done(request, read_opportunity_request))
+    return find_opportunities(_value_of(request, read_opportunity_request))
 
 
 def campaign(request: "CampaignRequest | Json") -> "Campaign":
@@ -62,7 +62,7 @@ def campaign(request: "CampaignRequest | Json") -> "Campaign":
     from app.requests.campaign import read_campaign_request
     from planner.campaigns import choose_campaign
 
-    return choose_campaign(_read_unless_done(request, read_campaign_request))
+    return choose_campaign(_value_of(request, read_campaign_request))
 
 
 def estimate_vertical(
@@ -74,7 +74,7 @@ def estimate_vertical(
     from estimator.pipeline import estimate_vertical as estimate
 
     pixels = [decode_image(image) if isinstance(image, bytes) else image for image in images]
-    return estimate(pixels, _read_unless_done(request, read_estimate_request))
+    return estimate(pixels, _value_of(request, read_estimate_request))
 
 
 def plan_imaging(request: "ImagingPlanRequest | Json") -> "ImagingPlan":
@@ -82,10 +82,10 @@ def plan_imaging(request: "ImagingPlanRequest | Json") -> "ImagingPlan":
     from app.requests.spacecraft import read_spacecraft_request
     from planner.spacecraft.plan import plan_imaging as make
 
-    return make(_read_unless_done(request, read_spacecraft_request))
+    return make(_value_of(request, read_spacecraft_request))
 
 
-def _read_unless_done(request: Asked | Json, read: Callable[[bytes], Asked]) -> Asked:
+def _value_of(request: Request | Json, read: Callable[[bytes], Request]) -> Request:
     if isinstance(request, bytes):
         return read(request)
     if isinstance(request, Mapping):

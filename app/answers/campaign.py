@@ -7,8 +7,9 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from app.answers.job import JobProblem, JobResponse, job_out, page
+from app.answers.members import fill
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.states import JobState
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,10 +126,10 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
     """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
     latest = {part.options["campaign"]["pass"]: part for part in parts}
     passes = [_pass_out(latest[number]) for number in sorted(latest)]
-    told = job_out(job)
     return _CAMPAIGN.dump_json(
-        CampaignResponse(
-            **{name: getattr(told, name) for name in JobResponse.__dataclass_fields__},
+        fill(
+            CampaignResponse,
+            job_out(job),
             choice=None if choice is None else _CHOICE.validate_python(choice),
             planned=_planned_out(passes),
             passes=passes,
@@ -137,15 +138,15 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
 
 
 def _pass_out(part: Job) -> CampaignPassOut:
-    told = part.options["campaign"]
+    facts = part.options["campaign"]
     return CampaignPassOut(
-        number=told["pass"],
+        number=facts["pass"],
         plan=part.id,
         state=part.state,
-        start=told["start"],
-        stop=told["stop"],
-        looks=_LOOKS.validate_python(told["looks"]),
-        left_out=_LEFT_OUT.validate_python(told["left_out"]),
+        start=facts["start"],
+        stop=facts["stop"],
+        looks=_LOOKS.validate_python(facts["looks"]),
+        left_out=_LEFT_OUT.validate_python(facts["left_out"]),
         problem=job_out(part).problem,
     )
 

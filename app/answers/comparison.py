@@ -3,9 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from app.answers.members import DECIMALS, fill
 from planner.slew.compare import SlewComparison, SlewFigures
-
-DECIMALS = 9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,9 +65,9 @@ def comparison_out(session: int, comparison: SlewComparison) -> SlewComparisonOu
         ocp=_by_axis(names, comparison.ocp),
         spline=_by_axis(names, comparison.spline),
         residual_vibration=[
-            ModeResidualOut(
-                frequency_hz=residual.mode.frequency_hz,
-                damping=residual.mode.damping,
+            fill(
+                ModeResidualOut,
+                residual.mode,
                 ocp_arcsec=_arcsec_by_axis(names, residual.ocp_rad),
                 spline_arcsec=_arcsec_by_axis(names, residual.spline_rad),
             )

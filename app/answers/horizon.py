@@ -5,18 +5,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 
 from app.answers.horizon_view import ViewOut
-from app.answers.provenance import ProvenanceOut
-from estimator.check import AttitudeCheck, Verdict
+from app.answers.members import DECIMALS, ProvenanceOut, degrees, fill
+from estimator.check import Verdict
 from estimator.errors import Reason
 from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
 from estimator.prediction import HorizonPrediction
 from planner.arrays import Array
 
-DECIMALS = 9
 PIXEL_DECIMALS = 2
 
 
@@ -96,28 +96,23 @@ def estimate_out(
     estimate: VerticalEstimate, overlays: Sequence[bytes], provenance: ProvenanceOut
 ) -> EstimateResponse:
     """overlays: PNG files, one per camera, or none at all."""
-    geocentric, geodetic = _nadir_fields(estimate.geocentric), _nadir_fields(estimate.geodetic)
+    geocentric, geodetic, check = estimate.geocentric, estimate.geodetic, estimate.check
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
-    return EstimateResponse(
-        verdict=estimate.verdict,
-        reason=word(estimate.reason),
-        explanation=_text(estimate.reason),
-        nadir_body=geocentric.nadir_body,
-        nadir_geodetic_body=geodetic.nadir_body,
-        axes_body=geocentric.axes_body,
-        covariance_deg2=geocentric.covariance_deg2,
-        sigma_deg=geocentric.sigma_deg,
-        geodetic_axes_body=geodetic.axes_body,
-        geodetic_covariance_deg2=geodetic.covariance_deg2,
-        geodetic_sigma_deg=geodetic.sigma_deg,
+    return fill(
+        EstimateResponse,
+        estimate,
+        **_why(estimate.reason),
+        nadir_body=geocentric and numbers_of(geocentric.nadir_body),
+        nadir_geodetic_body=geodetic and numbers_of(geodetic.nadir_body),
+        **_on_its_axes(geocentric),
+        **_on_its_axes(geodetic, "geodetic_"),
         limb_height_km=_kilometres(estimate.limb_height_m),
         limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
-        check=None if estimate.check is None else _check(estimate.check),
+        check=check and fill(CheckOut, check, decimals=DECIMALS),
         cameras=[
             _camera(report, overlay_png)
             for report, overlay_png in zip_longest(estimate.cameras, pictures)
         ],
-        warnings=list(estimate.warnings),
         provenance=provenance,
     )
 
@@ -125,61 +120,37 @@ def estimate_out(
 def view_out(view: HorizonPrediction, at: str) -> ViewOut:
     """In degrees."""
     seen = view.limb_px[np.all(np.isfinite(view.limb_px), axis=1)]
-    return ViewOut(
+    return fill(
+        ViewOut,
+        view,
         at=at,
-        camera=view.camera,
         usable=view.reason is None,
-        reason=word(view.reason),
-        explanation=_text(view.reason),
+        **_why(view.reason),
         limb_in_frame=view.arc_rad > 0.0,
-        arc_deg=degrees(view.arc_rad),
-        lit_arc_deg=degrees(view.lit_arc_rad),
         lit=view.lit_arc_rad > 0.0,
-        sun_angle_deg=degrees(view.sun_angle_rad),
-        sun_in_frame=view.sun_in_frame,
-        sigma_deg=None if view.sigma_rad is None else degrees(view.sigma_rad),
-        limb_px=rows(seen, PIXEL_DECIMALS),
+        limb_px=rows_of(seen, PIXEL_DECIMALS),
+        decimals=DECIMALS,
     )
 
 
 def _camera(report: CameraReport, overlay_png: str | None) -> CameraOut:
-    return CameraOut(
-        name=report.name,
-        used=report.used,
-        reason=word(report.reason),
-        explanation=_text(report.reason),
+    return fill(
+        CameraOut,
+        report,
+        **_why(report.reason),
         arc_deg=round(report.arc_deg, DECIMALS),
         residual_px=None if math.isnan(report.residual_px) else round(report.residual_px, 4),
         overlay_png=overlay_png,
     )
 
 
-def _check(check: AttitudeCheck) -> CheckOut:
-    return CheckOut(
-        angle_deg=degrees(check.angle_rad),
-        along_deg=degrees(check.along_rad),
-        across_deg=degrees(check.across_rad),
-        probability=check.probability,
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _NadirFields:
-    nadir_body: list[float] | None = None
-    axes_body: list[list[float]] | None = None
-    covariance_deg2: list[list[float]] | None = None
-    sigma_deg: float | None = None
-
-
-def _nadir_fields(nadir: Nadir | None) -> _NadirFields:
-    if nadir is None:
-        return _NadirFields()
-    return _NadirFields(
-        nadir_body=rounded(nadir.nadir_body),
-        axes_body=rows(nadir.axes_body),
-        covariance_deg2=rows(nadir.covariance_rad2 * math.degrees(1.0) ** 2, 12),
-        sigma_deg=degrees(nadir.sigma_rad),
-    )
+def _on_its_axes(nadir: Nadir | None, kind: str = "") -> dict[str, Any]:
+    """The members that tell how sure a nadir of one kind is, null without it."""
+    return {
+        f"{kind}axes_body": nadir and rows_of(nadir.axes_body),
+        f"{kind}covariance_deg2": nadir and covariance_deg2(nadir.covariance_rad2),
+        f"{kind}sigma_deg": nadir and degrees(nadir.sigma_rad),
+    }
 
 
 def word(reason: Reason | None) -> str | None:
@@ -187,24 +158,24 @@ def word(reason: Reason | None) -> str | None:
     return None if reason is None else reason.name.lower()
 
 
-def _text(reason: Reason | None) -> str | None:
-    return None if reason is None else reason.value
+def _why(reason: Reason | None) -> dict[str, Any]:
+    return {"reason": word(reason), "explanation": None if reason is None else reason.value}
 
 
 def _kilometres(height_m: float | None) -> float | None:
     return None if height_m is None else round(height_m / 1e3, 3)
 
 
-def degrees(angle_rad: float) -> float:
-    """Rounded to 1e-9 deg."""
-    return round(math.degrees(angle_rad), DECIMALS)
+def covariance_deg2(covariance_rad2: Array) -> list[list[float]]:
+    """Of two angles, in square degrees."""
+    return rows_of(covariance_rad2 * math.degrees(1.0) ** 2, 12)
 
 
-def rounded(numbers: Array, decimals: int = DECIMALS) -> list[float]:
+def numbers_of(numbers: Array, decimals: int = DECIMALS) -> list[float]:
     """A vector as plain numbers."""
     return [round(float(number), decimals) + 0.0 for number in numbers]
 
 
-def rows(numbers: Array, decimals: int = DECIMALS) -> list[list[float]]:
+def rows_of(numbers: Array, decimals: int = DECIMALS) -> list[list[float]]:
     """The rows of a matrix as plain numbers."""
-    return [rounded(row, decimals) for row in numbers]
+    return [numbers_of(row, decimals) for row in numbers]

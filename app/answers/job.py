@@ -1,15 +1,14 @@
 """The answer about a plan that isn't made, or not yet."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from pydantic import TypeAdapter
 
+from app.answers.members import fill
 from app.answers.problem import Problem
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.states import JobState
-from planner.frames.time_scales import utc_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,22 +52,15 @@ _LIST = TypeAdapter(PlanList)
 def job_out(job: Job) -> JobResponse:
     """As it stands."""
     problem = job.problem
-    return JobResponse(
-        id=job.id,
-        state=job.state,
-        name=job.name,
+    return fill(
+        JobResponse,
+        job,
         revises=job.options.get("revises"),
         input_sha256=job.request_sha256,
-        created=utc_text(job.created_utc),
-        started=None if job.started_utc is None else utc_text(job.started_utc),
-        finished=None if job.finished_utc is None else utc_text(job.finished_utc),
-        attempts=job.attempts,
-        problem=None if problem is None else _problem(job.id, problem),
+        problem=None
+        if problem is None
+        else _PROBLEM.validate_python({**problem, "instance": f"urn:uuid:{job.id}"}),
     )
-
-
-def _problem(job_id: str, problem: Mapping[str, Any]) -> JobProblem:
-    return _PROBLEM.validate_python({**problem, "instance": f"urn:uuid:{job_id}"})
 
 
 def job_json(job: Job) -> bytes:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
@@ -112,48 +112,48 @@ class OpportunitiesResponse:
 _ADAPTER = TypeAdapter(OpportunitiesResponse)
 
 
-def opportunities_json(found: Opportunities, made: ProvenanceOut) -> bytes:
+def opportunities_json(result: Opportunities, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
     return _ADAPTER.dump_json(
         OpportunitiesResponse(
-            start=utc_text(found.start_utc),
-            stop=utc_text(found.stop_utc),
-            windows=windows_out(found),
+            start=utc_text(result.start_utc),
+            stop=utc_text(result.stop_utc),
+            windows=windows_out(result),
             unseen=[
-                found.ids[row]
-                for row in np.setdiff1d(np.arange(len(found.ids)), found.windows.target)
+                result.ids[row]
+                for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
             ],
-            warnings=list(found.warnings),
-            provenance=made,
+            warnings=list(result.warnings),
+            provenance=provenance,
         )
     )
 
 
-def windows_out(found: Opportunities) -> list[WindowOut]:
+def windows_out(result: Opportunities) -> list[WindowOut]:
     """All windows, in order."""
-    windows = found.windows
+    windows = result.windows
     columns: dict[str, Column] = {
-        "target": [found.ids[row] for row in windows.target],
-        "rise": _utc(found.start_utc, windows.rise_s),
-        "set": _utc(found.start_utc, windows.set_s),
+        "target": [result.ids[row] for row in windows.target],
+        "rise": _utc(result.start_utc, windows.rise_s),
+        "set": _utc(result.start_utc, windows.set_s),
         "duration_s": _numbers(windows.set_s - windows.rise_s),
-        "session": _sessions(found),
+        "session": _sessions(result),
         "opened_by": windows.opened_by.tolist(),
         "closed_by": windows.closed_by.tolist(),
-        "highest_at": _utc(found.start_utc, windows.highest_s),
+        "highest_at": _utc(result.start_utc, windows.highest_s),
         "highest_deg": _numbers(np.degrees(windows.highest_rad)),
-        "closest": _sightings(SightingOut, found, windows.closest),
-        "through": _sightings(SightingsOut, found, windows.through),
+        "closest": _sightings(SightingOut, result, windows.closest),
+        "through": _sightings(SightingsOut, result, windows.through),
         "branch": windows.branch.tolist(),
         "branches": [np.flatnonzero(usable).tolist() for usable in windows.branches],
     }
     return [WindowOut(**row) for row in _rows(columns)]
 
 
-def _sessions(found: Opportunities) -> Column:
-    times_s = found.windows.sessions_s(found.start_utc)
+def _sessions(result: Opportunities) -> Column:
+    times_s = result.windows.sessions_s(result.start_utc)
     fits = ~np.isnan(times_s[:, 0])
-    starts, stops = (_utc(found.start_utc, column[fits]) for column in times_s.T)
+    starts, stops = (_utc(result.start_utc, column[fits]) for column in times_s.T)
     sessions: Column = [None] * len(fits)
     for window, start, stop in zip(np.flatnonzero(fits), starts, stops, strict=True):
         sessions[window] = SessionTimesOut(start=start, stop=stop)
@@ -161,15 +161,15 @@ def _sessions(found: Opportunities) -> Column:
 
 
 def _sightings(
-    kind: type[SightingOut] | type[SightingsOut], found: Opportunities, seen: Sightings
+    kind: type[SightingOut] | type[SightingsOut], result: Opportunities, seen: Sightings
 ) -> Column:
     columns: dict[str, Column] = {
-        "at": _utc(found.start_utc, seen.t_s),
+        "at": _utc(result.start_utc, seen.t_s),
         "range_km": _numbers(seen.range_m / 1e3),
         "ground_sample_across_m": _numbers(seen.ground_sample_across_m),
         "ground_sample_along_m": _numbers(seen.ground_sample_along_m),
-        "angles_deg": _by_axis(found.axis_names, seen.angle_rad),
-        "rates_deg_s": _by_axis(found.axis_names, seen.rate_rad_s),
+        "angles_deg": _by_axis(result.axis_names, seen.angle_rad),
+        "rates_deg_s": _by_axis(result.axis_names, seen.rate_rad_s),
     }
     for field in fields(kind):
         if field.name not in columns:
@@ -191,13 +191,13 @@ def _rows(columns: dict[str, Column]) -> list[dict[str, Any]]:
 
 def _utc(start_utc: datetime, t_s: Array) -> Column:
     texts = np.array(Instants(start_utc, t_s.ravel()).utc_text(3), dtype=object)
-    listed: Column = texts.reshape(t_s.shape).tolist()
-    return listed
+    column: Column = texts.reshape(t_s.shape).tolist()
+    return column
 
 
 def _numbers(numbers: Array) -> Column:
     rounded = np.round(numbers, DECIMALS) + 0.0  # no -0.0
-    told = rounded.astype(object)
-    told[~np.isfinite(rounded)] = None
-    listed: Column = told.tolist()
-    return listed
+    cells = rounded.astype(object)
+    cells[~np.isfinite(rounded)] = None
+    column: Column = cells.tolist()
+    return column

@@ -1,20 +1,23 @@
 """The answer to a plan: degrees, UTC text and plain numbers."""
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from app.answers.comparison import SlewComparisonOut, comparison_out
 from app.answers.horizon_view import HorizonCheckOut
-from app.answers.plan_head import PlanHead, new_head, whole_answer
-from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out, uncertainty_out
-from app.answers.provenance import ProvenanceOut, provenance
+from app.answers.members import (
+    PlanHead,
+    ProvenanceOut,
+    degrees,
+    degrees_of,
+    fill,
+    new_head,
+    whole_answer,
+)
+from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
@@ -22,8 +25,6 @@ from planner.frames.time_scales import utc_text
 from planner.sessions.plan import Plan
 from planner.verification import Finding, LimitMargin
 from planner.verification.report import KeepOutMargin
-
-DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 
 _UNITS = {
     "angle_min": "deg",
@@ -183,14 +184,10 @@ _TABLE = TypeAdapter(TableOut)
 
 
 def plan_json(
-    plan: Plan,
-    *,
-    input_sha256: str,
-    planned_at_utc: datetime,
-    horizon_checks: Sequence[HorizonCheckOut] = (),
+    plan: Plan, provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
 ) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
-    document = plan_document(plan, horizon_checks, provenance(input_sha256, planned_at_utc))
+    document = plan_document(plan, checks, provenance)
     return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 
@@ -232,14 +229,14 @@ def plan_document(
             keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
             pointing=[pointing_out(session) for session in report.sessions],
             uncertainty=[
-                uncertainty_out(session, budget)
+                fill(UncertaintyOut, budget, session=session)
                 for session, budget in enumerate(plan.budgets)
                 if budget is not None
             ],
-            verification=VerificationOut(
-                passed=report.passed,
-                findings=[_finding(finding) for finding in report.findings],
-                taken_as_given=list(report.taken_as_given),
+            verification=fill(
+                VerificationOut,
+                report,
+                findings=[fill(FindingOut, finding) for finding in report.findings],
             ),
             comparison=[
                 comparison_out(run.session, run.comparison)
@@ -258,9 +255,9 @@ def table_out(table: CommandTable) -> TableOut:
     """The table in degrees, rounded to 1e-9."""
     columns: dict[str, Any] = {}
     for column, axis in enumerate(table.axis_names):
-        columns[f"{axis}_deg"] = _degrees(table.angle_rad[:, column])
+        columns[f"{axis}_deg"] = degrees_of(table.angle_rad[:, column])
     for column, axis in enumerate(table.axis_names):
-        columns[f"{axis}_rate_deg_s"] = _degrees(table.rate_rad_s[:, column])
+        columns[f"{axis}_rate_deg_s"] = degrees_of(table.rate_rad_s[:, column])
     # Constructed without validation: 2,000 floats that numpy has just made.
     return TableOut.model_construct(
         epoch=utc_text(table.epoch_utc, 1),
@@ -275,9 +272,9 @@ def margins_out(limits: tuple[LimitMargin, ...]) -> dict[str, dict[str, MarginOu
     margins: dict[str, dict[str, MarginOut]] = {}
     for found in limits:
         margins.setdefault(found.axis, {})[found.limit] = MarginOut(
-            limit=_degrees_of(found.limit_value),
-            extreme=_degrees_of(found.extreme),
-            margin=_degrees_of(found.margin),
+            limit=degrees(found.limit_value),
+            extreme=degrees(found.extreme),
+            margin=degrees(found.margin),
             unit=_UNITS[found.limit],
             t_s=round(found.t_s, 6),
             at=utc_text(found.at_utc),
@@ -291,29 +288,19 @@ def keep_out_margin_out(margin: KeepOutMargin) -> KeepOutMarginOut:
     return KeepOutMarginOut(
         number=margin.number,
         about=margin.about,
-        half_angle_deg=_degrees_of(margin.half_angle_rad),
-        away_min_deg=None if away_rad is None else _degrees_of(away_rad),
-        margin_deg=None if away_rad is None else _degrees_of(away_rad - margin.half_angle_rad),
+        half_angle_deg=degrees(margin.half_angle_rad),
+        away_min_deg=None if away_rad is None else degrees(away_rad),
+        margin_deg=None if away_rad is None else degrees(away_rad - margin.half_angle_rad),
         at=None if away_rad is None else utc_text(margin.at_utc),
     )
 
 
 def _segment(segment: Segment) -> SegmentOut:
-    return SegmentOut(
-        kind=segment.kind,
-        session=segment.session,
+    return fill(
+        SegmentOut,
+        segment,
         start=utc_text(segment.start_utc, 1),
         stop=utc_text(segment.stop_utc, 1),
-    )
-
-
-def _finding(finding: Finding) -> FindingOut:
-    return FindingOut(
-        severity=finding.severity,
-        limit=finding.limit,
-        axis=finding.axis,
-        at=utc_text(finding.at_utc) if finding.at_utc else None,
-        detail=finding.detail,
     )
 
 
@@ -324,27 +311,6 @@ def _solver(plan: Plan) -> SolverOut:
         status=" ".join(dict.fromkeys(run.status for run in runs)),
         iterations=sum(run.iterations for run in runs),
         wall_s=sum(run.wall_s for run in runs),
-        slews=[
-            SlewRunOut(
-                session=run.session,
-                backend=run.backend,
-                status=run.status,
-                iterations=run.iterations,
-                wall_s=run.wall_s,
-                duration_s=run.duration_s,
-                minimum_s=run.minimum_s,
-            )
-            for run in runs
-        ],
+        slews=[fill(SlewRunOut, run) for run in runs],
         stages_wall_s=dict(plan.stage_wall_s),
     )
-
-
-def _degrees(values_rad: NDArray[np.float64]) -> list[float]:
-    # + 0.0 so that nothing reads -0.0
-    degrees: list[float] = (np.round(np.degrees(values_rad), DECIMALS) + 0.0).tolist()
-    return degrees
-
-
-def _degrees_of(value_rad: float) -> float:
-    return round(math.degrees(value_rad), DECIMALS)

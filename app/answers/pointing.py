@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from app.answers.members import fill
 from planner.frames.time_scales import utc_text
-from planner.sessions.uncertainty import Contribution, PointingBudget
+from planner.sessions.uncertainty import Contribution
 from planner.verification import EarthFixedView, SessionReport, SkyView
 
 ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
@@ -80,19 +81,10 @@ def pointing_out(session: SessionReport) -> PointingOut:
         **_view(session.view),
         allowed_arcsec=session.allowed_rad * ARCSEC_PER_RAD,
         off_target=[
-            OffTargetOut(
-                start=utc_text(stretch.start_utc),
-                stop=utc_text(stretch.stop_utc),
-                max_arcsec=stretch.max_rad * ARCSEC_PER_RAD,
-            )
+            fill(OffTargetOut, stretch, max_arcsec=stretch.max_rad * ARCSEC_PER_RAD)
             for stretch in session.off_target
         ],
-        slow_stretches=[
-            SlowStretchOut(
-                axis=slow.axis, start=utc_text(slow.start_utc), stop=utc_text(slow.stop_utc)
-            )
-            for slow in session.slow_stretches
-        ],
+        slow_stretches=[fill(SlowStretchOut, slow) for slow in session.slow_stretches],
     )
 
 
@@ -133,14 +125,3 @@ class UncertaintyOut:
     ground_m: float | None
     probability_in_frame: float
     contributions: list[Contribution]
-
-
-def uncertainty_out(session: int, budget: PointingBudget) -> UncertaintyOut:
-    """The budget of the session with this number."""
-    return UncertaintyOut(
-        session=session,
-        sigma_arcsec=budget.sigma_arcsec,
-        ground_m=budget.ground_m,
-        probability_in_frame=budget.probability_in_frame,
-        contributions=list(budget.contributions),
-    )

@@ -1,12 +1,11 @@
 """The answer to a refusal or to a failure of ours: RFC 9457 problem details."""
 
 from dataclasses import asdict, dataclass
-from datetime import datetime
 from http import HTTPStatus
 from typing import Any
 
+from app.answers.members import utc_or_none
 from planner.errors import FieldError, GiveUp, Refusal
-from planner.frames.time_scales import utc_text
 
 TYPE_PREFIX = "urn:slewtrack:problem:"
 _TEXT_MAX = 2000
@@ -57,15 +56,12 @@ def problem_of(refusal: Refusal) -> dict[str, Any]:
         "field": refusal.field,
         "axis": refusal.axis,
         "limit": refusal.limit,
-        "at": _text(refusal.at_utc),
-        "earliest_feasible_start": _text(refusal.earliest_feasible_start_utc),
-        "feasible_stop": _text(refusal.feasible_stop_utc),
+        "at": utc_or_none(refusal.at_utc),
+        "earliest_feasible_start": utc_or_none(refusal.earliest_feasible_start_utc),
+        "feasible_stop": utc_or_none(refusal.feasible_stop_utc),
         "costs_sessions": list(refusal.costs_sessions),
         "give_up": [asdict(offer) for offer in getattr(refusal, "give_up", ())],
-        "errors": [
-            {"field": error.field, "detail": error.detail, "value": error.value}
-            for error in getattr(refusal, "errors", ())
-        ],
+        "errors": [asdict(error) for error in getattr(refusal, "errors", ())],
     }
     return {name: _short(value) for name, value in members.items() if value not in (None, [])}
 
@@ -79,10 +75,6 @@ def _short(value: object) -> object:
     if isinstance(value, dict):
         return {name: _short(item) for name, item in value.items()}
     return value
-
-
-def _text(utc: datetime | None) -> str | None:
-    return None if utc is None else utc_text(utc)
 
 
 def bug() -> dict[str, Any]:

@@ -7,19 +7,16 @@ from typing import Literal
 import numpy as np
 from pydantic import TypeAdapter
 
-from app.answers.plan_head import PlanHead, new_head, whole_answer
-from app.answers.provenance import ProvenanceOut
-from planner.arrays import Array
+from app.answers.members import PlanHead, ProvenanceOut, degrees_of, fill, new_head, whole_answer
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
 from planner.spacecraft.imaging.choice_with_turns import LeftOut
 from planner.spacecraft.imaging.timeline import PlannedTurn
 from planner.spacecraft.plan import ImagingPlan
-from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
+from planner.spacecraft.table import TICK_S, AttitudeTable
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
-DECIMALS = 9
 QUATERNION_DECIMALS = 13
 
 
@@ -200,12 +197,7 @@ def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
             spacecraft=plan.spacecraft.name,
             windows=[_window(found, plan.table) for found in plan.verification.windows],
             left_out=list(plan.left_out),
-            choice=ImagingChoiceOut(
-                value=plan.choice.value,
-                bound=plan.choice.bound,
-                proven_optimal=plan.choice.proven_optimal,
-                greedy_value=plan.choice.greedy_value,
-            ),
+            choice=fill(ImagingChoiceOut, plan.choice),
             turns=[_turn(turn, plan.table) for turn in plan.turns],
             verification=_verification(plan.verification),
             stabilisation=_stabilisation(plan.stabilisation),
@@ -230,90 +222,57 @@ def attitude_table_json(table: AttitudeTable) -> bytes:
             step_s=TICK_S,
             t_s=table.t_s.tolist(),
             q_body_from_eci_xyzw=np.round(q_body_from_eci_xyzw, QUATERNION_DECIMALS).tolist(),
-            omega_body_deg_s=_degrees(table.omega_body_rad_s),
-            alpha_body_deg_s2=_degrees(table.alpha_body_rad_s2),
-            gimbal_deg=_degrees(table.gimbal_rad),
-            gimbal_rate_deg_s=_degrees(table.gimbal_rate_rad_s),
+            omega_body_deg_s=degrees_of(table.omega_body_rad_s),
+            alpha_body_deg_s2=degrees_of(table.alpha_body_rad_s2),
+            gimbal_deg=degrees_of(table.gimbal_rad),
+            gimbal_rate_deg_s=degrees_of(table.gimbal_rate_rad_s),
         )
     )
 
 
-def _window(found: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
-    window: ImagingWindow = found.window
-    return ImagingWindowOut(
-        request=window.request,
-        look=window.look,
-        start=row_text(table, window.first_row),
-        stop=row_text(table, window.last_row),
-        first_row=window.first_row,
-        last_row=window.last_row,
-        scan_speed_m_s=found.scan_speed_m_s,
-        speed_spread=found.speed_spread,
-        drift_deg=math.degrees(found.drift_rad),
-        miss_m=found.miss_m,
-        along_deg=found.along_deg,
-        across_deg=found.across_deg,
+def _window(window: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
+    return fill(
+        ImagingWindowOut,
+        window,
+        window.window,
+        start=row_text(table, window.window.first_row),
+        stop=row_text(table, window.window.last_row),
     )
 
 
 def _turn(turn: PlannedTurn, table: AttitudeTable) -> TurnOut:
-    compared = turn.comparison
-    return TurnOut(
+    return fill(
+        TurnOut,
+        turn.comparison,
         start=row_text(table, turn.first_row),
         stop=row_text(table, turn.last_row),
         onto=turn.window,
-        angle_deg=math.degrees(compared.angle_rad),
-        duration_s=compared.duration_s,
-        eigenaxis_s=compared.eigenaxis_s,
-        bang_coast_bang_s=compared.bang_coast_bang_s,
-        torque_rate_peak_n_m_s=compared.torque_rate_peak_n_m_s,
-        eigenaxis_torque_rate_peak_n_m_s=compared.eigenaxis_torque_rate_peak_n_m_s,
-        method=compared.method,
-        status=compared.status,
-        solve_s=compared.solve_s,
     )
 
 
-def _verification(found: SpacecraftVerification) -> SpacecraftVerificationOut:
-    return SpacecraftVerificationOut(
-        passed=found.passed,
-        findings=list(found.findings),
-        rate_max_deg_s=found.rate_deg_s.tolist(),
-        torque_max_n_m=found.torque_n_m,
-        momentum_max_n_m_s=found.momentum_n_m_s,
-        gimbal_rate_max_deg_s=found.gimbal_rate_deg_s,
-        gimbal_margin=found.gimbal_margin,
-        momentum_mismatch_n_m_s=found.momentum_mismatch_n_m_s,
+def _verification(verdict: SpacecraftVerification) -> SpacecraftVerificationOut:
+    return fill(
+        SpacecraftVerificationOut,
+        verdict,
+        rate_max_deg_s=verdict.rate_deg_s.tolist(),
+        torque_max_n_m=verdict.torque_n_m,
+        momentum_max_n_m_s=verdict.momentum_n_m_s,
+        gimbal_rate_max_deg_s=verdict.gimbal_rate_deg_s,
     )
 
 
 def _stabilisation(report: StabilisationReport) -> StabilisationOut:
-    worst = report.worst_rad_s
-    return StabilisationOut(
-        runs=report.runs,
-        share_steady=report.share_steady,
-        worst_deg_s=None if worst is None else math.degrees(worst),
-        windows=[_steadiness(window) for window in report.windows],
+    return fill(
+        StabilisationOut, report, windows=[_steadiness(window) for window in report.windows]
     )
 
 
-def _steadiness(flown: WindowSteadiness) -> SteadinessOut:
-    return SteadinessOut(
-        request=flown.window.request,
-        look=flown.window.look,
-        steady=flown.steady,
-        rate_error_deg_s=np.degrees(flown.rate_error_rad_s).tolist(),
-        rate_error_rms_deg_s=math.degrees(flown.rms_rad_s),
-        pointing_error_deg=math.degrees(flown.pointing_error_rad),
-        settled_s=flown.settled_s,
-        spare_s=flown.spare_s,
-        smear_px=flown.smear_px,
-        momentum_margin_n_m_s=flown.momentum_margin_n_m_s,
-        gimbal_margin=flown.gimbal_margin,
-        gimbal_rate_max_deg_s=math.degrees(flown.gimbal_rate_rad_s),
+def _steadiness(worst: WindowSteadiness) -> SteadinessOut:
+    return fill(
+        SteadinessOut,
+        worst,
+        worst.window,
+        rate_error_deg_s=np.degrees(worst.rate_error_rad_s).tolist(),
+        rate_error_rms_deg_s=math.degrees(worst.rms_rad_s),
+        gimbal_rate_max_deg_s=math.degrees(worst.gimbal_rate_rad_s),
     )
-
-
-def _degrees(values_rad: Array) -> list[list[float]]:
-    degrees: list[list[float]] = (np.round(np.degrees(values_rad), DECIMALS) + 0.0).tolist()
-    return degrees

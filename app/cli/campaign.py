@@ -7,14 +7,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-from app.cli.report_parts import print_warnings
-from app.store.new_plan import NewPlan
+from app.cli.report_parts import print_warnings, report_table
+from app.store.packed import NewPlan
 from app.work import progress
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
@@ -37,18 +38,18 @@ def run_campaign(body: bytes) -> tuple[NewCampaign, list[PlannedPass]]:
     with _bar() as bar:
         task = bar.add_task("opportunities", total=None)
         progress.report_through(
-            lambda told: bar.update(
-                task, description=told.stage, completed=told.done or 0, total=told.of
+            lambda now: bar.update(
+                task, description=now.stage, completed=now.done or 0, total=now.of
             )
         )
-        chosen = choose(body)
+        choice = choose(body)
         progress.report_through(lambda _: None)
-        bar.update(task, description="plans", completed=0, total=len(chosen.parts))
-        flown = []
-        for part in chosen.parts:
-            flown.append(_plan_pass(part))
+        bar.update(task, description="plans", completed=0, total=len(choice.parts))
+        passes = []
+        for part in choice.parts:
+            passes.append(_plan_pass(part))
             bar.advance(task)
-    return chosen, flown
+    return choice, passes
 
 
 @contextmanager
@@ -77,47 +78,42 @@ def _plan_pass(part: Part) -> PlannedPass:
             part = repaired
 
 
-def print_campaign(told: dict[str, object], flown: list[PlannedPass]) -> None:
+def print_campaign(document: dict[str, Any], passes: list[PlannedPass]) -> None:
     """What was chosen and how far from the best that can be; a line per look."""
     console = Console(highlight=False)
-    looks = sum(len(one.part.told["looks"]) for one in flown if one.plan)
+    looks = sum(len(one.part.facts["looks"]) for one in passes if one.plan)
+    planned = sum(one.plan is not None for one in passes)
     console.print(
         Text.assemble(
             (f"{looks} looks", "bold"),
-            f" in {sum(one.plan is not None for one in flown)} passes, worth {told['value']:.6g}; "
-            f"at most {told['bound']:.6g} can be had, {told['gap_share']:.2%} more; taking each "
-            f"pass by itself {told['greedy_value']:.6g}",
+            f" in {planned} passes, worth {document['value']:.6g}; at most "
+            f"{document['bound']:.6g} can be had, {document['gap_share']:.2%} more; taking each "
+            f"pass by itself {document['greedy_value']:.6g}",
         )
     )
-    if flown:
-        console.print(_table(flown))
+    if passes:
+        console.print(_table(passes))
     for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
-        ids = told[name]
-        assert isinstance(ids, list)
-        if ids:
+        if ids := document[name]:
             console.print(Text(f"{meaning}: {', '.join(ids[:SHOWN_MAX])}"))
-    for one in flown:
+    for one in passes:
         print_warnings(console, _losses(one))
-    warnings = told["warnings"]
-    assert isinstance(warnings, list)
-    print_warnings(console, warnings)
+    print_warnings(console, document["warnings"])
 
 
 def _losses(one: PlannedPass) -> Iterator[str]:
-    for left_out in one.part.told["left_out"]:
+    for left_out in one.part.facts["left_out"]:
         yield (
-            f"pass {one.part.told['pass']}: {left_out['target']} was left out, "
+            f"pass {one.part.facts['pass']}: {left_out['target']} was left out, "
             f"{left_out['because']}"
         )
     if one.refusal is not None:
-        yield f"pass {one.part.told['pass']} can't be flown: {one.refusal}"
+        yield f"pass {one.part.facts['pass']} can't be flown: {one.refusal}"
 
 
-def _table(flown: list[PlannedPass]) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for heading in ("pass", "target", "start", "stop", "value"):
-        table.add_column(heading, no_wrap=True)
-    rows = [(one.part.told["pass"], look) for one in flown for look in one.part.told["looks"]]
+def _table(passes: list[PlannedPass]) -> Table:
+    table = report_table(None, "<pass", "<target", "<start", "<stop", "<value")
+    rows = [(one.part.facts["pass"], look) for one in passes for look in one.part.facts["looks"]]
     for number, look in rows[:SHOWN_MAX]:
         table.add_row(
             str(number),
@@ -131,25 +127,25 @@ def _table(flown: list[PlannedPass]) -> Table:
     return table
 
 
-def campaign_csv(flown: list[PlannedPass]) -> str:
+def campaign_csv(passes: list[PlannedPass]) -> str:
     """One line per look of the plans made."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["pass", "target", "start", "stop", "value"])
-    for one in flown:
-        for look in one.part.told["looks"] if one.plan else ():
+    for one in passes:
+        for look in one.part.facts["looks"] if one.plan else ():
             columns = (look[name] for name in ("target", "start", "stop", "value"))
-            writer.writerow([one.part.told["pass"], *columns])
+            writer.writerow([one.part.facts["pass"], *columns])
     return text.getvalue()
 
 
-def write_plans(folder: Path, flown: list[PlannedPass]) -> None:
+def write_plans(folder: Path, passes: list[PlannedPass]) -> None:
     """pass-N.json: each plan with its table; pass-N-request.json: what it was planned from."""
     folder.mkdir(parents=True, exist_ok=True)
-    for one in flown:
+    for one in passes:
         if one.plan is None:
             continue
-        stem = f"pass-{one.part.told['pass']}"
+        stem = f"pass-{one.part.facts['pass']}"
         document = zlib.decompress(one.plan.document)
         table = stored_table_json(one.plan.table_columns)
         whole = b"".join([document.rstrip()[:-1], b',"table":', table, b"}"])

@@ -5,10 +5,8 @@ what goes wrong is one line on stderr.
 Imports wait until a command needs them: `plan` must not pay for the web server.
 """
 
-import hashlib
 import sys
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
@@ -81,36 +79,31 @@ def plan(
 ) -> None:
     """Plan the sessions of a request and report."""
     with one_line_for_what_goes_wrong():
-        asked = _read(file)
+        body, read_utc = _read(file)
 
         from planner.export import EXPORTERS
 
-        exports = _formats_and_paths(export, EXPORTERS)
+        exports = list(_formats_and_paths(export, EXPORTERS))
 
         from app.requests.plan import read_plan_request
 
-        request = read_plan_request(asked.body)
+        request = read_plan_request(body)
 
         from app.cli.plan_report import print_report
         from planner.sessions.pipeline import make_plan
 
-        made = make_plan(request)
-        print_report(made)
+        result = make_plan(request)
+        print_report(result)
         if json:
+            from app.answers.members import provenance
             from app.answers.plan import plan_json
 
             checks = []
             if request.horizon_cameras:
-                from app.work.horizon_checks import horizon_checks
+                from app.work.horizon_views import horizon_checks
 
-                checks = horizon_checks(made.scenario, request.horizon_cameras)
-            answer = plan_json(
-                made,
-                input_sha256=asked.sha256,
-                planned_at_utc=asked.read_utc,
-                horizon_checks=checks,
-            )
-            _write(json, answer)
+                checks = horizon_checks(result.scenario, request.horizon_cameras)
+            _write(json, plan_json(result, provenance(read_utc, body), checks))
         if plot:
             try:
                 from app.cli.figure import draw_plan
@@ -121,18 +114,18 @@ def plan(
                     field="--plot",
                 ) from None
 
-            _write(plot, draw_plan(made, plot.suffix.lstrip(".") or "png"))
+            _write(plot, draw_plan(result, plot.suffix.lstrip(".") or "png"))
 
         from app.answers.plan import require_verified
 
-        # A table that fails is told beside the verdict, above, and nowhere else.
-        require_verified(made.verification.findings)
+        # A table that fails is shown beside the verdict, above, and nowhere else.
+        require_verified(result.verification.findings)
         if csv:
             from planner.export.csv import table_csv
 
-            _write(csv, table_csv(made.table).encode())
+            _write(csv, table_csv(result.table).encode())
         for name, path in exports:
-            _write(path, EXPORTERS[name].write(made, asked.read_utc))
+            _write(path, EXPORTERS[name].write(result, read_utc))
 
 
 @main.command()
@@ -145,25 +138,24 @@ def windows(
 ) -> None:
     """Tell when targets can be seen."""
     with one_line_for_what_goes_wrong():
-        asked = _read(file)
+        body, read_utc = _read(file)
 
         from app.requests.opportunities import read_opportunity_request
 
-        request = read_opportunity_request(asked.body)
+        request = read_opportunity_request(body)
 
+        from app.answers.members import provenance
         from app.answers.opportunities import opportunities_json, windows_out
-        from app.answers.provenance import provenance
         from app.cli.windows_report import print_windows, windows_csv
         from planner.opportunities import find_opportunities
 
-        found = find_opportunities(request)
-        told = windows_out(found)
-        print_windows(found, told)
+        result = find_opportunities(request)
+        answer = windows_out(result)
+        print_windows(result, answer)
         if csv:
-            _write(csv, windows_csv(found.axis_names, told).encode())
+            _write(csv, windows_csv(result.axis_names, answer).encode())
         if json:
-            made = provenance(asked.sha256, asked.read_utc)
-            _write(json, opportunities_json(found, made))
+            _write(json, opportunities_json(result, provenance(read_utc, body)))
 
 
 @main.command()
@@ -179,22 +171,22 @@ def campaign(
 ) -> None:
     """Choose, order and plan sessions for many targets over days."""
     with one_line_for_what_goes_wrong():
-        asked = _read(file)
+        body, _ = _read(file)
 
         import zlib
         from json import loads
 
         from app.cli.campaign import campaign_csv, print_campaign, run_campaign, write_plans
 
-        chosen, flown = run_campaign(asked.body)
-        told = zlib.decompress(chosen.document)
-        print_campaign(loads(told), flown)
+        choice, passes = run_campaign(body)
+        document = zlib.decompress(choice.document)
+        print_campaign(loads(document), passes)
         if plans:
-            write_plans(plans, flown)
+            write_plans(plans, passes)
         if csv:
-            _write(csv, campaign_csv(flown).encode())
+            _write(csv, campaign_csv(passes).encode())
         if json:
-            _write(json, told)
+            _write(json, document)
 
 
 @main.command()
@@ -243,29 +235,28 @@ def spacecraft(
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
     with one_line_for_what_goes_wrong():
-        asked = _read(file)
+        body, read_utc = _read(file)
 
         from planner.spacecraft.export import IMAGING_EXPORTERS
 
-        exports = _formats_and_paths(export, IMAGING_EXPORTERS)
+        exports = list(_formats_and_paths(export, IMAGING_EXPORTERS))
 
         from app.requests.spacecraft import read_spacecraft_request
 
-        request = read_spacecraft_request(asked.body)
+        request = read_spacecraft_request(body)
 
         from app.cli.spacecraft_report import print_session
         from planner.spacecraft.plan import plan_imaging
 
-        made = plan_imaging(request)
-        print_session(made)
+        result = plan_imaging(request)
+        print_session(result)
         for name, path in exports:
-            _write(path, IMAGING_EXPORTERS[name].write(made, asked.read_utc))
+            _write(path, IMAGING_EXPORTERS[name].write(result, read_utc))
         if json:
-            from app.answers.provenance import provenance
+            from app.answers.members import provenance
             from app.answers.spacecraft import spacecraft_plan_json
 
-            told = provenance(asked.sha256, asked.read_utc)
-            _write(json, spacecraft_plan_json(made, told))
+            _write(json, spacecraft_plan_json(result, provenance(read_utc, body)))
 
 
 def _port(text: str | int) -> int:
@@ -308,35 +299,23 @@ def worker(
         work_for(scheduler, solves or settings.workers)
 
 
-@dataclass(frozen=True)
-class _RequestFile:
+def _read(file: str) -> tuple[bytes, datetime]:
     """A request as it stands in its file, and when it was read."""
-
-    body: bytes
-    read_utc: datetime
-
-    @property
-    def sha256(self) -> str:
-        return hashlib.sha256(self.body).hexdigest()
-
-
-def _read(file: str) -> _RequestFile:
     body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
-    return _RequestFile(body, datetime.now(UTC))
+    return body, datetime.now(UTC)
 
 
-def _formats_and_paths(texts: list[str] | None, formats: Collection[str]) -> list[tuple[str, Path]]:
-    return [_format_and_path(text, formats) for text in texts or ()]
-
-
-def _format_and_path(text: str, formats: Collection[str]) -> tuple[str, Path]:
-    name, _, path = text.partition("=")
-    if name not in formats or not path:
-        raise InvalidInput(
-            f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(formats)}",
-            field="--export",
-        )
-    return name, Path(path)
+def _formats_and_paths(
+    texts: list[str] | None, formats: Collection[str]
+) -> Iterator[tuple[str, Path]]:
+    for text in texts or ():
+        name, _, path = text.partition("=")
+        if name not in formats or not path:
+            raise InvalidInput(
+                f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(formats)}",
+                field="--export",
+            )
+        yield name, Path(path)
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -74,12 +74,12 @@ def draw_plan(plan: Plan, image_format: str) -> bytes:
 def _motion(plan: Plan) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Times and degrees of angle, rate, acceleration as flown: the Hermite between rows."""
     t_s = plan.table.t_s
-    flown = CubicHermiteSpline(t_s, plan.table.angle_rad, plan.table.rate_rad_s)
+    spline = CubicHermiteSpline(t_s, plan.table.angle_rad, plan.table.rate_rad_s)
     edges_s = np.column_stack([t_s[:-1] + CELL_EDGE_S, t_s[1:] - CELL_EDGE_S]).ravel()
     return [
         (t_s, np.degrees(plan.table.angle_rad)),
         (t_s, np.degrees(plan.table.rate_rad_s)),
-        (edges_s, np.degrees(flown(edges_s, nu=2))),
+        (edges_s, np.degrees(spline(edges_s, nu=2))),
     ]
 
 
@@ -95,8 +95,8 @@ def _bounds_deg(limits: AxisLimits) -> tuple[tuple[float, float], ...]:
 def _draw_limits(panel: Axes, bounds_deg: list[tuple[float, float]], peak_deg: float) -> None:
     """Dashed, in an axis's colour where the axes differ; in words when far off the motion."""
     if peak_deg < SCALE_SHARE * min(min(abs(low), abs(high)) for low, high in bounds_deg):
-        said = dict.fromkeys(f"{low:g}..{high:g}" for low, high in bounds_deg)
-        text = f"limits {' and '.join(said)}, off the scale"
+        ranges = dict.fromkeys(f"{low:g}..{high:g}" for low, high in bounds_deg)
+        text = f"limits {' and '.join(ranges)}, off the scale"
         panel.text(0.01, 0.93, text, transform=panel.transAxes, va="top", color=LIMIT_COLOUR)
         return
     same = len(set(bounds_deg)) == 1

@@ -8,9 +8,8 @@ import cv2
 from pydantic import TypeAdapter
 
 from app.answers.horizon import EstimateResponse, estimate_out
-from app.answers.provenance import provenance
+from app.answers.members import provenance
 from app.cli.horizon_report import print_estimate, print_series
-from app.http.horizon_upload import HorizonUpload
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
 from app.work.horizon_series import (
@@ -31,17 +30,17 @@ _VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".t
 def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> bytes:
     """Report on one frame; the service's answer."""
     cv2.setNumThreads(1)  # a frame is too small to share
-    upload = HorizonUpload(request=body, images=tuple(path.read_bytes() for path in paths))
-    request = read_estimate_request(upload.request)
-    measured = measure(request, upload.images, draw=overlay is not None)
-    print_estimate(measured.estimate)
+    images = tuple(path.read_bytes() for path in paths)
+    request = read_estimate_request(body)
+    estimate, overlays = measure(request, images, draw=overlay is not None)
+    print_estimate(estimate)
     if overlay is not None:
         names = [camera.name for camera in request.cameras]
-        for path, png in zip(overlay_paths(overlay, names), measured.overlays, strict=True):
+        for path, png in zip(overlay_paths(overlay, names), overlays, strict=True):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(png)
-    made = provenance(upload.sha256, datetime.now(UTC))
-    answer = estimate_out(measured.estimate, measured.overlays if request.overlay else (), made)
+    origin = provenance(datetime.now(UTC), body, *images)
+    answer = estimate_out(estimate, overlays if request.overlay else (), origin)
     return TypeAdapter(EstimateResponse).dump_json(answer)
 
 
@@ -56,24 +55,23 @@ def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
 
 
 def measure_frames(
-    asked: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
+    request: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
 ) -> bytes:
     """Report on a series of frames; as JSON."""
     cv2.setNumThreads(1)
     if all(path.suffix.lower() in _VIDEOS for path in paths):
-        if not isinstance(asked, HorizonSession) or len(paths) != len(asked.cameras):
+        if not isinstance(request, HorizonSession) or len(paths) != len(request.cameras):
             raise InvalidImage(
                 "videos go with a session (orbit, cameras, start, step_s), one per camera",
                 field="images",
             )
-        count, films = video_frames([str(path) for path in paths], asked.step_s)
-        series = measure_series(asked.requests(count), films)
+        count, films = video_frames([str(path) for path in paths], request.step_s)
+        series = measure_series(request.requests(count), films)
     else:
-        requests = frame_requests(asked, len(paths))
+        requests = frame_requests(request, len(paths))
         series = measure_series(requests, _pictures(requests, iter(paths)))
     print_series(series)
-    digest = HorizonUpload(request=body, images=()).sha256
-    return series_json(series, provenance(digest, datetime.now(UTC)))
+    return series_json(series, provenance(datetime.now(UTC), body))
 
 
 def _pictures(requests: Sequence[HorizonRequest], paths: Iterator[Path]) -> Iterator[list[Pixels]]:

@@ -59,7 +59,7 @@ def print_series(series: Series) -> None:
     console.print(table)
     report = series.report
     console.print(_verdict(report.verdict, None))
-    if len(report.t_s):
+    if report.used:
         for name, bias, scatter, variance in zip(
             ("along", "across"),
             report.bias_rad,
@@ -72,14 +72,14 @@ def print_series(series: Series) -> None:
                 f"{math.degrees(math.sqrt(variance)):.4f}, scatter {math.degrees(scatter):.4f}"
             )
         console.print(
-            f"{len(report.t_s)} of {len(series.estimates)} frames used, probability "
+            f"{report.used} of {len(series.estimates)} frames used, probability "
             f"{report.probability:.2g}"
         )
 
 
 def _verdict(verdict: Verdict, reason: str | None) -> Text:
-    said = verdict.replace("_", " ") + (f": {reason}" if reason else "")
-    return Text(said, style=_STYLES.get(verdict, "green"))
+    text = verdict.replace("_", " ") + (f": {reason}" if reason else "")
+    return Text(text, style=_STYLES.get(verdict, "green"))
 
 
 def _nadir(name: str, nadir: Nadir) -> str:

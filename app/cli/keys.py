@@ -43,8 +43,8 @@ def create(
             key, secret = store.create(
                 _printable(name), scopes, rate_per_minute=rate_per_minute, concurrency=concurrency
             )
-        told = f"Key {key.id} ({', '.join(key.scopes)}). Keep its secret, shown only once:"
-        typer.echo(told, err=True)
+        text = f"Key {key.id} ({', '.join(key.scopes)}). Keep its secret, shown only once:"
+        typer.echo(text, err=True)
         typer.echo(secret)
 
 

@@ -27,8 +27,8 @@ def one_line_for_what_goes_wrong() -> Iterator[None]:
         raise typer.Exit(REFUSED) from None
     except Exception as error:  # noqa: BLE001 (the edge: a user gets one line, not a traceback)
         by_driver = type(error).__module__.startswith(("sqlalchemy", "psycopg", "sqlite3"))
-        told = describe_error(error) if by_driver else f"{type(error).__name__}: {error}"
-        say(f"internal error: {told}")
+        text = describe_error(error) if by_driver else f"{type(error).__name__}: {error}"
+        say(f"internal error: {text}")
         raise typer.Exit(FAILED) from None
 
 

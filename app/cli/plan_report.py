@@ -69,9 +69,9 @@ def _pointing(pointing: list[PointingOut]) -> Table:
             or_dash(session.limb_clearance_min_deg, ".2f") for session in pointing
         ],
     }
-    told = {heading: said for heading, said in columns.items() if set(said) != {"-"}}
-    table = report_table("pointing error", *told)
-    for row in zip(*told.values(), strict=True):
+    columns = {heading: texts for heading, texts in columns.items() if set(texts) != {"-"}}
+    table = report_table("pointing error", *columns)
+    for row in zip(*columns.values(), strict=True):
         table.add_row(*row)
     return table
 

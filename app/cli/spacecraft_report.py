@@ -47,8 +47,8 @@ def _windows(plan: ImagingPlan) -> Table:
     table = report_table(
         "imaging", "<request", "look", "<start", "<stop", "across", "along", "deg/s off", "smear px"
     )
-    flown = plan.stabilisation.windows or [None] * len(plan.verification.windows)
-    for seen, steady in zip(plan.verification.windows, flown, strict=True):
+    steadiness = plan.stabilisation.windows or [None] * len(plan.verification.windows)
+    for seen, steady in zip(plan.verification.windows, steadiness, strict=True):
         window = seen.window
         table.add_row(
             Text(window.request),

@@ -2,12 +2,13 @@
 
 import csv
 import io
+from dataclasses import fields
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from app.answers.opportunities import WindowOut
+from app.answers.opportunities import SightingOut, WindowOut
 from app.cli.report_parts import or_dash, print_warnings
 from planner.opportunities import Opportunities
 
@@ -15,17 +16,17 @@ SHOWN_MAX = 100
 FAR_KM = 1e5
 
 
-def print_windows(found: Opportunities, windows: list[WindowOut]) -> None:
+def print_windows(result: Opportunities, windows: list[WindowOut]) -> None:
     """One line per window, seen at its closest approach; the first SHOWN_MAX of them."""
     console = Console(highlight=False)
     console.print(
-        Text.assemble((f"{len(windows)} windows", "bold"), f" of {len(found.ids)} targets")
+        Text.assemble((f"{len(windows)} windows", "bold"), f" of {len(result.ids)} targets")
     )
     if windows:
-        console.print(_table(found.axis_names, windows[:SHOWN_MAX]))
+        console.print(_table(result.axis_names, windows[:SHOWN_MAX]))
     if len(windows) > SHOWN_MAX:
         console.print(f"and {len(windows) - SHOWN_MAX} more: see --csv or --json")
-    print_warnings(console, found.warnings)
+    print_warnings(console, result.warnings)
 
 
 def _table(axis_names: tuple[str, str], windows: list[WindowOut]) -> Table:
@@ -56,17 +57,8 @@ def windows_csv(axis_names: tuple[str, str], windows: list[WindowOut]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     edges = ("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg")
-    view = (
-        "at",
-        "elevation_deg",
-        "range_km",
-        "off_nadir_deg",
-        "ground_sample_across_m",
-        "ground_sample_along_m",
-        "sun_elevation_deg",
-        "sun_separation_deg",
-        "moon_separation_deg",
-    )
+    by_axis = ("angles_deg", "rates_deg_s")
+    view = [field.name for field in fields(SightingOut) if field.name not in by_axis]
     angles = [f"{axis}_deg" for axis in axis_names]
     rates = [f"{axis}_rate_deg_s" for axis in axis_names]
     writer.writerow([*edges, *(f"closest_{name}" for name in (*view, *angles, *rates))])

@@ -2,8 +2,8 @@
 
 import asyncio
 import os
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from typing import Any
 
 import anyio
@@ -27,7 +27,6 @@ from app.http.readiness import (
     solver_answers,
 )
 from app.http.routes import (
-    audit,
     campaigns,
     horizon,
     opportunities,
@@ -36,10 +35,13 @@ from app.http.routes import (
     spacecraft,
     system,
 )
-from app.http.running import dispatching
-from app.jobs.disposable import start_server
+from app.jobs.dispatcher import Dispatcher
+from app.jobs.disposable import spare_children, start_server
+from app.jobs.executors import LocalExecutor, SolveExecutor
 from app.settings import Settings, settings_of_environment
-from app.store.database import open_database
+from app.store import jobs
+from app.store.database import Database, open_database
+from app.store.ids import JobState
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.versions import VERSION
@@ -97,7 +99,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         spacecraft,
         platforms,
         system,
-        audit,
         pages,
     ):
         app.include_router(resource.router)
@@ -138,11 +139,44 @@ async def _ready_for_children(app: FastAPI) -> AsyncIterator[None]:
     app.state.database = open_database(settings.database_url, settings.data_dir)
     try:
         await anyio.to_thread.run_sync(upgrade, app.state.database)
-        with dispatching(settings, app.state.database, app.state.metrics) as dispatcher:
+        with _dispatching(settings, app.state.database, app.state.metrics) as dispatcher:
             app.state.dispatcher = dispatcher
             yield
     finally:
         app.state.database.close()
+
+
+@contextmanager
+def _dispatching(settings: Settings, database: Database, metrics: Metrics) -> Iterator[Dispatcher]:
+    """A dispatcher at work as the settings say; at the end it gives back what isn't done."""
+
+    def on_end(kind: str, state: JobState, took_s: float, iterations: int | None) -> None:
+        metrics.solve_s.labels(kind, state).observe(took_s)
+        if iterations is not None:
+            metrics.iterations.labels(kind).observe(iterations)
+
+    def counts() -> dict[tuple[str, str], int]:
+        with database.reading() as connection:
+            return jobs.counts(connection)
+
+    metrics.count_jobs_by(counts)
+    # With a cluster only what is answered at once is done here.
+    here = settings.workers if not settings.dask_scheduler else os.cpu_count() or 1
+    with spare_children(here):
+        dispatcher = Dispatcher(database, _executor(settings), settings, on_end)
+        dispatcher.start()
+        try:
+            yield dispatcher
+        finally:
+            dispatcher.close()
+
+
+def _executor(settings: Settings) -> SolveExecutor:
+    if not settings.dask_scheduler:
+        return LocalExecutor(settings.workers)
+    from app.jobs.dask_executor import DaskExecutor  # half a second that others needn't wait
+
+    return DaskExecutor(settings.dask_scheduler, settings.workers)
 
 
 def _describe(app: FastAPI) -> None:

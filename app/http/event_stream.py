@@ -13,7 +13,7 @@ from fastapi import Request
 from fastapi.sse import format_sse_event
 from sqlalchemy import Connection
 
-from app.http.reading import read
+from app.http.blocking import read
 from app.store import events, jobs
 from app.store.events import Event
 from app.store.failures import StoreUnavailable
@@ -27,19 +27,19 @@ _SILENCE_S = 15.0  # proxies cut connections nothing comes over
 async def stream_events(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
     """Events after the seq-th, until the job has ended or the service is told to stop."""
     stopping: asyncio.Event = request.app.state.stopping
-    said_s = time.monotonic()
+    last_s = time.monotonic()
     while True:
         try:
             found, is_open = await _after(request, job_id, seq)
         except StoreUnavailable:  # the stream has begun: it goes on when the database is back
             found, is_open = [], True
         for event in found:
-            seq, said_s = event.seq, time.monotonic()
+            seq, last_s = event.seq, time.monotonic()
             yield _text(event)
         if not is_open or stopping.is_set():
             return
-        if time.monotonic() - said_s > _SILENCE_S:
-            said_s = time.monotonic()
+        if time.monotonic() - last_s > _SILENCE_S:
+            last_s = time.monotonic()
             yield format_sse_event(comment="still at it")
         with anyio.move_on_after(_LOOK_S):
             await stopping.wait()

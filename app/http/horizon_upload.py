@@ -1,6 +1,5 @@
 """Reads a request and its images from one multipart body."""
 
-import hashlib
 from collections.abc import AsyncGenerator
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -20,20 +19,10 @@ _CHUNK_BYTES = 2**18
 
 @dataclass(frozen=True, kw_only=True)
 class HorizonUpload:
-    """The part `request` and the parts `images` as they were sent, and SHA-256 of all of them.
-
-    sha256: of the request's bytes followed by those of the images, in order.
-    """
+    """The part `request` and the parts `images` as they were sent."""
 
     request: bytes
     images: tuple[bytes, ...]
-
-    @property
-    def sha256(self) -> str:
-        digest = hashlib.sha256(self.request)
-        for image in self.images:
-            digest.update(image)
-        return digest.hexdigest()
 
 
 async def horizon_upload(request: Request) -> HorizonUpload:

@@ -13,8 +13,8 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
-from app.answers.problem import Problem, bug, problem_of
-from app.http.door import request_id
+from app.answers.problem import Problem, problem_of
+from app.http.door.headers import instance
 from app.requests.json_reader import field_errors
 from planner.errors import InvalidRequest, Refusal
 
@@ -84,16 +84,11 @@ _WAY_OUT = {
 }
 
 
-def bug_response(request: Request) -> Response:
-    """The answer when the service is at fault; why is in its log only."""
-    return problem_answer(request, bug())
-
-
 def problem_answer(
     request: Request, problem: Mapping[str, Any], headers: Mapping[str, str] | None = None
 ) -> Response:
     """The answer to this request that tells a problem."""
-    members = {**problem, "instance": request_id.instance(request.scope)}
+    members = {**problem, "instance": instance(request.scope)}
     request.scope["state"][_PROBLEM_TYPE] = members["type"]
     status = HTTPStatus(members["status"])
     if status is HTTPStatus.SERVICE_UNAVAILABLE:

@@ -22,15 +22,15 @@ class Parameters(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _require_documented_form(cls, given: object, info: ValidationInfo) -> object:
-        if isinstance(given, str) and info.field_name is not None:
-            wanted = cls.model_fields[info.field_name].annotation
-            if wanted is int and not _WHOLE.fullmatch(given):
+    def _require_documented_form(cls, value: object, info: ValidationInfo) -> object:
+        if isinstance(value, str) and info.field_name is not None:
+            annotation = cls.model_fields[info.field_name].annotation
+            if annotation is int and not _WHOLE.fullmatch(value):
                 raise PydanticKnownError("int_parsing")
-            if wanted is bool and given not in ("true", "false"):
+            if annotation is bool and value not in ("true", "false"):
                 raise PydanticKnownError("bool_parsing")
-            require_plain(given)
-        return given
+            require_plain(value)
+        return value
 
 
 async def require_sound_query(request: Request) -> None:
@@ -38,8 +38,8 @@ async def require_sound_query(request: Request) -> None:
     try:
         unquote_to_bytes(request.scope["query_string"]).decode()
     except UnicodeDecodeError:
-        told = "must be UTF-8 text, its other characters written as %XX"
-        raise InvalidRequest(FieldError(field="query", detail=told)) from None
+        detail = "must be UTF-8 text, its other characters written as %XX"
+        raise InvalidRequest(FieldError(field="query", detail=detail)) from None
     times = Counter(name for name, _ in request.query_params.multi_items())
     route: Any = request.scope["route"]
     errors = [
@@ -48,7 +48,7 @@ async def require_sound_query(request: Request) -> None:
         if count > 1
     ]
     if not route.dependant.query_params:
-        told = "is not known here; remove it or correct its name"
-        errors += [FieldError(field=f"query.{name}", detail=told) for name in times]
+        detail = "is not known here; remove it or correct its name"
+        errors += [FieldError(field=f"query.{name}", detail=detail) for name in times]
     if errors:
         raise InvalidRequest(*errors)

@@ -47,10 +47,10 @@ class Readiness:
 
     async def now(self) -> tuple[ReadinessCheckOut, ...]:
         """At most some seconds old, and answered within two."""
-        asked = [check.ask() for check in self._checks]
-        waited_for = [one for one in asked if one is not None]
-        if waited_for:
-            await asyncio.wait(waited_for, timeout=_WAIT_S)
+        tasks = [check.ask() for check in self._checks]
+        pending = [one for one in tasks if one is not None]
+        if pending:
+            await asyncio.wait(pending, timeout=_WAIT_S)
         return tuple(check.answer() for check in self._checks)
 
 

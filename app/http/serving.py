@@ -51,8 +51,8 @@ def _require_free(host: str, port: int) -> None:
                 listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
                 listener.bind(address)
     except OSError as error:
-        told = f"{host} port {port} can't be listened on: {error.strerror}"
-        raise Refusal(told, field="--port") from None
+        detail = f"{host} port {port} can't be listened on: {error.strerror}"
+        raise Refusal(detail, field="--port") from None
 
 
 def server(host: str, port: int, settings: Settings) -> uvicorn.Server:

@@ -5,12 +5,13 @@ Source: RFC 7240 (Prefer).
 
 import asyncio
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from fastapi import Request
 
-from app.http.reading import read
+from app.http.blocking import read
 from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
 
@@ -21,10 +22,10 @@ _WAIT = re.compile(r"wait\s*=\s*\"?(\d{1,6})\"?")
 
 @dataclass(frozen=True, kw_only=True)
 class Patience:
-    """How long to wait; applied: what to say of the client's wish, None where it has none."""
+    """How long to wait, and the headers that tell which wish of the client's was followed."""
 
     wait_s: float
-    applied: str | None
+    headers: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def is_none(self) -> bool:
@@ -32,16 +33,16 @@ class Patience:
         return self.wait_s == 0
 
 
-def patience(prefer: str | None, unless_said_s: float) -> Patience:
+def patience(prefer: str | None, default_s: float) -> Patience:
     """Of a Prefer header; what isn't understood in it is ignored, as the RFC asks."""
     wishes = [wish.split(";")[0].strip().lower() for wish in (prefer or "").split(",")]
     if "respond-async" in wishes:
-        return Patience(wait_s=0, applied="respond-async")
+        return Patience(wait_s=0, headers={"Preference-Applied": "respond-async"})
     for wish in wishes:
         if found := _WAIT.fullmatch(wish):
             seconds = min(int(found[1]), WAIT_MAX_S)
-            return Patience(wait_s=seconds, applied=f"wait={seconds}")
-    return Patience(wait_s=unless_said_s, applied=None)
+            return Patience(wait_s=seconds, headers={"Preference-Applied": f"wait={seconds}"})
+    return Patience(wait_s=default_s)
 
 
 async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:

@@ -38,7 +38,7 @@ class Message(NamedTuple):
     value: Any = None
     may_do_more: bool = False
 
-    def packed(self) -> bytes:
+    def to_bytes(self) -> bytes:
         """For the line to the service."""
         return pickle.dumps(self)
 
@@ -62,49 +62,49 @@ class TooDemanding(Refusal):
     title: ClassVar[str] = "The request asks for too much at a time"
 
 
-def do_all(line: Connection) -> None:
+def work_until_closed(line: Connection) -> None:
     """The child's whole life."""
     from app.work import warm  # here already, since the server imported it
 
     _die_with_service(warm.SERVER_PID)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the service's to handle
     _limit(resource.RLIMIT_CORE, 0)
-    _say_nothing()
+    _silence_output()
     if not line.poll(_IDLE_S):
         warm.warm_up()
-    report_through(lambda progress: line.send_bytes(Message("progress", progress).packed()))
+    report_through(lambda progress: line.send_bytes(Message("progress", progress).to_bytes()))
     grown_bytes = _bytes(_HELD) + _GROWN_BYTES
     while True:
         try:
-            bounds, work, given = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
+            bounds, work, arguments = pickle.loads(line.recv_bytes())  # noqa: S301 (our own service's)
         except (EOFError, ConnectionResetError):  # the service has ended
             return
-        line.send_bytes(Message("begun").packed())
-        _bind(bounds)
-        line.send_bytes(_end(bounds, work, given, grown_bytes))
+        line.send_bytes(Message("begun").to_bytes())
+        _apply_bounds(bounds)
+        line.send_bytes(_end(bounds, work, arguments, grown_bytes))
 
 
 def _end(
-    bounds: Bounds, work: Callable[..., object], given: tuple[object, ...], grown_bytes: int
+    bounds: Bounds, work: Callable[..., object], arguments: tuple[object, ...], grown_bytes: int
 ) -> bytes:
     try:
         try:
-            end = Message("done", work(*given))
+            end = Message("done", work(*arguments))
         except Refusal as refusal:
             end = Message("refused", refusal)
         fit = not bounds.alone and _bytes(_HELD) < grown_bytes
-        return end._replace(may_do_more=fit).packed()
+        return end._replace(may_do_more=fit).to_bytes()
     except MemoryError:
         too_much = TooDemanding(
             f"this takes more than the {bounds.memory_mib} MiB of memory it may; ask for less at "
             "a time"
         )
-        return Message("refused", too_much).packed()
+        return Message("refused", too_much).to_bytes()
     except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
-        return Message("failed", traceback_text(error)).packed()
+        return Message("failed", traceback_text(error)).to_bytes()
 
 
-def _bind(bounds: Bounds) -> None:
+def _apply_bounds(bounds: Bounds) -> None:
     """From here on, beyond what was used and is held already."""
     used = resource.getrusage(resource.RUSAGE_SELF)
     may_use_s = bounds.deadline_s * (os.cpu_count() or 1)
@@ -125,7 +125,7 @@ def _die_with_service(server_pid: int) -> None:
     os.close(forkserver._forkserver._forkserver_alive_fd)  # type: ignore[attr-defined]
 
 
-def _say_nothing() -> None:
+def _silence_output() -> None:
     """What libraries print in C, and Python of what nobody catches, may hold the request."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):

@@ -45,9 +45,9 @@ def _check_certificates(security: "Security", role: str, field: str) -> None:
         context = security.get_connection_args(role)["ssl_context"]
     except OSError as error:
         files = security.get_tls_config_for_role(role)
-        told = ", ".join(str(files[name]) for name in ("ca_file", "cert", "key"))
+        names = ", ".join(str(files[name]) for name in ("ca_file", "cert", "key"))
         raise InvalidInput(
-            f"the certificates for tls:// can't be read ({told}: {error}); look at {needed}",
+            f"the certificates for tls:// can't be read ({names}: {error}); look at {needed}",
             field=field,
         ) from None
     if context is None:

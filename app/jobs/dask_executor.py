@@ -7,7 +7,6 @@ or the connection, is begun again; a result counts once, for the lease it was ma
 import secrets
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from typing import Any
@@ -23,14 +22,12 @@ from app.jobs.dask_worker import PROGRESS_TOPIC, SLOT, run_here, stop_here
 from app.jobs.disposable import Stop, Stopped
 from app.jobs.executors import Task
 from app.log.logs import log
-from app.work.progress import Progress
+from app.work.progress import OnProgress, Progress
 
 _CONNECT_S = 5.0
 _PAUSE_S = 1.0
 _STOP_TRIES = 3
 _LOST = (CancelledError, ClosedClientError, CommClosedError, TimeoutError, OSError)
-
-OnProgress = Callable[[Progress], None]
 
 
 class DaskExecutor:
@@ -52,7 +49,6 @@ class DaskExecutor:
         return self._threads.submit(self._run, task, stop, on_progress)
 
     def close(self) -> None:
-        """As a SolveExecutor does."""
         self._threads.shutdown()
         with self._loop_kept:
             self._disconnect()
@@ -65,7 +61,7 @@ class DaskExecutor:
             with stop.ending_by(wake.set):
                 while not stop.requested:
                     try:
-                        return self._done(key, task, stop, wake)
+                        return self._result_of(key, task, stop, wake)
                     except _LOST as error:
                         log.warning("the cluster was lost", job=task.job_id, error=error)
                         wake.clear()
@@ -74,7 +70,7 @@ class DaskExecutor:
         finally:
             del self._listeners[key]
 
-    def _done(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
+    def _result_of(self, key: str, task: Task, stop: Stop, wake: threading.Event) -> Any:  # noqa: ANN401 (the work's)
         client = self._connect()
         future = client.submit(run_here, key, task, key=key, resources={SLOT: 1}, pure=False)
         future.add_done_callback(lambda _: wake.set())
@@ -113,7 +109,7 @@ class DaskExecutor:
                     name="slewtrack",
                     loop=self._loop,
                 )
-                self._client.subscribe_topic(PROGRESS_TOPIC, self._tell)
+                self._client.subscribe_topic(PROGRESS_TOPIC, self._pass_progress_on)
                 self._warn_without_workers(self._client)
             return self._client
 
@@ -127,8 +123,8 @@ class DaskExecutor:
         if not any(SLOT in worker["resources"] for worker in workers):
             log.warning("no worker of this version is connected; work waits for one", slot=SLOT)
 
-    def _tell(self, event: tuple[object, dict[str, Any]]) -> None:
-        _, told = event
-        listener = self._listeners.get(told["key"])
+    def _pass_progress_on(self, event: tuple[object, dict[str, Any]]) -> None:
+        _, content = event
+        listener = self._listeners.get(content["key"])
         if listener is not None:
-            listener(Progress(**told["progress"]))
+            listener(Progress(**content["progress"]))

@@ -76,17 +76,17 @@ def work_for(scheduler: str, solves: int) -> None:
 
 
 async def _work_for(scheduler: str, solves: int) -> None:
-    working = asyncio.create_task(_again_and_again(scheduler, solves))
+    working = asyncio.create_task(_work_whenever_connected(scheduler, solves))
     for number in (signal.SIGTERM, signal.SIGINT):  # also while it waits for the scheduler
         asyncio.get_running_loop().add_signal_handler(number, working.cancel)
     with contextlib.suppress(asyncio.CancelledError):
         await working
 
 
-async def _again_and_again(scheduler: str, solves: int) -> None:
+async def _work_whenever_connected(scheduler: str, solves: int) -> None:
     while True:
         try:
-            await _until_lost(scheduler, solves)
+            await _work_until_disconnected(scheduler, solves)
         except (OSError, TimeoutError) as error:
             log.warning("the scheduler doesn't answer", scheduler=scheduler, error=error)
             await asyncio.sleep(_PAUSE_S)
@@ -95,14 +95,14 @@ async def _again_and_again(scheduler: str, solves: int) -> None:
 class _Worker(Worker):
     """Ends with what it is at: the scheduler has it done elsewhere once this one has left."""
 
-    async def close(self, *given: Any, **named: Any) -> Any:  # noqa: ANN401 (Dask's)
-        closed = await super().close(*given, **named | {"executor_wait": False})
+    async def close(self, *positional: Any, **named: Any) -> Any:  # noqa: ANN401 (Dask's)
+        closed = await super().close(*positional, **named | {"executor_wait": False})
         for stop in list(_stops.values()):
             stop.request()
         return closed
 
 
-async def _until_lost(scheduler: str, solves: int) -> None:
+async def _work_until_disconnected(scheduler: str, solves: int) -> None:
     worker = _Worker(
         scheduler,
         nthreads=solves,

@@ -24,11 +24,12 @@ from app.jobs.kinds import JOB_KINDS, JobKind
 from app.jobs.refusals import QueueFull
 from app.jobs.settling import give_up, settle, take_up_again
 from app.log.logs import log
+from app.settings import Settings
 from app.store import audit, events, jobs
 from app.store.database import Database
 from app.store.failures import StoreUnavailable
-from app.store.jobs import Claimed, Job, NewJob
-from app.store.states import OPEN_STATES, JobState
+from app.store.ids import OPEN_STATES, JobState
+from app.store.jobs import Claim, Job, NewJob
 from app.work.progress import Progress
 
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote
@@ -37,16 +38,6 @@ _PAUSE_S = 1.0  # when the database doesn't answer
 _STORE_PAUSES_S = (0.2, 1.0, 2.0, 4.0, 8.0)  # the last again and again
 _PRUNE_S = 3600.0
 _PRUNED_AT_ONCE = 200
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rules:
-    """What the operator sets."""
-
-    lease_s: float
-    attempts_max: int
-    queue_max: int
-    retention_days: float | None
 
 
 @dataclass(kw_only=True)
@@ -59,7 +50,7 @@ class _Running:
     token: str = ""
     stop: Stop = field(default_factory=Stop)
     began_s: float = field(default_factory=time.monotonic)
-    told_s: float = field(default_factory=time.monotonic)
+    progress_s: float = field(default_factory=time.monotonic)
 
 
 # Told of a job's kind, the state its work ended in, how long it took and the iterations.
@@ -70,11 +61,11 @@ class Dispatcher:
     """Accepts jobs, and works on those of the database as far as there is room."""
 
     def __init__(
-        self, database: Database, executor: SolveExecutor, rules: Rules, on_end: OnEnd
+        self, database: Database, executor: SolveExecutor, settings: Settings, on_end: OnEnd
     ) -> None:
         self._database = database
         self._executor = executor
-        self._rules = rules
+        self._settings = settings
         self._on_end = on_end
         self._lock = Lock()
         self._free = executor.workers
@@ -83,7 +74,7 @@ class Dispatcher:
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
         self._closing = Event()
-        self._thread = Thread(target=self._keep_going, name="dispatcher", daemon=True)
+        self._thread = Thread(target=self._work_until_closed, name="dispatcher", daemon=True)
         self._extended_s = self._pruned_s = time.monotonic()
 
     def start(self) -> None:
@@ -107,7 +98,7 @@ class Dispatcher:
         """
         if not self._take_place():
             job, _ = self._accept_once(new, mine=False)
-            self._look_again()
+            self._wake_up()
             return job
         # Worked on while the database writes it down; nobody hears of what isn't accepted.
         running = _Running(job_id=new.id, kind=JOB_KINDS[new.kind], parent_id=new.parent_id)
@@ -137,18 +128,17 @@ class Dispatcher:
                 if known is not None:
                     return known, None
             if not mine:
-                self._require_room(jobs.count_waiting(connection))
-            token = jobs.accept(connection, new, self._rules.lease_s if mine else None)
+                waiting = jobs.count_waiting(connection)
+                if waiting >= self._settings.queue_max:
+                    raise QueueFull(
+                        f"{waiting} requests wait already, the most that may; ask again when some "
+                        "are done"
+                    )
+            token = jobs.accept(connection, new, self._settings.lease_s if mine else None)
             audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
             job = jobs.get(connection, new.id)
         assert job is not None
         return job, token
-
-    def _require_room(self, waiting: int) -> None:
-        if waiting >= self._rules.queue_max:
-            raise QueueFull(
-                f"{waiting} requests wait already, the most that may; ask again when some are done"
-            )
 
     def cancel(self, job_id: str, key_id: str | None) -> Job | None:
         """End a job; one that another service works on ends within its POLL_S."""
@@ -191,7 +181,7 @@ class Dispatcher:
         for ended in watchers:
             ended.set_result(is_end)
 
-    def _look_again(self) -> None:
+    def _wake_up(self) -> None:
         self._may_wait = True
         self._wake.set()
 
@@ -224,7 +214,7 @@ class Dispatcher:
             request=request,
         )
         return self._executor.submit(
-            task, running.stop, lambda progress: self._tell(running, progress)
+            task, running.stop, lambda progress: self._record_progress(running, progress)
         )
 
     def _follow(self, running: _Running, work: Future[Any]) -> None:
@@ -237,16 +227,16 @@ class Dispatcher:
             running.stop.request()
         work.add_done_callback(lambda done: self._end(running, done))
 
-    def _tell(self, running: _Running, progress: Progress) -> None:
+    def _record_progress(self, running: _Running, progress: Progress) -> None:
         now_s = time.monotonic()
-        if now_s - running.told_s < PROGRESS_S or not running.token:
+        if now_s - running.progress_s < PROGRESS_S or not running.token:
             return
-        running.told_s = now_s
-        told = {name: value for name, value in asdict(progress).items() if value is not None}
+        running.progress_s = now_s
+        data = {name: value for name, value in asdict(progress).items() if value is not None}
         try:
             with self._database.writing() as connection:
                 if jobs.job_of_lease(connection, running.token) is not None:
-                    events.record(connection, running.job_id, events.PROGRESS, told)
+                    events.record(connection, running.job_id, events.PROGRESS, data)
         except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
             log.warning("progress can't be stored", job=running.job_id, error=error)
 
@@ -270,14 +260,14 @@ class Dispatcher:
             self._tell_watchers(running.job_id, is_end)
             # A look that finds nothing would only keep the answer waiting for the interpreter.
             if self._may_wait or state in OPEN_STATES or running.parent_id is not None:
-                self._look_again()
+                self._wake_up()
 
     def _store_end(self, running: _Running, done: Future[Any]) -> JobState | None:
         """The state the job has now; None when it is no longer ours.
 
         What no database takes would fail again at every attempt: it is given up at once.
         """
-        most = self._rules.attempts_max
+        most = self._settings.job_attempts
         try:
             return self._change(
                 running, lambda connection, job: settle(connection, job, running.kind, done, most)
@@ -312,11 +302,11 @@ class Dispatcher:
 
     # The thread
 
-    def _keep_going(self) -> None:
+    def _work_until_closed(self) -> None:
         while not self._closing.is_set():
             try:
-                self._take_up()
-                self._look_after()
+                self._begin_waiting()
+                self._keep_leases()
                 self._prune()
             except StoreUnavailable:  # which is told where it is raised
                 self._closing.wait(_PAUSE_S)
@@ -326,7 +316,7 @@ class Dispatcher:
             self._wake.wait(POLL_S)
             self._wake.clear()
 
-    def _take_up(self) -> None:
+    def _begin_waiting(self) -> None:
         while self._is_work_waiting() and self._take_place():
             claimed = None
             try:
@@ -353,30 +343,30 @@ class Dispatcher:
             self._may_wait = jobs.is_work_waiting(connection, tuple(JOB_KINDS))
         return self._may_wait
 
-    def _claim_next(self) -> Claimed | None:
+    def _claim_next(self) -> Claim | None:
         """The next job that is to be worked on."""
         while True:
             with self._database.writing() as connection:
-                claimed = jobs.claim(connection, tuple(JOB_KINDS), self._rules.lease_s)
+                claimed = jobs.claim(connection, tuple(JOB_KINDS), self._settings.lease_s)
                 if claimed is None:
                     return None
                 job = claimed.job
                 if job.cancel_requested:
                     jobs.finish(connection, job, "cancelled")
-                elif job.attempts >= self._rules.attempts_max:
-                    take_up_again(connection, job, self._rules.attempts_max)
+                elif job.attempts >= self._settings.job_attempts:
+                    take_up_again(connection, job, self._settings.job_attempts)
                 else:
                     return claimed
 
-    def _look_after(self) -> None:
+    def _keep_leases(self) -> None:
         """Keep the leases; end what somebody cancelled or is no longer ours."""
         by_token = {running.token: running for running in self._now_running()}
         if not by_token:
             return
         now_s = time.monotonic()
-        if now_s - self._extended_s >= self._rules.lease_s / 4.0:
+        if now_s - self._extended_s >= self._settings.lease_s / 4.0:
             with self._database.writing() as connection:
-                unwanted = jobs.extend(connection, tuple(by_token), self._rules.lease_s)
+                unwanted = jobs.extend(connection, tuple(by_token), self._settings.lease_s)
             self._extended_s = now_s
         else:
             with self._database.reading() as connection:
@@ -387,9 +377,9 @@ class Dispatcher:
     def _prune(self) -> None:
         """Delete what the operator doesn't keep."""
         now_s = time.monotonic()
-        if self._rules.retention_days is None or now_s < self._pruned_s:
+        if self._settings.retention_days is None or now_s < self._pruned_s:
             return
-        before_utc = datetime.now(UTC) - timedelta(days=self._rules.retention_days)
+        before_utc = datetime.now(UTC) - timedelta(days=self._settings.retention_days)
         with self._database.writing() as connection:
             gone = jobs.remove_finished(connection, before_utc, _PRUNED_AT_ONCE)
             for job_id in gone:

@@ -20,9 +20,9 @@ from multiprocessing import connection, forkserver
 from threading import Lock, Timer
 from typing import ClassVar, TypeVar
 
-from app.jobs.child import Bounds, Message, TooDemanding, do_all
+from app.jobs.child import Bounds, Message, TooDemanding, work_until_closed
 from app.log.logs import log
-from app.work.progress import Progress
+from app.work.progress import OnProgress
 
 T = TypeVar("T")
 # What the children run: the server imports it, and warms it up, once for all of them.
@@ -90,7 +90,7 @@ class _Child:
     def __init__(self) -> None:
         context = multiprocessing.get_context("forkserver")
         self.line, childs_end = context.Pipe(duplex=True)
-        self._process = context.Process(target=do_all, args=(childs_end,), daemon=True)
+        self._process = context.Process(target=work_until_closed, args=(childs_end,), daemon=True)
         try:
             with self._books:
                 start_server()
@@ -186,14 +186,14 @@ class _Children:
         child.kill()
         self._refill_after(_ANSWER_S, child)
 
-    def _refill_after(self, wait_s: float, gone: _Child | None = None) -> None:
-        timer = Timer(wait_s, self._refill, (gone,))
+    def _refill_after(self, wait_s: float, old: _Child | None = None) -> None:
+        timer = Timer(wait_s, self._refill, (old,))
         timer.daemon = True
         timer.start()
 
-    def _refill(self, gone: _Child | None) -> None:
-        if gone is not None:
-            gone.throw_away()
+    def _refill(self, old: _Child | None) -> None:
+        if old is not None:
+            old.throw_away()
         with self._forking:
             while self._working + len(self._waiting) < self._kept:
                 try:
@@ -238,17 +238,17 @@ def spare_children(count: int) -> Iterator[None]:
 def run_disposable(
     bounds: Bounds,
     work: Callable[..., T],
-    *given: object,
+    *arguments: object,
     stop: Stop | None = None,
-    on_progress: Callable[[Progress], None] | None = None,
+    on_progress: OnProgress | None = None,
 ) -> T:
-    """What `work(*given)` returns; both go through pickle, so `work` is a module's function.
+    """What `work(*arguments)` returns; both go through pickle, so `work` is a module's function.
 
     stop: ends it from another thread.  on_progress: called here with what the work reports.
     Raises the Refusal that the work raises; TooDemanding beyond the bounds; Stopped;
     ChildFailed; ChildDied.
     """
-    task = pickle.dumps((bounds, work, given))
+    task = pickle.dumps((bounds, work, arguments))
     stop = stop or Stop()
     if stop.requested:
         raise Stopped
@@ -272,9 +272,7 @@ def run_disposable(
     return done
 
 
-def _end(
-    child: _Child, task: bytes, bounds: Bounds, on_progress: Callable[[Progress], None] | None
-) -> Message:
+def _end(child: _Child, task: bytes, bounds: Bounds, on_progress: OnProgress | None) -> Message:
     """The last message of the work; raises ChildDied without one, TooDemanding when it's late."""
     try:
         child.line.send_bytes(task)

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from app.jobs.child import Bounds
 from app.jobs.disposable import Stop, run_disposable
-from app.work.progress import Progress
+from app.work.progress import OnProgress
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,9 +35,7 @@ class SolveExecutor(Protocol):
     @property
     def workers(self) -> int: ...
 
-    def submit(
-        self, task: Task, stop: Stop, on_progress: Callable[[Progress], None]
-    ) -> Future[Any]:
+    def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
         """Begin; `stop` ends it wherever it runs, `on_progress` is called in any thread."""
         ...
 
@@ -53,10 +51,7 @@ class LocalExecutor:
         self.workers = workers
         self._threads = ThreadPoolExecutor(workers, thread_name_prefix="solve")
 
-    def submit(
-        self, task: Task, stop: Stop, on_progress: Callable[[Progress], None]
-    ) -> Future[Any]:
-        """As a SolveExecutor does."""
+    def submit(self, task: Task, stop: Stop, on_progress: OnProgress) -> Future[Any]:
         return self._threads.submit(
             run_disposable,
             task.bounds,
@@ -68,5 +63,4 @@ class LocalExecutor:
         )
 
     def close(self) -> None:
-        """As a SolveExecutor does."""
         self._threads.shutdown()

@@ -3,21 +3,24 @@
 A new kind is a module with its work, which a child imports, and a line in JOB_KINDS.
 """
 
-from collections.abc import Callable
+import hashlib
+import json
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
-from app.jobs.parts import add_part
-from app.store import plans
-from app.store.jobs import Job
-from app.store.new_plan import NewPlan
-from app.store.states import JobState
-from app.work.campaign import NewCampaign, choose
+from app.store import jobs, plans
+from app.store.ids import JobState, new_id
+from app.store.jobs import Job, NewJob
+from app.store.packed import NewPlan
+from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack
 from app.work.spacecraft import plan_and_pack_session
+
+_PART_RANK = 1  # after what somebody waits for
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,13 +41,13 @@ class JobKind:
     iterations: Callable[[Any], int | None] = lambda _: None
 
 
-def _store_plan(connection: Connection, job: Job, made: NewPlan) -> JobState:
-    plans.store(connection, job.id, job.kind, job.options.get("revises"), made)
-    return made.state
+def _store_plan(connection: Connection, job: Job, new: NewPlan) -> JobState:
+    plans.store(connection, job.id, job.kind, job.options.get("revises"), new)
+    return new.state
 
 
-def _iterations(made: NewPlan) -> int | None:
-    return made.iterations
+def _iterations(new: NewPlan) -> int | None:
+    return new.iterations
 
 
 PLAN = JobKind(
@@ -66,13 +69,14 @@ SPACECRAFT_PLAN = JobKind(
 )
 
 
-def _store_campaign(connection: Connection, job: Job, made: NewCampaign) -> JobState:
+def _store_campaign(connection: Connection, job: Job, new: NewCampaign) -> JobState:
     if job.cancel_requested:
         return "cancelled"
-    plans.store_choice(connection, job.id, made.document)
-    for part in made.parts:
-        add_part(connection, job, part, min(PLAN.bounds.deadline_s, job.deadline_s))
-    return "running" if made.parts else "done"
+    plans.store_choice(connection, job.id, new.document)
+    for part in new.parts:
+        deadline_s = min(PLAN.bounds.deadline_s, job.deadline_s)
+        _accept_part(connection, part, job.id, job.key_id, deadline_s)
+    return "running" if new.parts else "done"
 
 
 CAMPAIGN = JobKind(
@@ -84,3 +88,38 @@ CAMPAIGN = JobKind(
 )
 
 JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN)}
+
+
+def replace_refused(connection: Connection, refused: Job, problem: Mapping[str, Any]) -> None:
+    """Accept a campaign's pass once more without the look at fault, if any other is left.
+
+    In the transaction that finishes the refused plan, whose row it holds, so that the campaign
+    never sees itself complete in between.
+    """
+    part = Part(
+        request=jobs.request_of(connection, refused.id) or b"", facts=refused.options["campaign"]
+    )
+    repaired = without_refused(part, problem.get("field"), problem["detail"])
+    if repaired is not None and refused.parent_id is not None:
+        _accept_part(connection, repaired, refused.parent_id, refused.key_id, refused.deadline_s)
+
+
+def _accept_part(
+    connection: Connection, part: Part, whole_id: str, key_id: str | None, deadline_s: float
+) -> None:
+    """The plan of one pass."""
+    jobs.accept(
+        connection,
+        NewJob(
+            id=new_id(),
+            kind=PLAN.name,
+            name=json.loads(part.request)["name"],
+            request=part.request,
+            request_sha256=hashlib.sha256(part.request).hexdigest(),
+            deadline_s=deadline_s,
+            options={"campaign": dict(part.facts)},
+            key_id=key_id,
+            parent_id=whole_id,
+            rank=_PART_RANK,
+        ),
+    )

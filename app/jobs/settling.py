@@ -8,13 +8,12 @@ from sqlalchemy import Connection
 
 from app.answers.problem import bug, problem_of
 from app.jobs.disposable import ChildFailed, Stopped
-from app.jobs.kinds import JobKind
-from app.jobs.parts import replace_refused
+from app.jobs.kinds import JobKind, replace_refused
 from app.jobs.refusals import Interrupted
 from app.log.logs import log
 from app.store import jobs
+from app.store.ids import JobState
 from app.store.jobs import Job
-from app.store.states import JobState
 from planner.errors import Refusal
 
 

@@ -55,8 +55,8 @@ def reason(error: BaseException) -> str:
     cause = getattr(error, "orig", None) or error  # SQLAlchemy's, of the driver's
     codes = (getattr(cause, name, None) for name in ("sqlite_errorname", "sqlstate"))
     code = next((code for code in codes if code), "")
-    said = str(cause).lower() if type(cause).__module__.startswith(("sqlite3", "psycopg")) else ""
-    words = next((words for words in _WORDS if words.lower() in said), "")
+    text = str(cause).lower() if type(cause).__module__.startswith(("sqlite3", "psycopg")) else ""
+    words = next((words for words in _WORDS if words.lower() in text), "")
     return ", ".join(part for part in (code, words) if part)
 
 
@@ -74,11 +74,11 @@ def traceback_text(error: BaseException) -> str:
 
 
 def _lines(error: BaseException) -> Iterator[str]:
-    told: list[int] = []
+    seen_ids: list[int] = []
     link = ""
     following: BaseException | None = error
-    while following is not None and id(following) not in told and len(told) < _CHAIN_MAX:
-        told.append(id(following))
+    while following is not None and id(following) not in seen_ids and len(seen_ids) < _CHAIN_MAX:
+        seen_ids.append(id(following))
         yield link + describe_error(following)
         yield from _places(following.__traceback__)
         if isinstance(following, BaseExceptionGroup):

@@ -60,10 +60,10 @@ def configure_logs(level: LogLevel, log_format: LogFormat) -> None:
     _take_over()
     # Of its doings, values withheld, little is left.
     logging.getLogger("distributed").setLevel("INFO" if level == "debug" else "WARNING")
-    sys.excepthook = lambda _, error, __: _tell_uncaught(error)
-    threading.excepthook = lambda what: _tell_uncaught(what.exc_value)
-    sys.unraisablehook = lambda what: _tell_uncaught(what.exc_value)
-    warnings.showwarning = _tell_warning
+    sys.excepthook = lambda _, error, __: _log_uncaught(error)
+    threading.excepthook = lambda what: _log_uncaught(what.exc_value)
+    sys.unraisablehook = lambda what: _log_uncaught(what.exc_value)
+    warnings.showwarning = _log_warning
 
 
 def _take_over() -> None:
@@ -90,12 +90,12 @@ def _strict_json(event: dict[str, Any], **_: object) -> str:
     return json.dumps(event)  # without structlog's way with other objects, their repr
 
 
-def _tell_uncaught(error: BaseException | None) -> None:
+def _log_uncaught(error: BaseException | None) -> None:
     if error is not None and not isinstance(error, KeyboardInterrupt | SystemExit):
         log.critical("uncaught", exc_info=error)
 
 
-def _tell_warning(
+def _log_warning(
     message: Warning | str,
     category: type[Warning],
     filename: str,

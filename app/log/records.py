@@ -116,7 +116,7 @@ class OneASecond(logging.Filter):
     def __init__(self) -> None:
         super().__init__()
         self._lock = threading.Lock()
-        self._told_s: dict[tuple[object, ...], float] = {}
+        self._last_s: dict[tuple[object, ...], float] = {}
         self._left_out: dict[tuple[object, ...], int] = {}
 
     def filter(self, record: logging.LogRecord) -> bool:
@@ -126,10 +126,10 @@ class OneASecond(logging.Filter):
         kind = (record.name, record.levelno, record.pathname, record.lineno, record.msg)
         now_s = time.monotonic()
         with self._lock:
-            if now_s - self._told_s.get(kind, -1.0) < 1.0:
+            if now_s - self._last_s.get(kind, -1.0) < 1.0:
                 self._left_out[kind] = self._left_out.get(kind, 0) + 1
                 return False
-            self._told_s[kind] = now_s
+            self._last_s[kind] = now_s
             left_out = self._left_out.pop(kind, 0)
         if left_out:
             record.left_out = left_out

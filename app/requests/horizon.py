@@ -5,12 +5,11 @@ from typing import Annotated, Any
 
 from pydantic import FailFast, Field
 
-from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
-from estimator.request import Body, HorizonRequest
+from estimator.request import Body, HorizonRequest, require_cameras
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s, utc_text

@@ -124,7 +124,10 @@ def _document(body: bytes) -> object:
         if too_much := beyond_bounds(body):
             raise ValueError(too_much)
         return json.loads(
-            text, object_pairs_hook=members, parse_int=_whole_number, parse_float=_number
+            text,
+            object_pairs_hook=members,
+            parse_int=lambda digits: int(_require_few(digits)),
+            parse_float=lambda digits: float(_require_few(digits)),
         )
     except UnicodeDecodeError as error:
         fault = f"the request must be UTF-8 text; byte {error.start} is not"
@@ -133,15 +136,7 @@ def _document(body: bytes) -> object:
     raise InvalidRequest(FieldError(field="", detail=fault))
 
 
-def _whole_number(digits: str) -> int:
-    return int(_bounded_integer(digits))
-
-
-def _number(digits: str) -> float:
-    return float(_bounded_integer(digits))
-
-
-def _bounded_integer(digits: str) -> str:
+def _require_few(digits: str) -> str:
     if len(digits) > DIGITS_MAX:
         raise ValueError(f"a number has {len(digits)} digits, more than {DIGITS_MAX}")
     return digits
@@ -203,7 +198,7 @@ def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
         named_path, named = _path_in(node, name.split("."))
         if ".".join(named_path) == name:
             path, detail, given = path + named_path, rest, named
-    value = _shown(given)
+    value = _short_value(given)
     if kind not in ("value_error", "missing", "unexpected_keyword_argument") and value is not None:
         detail += f", not {json.dumps(value)}"
     return FieldError(
@@ -268,7 +263,7 @@ def _detail(error: Mapping[str, Any]) -> str:
             return _DETAILS.get(kind, "can't be read as what belongs here").format_map(context)
 
 
-def _shown(value: object) -> str | float | int | bool | None:
+def _short_value(value: object) -> str | float | int | bool | None:
     """A value fit to be repeated: scalars, cut short; never NaN, which is no JSON."""
     if isinstance(value, str):
         return _shorten(value)

@@ -22,18 +22,18 @@ def require_plain(text: str) -> str:
         )
     for place, character in enumerate(text):
         if unicodedata.category(character) in _HIDDEN and character not in _JOINERS:
-            raise ValueError(_hidden(character, place))
+            raise ValueError(_hidden_character(character, place))
     return text
 
 
 def require_message(text: str) -> str:
     """The text; ValueError for what no CCSDS message may hold, however long it is."""
     if found := _CONTROL_IN_MESSAGE.search(text):
-        raise ValueError(_hidden(found[0], found.start()))
+        raise ValueError(_hidden_character(found[0], found.start()))
     return text
 
 
-def _hidden(character: str, place: int) -> str:
+def _hidden_character(character: str, place: int) -> str:
     return (
         f"must be plain text, but its character {place + 1} is U+{ord(character):04X}, which "
         "can't be seen; remove it"

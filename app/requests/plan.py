@@ -4,9 +4,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, FailFast, Field
 
-from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
+from estimator.request import require_cameras
 from planner.frames.time_scales import elapsed_s
 from planner.scenario import Scenario, Session
 from planner.spec import spec
@@ -40,15 +40,15 @@ class PlanRequest(Scenario):
                 )
 
 
-def _require_span(asked: PlanRequest) -> PlanRequest:
+def _require_span(request: PlanRequest) -> PlanRequest:
     """Of a request as it is read: a start that is tried may lie beyond it."""
-    span_s = elapsed_s(asked.sessions[-1].stop, asked.initial_state.epoch)
+    span_s = elapsed_s(request.sessions[-1].stop, request.initial_state.epoch)
     if span_s > SPAN_MAX_S:
         raise ValueError(
             f"sessions must end within {SPAN_MAX_S:.0f} s of initial_state.epoch, "
             f"not after {span_s:.0f} s; plan them one by one"
         )
-    return asked
+    return request
 
 
 _WITHIN_SPAN: Any = Annotated[PlanRequest, AfterValidator(_require_span)]

@@ -38,7 +38,7 @@ def record(
 
 def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:
     """The latest first, of those older than the one with the id `before`."""
-    wanted = _ENTRIES.where(AuditRow.id < before).order_by(AuditRow.id.desc()).limit(limit)
+    query = _ENTRIES.where(AuditRow.id < before).order_by(AuditRow.id.desc()).limit(limit)
     with database.reading() as connection:
-        rows = connection.execute(wanted).mappings()
+        rows = connection.execute(query).mappings()
         return [AuditEntry(**dict(row) | {"at": utc_text(row["at"])}) for row in rows]

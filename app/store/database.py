@@ -193,36 +193,30 @@ def _keep_to_owner(file: Path) -> None:
 
 
 def _engine(url: URL) -> Engine:
-    if url.drivername != "sqlite":
-        from app.store.postgresql import bound_silence
-
-        server = create_engine(
-            url,
-            pool_size=_POOLED,
-            max_overflow=_POOLED_MORE,
-            pool_timeout=PATIENCE_S,
-            pool_pre_ping=True,
-            hide_parameters=True,
-            connect_args={
-                # Else a database made as SQL_ASCII answers in bytes.
-                "client_encoding": "utf8",
-                "connect_timeout": 2,  # psycopg's least
-                "tcp_user_timeout": int(PATIENCE_S * 1e3),
-                "options": f"-c lock_timeout={PATIENCE_S * 1e3:.0f}",
-            },
-        )
-        bound_silence(server)
-        return server
+    is_file = url.drivername == "sqlite"
+    to_file = {"timeout": PATIENCE_S, "check_same_thread": False}
+    to_server = {
+        "client_encoding": "utf8",  # else a database made as SQL_ASCII answers in bytes
+        "connect_timeout": 2,  # psycopg's least
+        "tcp_user_timeout": int(PATIENCE_S * 1e3),
+        "options": f"-c lock_timeout={PATIENCE_S * 1e3:.0f}",
+    }
     engine = create_engine(
         url,
         pool_size=_POOLED,
         max_overflow=_POOLED_MORE,
         pool_timeout=PATIENCE_S,
+        pool_pre_ping=not is_file,
         hide_parameters=True,
-        connect_args={"timeout": PATIENCE_S, "check_same_thread": False},
+        connect_args=to_file if is_file else to_server,
     )
-    event.listen(engine, "connect", _set_up_sqlite)
-    event.listen(engine, "begin", _begin_sqlite)
+    if is_file:
+        event.listen(engine, "connect", _set_up_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+    else:
+        from app.store.postgresql import bound_silence
+
+        bound_silence(engine)
     return engine
 
 

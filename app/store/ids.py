@@ -1,8 +1,13 @@
-"""The ids things are stored under."""
+"""The ids and the states of what is stored."""
 
 import secrets
 import time
 import uuid
+from typing import Literal, get_args
+
+JobState = Literal["queued", "running", "done", "refused", "failed", "cancelled"]
+STATES: tuple[JobState, ...] = get_args(JobState)
+OPEN_STATES: tuple[JobState, ...] = ("queued", "running")
 
 
 def new_id() -> str:

@@ -15,6 +15,7 @@ from sqlalchemy import (
     ColumnElement,
     Connection,
     Row,
+    Select,
     delete,
     exists,
     func,
@@ -28,8 +29,8 @@ from sqlalchemy.orm import aliased
 
 from app.store import events
 from app.store.columns import database_now_s
+from app.store.ids import OPEN_STATES, JobState
 from app.store.models import JobRow
-from app.store.states import OPEN_STATES, JobState
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,7 +80,7 @@ class Job:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Claimed:
+class Claim:
     """A job that is ours while the lease lasts."""
 
     job: Job
@@ -121,14 +122,12 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
 
 def get(connection: Connection, job_id: str) -> Job | None:
     """By its id."""
-    row = connection.execute(_JOBS.where(JobRow.id == job_id)).one_or_none()
-    return None if row is None else _job(row)
+    return _one(connection, _JOBS.where(JobRow.id == job_id))
 
 
 def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
     """The job accepted under this key before."""
-    row = connection.execute(_JOBS.where(JobRow.idempotency == idempotency)).one_or_none()
-    return None if row is None else _job(row)
+    return _one(connection, _JOBS.where(JobRow.idempotency == idempotency))
 
 
 def request_of(connection: Connection, job_id: str) -> bytes | None:
@@ -151,14 +150,14 @@ def latest(
 
     Parts of the larger job, or without one those that are no parts.
     """
-    wanted: list[ColumnElement[bool]] = [JobRow.kind == kind, JobRow.parent_id == parent_id]
+    conditions: list[ColumnElement[bool]] = [JobRow.kind == kind, JobRow.parent_id == parent_id]
     if before is not None:
-        wanted.append(JobRow.id < before)
+        conditions.append(JobRow.id < before)
     if state is not None:
-        wanted.append(JobRow.state == state)
+        conditions.append(JobRow.state == state)
     if name is not None:
-        wanted.append(JobRow.name.contains(name, autoescape=True))
-    found = connection.execute(_JOBS.where(*wanted).order_by(JobRow.id.desc()).limit(limit))
+        conditions.append(JobRow.name.contains(name, autoescape=True))
+    found = connection.execute(_JOBS.where(*conditions).order_by(JobRow.id.desc()).limit(limit))
     return [_job(row) for row in found]
 
 
@@ -180,19 +179,19 @@ def counts(connection: Connection) -> dict[tuple[str, str], int]:
 
 def is_work_waiting(connection: Connection, kinds: Collection[str]) -> bool:
     """Whether `claim` would find anything."""
-    either = or_(*(exists().where(*wanted) for wanted in _claimable(kinds)))
+    either = or_(*(exists().where(*conditions) for conditions in _claimable(kinds)))
     return bool(connection.scalar(select(either)))
 
 
-def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claimed | None:
+def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Claim | None:
     """Take the next job: one whose lease ran out, else the first in the queue.
 
     Returns the job as it was before, with the attempts made so far.
     """
-    for wanted in _claimable(kinds):
+    for conditions in _claimable(kinds):
         row = connection.execute(
             select(*_COLUMNS, JobRow.request)
-            .where(*wanted)
+            .where(*conditions)
             .order_by(JobRow.rank, JobRow.id)
             .limit(1)
             .with_for_update(skip_locked=True)
@@ -210,7 +209,7 @@ def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...],
     )
 
 
-def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claimed:
+def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claim:
     token = secrets.token_hex(16)
     members = dict(row._mapping)
     request = zlib.decompress(members.pop("request"))
@@ -226,9 +225,9 @@ def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: floa
             started_utc=job.started_utc or datetime.now(UTC),
         )
     )
-    told = {"state": "running", "attempt": job.attempts + 1}
-    events.record(connection, job.id, events.STATE, told)
-    return Claimed(job=job, request=request, token=token)
+    data = {"state": "running", "attempt": job.attempts + 1}
+    events.record(connection, job.id, events.STATE, data)
+    return Claim(job=job, request=request, token=token)
 
 
 def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> frozenset[str]:
@@ -240,18 +239,15 @@ def extend(connection: Connection, tokens: Collection[str], lease_s: float) -> f
 
 def leases_to_end(connection: Connection, tokens: Collection[str]) -> frozenset[str]:
     """Leases that are no longer ours, or on jobs that somebody wants to end."""
-    wanted = connection.scalars(
+    still_ours = connection.scalars(
         select(JobRow.lease_token).where(JobRow.lease_token.in_(tokens), not_(_UNWANTED))
     )
-    return frozenset(tokens) - frozenset(wanted)
+    return frozenset(tokens) - frozenset(still_ours)
 
 
 def job_of_lease(connection: Connection, token: str) -> Job | None:
     """The job of a lease that is still ours, locked until the transaction ends."""
-    row = connection.execute(
-        _JOBS.where(JobRow.lease_token == token).with_for_update()
-    ).one_or_none()
-    return None if row is None else _job(row)
+    return _one(connection, _JOBS.where(JobRow.lease_token == token).with_for_update())
 
 
 def finish(
@@ -293,8 +289,8 @@ def _record_end_of_part(connection: Connection, whole_id: str) -> None:
     counted = {state: int(count) for state, count in grouped}
     left = sum(counted.get(state, 0) for state in OPEN_STATES)
     done = sum(counted.values()) - left
-    told = {"stage": "plans", "done": done, "of": done + left}
-    events.record(connection, whole_id, events.PROGRESS, told)
+    data = {"stage": "plans", "done": done, "of": done + left}
+    events.record(connection, whole_id, events.PROGRESS, data)
     if not left:
         finish(connection, whole, "cancelled" if whole.cancel_requested else "done")
 
@@ -306,22 +302,21 @@ def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
 
 
 def _change(
-    connection: Connection, job: Job, state: JobState, told: dict[str, Any], **values: object
+    connection: Connection, job: Job, state: JobState, data: dict[str, Any], **values: object
 ) -> None:
     connection.execute(
         update(JobRow)
         .where(JobRow.id == job.id)
         .values(state=state, lease_token=None, lease_until_s=None, **values)
     )
-    events.record(connection, job.id, events.STATE, told)
+    events.record(connection, job.id, events.STATE, data)
 
 
 def cancel(connection: Connection, job_id: str) -> Job | None:
     """End a job in the queue; one that runs is marked for whoever works on it."""
-    row = connection.execute(_JOBS.where(JobRow.id == job_id).with_for_update()).one_or_none()
-    if row is None:
+    job = _one(connection, _JOBS.where(JobRow.id == job_id).with_for_update())
+    if job is None:
         return None
-    job = _job(row)
     if job.state == "queued":
         finish(connection, job, "cancelled")
     elif job.state == "running" and not job.cancel_requested:
@@ -346,6 +341,11 @@ def remove_finished(connection: Connection, before_utc: datetime, limit: int) ->
     ).all()
     connection.execute(delete(JobRow).where(JobRow.id.in_(found)))
     return list(found)
+
+
+def _one(connection: Connection, query: Select[*tuple[Any, ...]]) -> Job | None:
+    row = connection.execute(query).one_or_none()
+    return None if row is None else _job(row)
 
 
 def _job(row: Row[*tuple[Any, ...]]) -> Job:

@@ -40,38 +40,38 @@ class KeyStore:
         }
         with self._database.writing() as connection:
             connection.execute(insert(KeyRow).values(**values))
-            told = f"{name} ({', '.join(scopes)})"
-            audit.record(connection, key_id=None, action="key.create", subject=key_id, detail=told)
+            whose = f"{name} ({', '.join(scopes)})"
+            audit.record(connection, key_id=None, action="key.create", subject=key_id, detail=whose)
         return Key(**values | {"scopes": tuple(scopes)}), secret
 
     def all(self) -> list[Key]:
         """Revoked ones, too, the oldest first."""
-        wanted = select(KeyRow.__table__).order_by(KeyRow.created_utc, KeyRow.id)
+        query = select(KeyRow.__table__).order_by(KeyRow.created_utc, KeyRow.id)
         with self._database.reading() as connection:
-            return [_key(row) for row in connection.execute(wanted).mappings()]
+            return [_key(row) for row in connection.execute(query).mappings()]
 
     def find(self, secret: str) -> Key | None:
         """The key that isn't revoked and has this secret."""
         key_id = id_in(secret)
         if key_id is None:
             return None
-        wanted = select(KeyRow.__table__).where(KeyRow.id == key_id)
+        query = select(KeyRow.__table__).where(KeyRow.id == key_id)
         with self._database.reading() as connection:
-            row = connection.execute(wanted).mappings().one_or_none()
+            row = connection.execute(query).mappings().one_or_none()
         key = None if row is None else _key(row)
         return key if key is not None and matches(key, secret) else None
 
     def good_digests(self) -> frozenset[str]:
         """SHA-256 of the secrets of all keys that aren't revoked."""
-        wanted = select(KeyRow.secret_sha256).where(KeyRow.revoked_utc.is_(None))
+        query = select(KeyRow.secret_sha256).where(KeyRow.revoked_utc.is_(None))
         with self._database.reading() as connection:
-            return frozenset(connection.execute(wanted).scalars())
+            return frozenset(connection.execute(query).scalars())
 
     def any_valid(self) -> bool:
         """Whether anyone could get in with a key."""
-        wanted = select(exists().where(KeyRow.revoked_utc.is_(None)))
+        query = select(exists().where(KeyRow.revoked_utc.is_(None)))
         with self._database.reading() as connection:
-            return bool(connection.execute(wanted).scalar_one())
+            return bool(connection.execute(query).scalar_one())
 
     def revoke(self, key_id: str) -> None:
         """From the next request on; raises InvalidInput when there is nothing to revoke."""

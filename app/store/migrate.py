@@ -61,8 +61,8 @@ def upgrade(database: Database) -> None:
 
 def _unusable(database: Database, error: BaseException) -> InvalidInput:
     why = reason(error)
-    told = f"the database can't be used: {why}" if why else "the database can't be used"
-    return InvalidInput(told, field=database.name)
+    detail = f"the database can't be used: {why}" if why else "the database can't be used"
+    return InvalidInput(detail, field=database.name)
 
 
 def _is_locked(error: StoreUnavailable) -> bool:

@@ -15,7 +15,7 @@ from sqlalchemy import (
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 from app.store.columns import PlainString, PlainText, UtcDateTime
-from app.store.states import STATES, JobState
+from app.store.ids import STATES, JobState
 
 _STATES = ", ".join(f"'{state}'" for state in STATES)
 _ID = PlainString(36)

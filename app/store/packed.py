@@ -1,4 +1,4 @@
-"""Columns of numbers packed small, with every bit of them kept.
+"""A plan as the child that made it hands it back: its columns packed small, every bit kept.
 
 Rows lie on smooth curves: fifth differences of the doubles' bit patterns, as integers that wrap
 around, are small; with their bytes sorted by weight, zlib makes 12 bytes of a row of two axes
@@ -11,7 +11,8 @@ import struct
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from datetime import datetime
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,25 @@ from planner.arrays import Array
 _LEVEL = 6
 _DIFFERENCES = 5  # one more or less takes a byte more a row
 _HEAD = struct.Struct("<I")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewPlan:
+    """A plan as it is stored.
+
+    state: `failed` where the judge rejects the table.  document: the answer's JSON without the
+    table and without what only the service knows, zlib.  table_columns: packed.
+    iterations: of the solver over all slews, where they are counted.
+    """
+
+    name: str
+    state: Literal["done", "failed"]
+    input_sha256: str
+    versions: dict[str, str]
+    document: bytes
+    table_columns: bytes
+    planned_utc: datetime
+    iterations: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

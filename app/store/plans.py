@@ -9,9 +9,9 @@ from typing import Any
 
 from sqlalchemy import Connection, func, insert, select
 
+from app.store.ids import JobState
 from app.store.models import CampaignRow, PlanRow
-from app.store.new_plan import NewPlan
-from app.store.states import JobState
+from app.store.packed import NewPlan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +19,6 @@ class StoredPlan:
     """A plan as it is read again."""
 
     id: str
-    kind: str
     series: str
     revision: int
     revises: str | None
@@ -44,9 +43,9 @@ def store(
         of_series = PlanRow.series == series
         connection.execute(select(PlanRow.id).where(of_series).with_for_update())  # one by one
         last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
-    made = {name: value for name, value in vars(new).items() if name != "iterations"}
+    columns = {name: value for name, value in vars(new).items() if name != "iterations"}
     place = {"series": series or job_id, "revision": last + 1, "revises": revises}
-    connection.execute(insert(PlanRow).values({"id": job_id, "kind": kind, **made, **place}))
+    connection.execute(insert(PlanRow).values({"id": job_id, "kind": kind, **columns, **place}))
 
 
 def get(connection: Connection, plan_id: str) -> StoredPlan | None:
@@ -68,5 +67,5 @@ def choice_of(connection: Connection, job_id: str) -> Mapping[str, Any] | None:
     found = connection.scalar(select(CampaignRow.document).where(CampaignRow.id == job_id))
     if found is None:
         return None
-    told: Mapping[str, Any] = json.loads(zlib.decompress(found))
-    return told
+    choice: Mapping[str, Any] = json.loads(zlib.decompress(found))
+    return choice

@@ -1,4 +1,4 @@
-"""A child's work for a campaign: choose, and write a plan request per pass."""
+"""A child's work for opportunities, and for a campaign: choose, write a plan request per pass."""
 
 import json
 import re
@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from app.answers.members import ProvenanceOut
+from app.answers.opportunities import opportunities_json
 from app.requests.campaign import read_campaign_request
 from app.work.progress import Progress, report
 from planner.campaigns import (
@@ -18,6 +20,7 @@ from planner.campaigns import (
     scenario_of,
 )
 from planner.frames.time_scales import elapsed_s, utc_text
+from planner.opportunities import OpportunityRequest, find_opportunities
 from planner.targets import BenchMotionTarget
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
@@ -28,32 +31,38 @@ _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
 class Part:
     """A pass to be planned.
 
-    request: a plan request.  told: the pass's number, times, looks, and what was left out.
+    request: a plan request.  facts: the pass's number, times, looks, and what was left out.
     """
 
     request: bytes
-    told: Mapping[str, Any]
+    facts: Mapping[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewCampaign:
-    """document: what is told of the choice as a whole, JSON, zlib."""
+    """document: the choice as a whole, JSON, zlib."""
 
     document: bytes
     parts: tuple[Part, ...]
 
 
+def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    return opportunities_json(find_opportunities(request), provenance)
+
+
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     """Read unless that is done, choose and write down; raises a Refusal."""
     request = request or read_campaign_request(body)
-    asked = json.loads(body)  # passes say orbit, platform and targets in its own words
+    document = json.loads(body)  # passes say orbit, platform and targets in its own words
     campaign = choose_campaign(
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
     return NewCampaign(
         document=zlib.compress(json.dumps(_document(request, campaign)).encode()),
         parts=tuple(
-            _part(asked, request, number, flight) for number, flight in enumerate(campaign.passes)
+            _part(document, request, number, flight)
+            for number, flight in enumerate(campaign.passes)
         ),
     )
 
@@ -71,8 +80,8 @@ def _document(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
         "passes": len(campaign.passes),
         "unseen": [request.targets[row].id for row in campaign.unseen],
         "left_out": [
-            wanted.id
-            for row, wanted in enumerate(request.targets)
+            target.id
+            for row, target in enumerate(request.targets)
             if row not in looked_at and row not in unseen
         ],
         "warnings": list(campaign.warnings),
@@ -80,14 +89,14 @@ def _document(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
 
 
 def _part(
-    asked: Mapping[str, Any], request: CampaignRequest, number: int, flight: ChosenPass
+    document: Mapping[str, Any], request: CampaignRequest, number: int, flight: ChosenPass
 ) -> Part:
     scenario = scenario_of(request, flight, number)
     rest = scenario.sessions[-1]
     assert isinstance(rest.target, BenchMotionTarget)
-    written = {
+    plan_request = {
         "name": scenario.name,
-        **{name: asked[name] for name in _CARRIED_OVER if name in asked},
+        **{name: document[name] for name in _CARRIED_OVER if name in document},
         "initial_state": {
             "epoch": utc_text(scenario.initial_state.epoch, 6),
             "angles_deg": dict(scenario.initial_state.angles_deg),
@@ -95,7 +104,7 @@ def _part(
         "sessions": [
             *(
                 {
-                    "target": asked["targets"][look.target]["target"],
+                    "target": document["targets"][look.target]["target"],
                     "start": utc_text(look.start_utc, 6),
                     "stop": utc_text(look.stop_utc, 6),
                 }
@@ -115,24 +124,24 @@ def _part(
         ],
         "on_conflict": scenario.on_conflict,
     }
-    written.setdefault("attitude", {"law": "lvlh"})
-    told = {
+    plan_request.setdefault("attitude", {"law": "lvlh"})
+    facts = {
         "pass": number,
         "start": utc_text(flight.start_utc),
         "stop": utc_text(flight.stop_utc),
         "looks": [_look(request, look) for look in flight.looks],
         "left_out": [],
     }
-    return Part(request=json.dumps(written).encode(), told=told)
+    return Part(request=json.dumps(plan_request).encode(), facts=facts)
 
 
 def _look(request: CampaignRequest, look: ChosenLook) -> dict[str, Any]:
-    wanted = request.targets[look.target]
+    target = request.targets[look.target]
     return {
-        "target": wanted.id,
+        "target": target.id,
         "start": utc_text(look.start_utc),
         "stop": utc_text(look.stop_utc),
-        "value": wanted.worth_value(elapsed_s(look.stop_utc, look.start_utc)),
+        "value": target.worth_value(elapsed_s(look.stop_utc, look.start_utc)),
     }
 
 
@@ -141,7 +150,7 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
 
     None when no look would be left.  field: the refusal's.
     """
-    looks = list(part.told["looks"])
+    looks = list(part.facts["looks"])
     if len(looks) < 2:
         return None
     named = _SESSION.match(field or "")
@@ -153,5 +162,5 @@ def without_refused(part: Part, field: str | None, detail: str) -> Part | None:
     left_out = {"target": looks.pop(row)["target"], "because": detail}
     return Part(
         request=json.dumps(request).encode(),
-        told={**part.told, "looks": looks, "left_out": [*part.told["left_out"], left_out]},
+        facts={**part.facts, "looks": looks, "left_out": [*part.facts["left_out"], left_out]},
     )

@@ -4,18 +4,17 @@ Bytes in, bytes out: what comes from outside is decoded nowhere else.
 """
 
 import base64
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import wraps
-from typing import ParamSpec, TypeVar
 
 import cv2
 import numpy as np
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
-from app.answers.horizon import EstimateResponse, estimate_out, rounded
-from app.answers.provenance import ProvenanceOut
+from app.answers.horizon import EstimateResponse, estimate_out, numbers_of
+from app.answers.members import ProvenanceOut
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
@@ -27,20 +26,10 @@ from estimator.prediction import predict_horizon
 from estimator.rendering.scene import HorizonRenderer
 from estimator.request import Body, HorizonRequest
 from estimator.surroundings import Surroundings
+from planner.frames.time_scales import utc_text
 
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
-
-P = ParamSpec("P")
-T = TypeVar("T")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Measurement:
-    """An estimate and, where wanted, the annotated frames as PNG files."""
-
-    estimate: VerticalEstimate
-    overlays: tuple[bytes, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,26 +49,28 @@ class PictureOut:
 
 
 _ESTIMATE = TypeAdapter(EstimateResponse)
+_PICTURE = TypeAdapter(PictureOut)
 
 
-def _report_out_of_memory(work: Callable[P, T]) -> Callable[P, T]:
+@contextmanager
+def _report_out_of_memory() -> Iterator[None]:
     """OpenCV has an error of its own for a lack of memory."""
-
-    @wraps(work)
-    def said(*args: P.args, **kwargs: P.kwargs) -> T:
-        try:
-            return work(*args, **kwargs)
-        except cv2.error as error:
-            if error.code == cv2.Error.StsNoMem:
-                raise MemoryError(error.err) from None
-            raise
-
-    return said
+    try:
+        yield
+    except cv2.error as error:
+        if error.code == cv2.Error.StsNoMem:
+            raise MemoryError(error.err) from None
+        raise
 
 
-@_report_out_of_memory
-def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> Measurement:
-    """Decode, estimate and, if wanted, draw; raises InvalidImage, InvalidCamera."""
+@_report_out_of_memory()
+def measure(
+    request: HorizonRequest, images: Sequence[bytes], *, draw: bool
+) -> tuple[VerticalEstimate, tuple[bytes, ...]]:
+    """The estimate and, if wanted, the annotated frames as PNG files.
+
+    Raises InvalidImage, InvalidCamera.
+    """
     if len(images) != len(request.cameras):
         raise InvalidCamera(
             f"{len(images)} images for {len(request.cameras)} cameras; send one per camera, in "
@@ -98,44 +89,40 @@ def measure(request: HorizonRequest, images: Sequence[bytes], *, draw: bool) -> 
         for k, (content, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
     estimate = estimate_vertical(pixels, request)
-    overlays = _overlays(request, pixels, estimate) if draw else ()
-    return Measurement(estimate=estimate, overlays=overlays)
+    return estimate, _overlays(request, pixels, estimate) if draw else ()
 
 
 def estimate_json(
     request: HorizonRequest, images: Sequence[bytes], provenance: ProvenanceOut
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    measured = measure(request, images, draw=request.overlay)
-    return _ESTIMATE.dump_json(estimate_out(measured.estimate, measured.overlays, provenance))
+    estimate, overlays = measure(request, images, draw=request.overlay)
+    return _ESTIMATE.dump_json(estimate_out(estimate, overlays, provenance))
 
 
-@_report_out_of_memory
+@_report_out_of_memory()
 def picture(request: PictureRequest) -> bytes:
     """The rendered picture as a PNG file."""
     around, c_body_from_itrf = _surroundings(request)
     horizon = HorizonRenderer(
-        around.limb.r_itrf_m,
-        c_body_from_itrf,
-        around.sun_itrf,
-        request.scene,
-        request.seed,
+        around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, request.scene, request.seed
     )
     return encode_png(horizon.picture(request.camera, request.sensor))
 
 
-def picture_with_truth(request: PictureRequest, at: str) -> PictureOut:
-    """The rendered picture and what an estimate should find in it."""
+def picture_json(request: PictureRequest) -> bytes:
+    """The rendered picture and what an estimate should find in it, as UTF-8 JSON."""
     around, c_body_from_itrf = _surroundings(request)
     q = Rotation.from_matrix(c_body_from_itrf @ around.c_itrf_from_eci)
-    return PictureOut(
+    answer = PictureOut(
         image_png=base64.b64encode(picture(request)).decode("ascii"),
-        at=at,
-        position_itrf_km=rounded(around.limb.r_itrf_m / 1e3),
-        q_body_from_eci_xyzw=rounded(q.as_quat(), 12),
-        nadir_body=rounded(c_body_from_itrf @ around.limb.nadir_itrf),
-        nadir_geodetic_body=rounded(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
+        at=utc_text(request.at),
+        position_itrf_km=numbers_of(around.limb.r_itrf_m / 1e3),
+        q_body_from_eci_xyzw=numbers_of(q.as_quat(), 12),
+        nadir_body=numbers_of(c_body_from_itrf @ around.limb.nadir_itrf),
+        nadir_geodetic_body=numbers_of(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
     )
+    return _PICTURE.dump_json(answer)
 
 
 def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
@@ -147,11 +134,11 @@ def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
 def _overlays(
     request: HorizonRequest, images: Sequence[Pixels], estimate: VerticalEstimate
 ) -> tuple[bytes, ...]:
-    drawn = []
-    for pixels, camera, report in zip(images, request.cameras, estimate.cameras, strict=True):
-        expected = _expected_px(request, camera)
-        drawn.append(encode_png(draw_overlay(pixels, camera, report, estimate, expected)))
-    return tuple(drawn)
+    frames = zip(images, request.cameras, estimate.cameras, strict=True)
+    return tuple(
+        encode_png(draw_overlay(pixels, camera, report, estimate, _expected_px(request, camera)))
+        for pixels, camera, report in frames
+    )
 
 
 def _expected_px(request: HorizonRequest, camera: HorizonCamera) -> np.ndarray | None:

@@ -11,10 +11,9 @@ import cv2
 import numpy as np
 from pydantic import TypeAdapter
 
-from app.answers.horizon import degrees, rounded, rows, word
-from app.answers.provenance import ProvenanceOut
+from app.answers.horizon import covariance_deg2, numbers_of, word
+from app.answers.members import ProvenanceOut, degrees
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
-from app.requests.horizon_cameras import require_cameras
 from app.requests.json_reader import JsonReader
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
@@ -22,12 +21,18 @@ from estimator.check import Verdict
 from estimator.errors import InvalidImage
 from estimator.images import Pixels
 from estimator.pipeline import VerticalEstimate, estimate_vertical
-from estimator.request import Body, HorizonRequest, Position, PredictedAttitude
+from estimator.request import (
+    Body,
+    HorizonRequest,
+    Position,
+    PredictedAttitude,
+    require_cameras,
+)
 from estimator.series import SeriesReport, summarise_series
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.errors import InvalidInput
-from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import shifted_utc, utc_text
 from planner.orbits import Orbit
 from planner.spec import Within, spec
 
@@ -54,14 +59,14 @@ class HorizonSession:
         require_cameras("cameras", self.cameras)
 
     def requests(self, count: int) -> tuple[HorizonRequest, ...]:
-        """What is asked of the first `count` frames; raises OutsideCoverage."""
+        """The requests for the first `count` frames; raises OutsideCoverage."""
         moments = [shifted_utc(self.start, k * self.step_s) for k in range(count)]
         r_sat_eci_m, q_body_from_eci, _ = attitudes_at(self.orbit, self.attitude, moments)
-        asked = []
+        requests = []
         for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci.as_quat(), strict=True):
             around = surroundings(moment, r_m, self.cameras, self.body)
             x, y, z = (around.limb.r_itrf_m / 1e3).tolist()
-            asked.append(
+            requests.append(
                 HorizonRequest(
                     epoch=moment,
                     position=Position(frame="ITRF", position_km=(x, y, z)),
@@ -72,7 +77,7 @@ class HorizonSession:
                     ),
                 )
             )
-        return tuple(asked)
+        return tuple(requests)
 
 
 @spec
@@ -148,26 +153,26 @@ def read_series(body: bytes) -> HorizonSession | HorizonFrames | None:
 
 
 def frame_requests(
-    asked: HorizonSession | HorizonFrames, images: int
+    source: HorizonSession | HorizonFrames, images: int
 ) -> tuple[HorizonRequest, ...]:
     """One request per frame for so many images; raises InvalidInput when they don't come out."""
-    if isinstance(asked, HorizonFrames):
-        needed = sum(len(request.cameras) for request in asked.frames)
+    if isinstance(source, HorizonFrames):
+        needed = sum(len(request.cameras) for request in source.frames)
         if needed != images:
             raise InvalidInput(
                 f"{images} images for frames that need {needed}; send each frame's in the "
                 "cameras' order, frame after frame",
                 field="frames",
             )
-        return asked.frames
-    count, rest = divmod(images, len(asked.cameras))
+        return source.frames
+    count, rest = divmod(images, len(source.cameras))
     if rest or not 1 <= count <= FRAMES_MAX:
         raise InvalidInput(
-            f"{images} images don't come out for {len(asked.cameras)} cameras; send each frame's "
+            f"{images} images don't come out for {len(source.cameras)} cameras; send each frame's "
             f"in the cameras' order, up to {FRAMES_MAX} frames",
             field="cameras",
         )
-    return asked.requests(count)
+    return source.requests(count)
 
 
 def measure_series(
@@ -178,8 +183,7 @@ def measure_series(
         estimate_vertical(images, request) for request, images in zip(requests, frames, strict=True)
     )
     sigma_deg = max((r.predicted.sigma_deg for r in requests if r.predicted), default=0.0)
-    t_s = [elapsed_s(request.epoch, requests[0].epoch) for request in requests]
-    report = summarise_series(t_s, estimates, math.radians(sigma_deg))
+    report = summarise_series(estimates, math.radians(sigma_deg))
     return Series(tuple(requests), estimates, report)
 
 
@@ -210,17 +214,14 @@ def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels:
 
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    report = series.report
-    observed = len(report.t_s) > 0
+    report, observed = series.report, series.report.used > 0
     return _ADAPTER.dump_json(
         SeriesResponse(
             verdict=report.verdict,
-            used=len(report.t_s),
-            bias_deg=rounded(np.degrees(report.bias_rad)) if observed else None,
-            covariance_deg2=(
-                rows(report.covariance_rad2 * math.degrees(1.0) ** 2, 12) if observed else None
-            ),
-            scatter_deg=rounded(np.degrees(report.scatter_rad)) if observed else None,
+            used=report.used,
+            bias_deg=numbers_of(np.degrees(report.bias_rad)) if observed else None,
+            covariance_deg2=(covariance_deg2(report.covariance_rad2) if observed else None),
+            scatter_deg=numbers_of(np.degrees(report.scatter_rad)) if observed else None,
             probability=report.probability if observed else None,
             frames=[
                 frame_out(request, estimate)
@@ -238,7 +239,7 @@ def frame_out(request: HorizonRequest, estimate: VerticalEstimate) -> FrameOut:
         at=utc_text(request.epoch),
         verdict=estimate.verdict,
         reason=word(estimate.reason),
-        nadir_body=None if nadir is None else rounded(nadir.nadir_body),
+        nadir_body=None if nadir is None else numbers_of(nadir.nadir_body),
         sigma_deg=None if nadir is None else degrees(nadir.sigma_rad),
         along_deg=None if check is None else degrees(check.along_rad),
         across_deg=None if check is None else degrees(check.across_rad),

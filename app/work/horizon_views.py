@@ -1,4 +1,4 @@
-"""What horizon cameras will see from an orbit under an attitude."""
+"""What horizon cameras will see, and which sessions of a plan they can check."""
 
 from collections.abc import Sequence
 from datetime import datetime
@@ -8,8 +8,8 @@ from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PredictionResponse, view_out
-from app.answers.horizon_view import ViewOut
-from app.answers.provenance import ProvenanceOut
+from app.answers.horizon_view import HorizonCheckOut, ViewOut
+from app.answers.members import ProvenanceOut, fill
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
@@ -18,8 +18,11 @@ from estimator.surroundings import Surroundings
 from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.errors import InvalidInput
-from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.orbits import Orbit
+from planner.scenario import Scenario
+
+SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session
 
 
 def attitudes_at(
@@ -77,15 +80,39 @@ def views(
 _PREDICTION = TypeAdapter(PredictionResponse)
 
 
-def prediction_json(asked: PredictionRequest, made: ProvenanceOut) -> bytes:
+def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
     found, warnings = views(
-        asked.orbit,
-        asked.attitude,
-        asked.cameras,
-        asked.instants,
-        body=asked.body,
-        attitude_sigma_deg=asked.attitude_sigma_deg,
+        request.orbit,
+        request.attitude,
+        request.cameras,
+        request.instants,
+        body=request.body,
+        attitude_sigma_deg=request.attitude_sigma_deg,
     )
-    answer = PredictionResponse(views=found, warnings=list(warnings), provenance=made)
+    answer = PredictionResponse(views=found, warnings=list(warnings), provenance=provenance)
     return _PREDICTION.dump_json(answer)
+
+
+def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:
+    """Session by session every camera's part; none without cameras."""
+    if not cameras:
+        return []
+    moments = [
+        shifted_utc(session.start, share * elapsed_s(session.stop, session.start))
+        for session in scenario.sessions
+        for share in SEEN_AT
+    ]
+    seen, _ = views(scenario.orbit, scenario.attitude, cameras, moments, body=Body())
+    count = len(cameras)
+    per_session = len(SEEN_AT) * count
+    return [
+        _check(number, seen[number * per_session + k : (number + 1) * per_session : count])
+        for number in range(len(scenario.sessions))
+        for k in range(count)
+    ]
+
+
+def _check(session: int, seen: list[ViewOut]) -> HorizonCheckOut:
+    worst = next((view for view in seen if not view.usable), seen[0])
+    return fill(HorizonCheckOut, worst, session=session, views=seen)

@@ -1,17 +1,15 @@
 """A child's work for a plan, and the reading of its stored table."""
 
-import hashlib
 import zlib
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
+from app.answers.members import provenance
 from app.answers.plan import plan_document, require_verified, table_json, verdict_state
-from app.answers.provenance import provenance
 from app.requests.plan import PlanRequest, read_plan_request
-from app.store.new_plan import NewPlan
-from app.store.packed import PackedColumns, pack, unpack
-from app.work.horizon_checks import horizon_checks
+from app.store.packed import NewPlan, PackedColumns, pack, unpack
+from app.work.horizon_views import horizon_checks
 from app.work.progress import Progress, report
 from planner.commands import CommandTable
 from planner.export import EXPORTERS, FlightPlan, Segment
@@ -26,14 +24,14 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
     plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
-    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    origin = provenance(now_utc, body)
     checks = horizon_checks(plan.scenario, request.horizon_cameras)
     return NewPlan(
         name=request.name,
         state=verdict_state(plan),
-        input_sha256=made.input_sha256,
-        versions=made.versions,
-        document=zlib.compress(plan_document(plan, checks, made)),
+        input_sha256=origin.input_sha256,
+        versions=origin.versions,
+        document=zlib.compress(plan_document(plan, checks, origin)),
         table_columns=pack(_pack(plan)),
         planned_utc=now_utc,
         iterations=sum(run.iterations for run in plan.slews),
@@ -50,21 +48,29 @@ def stored_table_file(
 ) -> bytes:
     """The table by itself; raises Unverified, OutsideCoverage."""
     packed = unpack(table_columns)
-    require_verified([_finding(told) for told in packed.facts["errors"]])
+    require_verified(_finding(**error) for error in packed.facts["errors"])
     plan = _stored_plan(request, packed)
     return EXPORTERS[format_name].write(plan, created_utc)
 
 
 def _stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     """With its sessions as they were left after conflicts."""
-    asked = read_plan_request(request)
+    scenario = read_plan_request(request)
     sessions = tuple(
         replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
-        for session, (start, stop) in zip(asked.sessions, packed.facts["sessions"], strict=True)
+        for session, (start, stop) in zip(scenario.sessions, packed.facts["sessions"], strict=True)
     )
     return FlightPlan(
-        scenario=replace(asked, sessions=sessions),
-        segments=tuple(_segment(*told) for told in packed.facts["segments"]),
+        scenario=replace(scenario, sessions=sessions),
+        segments=tuple(
+            Segment(
+                kind=kind,
+                session=session,
+                start_utc=utc_from_text(start),
+                stop_utc=utc_from_text(stop),
+            )
+            for kind, session, start, stop in packed.facts["segments"]
+        ),
         table=_table(packed),
     )
 
@@ -104,21 +110,8 @@ def _table(packed: PackedColumns) -> CommandTable:
     )
 
 
-def _segment(kind: Any, session: int, start: str, stop: str) -> Segment:  # noqa: ANN401 (as stored)
-    return Segment(
-        kind=kind, session=session, start_utc=utc_from_text(start), stop_utc=utc_from_text(stop)
-    )
-
-
-def _finding(told: dict[str, Any]) -> Finding:
-    return Finding(
-        severity="error",
-        limit=told["limit"],
-        axis=told["axis"],
-        t_s=told["t_s"],
-        at_utc=None if told["at"] is None else utc_from_text(told["at"]),
-        detail=told["detail"],
-    )
+def _finding(at: str | None, **members: Any) -> Finding:  # noqa: ANN401 (as stored)
+    return Finding(at_utc=None if at is None else utc_from_text(at), **members)
 
 
 def _exact(moment: datetime) -> str:

@@ -13,10 +13,11 @@ class Progress:
     of: int | None = None
 
 
-_reporter: Callable[[Progress], None] | None = None
+OnProgress = Callable[[Progress], None]
+_reporter: OnProgress | None = None
 
 
-def report_through(reporter: Callable[[Progress], None]) -> None:
+def report_through(reporter: OnProgress) -> None:
     """From now on, in this process."""
     global _reporter
     _reporter = reporter

@@ -1,15 +1,13 @@
 """A child's work for an imaging session, and the reading of its stored table."""
 
-import hashlib
 import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 
-from app.answers.provenance import provenance
+from app.answers.members import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
 from app.requests.spacecraft import read_spacecraft_request
-from app.store.new_plan import NewPlan
-from app.store.packed import PackedColumns, pack, unpack
+from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.plan import plan_imaging
@@ -29,13 +27,13 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
     plan = plan_imaging(request or read_spacecraft_request(body))
-    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
+    origin = provenance(now_utc, body)
     return NewPlan(
         name=plan.request.name,
         state="done",
-        input_sha256=made.input_sha256,
-        versions=made.versions,
-        document=zlib.compress(spacecraft_document(plan, made)),
+        input_sha256=origin.input_sha256,
+        versions=origin.versions,
+        document=zlib.compress(spacecraft_document(plan, origin)),
         table_columns=pack(_pack(plan.table)),
         planned_utc=now_utc,
     )

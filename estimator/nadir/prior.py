@@ -5,7 +5,7 @@ import numpy as np
 from estimator.nadir.fit import ROUGHNESS_M, Prior
 from estimator.surroundings import Surroundings
 
-# The daylight limb in the middle of the visible band (systems.md section 2).
+# The daylight limb in the middle of the visible band.
 DAYLIGHT_LIMB_M = 17.5e3
 DAYLIGHT_LIMB_SIGMA_M = 4.0e3
 _BLUE_RISE_M = 3.5e3

@@ -1,6 +1,6 @@
 """Pixels of a frame that may lie on the limb: edges, bright on one side, dark beyond.
 
-Source: Canny 1986 for the edges; the outer-side test is systems.md's "dark on the outer side".
+Source: Canny 1986 for the edges.
 """
 
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class Edges:
 def find_edges(frame: Frame, camera: HorizonCamera, seed: int) -> Edges:
     """Up to 500 edges of a frame, the ones dark beyond drawn first."""
     shrink_factor = max(1.0, max(frame.grey.shape) / _WORK_SIDE_PX)
-    small, usable = _shrunk(frame, shrink_factor)
+    small, usable = _shrink(frame, shrink_factor)
     bright = float(np.percentile(small[::3, ::3], 99.5))
     dark = float(np.percentile(small[::3, ::3], 1.0))
     if bright - dark < 3.0 * frame.step:
@@ -90,7 +90,7 @@ def _edges_on_sphere(
     return Edges(ray_body=ray_body, inward_body=inward_body, weight=weight)
 
 
-def _shrunk(frame: Frame, shrink_factor: float) -> tuple[Grey, NDArray[np.uint8]]:
+def _shrink(frame: Frame, shrink_factor: float) -> tuple[Grey, NDArray[np.uint8]]:
     usable = frame.usable.astype(np.uint8)
     if shrink_factor == 1.0:
         return frame.grey, usable

@@ -9,7 +9,7 @@ from estimator.camera import HorizonCamera
 from estimator.errors import Reason
 from estimator.images import Frame
 from estimator.search.plausibility import unusable_frame
-from estimator.search.trial import Search, SearchResult, View, try_attitude, unseen
+from estimator.search.trial import Search, SearchResult, View, blank_part, try_attitude
 from estimator.search.votes import vote
 
 _BAND_RAD = np.deg2rad(0.5)
@@ -92,7 +92,9 @@ def _refuse_contradiction(
 
 
 def _none(views: Sequence[View], reason: Reason) -> SearchResult:
-    return SearchResult(reason, (), tuple(unseen(view, view.unusable or reason) for view in views))
+    return SearchResult(
+        reason, (), tuple(blank_part(view, view.unusable or reason) for view in views)
+    )
 
 
 def _explain(result: SearchResult, views: Sequence[View], search: Search) -> SearchResult:

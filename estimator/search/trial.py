@@ -154,7 +154,7 @@ def try_attitude(views: Sequence[View], search: Search, c_body_from_itrf: Array)
     return replace(horizon, reason=_common_reason(horizon, search))
 
 
-def unseen(view: View, reason: Reason | None) -> CameraPart:
+def blank_part(view: View, reason: Reason | None) -> CameraPart:
     """A view in which no limb has been looked for, set aside where there is a reason."""
     points = no_points(view.camera)
     return CameraPart(view, points, CameraFit(reason, 0.0, float("nan"), points.found))
@@ -165,7 +165,9 @@ def _first_fit(
 ) -> tuple[list[CameraPart], Fit]:
     height_m = search.prior.height_m
     parts = [
-        _look(unseen(view, view.unusable), search, c_body_from_itrf, height_m, _FIRST_WINDOW_RAD)
+        _look(
+            blank_part(view, view.unusable), search, c_body_from_itrf, height_m, _FIRST_WINDOW_RAD
+        )
         for view in views
     ]
     if not search.heading_known:

@@ -12,10 +12,9 @@ from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
 from app.jobs.kinds import PLAN, JobKind
-from app.store.ids import new_id
+from app.store.ids import JobState, new_id
 from app.store.jobs import Job, NewJob
-from app.store.new_plan import NewPlan
-from app.store.states import JobState
+from app.store.packed import NewPlan
 
 
 def made() -> NewPlan:

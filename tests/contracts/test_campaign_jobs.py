@@ -78,7 +78,7 @@ def test_passes_that_were_chosen_can_be_flown_as_they_are(chosen):
         assert plan.state == "done"
         answer = json.loads(zlib.decompress(plan.document))
         assert not [told for told in answer["warnings"] if "than asked" in told]  # none cut short
-    looks = [look["target"] for part in chosen.parts for look in part.told["looks"]]
+    looks = [look["target"] for part in chosen.parts for look in part.facts["looks"]]
     assert len(looks) == len(set(looks)) == 5
 
 
@@ -123,12 +123,12 @@ def test_refused_pass_is_planned_again_without_the_look_at_fault(database, campa
 
 
 def test_least_worth_goes_when_no_look_is_named(chosen):
-    part = max(chosen.parts, key=lambda one: len(one.told["looks"]))
-    least = min(part.told["looks"], key=lambda look: look["value"])
-    rest = len(part.told["looks"])
+    part = max(chosen.parts, key=lambda one: len(one.facts["looks"]))
+    least = min(part.facts["looks"], key=lambda look: look["value"])
+    rest = len(part.facts["looks"])
     for field in (None, f"sessions.{rest}.start"):
         repaired = without_refused(part, field, "why")
-        assert repaired.told["left_out"] == [{"target": least["target"], "because": "why"}]
+        assert repaired.facts["left_out"] == [{"target": least["target"], "because": "why"}]
         assert len(json.loads(repaired.request)["sessions"]) == rest  # and the one at rest
 
 

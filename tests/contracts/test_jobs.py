@@ -11,15 +11,16 @@ from job_cases import KINDS, Notes, let_go, new_job
 from sqlalchemy import select, update
 from waiting import alive, eventually
 
-from app.jobs.dispatcher import Dispatcher, Rules
+from app.jobs.dispatcher import Dispatcher
 from app.jobs.executors import LocalExecutor
 from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import QueueFull
+from app.settings import Settings
 from app.store import audit, events, jobs, plans
 from app.store.database import Database
 from app.store.models import JobRow
 
-RULES = {"lease_s": 120.0, "attempts_max": 3, "queue_max": 100, "retention_days": None}
+RULES = {"lease_s": 120.0, "job_attempts": 3, "queue_max": 100, "retention_days": None}
 
 
 @pytest.fixture(autouse=True)
@@ -38,7 +39,7 @@ def database(tmp_path):
 def dispatching(database, workers=1, **rules):
     """A service on the database, with connections of its own."""
     own = Database(database.url)
-    dispatcher = Dispatcher(own, LocalExecutor(workers), Rules(**RULES | rules), lambda *_: None)
+    dispatcher = Dispatcher(own, LocalExecutor(workers), Settings(**RULES | rules), lambda *_: None)
     dispatcher.start()
     try:
         yield dispatcher

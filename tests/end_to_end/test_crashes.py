@@ -19,8 +19,8 @@ from waiting import PATIENCE_S, alive, eventually
 
 from app.requests.examples.plan import LAS_VEGAS
 from app.store import events, jobs
+from app.store.ids import OPEN_STATES
 from app.store.models import EventRow, JobRow, PlanRow
-from app.store.states import OPEN_STATES
 
 ROUNDS = int(os.environ.get("SLEWTRACK_CRASH_ROUNDS", "2"))
 PLANS_PER_ROUND = 8

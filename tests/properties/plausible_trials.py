@@ -12,6 +12,7 @@ from typing import Any
 
 from plan_oracle import faults
 
+from app.answers.members import provenance
 from app.answers.plan import plan_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
@@ -60,7 +61,7 @@ def outcome(request: Fields) -> Outcome:
         return Outcome(kind=refusal.slug, problem=problem, faults=list(_misshapen(problem)), **seen)
     if plan is None:
         return Outcome(kind="bug", faults=[str(bug)], **seen)
-    answered = json.loads(plan_json(plan, input_sha256="", planned_at_utc=datetime.now(UTC)))
+    answered = json.loads(plan_json(plan, provenance(datetime.now(UTC))))
     if request["slew"]["method"] == "spline" and answered["state"] == "failed":
         return Outcome(kind="baseline", **seen)
     wrong = faults(request, answered)
@@ -72,7 +73,7 @@ def outcome(request: Fields) -> Outcome:
 def answer(request: Fields) -> Fields:
     """That of a request that can be planned."""
     plan = make_plan(read_plan_request(json.dumps(request).encode()))
-    return dict(json.loads(plan_json(plan, input_sha256="", planned_at_utc=datetime.now(UTC))))
+    return dict(json.loads(plan_json(plan, provenance(datetime.now(UTC)))))
 
 
 def as_advised(request: Fields, problem: Fields) -> Fields:

@@ -117,7 +117,7 @@ def test_a_wrong_prediction_is_found_out(pair):
     answer = estimate_vertical(pair.images, replace(pair.request, predicted=predicted))
     assert answer.verdict is Verdict.INCONSISTENT
     assert np.rad2deg(answer.check.angle_rad) == pytest.approx(0.5, abs=0.1)  # 4 sigma
-    series = summarise_series([0.0, 1.0], [answer, answer], np.deg2rad(0.05))
+    series = summarise_series([answer, answer], np.deg2rad(0.05))
     assert series.verdict is Verdict.INCONSISTENT
     np.testing.assert_allclose(series.scatter_rad, 0.0, atol=1e-12)  # twice the same frame
 

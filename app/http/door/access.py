@@ -18,7 +18,6 @@ from app.http.door.key_ring import KeyRing
 from app.http.door.limits import RateLimit
 from app.store.api_keys import Key, KeyScope
 
-CHALLENGE = {"WWW-Authenticate": 'Bearer realm="slewtrack"'}
 # They say what is in the repository, not what the installation holds; and a browser that opens
 # a page can't send a key.
 PAGES = frozenset({"/docs", "/redoc", "/openapi.json"})
@@ -90,11 +89,7 @@ class Access:
     async def _key(self, secret: str, scope: Scope, *, sparing: bool) -> Key:
         key = await self._keys.find(secret, sparing=sparing)
         if key is None:
-            raise HTTPException(
-                HTTPStatus.UNAUTHORIZED,
-                "this API key is unknown or revoked",
-                {"WWW-Authenticate": CHALLENGE["WWW-Authenticate"] + ', error="invalid_token"'},
-            )
+            raise _unauthorized("this API key is unknown or revoked", ', error="invalid_token"')
         needed = scope_needed(scope["method"], scope["path"])
         if not key.may(needed):
             raise HTTPException(
@@ -105,17 +100,13 @@ class Access:
 
     def _require_open(self, scope: Scope, headers: Headers) -> None:
         if self._require_keys or not _within_this_machine(scope):
-            raise HTTPException(
-                HTTPStatus.UNAUTHORIZED,
-                "send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one",
-                CHALLENGE,
+            raise _unauthorized(
+                "send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one"
             )
         if any(name in headers for name in _PASSED_ON):
-            raise HTTPException(
-                HTTPStatus.UNAUTHORIZED,
+            raise _unauthorized(
                 "this request was passed on by a proxy, so it needs an API key: "
-                "Authorization: Bearer ...",
-                CHALLENGE,
+                "Authorization: Bearer ..."
             )
         host = headers.get("host", "")
         if _name_of(host) not in self._hosts:
@@ -159,12 +150,14 @@ def _bearer(headers: Headers) -> str | None:
         return None
     kind, _, secret = given.partition(" ")
     if kind.lower() != "bearer" or not secret.strip():
-        raise HTTPException(
-            HTTPStatus.UNAUTHORIZED,
-            "the Authorization header must hold an API key: Bearer ...",
-            CHALLENGE,
-        )
+        raise _unauthorized("the Authorization header must hold an API key: Bearer ...")
     return secret.strip()
+
+
+def _unauthorized(detail: str, error: str = "") -> HTTPException:
+    """How to send a key, and as `error` what is wrong with the one sent: RFC 6750."""
+    challenge = f'Bearer realm="slewtrack"{error}'
+    return HTTPException(HTTPStatus.UNAUTHORIZED, detail, {"WWW-Authenticate": challenge})
 
 
 def _within_this_machine(scope: Scope) -> bool:

@@ -14,7 +14,7 @@ from starlette.types import Scope
 _STATE = "connection"
 
 
-class Held(Protocol):
+class OpenConnection(Protocol):
     """A connection.
 
     has_key: whether its last request came with a good key; is_let_in: whether it may use more than
@@ -35,22 +35,25 @@ class Held(Protocol):
     def unsent_bytes(self) -> int: ...
 
 
-Connection = TypeVar("Connection", bound=Held)
+Connection = TypeVar("Connection", bound=OpenConnection)
 
 
-def to_give_way(held: Iterable[Connection]) -> Connection | None:
+def to_give_way(connections: Iterable[Connection]) -> Connection | None:
     """The one that leaves its place to a newcomer; None when all have a key or are at work."""
-    keyless = [one for one in held if not one.has_key]
+    keyless = [one for one in connections if not one.has_key]
     waiting = [one for one in keyless if one.waits_for_client]
     candidates = waiting or [one for one in keyless if not one.is_let_in]
-    held_by = Counter(one.network for one in candidates)
-    return min(candidates, key=lambda one: (-held_by[one.network], one.since_s), default=None)
+    count_by = Counter(one.network for one in candidates)
+    return min(candidates, key=lambda one: (-count_by[one.network], one.since_s), default=None)
 
 
-def connections_to_cut(held: Iterable[Connection], unsent_max_bytes: int) -> list[Connection]:
+def connections_to_cut(
+    connections: Iterable[Connection], unsent_max_bytes: int
+) -> list[Connection]:
     """Those whose answers take up more memory than all together may; one at least may stay."""
     stuck = sorted(
-        (one for one in held if one.unsent_bytes), key=lambda one: (one.has_key, one.stuck_since_s)
+        (one for one in connections if one.unsent_bytes),
+        key=lambda one: (one.has_key, one.stuck_since_s),
     )
     unsent_bytes = sum(one.unsent_bytes for one in stuck)
     cut = []
@@ -62,14 +65,14 @@ def connections_to_cut(held: Iterable[Connection], unsent_max_bytes: int) -> lis
     return cut
 
 
-def state_of(connection: Held) -> dict[str, Held]:
+def state_of(connection: OpenConnection) -> dict[str, OpenConnection]:
     """What the state of each request on it holds, for `remember`."""
     return {_STATE: connection}
 
 
 def remember(scope: Scope, *, has_key: bool, is_let_in: bool) -> None:
     """What the request showed, for its connection."""
-    connection: Held | None = scope["state"].get(_STATE)
+    connection: OpenConnection | None = scope["state"].get(_STATE)
     if connection is not None:  # none is served without a server, in tests
         connection.has_key = has_key
         connection.is_let_in = is_let_in

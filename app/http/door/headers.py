@@ -1,6 +1,19 @@
-"""Headers that keep a browser from doing more with our answers than show them."""
+"""Headers of every answer: its request's id, and what keeps a browser from more than showing it.
+
+The id stands in the log and in a problem's `instance`, too.
+"""
+
+import re
+import uuid
+from collections.abc import Mapping
+from typing import Any
 
 from starlette.datastructures import MutableHeaders
+
+REQUEST_ID = "X-Request-ID"
+# What is safe in a log line, a header and a URN.
+_SANE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+_STATE = "request_id"
 
 # An answer of the API is data: nothing in it may run, load or be framed.
 API_CONTENT_POLICY = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'"
@@ -28,3 +41,22 @@ def harden(headers: MutableHeaders) -> None:
         headers[name] = value
     for name, value in _UNLESS_SET.items():
         headers.setdefault(name, value)
+
+
+def request_id_of(header: str | None) -> str:
+    """The client's own id where it is sane, else a new UUID."""
+    return header if header is not None and _SANE.fullmatch(header) else str(uuid.uuid4())
+
+
+def remember_request_id(scope: Mapping[str, Any], request_id: str) -> None:
+    """Where `instance` finds it."""
+    scope["state"][_STATE] = request_id
+
+
+def instance(scope: Mapping[str, Any]) -> str:
+    """The URN of the request's id, for a problem's `instance`."""
+    request_id: str = scope["state"][_STATE]
+    try:
+        return uuid.UUID(request_id).urn
+    except ValueError:
+        return f"urn:slewtrack:request:{request_id}"

@@ -20,15 +20,15 @@ _IPV6_NETWORK_BITS = 64  # what one customer is given: an address of it is no id
 class RateLimit:
     """Requests per minute and caller; a minute's worth may come at once (token bucket).
 
-    told: what a refusal says, with `per_minute` and `wait_s`.
+    text: what a refusal says, with `per_minute` and `wait_s`.
     """
 
     def __init__(
         self,
-        told: str = "{per_minute} requests a minute are answered; ask again in {wait_s} s",
+        text: str = "{per_minute} requests a minute are answered; ask again in {wait_s} s",
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._told = told
+        self._text = text
         self._clock_s = clock_s
         self._spent: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
@@ -39,7 +39,7 @@ class RateLimit:
             wait_s = math.ceil((used + 1.0 - per_minute) * 60.0 / per_minute)
             raise HTTPException(
                 HTTPStatus.TOO_MANY_REQUESTS,
-                self._told.format(per_minute=per_minute, wait_s=wait_s),
+                self._text.format(per_minute=per_minute, wait_s=wait_s),
                 {"Retry-After": str(wait_s)},
             )
         self._spent[caller] = (used + 1.0, at_s)

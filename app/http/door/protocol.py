@@ -17,9 +17,8 @@ import h11
 from starlette.datastructures import MutableHeaders
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from app.http.door import request_id
 from app.http.door.connections import connections_to_cut, state_of, to_give_way
-from app.http.door.headers import harden
+from app.http.door.headers import REQUEST_ID, harden
 from app.http.door.limits import network_of
 from app.http.door.request_form import HEAD_BYTES_MAX
 from app.http.problems import PROBLEM_JSON, RETRY_AFTER_S
@@ -237,7 +236,7 @@ def _refusal(status: HTTPStatus, detail: str) -> tuple[h11.Event, ...]:
             "Content-Type": PROBLEM_JSON,
             "Content-Length": str(len(body)),
             "Connection": "close",
-            request_id.HEADER: str(instance),
+            REQUEST_ID: str(instance),
         }
     )
     if status == HTTPStatus.SERVICE_UNAVAILABLE:

@@ -5,8 +5,6 @@ carries the id and the security headers.
 """
 
 import time
-from collections.abc import MutableMapping
-from typing import Any
 
 import structlog
 from fastapi import Request
@@ -14,10 +12,10 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.http.door import request_id
-from app.http.door.headers import harden
+from app.answers.problem import bug, problem_of
+from app.http.door.headers import REQUEST_ID, harden, remember_request_id, request_id_of
 from app.http.metrics import UNMATCHED, Metrics
-from app.http.problems import bug_response, problem_type, refusal_answer
+from app.http.problems import problem_answer, problem_type
 from app.log.logs import log
 from app.store.failures import StoreUnavailable
 
@@ -47,14 +45,12 @@ class Watch:
                 await self._app(scope, receive, this.send)
             except ClientDisconnect:
                 this.status = this.status or CLIENT_GONE
-            except StoreUnavailable as error:  # before the request was let in, or after its answer
-                await this.refuse(error, receive)
             except Exception as error:  # noqa: BLE001 (the edge: the log gets all, the client none)
                 await this.fail(error, receive)
             finally:
-                self._tell(scope, this, time.perf_counter() - began_s)
+                self._report(scope, this, time.perf_counter() - began_s)
 
-    def _tell(self, scope: Scope, answer: "_Answer", took_s: float) -> None:
+    def _report(self, scope: Scope, answer: "_Answer", took_s: float) -> None:
         status = int(answer.status or CLIENT_GONE)
         problem = problem_type(scope)
         route = getattr(scope.get("route"), "path", UNMATCHED)
@@ -81,36 +77,32 @@ class _Answer:
         self.status = 0
         self._scope = scope
         self._send = send
-        _own_state(scope)
-        self.request_id = request_id.given_or_new(Headers(scope=scope).get(request_id.HEADER))
-        request_id.remember(scope, self.request_id)
+        scope["state"] = dict(scope.get("state", {}))  # of this request, not the connection's
+        self.request_id = request_id_of(Headers(scope=scope).get(REQUEST_ID))
+        remember_request_id(scope, self.request_id)
 
     async def send(self, message: Message) -> None:
         if message["type"] == "http.response.start":
             self.status = message["status"]
             headers = MutableHeaders(scope=message)
-            headers[request_id.HEADER] = self.request_id
+            headers[REQUEST_ID] = self.request_id
             harden(headers)
         await self._send(message)
 
-    async def refuse(self, error: StoreUnavailable, receive: Receive) -> None:
-        if self.status:  # too late for another answer: break off, so that none takes it for whole
-            raise error
-        await refusal_answer(Request(self._scope), error)(self._scope, receive, self.send)
-
     async def fail(self, error: Exception, receive: Receive) -> None:
-        log.error("bug", exc_info=error)
+        """By our fault, or the database's: before the request was let in, or after its answer."""
+        if isinstance(error, StoreUnavailable):
+            problem = problem_of(error)
+        else:
+            problem = bug()
+            log.error("bug", exc_info=error)
         if self.status:  # too late for another answer: break off, so that none takes it for whole
             raise error
-        response = bug_response(Request(self._scope))
-        await response(self._scope, receive, self.send)
+        answer = problem_answer(Request(self._scope), problem)
+        await answer(self._scope, receive, self.send)
 
 
 def _shown_path(scope: Scope) -> str:
     """As it was sent, in ASCII, so that no terminal is steered by it; no query, which may tell."""
     raw: bytes = scope.get("raw_path") or scope["path"].encode("ascii", "backslashreplace")
     return raw[:_PATH_SHOWN].decode("ascii", "replace")
-
-
-def _own_state(scope: MutableMapping[str, Any]) -> None:
-    scope["state"] = dict(scope.get("state", {}))

@@ -1,6 +1,7 @@
 """What the OpenAPI document says beyond what FastAPI finds by itself."""
 
 import json
+from http import HTTPStatus
 from pathlib import Path
 from typing import Any
 
@@ -8,14 +9,19 @@ from pydantic import TypeAdapter
 
 from app.answers.problem import Problem
 from app.http.door.access import PROBES, scope_needed
-from app.http.openapi.refusals import document_refusals
+from app.http.problems import PROBLEM_JSON
 from app.requests.campaign import campaign_request_json_schema
 from app.requests.horizon import horizon_request_json_schemas
 from app.requests.opportunities import opportunity_request_json_schema
 from app.requests.plan import plan_request_json_schema
 from app.requests.spacecraft import spacecraft_request_json_schema
 
-ANSWERS = Path(__file__).parent / "data" / "answers.json"
+_DATA = Path(__file__).parent / "data"
+ANSWERS = _DATA / "answers.json"
+# By status: when it comes, an example of its detail, further members and headers.
+_REFUSALS: dict[str, dict[str, Any]] = json.loads((_DATA / "refusals.json").read_text())
+_OF_BODIES = {"408", "413", "415"}
+_OF_ACCESS = {"401", "403", "421", "429"}
 REF = "#/components/schemas/{model}"
 
 KEY_SCHEME = "key"
@@ -54,7 +60,7 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
-    document_refusals(document, REF)
+    _document_refusals(document)
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
             if path not in PROBES:
@@ -84,3 +90,43 @@ def _document_answers(document: dict[str, Any]) -> None:
                 content = document["paths"][path][method]["responses"][status]["content"]
                 for media_type, examples in media_types.items():
                     content[media_type]["examples"] = examples
+
+
+def _document_refusals(document: dict[str, Any]) -> None:
+    """Add what each operation may refuse; what it says itself of a status stays."""
+    document["components"]["responses"] = {code: _refusal(code) for code in _REFUSALS}
+    for path, operations in document["paths"].items():
+        for operation in operations.values():
+            codes = _REFUSALS.keys() - (_OF_ACCESS if path in PROBES else ())
+            if "requestBody" not in operation:
+                codes -= _OF_BODIES
+            answers = {code: {"$ref": f"#/components/responses/{code}"} for code in codes}
+            for code, answer in operation["responses"].items():
+                if int(code) < 400:
+                    answers[code] = answer
+                elif "content" not in answer:  # FastAPI's own 422 has content
+                    answers[code] = _refusal(code, answer["description"])
+            operation["responses"] = dict(sorted(answers.items()))
+
+
+def _refusal(code: str, description: str | None = None) -> dict[str, Any]:
+    """Shown by its example, or by the description alone where there is none."""
+    refusal = _REFUSALS.get(code) or {"detail": description}
+    example = {
+        "type": "about:blank",
+        "title": HTTPStatus(int(code)).phrase,
+        "status": int(code),
+        "detail": refusal["detail"],
+        "instance": "urn:uuid:7d3f2c1e-5b1a-4a52-9a7e-0c2f6f1d8b34",
+    } | refusal.get("members", {})
+    schema = {"$ref": REF.format(model="Problem")}
+    response: dict[str, Any] = {
+        "description": description or refusal["when"],
+        "content": {PROBLEM_JSON: {"schema": schema, "example": example}},
+    }
+    if "headers" in refusal:
+        response["headers"] = {
+            name: {"description": meaning, "schema": {"type": "string"}}
+            for name, meaning in refusal["headers"].items()
+        }
+    return response

@@ -16,11 +16,11 @@ from app.answers.campaign import (
     campaign_json,
     campaign_list_json,
 )
+from app.http.blocking import read
 from app.http.negotiation import JSON, accepts_json, json_body
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
 from app.http.query import Parameters
-from app.http.reading import read
 from app.http.routes.jobs import (
     PREFER,
     accept_job,
@@ -76,23 +76,20 @@ async def post_campaign(
 
     Answered at once with 202 unless `Prefer: wait` asks to wait.
     """
-    asked = await anyio.to_thread.run_sync(read_campaign_request, body)
+    spec = await anyio.to_thread.run_sync(read_campaign_request, body)
     if query.dry_run:
-        sound = CampaignDryRun(valid=True, name=asked.name, targets=len(asked.targets))
+        sound = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(DRY_RUN.dump_json(sound), media_type=JSON)
-    job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, asked, body, key, {})
+    job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, spec, body, key, {})
     waits = patience(prefer, 0)
     await wait_for_end(request, job.id, waits.wait_s)
-    job, told = await _find_campaign(request, job.id)
-    headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer"}
-    if waits.applied is not None:
-        headers["Preference-Applied"] = waits.applied
-    if waits.is_none:  # though it may be done by now
-        return Response(told, HTTPStatus.ACCEPTED, headers, JSON)
-    if job.problem is not None:
+    job, answer = await _find_campaign(request, job.id)
+    headers = {"Location": f"{RESOURCE.path}/{job.id}", "Vary": "Prefer", **waits.headers}
+    if job.problem is not None and not waits.is_none:
         return problem_answer(request, job.problem, headers)
-    status = HTTPStatus.CREATED if job.state == "done" else HTTPStatus.ACCEPTED
-    return Response(told, status, headers, JSON)
+    is_made = job.state == "done" and not waits.is_none  # else 202, though it may be done by now
+    status = HTTPStatus.CREATED if is_made else HTTPStatus.ACCEPTED
+    return Response(answer, status, headers, JSON)
 
 
 @router.get(
@@ -103,8 +100,8 @@ async def post_campaign(
 )
 async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
     """The latest first."""
-    found = await list_jobs(request, RESOURCE, query)
-    return Response(campaign_list_json(found, query.limit), media_type=JSON)
+    jobs_and_one = await list_jobs(request, RESOURCE, query)
+    return Response(campaign_list_json(jobs_and_one, query.limit), media_type=JSON)
 
 
 @router.get(
@@ -116,8 +113,8 @@ async def get_campaigns(request: Request, query: Annotated[ListQuery, Query()]) 
 )
 async def get_campaign(request: Request, campaign_id: PathId) -> Response:
     """What was chosen and how far from the best that can be; each pass with its plan's state."""
-    _, told = await _find_campaign(request, campaign_id)
-    return Response(told, media_type=JSON, headers={"Cache-Control": "no-cache"})
+    _, answer = await _find_campaign(request, campaign_id)
+    return Response(answer, media_type=JSON, headers={"Cache-Control": "no-cache"})
 
 
 add_delete(router, RESOURCE)

@@ -1,18 +1,15 @@
 """The horizon over HTTP: estimates, predictions and pictures."""
 
-import hashlib
-from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
-from pydantic import TypeAdapter
 
 from app.answers.horizon import EstimateResponse, PredictionResponse
-from app.answers.provenance import provenance
+from app.answers.members import provenance
+from app.http.blocking import answer_in_child, in_child
 from app.http.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
-from app.http.in_child import in_child
 from app.http.negotiation import JSON, accepts_json, json_body, preferred_type
 from app.http.openapi.schema import REF, request_body
 from app.jobs.child import Bounds
@@ -23,11 +20,9 @@ from app.requests.horizon import (
     read_picture_request,
     read_prediction_request,
 )
-from app.work.horizon import PictureOut, estimate_json, picture, picture_with_truth
+from app.work.horizon import PictureOut, estimate_json, picture, picture_json
 from app.work.horizon_views import prediction_json
 from estimator.errors import InvalidImage
-from estimator.request import HorizonRequest
-from planner.frames.time_scales import utc_text
 
 router = APIRouter(tags=["horizon"])
 
@@ -37,8 +32,6 @@ ESTIMATE_BOUNDS = Bounds(deadline_s=20.0, memory_mib=500, alone=True)
 # A picture of 4 megapixels took 1.6 GB and 14 s on a busy core.
 PREDICTION_BOUNDS = Bounds(deadline_s=60.0, memory_mib=1000)
 PICTURE_BOUNDS = Bounds(deadline_s=60.0, memory_mib=2000)
-
-T = TypeVar("T")
 
 _MULTIPART_BODY: dict[str, Any] = {
     "requestBody": {
@@ -81,10 +74,16 @@ async def post_estimate(
     Frames that show no usable horizon are the answer `not_observable` with a reason, not a
     refusal; files that are no images are refused.
     """
-    now_utc = datetime.now(UTC)
-    asked, digest = await anyio.to_thread.run_sync(_read_estimate, upload)
-    made = provenance(digest, now_utc)
-    answer = await of_images(request, ESTIMATE_BOUNDS, estimate_json, asked, upload.images, made)
+    now_utc, images = datetime.now(UTC), upload.images
+    spec = await anyio.to_thread.run_sync(read_estimate_request, upload.request)
+    origin = await anyio.to_thread.run_sync(provenance, now_utc, upload.request, *images)
+    try:
+        answer = await in_child(request, ESTIMATE_BOUNDS, estimate_json, spec, images, origin)
+    except ChildDied:  # of its images
+        raise InvalidImage(
+            "reading these images brought the reader down; save them anew with another program",
+            field="images",
+        ) from None
     return Response(answer, media_type=JSON)
 
 
@@ -101,12 +100,9 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
 
     A plan's sessions are looked ahead to by `horizon_cameras` in its request.
     """
-    now_utc = datetime.now(UTC)
-    asked = await anyio.to_thread.run_sync(read_prediction_request, body)
-
-    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
-    answer = await in_child(request, PREDICTION_BOUNDS, prediction_json, asked, made)
-    return Response(answer, media_type=JSON)
+    return await answer_in_child(
+        request, body, read_prediction_request, PREDICTION_BOUNDS, prediction_json
+    )
 
 
 @router.post(
@@ -122,24 +118,6 @@ async def post_picture(request: Request, body: Annotated[bytes, Depends(json_bod
     Send `Accept: application/json` for the truth beside the picture.
     """
     kind = preferred_type(request, (PNG, JSON))
-    asked = await anyio.to_thread.run_sync(read_picture_request, body)
-    if kind == PNG:
-        return Response(await in_child(request, PICTURE_BOUNDS, picture, asked), media_type=PNG)
-    told = await in_child(request, PICTURE_BOUNDS, picture_with_truth, asked, utc_text(asked.at))
-    return Response(TypeAdapter(PictureOut).dump_json(told), media_type=JSON)
-
-
-def _read_estimate(upload: HorizonUpload) -> tuple[HorizonRequest, str]:
-    """What is asked, and the digest of up to 64 MB."""
-    return read_estimate_request(upload.request), upload.sha256
-
-
-async def of_images(request: Request, bounds: Bounds, work: Callable[..., T], *given: object) -> T:
-    """`in_child`; a child that dies died of its images."""
-    try:
-        return await in_child(request, bounds, work, *given)
-    except ChildDied:
-        raise InvalidImage(
-            "reading these images brought the reader down; save them anew with another program",
-            field="images",
-        ) from None
+    spec = await anyio.to_thread.run_sync(read_picture_request, body)
+    work = picture if kind == PNG else picture_json
+    return Response(await in_child(request, PICTURE_BOUNDS, work, spec), media_type=kind)

@@ -11,9 +11,9 @@ from fastapi.responses import StreamingResponse
 from sqlalchemy import Connection
 
 from app.answers.job import JobResponse, job_json
+from app.http.blocking import read
 from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
 from app.http.negotiation import JSON, accepts_json, preferred_type
-from app.http.reading import read
 from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
 from app.http.routes.resources import JobResource
 from app.http.waiting import wait_for_end
@@ -40,7 +40,7 @@ def no_such(resource: JobResource) -> dict[str, Any]:
 def accept_job(
     request: Request,
     kind: JobKind,
-    asked: Any,  # noqa: ANN401 (what the kind reads)
+    spec: Any,  # noqa: ANN401 (what the kind reads)
     body: bytes,
     key: str | None,
     options: Mapping[str, Any],
@@ -52,7 +52,7 @@ def accept_job(
     new = NewJob(
         id=new_id(),
         kind=kind.name,
-        name=asked.name,
+        name=spec.name,
         request=body,
         request_sha256=hashlib.sha256(body).hexdigest(),
         deadline_s=min(kind.bounds.deadline_s, state.settings.job_deadline_s),
@@ -60,7 +60,7 @@ def accept_job(
         key_id=key_id,
         idempotency=None if key is None else _digest(key_id or "", kind.name, key),
     )
-    job = dispatcher.submit(new, asked)
+    job = dispatcher.submit(new, spec)
     if (job.request_sha256, job.options) != (new.request_sha256, new.options):
         raise KeyReused(
             "this Idempotency-Key came with another request before; send a new key with a new "

@@ -1,21 +1,17 @@
 """Opportunities over HTTP."""
 
-import hashlib
-from datetime import UTC, datetime
 from typing import Annotated
 
-import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
 from app.answers.opportunities import OpportunitiesResponse
-from app.answers.provenance import provenance
-from app.http.in_child import in_child
-from app.http.negotiation import JSON, accepts_json, json_body
+from app.http.blocking import answer_in_child
+from app.http.negotiation import accepts_json, json_body
 from app.http.openapi.schema import request_body
 from app.jobs.child import Bounds
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
-from app.work.opportunities import answer_opportunities
+from app.work.campaign import answer_opportunities
 
 SEARCH_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 
@@ -32,8 +28,6 @@ async def post_opportunities(
     request: Request, body: Annotated[bytes, Depends(json_body)]
 ) -> Response:
     """Windows to the millisecond, with what opens and closes each, and the view through it."""
-    now_utc = datetime.now(UTC)
-    asked = await anyio.to_thread.run_sync(read_opportunity_request, body)
-    made = provenance(hashlib.sha256(body).hexdigest(), now_utc)
-    answer = await in_child(request, SEARCH_BOUNDS, answer_opportunities, asked, made)
-    return Response(answer, media_type=JSON)
+    return await answer_in_child(
+        request, body, read_opportunity_request, SEARCH_BOUNDS, answer_opportunities
+    )

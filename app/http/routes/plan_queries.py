@@ -7,8 +7,7 @@ from pydantic import AfterValidator, Field, create_model
 
 from app.http.query import Parameters
 from app.http.routes.resources import PlanResource
-from app.store.ids import is_id
-from app.store.states import JobState
+from app.store.ids import JobState, is_id
 from planner.errors import InvalidInput
 
 LIST_MAX = 200
@@ -69,15 +68,15 @@ def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQ
             raise ValueError(f"must be one of {', '.join(names)}")
         return name
 
-    told = "The table by itself in this format, whatever the Accept header says: " + "; ".join(
+    text = "The table by itself in this format, whatever the Accept header says: " + "; ".join(
         f"`{name}` {exporter.title}" for name, exporter in resource.exporters.items()
     )
-    described = Field(default=None, description=told, json_schema_extra={"enum": [*names]})
+    field = Field(default=None, description=text, json_schema_extra={"enum": [*names]})
     return create_model(
         query.__name__,
         __base__=query,
         __doc__=query.__doc__,
-        format=(Annotated[str, AfterValidator(require_registered)] | None, described),
+        format=(Annotated[str, AfterValidator(require_registered)] | None, field),
     )
 
 

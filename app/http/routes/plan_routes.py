@@ -13,7 +13,7 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from pydantic import BaseModel, TypeAdapter
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
-from app.answers.provenance import provenance
+from app.answers.members import provenance
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -28,15 +28,14 @@ from app.http.routes.plan_queries import (
     with_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.routes.stored_plans import JobWithPlan, find, immutable_tag, table_answer, whole_json
-from app.http.waiting import WAIT_S, Patience, patience, wait_for_end
+from app.http.routes.stored_plans import find, immutable_tag, table_answer, whole_json
+from app.http.waiting import WAIT_S, patience, wait_for_end
 from app.jobs.refusals import Conflict
 from app.store import jobs
 from app.store.database import Database
 from app.store.jobs import Job
 from planner.errors import InvalidInput
 
-_VARY = {"Vary": "Accept, Prefer"}
 _REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
 
 
@@ -63,16 +62,30 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         prefer: Annotated[str | None, Header(description=PREFER)] = None,
     ) -> Response:
         form = _form(request, resource, query)
-        asked = await anyio.to_thread.run_sync(resource.read, body)
+        spec = await anyio.to_thread.run_sync(resource.read, body)
         if query.dry_run:
-            return Response(_dry_run(resource, asked, body), media_type=JSON)
+            return Response(_dry_run(resource, spec, body), media_type=JSON)
         job = await anyio.to_thread.run_sync(
-            _accept_plan, request, resource, asked, body, query, key
+            _accept_plan, request, resource, spec, body, query, key
         )
         waits = patience(prefer, WAIT_S)
         await wait_for_end(request, job.id, waits.wait_s)
-        found = await find(request, resource, job.id)
-        return await _answer_post(request, resource, found, form, waits)
+        job, plan = await find(request, resource, job.id)
+        headers = {
+            "Location": f"{resource.path}/{job.id}",
+            "Vary": "Accept, Prefer",
+            **waits.headers,
+        }
+        if job.is_open or waits.is_none:  # though it may be done by now
+            return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
+        if job.problem is not None:
+            return problem_answer(request, job.problem, headers)
+        if plan is None:
+            raise Conflict("the plan was cancelled while it was waited for; ask again")
+        if form is not None:
+            return await table_answer(request, resource, plan, form, HTTPStatus.CREATED, headers)
+        answer = await whole_json(request, resource, plan)
+        return Response(answer, HTTPStatus.CREATED, headers, JSON)
 
     post.__doc__ = resource.about
     post.__annotations__["query"] = Annotated[query_model, Query()]
@@ -80,7 +93,9 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         "",
         summary=f"Plan {resource.what}",
         status_code=HTTPStatus.CREATED,
-        response_model=_answer_in_json(resource),
+        response_model=(
+            resource.response | TableAlone if "json" in resource.exporters else resource.response
+        ),
         responses=_answers_to_post(resource),
         openapi_extra=request_body(resource.request_schema, resource.examples),
     )(post)
@@ -94,10 +109,6 @@ class TableAlone(BaseModel, extra="allow"):
     step_s: float
     t_s: list[float]
     description: dict[str, Any]
-
-
-def _answer_in_json(resource: PlanResource) -> Any:  # noqa: ANN401 (a type, as FastAPI takes it)
-    return resource.response | TableAlone if "json" in resource.exporters else resource.response
 
 
 def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
@@ -124,16 +135,15 @@ def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | 
     return query.format or by_media_type.get(preferred_type(request, (JSON, *by_media_type)))
 
 
-def _dry_run(resource: PlanResource, asked: Any, body: bytes) -> bytes:  # noqa: ANN401 (resource's)
-    made = provenance(hashlib.sha256(body).hexdigest(), datetime.now(UTC))
-    answer = resource.dry_run(asked, made)
+def _dry_run(resource: PlanResource, spec: Any, body: bytes) -> bytes:  # noqa: ANN401 (resource's)
+    answer = resource.dry_run(spec, provenance(datetime.now(UTC), body))
     return TypeAdapter[object](resource.dry_run_response).dump_json(answer)
 
 
 def _accept_plan(
     request: Request,
     resource: PlanResource,
-    asked: Any,  # noqa: ANN401 (resource's)
+    spec: Any,  # noqa: ANN401 (resource's)
     body: bytes,
     query: PostQuery,
     key: str | None,
@@ -142,7 +152,7 @@ def _accept_plan(
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
     options = {} if query.revises is None else {"revises": query.revises}
-    return accept_job(request, resource.kind, asked, body, key, options)
+    return accept_job(request, resource.kind, spec, body, key, options)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
@@ -158,31 +168,12 @@ def _require_made(database: Database, resource: PlanResource, plan_id: str) -> N
         )
 
 
-async def _answer_post(
-    request: Request, resource: PlanResource, found: JobWithPlan, form: str | None, waits: Patience
-) -> Response:
-    job = found.job
-    headers = _VARY | {"Location": f"{resource.path}/{job.id}"}
-    if waits.applied is not None:
-        headers["Preference-Applied"] = waits.applied
-    if job.is_open or waits.is_none:  # though it may be done by now
-        return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
-    if job.problem is not None:
-        return problem_answer(request, job.problem, headers)
-    if found.plan is None:
-        raise Conflict("the plan was cancelled while it was waited for; ask again")
-    if form is not None:
-        return await table_answer(request, resource, found, form, HTTPStatus.CREATED, headers)
-    answer = await whole_json(request, resource, found.plan)
-    return Response(answer, HTTPStatus.CREATED, headers, JSON)
-
-
 def _add_list(router: APIRouter, resource: PlanResource) -> None:
     async def get_plans(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
         """The latest first, those that wait, run, were refused or cancelled included."""
         campaign_id = query.campaign if isinstance(query, PlanListQuery) else None
-        found = await list_jobs(request, resource, query, campaign_id)
-        return Response(list_json(found, query.limit), media_type=JSON)
+        jobs_and_one = await list_jobs(request, resource, query, campaign_id)
+        return Response(list_json(jobs_and_one, query.limit), media_type=JSON)
 
     query_model = PlanListQuery if resource.in_campaigns else ListQuery
     get_plans.__annotations__["query"] = Annotated[query_model, Query()]
@@ -204,17 +195,12 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
     )
     async def get_plan(request: Request, plan_id: PathId) -> Response:
         """The answer to its POST once it is made; it never changes after that."""
-        found = await find(request, resource, plan_id)
-        if found.plan is not None:
-            tag = immutable_tag(found.plan)
-            if is_known_already(request, tag):
-                return _not_modified(tag)
-            answer = await whole_json(request, resource, found.plan)
-        else:
-            answer = job_json(found.job)
-            tag = f'"{hashlib.sha256(answer).hexdigest()[:32]}"'
-            if is_known_already(request, tag):
-                return _not_modified(tag)
+        job, plan = await find(request, resource, plan_id)
+        state = job_json(job)
+        tag = immutable_tag(plan) if plan else f'"{hashlib.sha256(state).hexdigest()[:32]}"'
+        if is_known_already(request, tag):
+            return _not_modified(tag)
+        answer = await whole_json(request, resource, plan) if plan else state
         return Response(answer, HTTPStatus.OK, _REVALIDATE | {"ETag": tag}, JSON)
 
 
@@ -233,13 +219,17 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
     ) -> Response:
         """In the format `format` names or the Accept header asks for."""
         form = _form(request, resource, query)
-        found = await find(request, resource, plan_id)
-        headers = dict(_REVALIDATE)
-        if found.plan is not None:
-            headers["ETag"] = immutable_tag(found.plan, form or "table")
-            if is_known_already(request, headers["ETag"]):
-                return _not_modified(headers["ETag"])
-        return await table_answer(request, resource, found, form, HTTPStatus.OK, headers)
+        job, plan = await find(request, resource, plan_id)
+        if plan is None:
+            raise Conflict(
+                f"there is no table: the plan's state is {job.state}; GET "
+                f"{resource.path}/{job.id} tells more"
+            )
+        tag = immutable_tag(plan, form or "table")
+        if is_known_already(request, tag):
+            return _not_modified(tag)
+        headers = _REVALIDATE | {"ETag": tag}
+        return await table_answer(request, resource, plan, form, HTTPStatus.OK, headers)
 
     get_table.__annotations__["query"] = Annotated[query_model, Query()]
     router.get(

@@ -1,7 +1,7 @@
 """Plans of the two-axis platform over HTTP."""
 
+from app.answers.members import ProvenanceOut
 from app.answers.plan import DryRunResponse, PlanResponse
-from app.answers.provenance import ProvenanceOut
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
@@ -11,13 +11,13 @@ from app.work.plan import stored_table_file, stored_table_json
 from planner.export import EXPORTERS
 
 
-def _dry_run(asked: PlanRequest, made: ProvenanceOut) -> DryRunResponse:
+def _dry_run(spec: PlanRequest, provenance: ProvenanceOut) -> DryRunResponse:
     return DryRunResponse(
         valid=True,
-        name=asked.name,
-        platform=asked.platform.name,
-        sessions=len(asked.sessions),
-        provenance=made,
+        name=spec.name,
+        platform=spec.platform.name,
+        sessions=len(spec.sessions),
+        provenance=provenance,
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.jobs.kinds import JobKind
 from planner.export.exporter import Exporter

@@ -1,6 +1,6 @@
 """Imaging sessions of the spacecraft over HTTP."""
 
-from app.answers.provenance import ProvenanceOut
+from app.answers.members import ProvenanceOut
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
@@ -12,17 +12,17 @@ from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.spacecraft.requests import ImagingPlanRequest
 
 
-def _dry_run(asked: ImagingPlanRequest, made: ProvenanceOut) -> SpacecraftDryRunResponse:
+def _dry_run(spec: ImagingPlanRequest, provenance: ProvenanceOut) -> SpacecraftDryRunResponse:
     return SpacecraftDryRunResponse(
         valid=True,
-        name=asked.name,
-        spacecraft=asked.definition().name,
-        requests=len(asked.requests),
-        provenance=made,
+        name=spec.name,
+        spacecraft=spec.definition().name,
+        requests=len(spec.requests),
+        provenance=provenance,
     )
 
 
-SPACECRAFT_PLANS = PlanResource(
+_PLANS = PlanResource(
     kind=SPACECRAFT_PLAN,
     path="/v1/spacecraft/plans",
     tag="spacecraft",
@@ -45,4 +45,4 @@ SPACECRAFT_PLANS = PlanResource(
     file_stem="session",
 )
 
-router = plan_routes(SPACECRAFT_PLANS)
+router = plan_routes(_PLANS)

@@ -1,21 +1,18 @@
 """Finds a stored plan and answers with it, whole or its table by itself."""
 
 import re
-from dataclasses import dataclass
 from http import HTTPStatus
 
 import anyio.to_thread
 from fastapi import Request, Response
 from sqlalchemy import Connection
 
-from app.answers.plan_head import PlanHead, whole_answer
-from app.http.in_child import in_child
+from app.answers.members import PlanHead, fill, whole_answer
+from app.http.blocking import in_child, read
 from app.http.negotiation import JSON
-from app.http.reading import read
 from app.http.routes.jobs import job_of
 from app.http.routes.resources import PlanResource
 from app.jobs.child import Bounds
-from app.jobs.refusals import Conflict
 from app.store import jobs, plans
 from app.store.jobs import Job
 from app.store.plans import StoredPlan
@@ -30,21 +27,15 @@ _PACKED_MAX_BYTES = 200_000
 _NAME_MAX = 60
 
 
-@dataclass(frozen=True, kw_only=True)
-class JobWithPlan:
-    """A job of a resource, with its plan where there is one."""
+async def find(
+    request: Request, resource: PlanResource, plan_id: str
+) -> tuple[Job, StoredPlan | None]:
+    """A job of a resource, with its plan where there is one; raises 404."""
 
-    job: Job
-    plan: StoredPlan | None
-
-
-async def find(request: Request, resource: PlanResource, plan_id: str) -> JobWithPlan:
-    """Raises 404."""
-
-    def reading(connection: Connection) -> JobWithPlan:
+    def reading(connection: Connection) -> tuple[Job, StoredPlan | None]:
         job = job_of(connection, resource, plan_id)
-        made = job.state in ("done", "failed")
-        return JobWithPlan(job=job, plan=plans.get(connection, plan_id) if made else None)
+        is_made = job.state in ("done", "failed")
+        return job, plans.get(connection, plan_id) if is_made else None
 
     return await read(request, reading)
 
@@ -56,49 +47,42 @@ def immutable_tag(plan: StoredPlan, form: str = "json") -> str:
 
 async def whole_json(request: Request, resource: PlanResource, plan: StoredPlan) -> bytes:
     """The answer to the request it was planned for."""
-    head = PlanHead(id=plan.id, state=plan.state, revision=plan.revision, revises=plan.revises)
     if len(plan.table_columns) > _PACKED_MAX_BYTES:
         table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
     else:
         table = await anyio.to_thread.run_sync(resource.table_json, plan.table_columns)
-    return whole_answer(head, plan.document, table)
+    return whole_answer(fill(PlanHead, plan), plan.document, table)
 
 
 async def table_answer(
     request: Request,
     resource: PlanResource,
-    found: JobWithPlan,
+    plan: StoredPlan,
     format_name: str | None,
     status: HTTPStatus,
     headers: dict[str, str],
 ) -> Response:
     """The table by itself, without a format as the whole answer holds it.
 
-    Raises Conflict when there is none (yet), Unverified, OutsideCoverage.
+    Raises Unverified, OutsideCoverage.
     """
-    plan = found.plan
-    if plan is None:
-        raise Conflict(
-            f"there is no table: the plan's state is {found.job.state}; GET "
-            f"{resource.path}/{found.job.id} tells more"
-        )
     if format_name is None:
         table = await in_child(request, EXPORT_BOUNDS, resource.table_json, plan.table_columns)
         return Response(table, status, headers, JSON)
     exporter = resource.exporters[format_name]
-    asked = await read(request, lambda connection: jobs.request_of(connection, plan.id))
+    body = await read(request, lambda connection: jobs.request_of(connection, plan.id))
     content = await in_child(
         request,
         EXPORT_BOUNDS,
         resource.table_file,
-        asked or b"",
+        body or b"",
         plan.table_columns,
         format_name,
         plan.planned_utc,
     )
     name = _file_name(plan.name, resource.file_stem, exporter.suffix)
-    told = {"Content-Disposition": f'attachment; filename="{name}"'}
-    return Response(content, status, headers | told, exporter.media_type)
+    headers |= {"Content-Disposition": f'attachment; filename="{name}"'}
+    return Response(content, status, headers, exporter.media_type)
 
 
 def _file_name(name: str, otherwise: str, suffix: str) -> str:

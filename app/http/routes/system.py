@@ -1,20 +1,24 @@
-"""The service itself over HTTP: alive, ready, version, metrics."""
+"""The service itself over HTTP: alive, ready, version, metrics, the audit log."""
 
 from dataclasses import dataclass
 from http import HTTPStatus
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from anyio import to_thread
-from fastapi import APIRouter, Depends, HTTPException, Request, Response
+from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
+from pydantic import Field
 
 from app.http.metrics import CONTENT_TYPE
 from app.http.negotiation import accepts_json, preferred_type
+from app.http.query import Parameters
 from app.http.readiness import ReadinessCheckOut
+from app.store.audit import AuditEntry, entries
 from app.versions import VERSION
 
 router = APIRouter(tags=["system"])
 
 _TEXT = "text/plain"
+_AUDIT_ID_MAX = 2**31 - 1  # of the database's column
 _METRICS: dict[int | str, dict[str, Any]] = {
     200: {"description": "Prometheus's text format", "content": {_TEXT: {}}}
 }
@@ -78,3 +82,29 @@ async def get_metrics(request: Request) -> Response:
     preferred_type(request, (_TEXT,))
     text = await to_thread.run_sync(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
+
+
+@dataclass(frozen=True, kw_only=True)
+class AuditLog:
+    """The latest first; for older ones ask again with `before` the last id."""
+
+    entries: list[AuditEntry]
+
+
+class AuditQuery(Parameters):
+    """Parameters of GET /v1/audit."""
+
+    limit: int = Field(default=100, ge=1, le=1000, description="Most entries.")
+    before: int = Field(
+        default=_AUDIT_ID_MAX,
+        ge=1,
+        le=_AUDIT_ID_MAX,
+        description="Only entries older than the one of this id.",
+    )
+
+
+@router.get("/v1/audit", summary="Who did what, and when?", dependencies=[Depends(accepts_json)])
+def get_audit(request: Request, query: Annotated[AuditQuery, Query()]) -> AuditLog:
+    """Keys made and revoked, plans made, cancelled and deleted; needs an admin's key."""
+    database = request.app.state.database
+    return AuditLog(entries=entries(database, limit=query.limit, before=query.before))

@@ -4,17 +4,23 @@ from typing import Any
 
 from app.requests.examples.messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
 
-_LAS_VEGAS_TARGET = {
-    "mode": "ground",
-    "latitude_deg": 36.1147,
-    "longitude_deg": -115.1728,
-    "height_m": 610.0,
-}
-_SESSION = {
-    "target": _LAS_VEGAS_TARGET,
-    "start": "2015-02-27T17:36:20Z",
-    "stop": "2015-02-27T17:37:50Z",
-}
+
+def _ground(latitude_deg: float, longitude_deg: float, height_m: float) -> dict[str, Any]:
+    return {
+        "mode": "ground",
+        "latitude_deg": latitude_deg,
+        "longitude_deg": longitude_deg,
+        "height_m": height_m,
+    }
+
+
+def _session(target: dict[str, Any], start: str, stop: str) -> dict[str, Any]:
+    """On the day of the pass, from minute and second to minute and second after 17 h UTC."""
+    day = "2015-02-27T17"
+    return {"target": target, "start": f"{day}:{start}Z", "stop": f"{day}:{stop}Z"}
+
+
+_LAS_VEGAS_TARGET = _ground(36.1147, -115.1728, 610.0)
 
 # The pass of Sumarokov 2016, Fig. 3, with the elements published for that day.
 LAS_VEGAS: dict[str, Any] = {
@@ -31,13 +37,13 @@ LAS_VEGAS: dict[str, Any] = {
         "angles_deg": {"alpha": 0.0, "beta": 0.0},
         "rates_deg_s": {"alpha": 0.0, "beta": 0.0},
     },
-    "sessions": [_SESSION],
+    "sessions": [_session(_LAS_VEGAS_TARGET, "36:20", "37:50")],
     "slew": {"method": "ocp", "objective": "smooth"},
 }
 
 
 def _request_at(name: str, target: dict[str, Any]) -> dict[str, Any]:
-    return {**LAS_VEGAS, "name": name, "sessions": [{**_SESSION, "target": target}]}
+    return {**LAS_VEGAS, "name": name, "sessions": [_session(target, "36:20", "37:50")]}
 
 
 _AXIS = {
@@ -229,31 +235,9 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             **LAS_VEGAS,
             "name": "Las Vegas, Salt Lake City, Laramie",
             "sessions": [
-                {
-                    "target": _LAS_VEGAS_TARGET,
-                    "start": "2015-02-27T17:36:20Z",
-                    "stop": "2015-02-27T17:37:20Z",
-                },
-                {
-                    "target": {
-                        "mode": "ground",
-                        "latitude_deg": 40.76,
-                        "longitude_deg": -111.89,
-                        "height_m": 1288.0,
-                    },
-                    "start": "2015-02-27T17:37:28Z",
-                    "stop": "2015-02-27T17:38:30Z",
-                },
-                {
-                    "target": {
-                        "mode": "ground",
-                        "latitude_deg": 41.31,
-                        "longitude_deg": -105.59,
-                        "height_m": 2184.0,
-                    },
-                    "start": "2015-02-27T17:38:35Z",
-                    "stop": "2015-02-27T17:39:50Z",
-                },
+                _session(_LAS_VEGAS_TARGET, "36:20", "37:20"),
+                _session(_ground(40.76, -111.89, 1288.0), "37:28", "38:30"),
+                _session(_ground(41.31, -105.59, 2184.0), "38:35", "39:50"),
             ],
             "on_conflict": "least_loss",
         },
@@ -277,12 +261,7 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             "name": "keyhole",
             "attitude": {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 45.4},
             "sessions": [
-                {
-                    "target": {"mode": "star", "hip": 72607},
-                    "start": "2015-02-27T17:42:00Z",
-                    "stop": "2015-02-27T17:46:00Z",
-                    "keyhole": "nearest",
-                }
+                _session({"mode": "star", "hip": 72607}, "42:00", "46:00") | {"keyhole": "nearest"}
             ],
         },
     ),

@@ -1,0 +1,107 @@
+"""Members that answers share: filled by their names, the provenance, the head of every plan's."""
+
+import hashlib
+import math
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from app.store.ids import JobState, new_id
+from app.versions import versions
+from planner.arrays import Array
+from planner.frames.time_scales import utc_text
+
+DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises
+Answer = TypeVar("Answer")
+
+
+def fill(
+    kind: type[Answer], *values: object, decimals: int | None = None, **members: object
+) -> Answer:
+    """A dataclass of an answer; the members that aren't given are those of our values.
+
+    Each is what the first of the values that knows it has under the same name, a tuple as a
+    list; `x_deg` is its `x_rad` in degrees, rounded to so many decimals, and `x` its `x_utc`
+    as text.
+    """
+    for field in fields(kind):  # type: ignore[arg-type]
+        if field.name not in members:
+            members[field.name] = _member(field.name, values, decimals)
+    return kind(**members)
+
+
+def _member(name: str, values: tuple[object, ...], decimals: int | None) -> object:
+    in_rad = name.replace("_deg", "_rad")
+    for value in values:
+        if hasattr(value, name):
+            member = getattr(value, name)
+            return list(member) if isinstance(member, tuple) else member
+        if hasattr(value, in_rad):
+            angle_rad = getattr(value, in_rad)
+            return None if angle_rad is None else degrees(angle_rad, decimals)
+        if hasattr(value, f"{name}_utc"):
+            return utc_or_none(getattr(value, f"{name}_utc"))
+    raise AttributeError(f"none of the values has what {name} is filled with")
+
+
+def degrees(angle_rad: float, decimals: int | None = DECIMALS) -> float:
+    """Rounded, if to any decimals."""
+    angle_deg = math.degrees(angle_rad)
+    return angle_deg if decimals is None else round(angle_deg, decimals)
+
+
+def degrees_of(angles_rad: Array) -> Any:  # noqa: ANN401 (lists as deep as the array has axes)
+    """An array's numbers in degrees, rounded."""
+    return (np.round(np.degrees(angles_rad), DECIMALS) + 0.0).tolist()  # no -0.0
+
+
+def utc_or_none(moment_utc: datetime | None) -> str | None:
+    """As text to the millisecond."""
+    return None if moment_utc is None else utc_text(moment_utc)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProvenanceOut:
+    """SHA-256 of the request's bytes, when it was worked on, versions at work."""
+
+    input_sha256: str
+    planned_at: str
+    versions: dict[str, str]
+
+
+def provenance(planned_at_utc: datetime, *parts: bytes) -> ProvenanceOut:
+    """Of an answer to the request that has these parts, in order."""
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(part)
+    return ProvenanceOut(
+        input_sha256=digest.hexdigest(),
+        planned_at=utc_text(planned_at_utc),
+        versions=versions(),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanHead:
+    """revision: from 1, one more for each plan that replaces another; `revises` names that."""
+
+    id: str
+    state: JobState
+    revision: int
+    revises: str | None
+
+
+_HEAD = TypeAdapter(PlanHead)
+
+
+def new_head(state: JobState) -> PlanHead:
+    """Of a plan that replaces none."""
+    return PlanHead(id=new_id(), state=state, revision=1, revises=None)
+
+
+def whole_answer(head: PlanHead, document: bytes, table: bytes) -> bytes:
+    """One JSON object of the members of the first two, and the table."""
+    return b"".join([_HEAD.dump_json(head)[:-1], b",", document[1:-1], b',"table":', table, b"}"])

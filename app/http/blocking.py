@@ -1,0 +1,82 @@
+"""What would hold up other requests: database reads in a thread, a route's work in a child."""
+
+import asyncio
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import TypeVar
+
+import anyio.to_thread
+from fastapi import Request, Response
+from sqlalchemy import Connection
+from starlette.requests import ClientDisconnect
+
+from app.answers.members import ProvenanceOut, provenance
+from app.http.negotiation import JSON
+from app.http.problems import service_stops
+from app.jobs.child import Bounds
+from app.jobs.disposable import Stop, Stopped, run_disposable
+from app.store.database import Database
+
+T = TypeVar("T")
+
+
+async def read(request: Request, reading: Callable[[Connection], T]) -> T:
+    """What `reading` returns in one transaction, in a thread."""
+    database: Database = request.app.state.database
+
+    def in_transaction() -> T:
+        with database.reading() as connection:
+            return reading(connection)
+
+    return await anyio.to_thread.run_sync(in_transaction)
+
+
+async def answer_in_child(
+    request: Request,
+    body: bytes,
+    read_request: Callable[[bytes], T],
+    bounds: Bounds,
+    work: Callable[[T, ProvenanceOut], bytes],
+) -> Response:
+    """The JSON that `work` makes of the request in a body and its provenance; see `in_child`."""
+    now_utc = datetime.now(UTC)
+    spec = await anyio.to_thread.run_sync(read_request, body)
+    answer = await in_child(request, bounds, work, spec, provenance(now_utc, body))
+    return Response(answer, media_type=JSON)
+
+
+async def in_child(
+    request: Request, bounds: Bounds, work: Callable[..., T], *arguments: object
+) -> T:
+    """`run_disposable` when its turn has come; stopped when the client or the service goes away.
+
+    Raises ClientDisconnect or 503 then, and else what `run_disposable` does.  The request's body
+    must have been read.
+    """
+    stop = Stop()
+    stopping: asyncio.Event = request.app.state.stopping
+    watches = [
+        asyncio.create_task(_stop_when_gone(request, stop)),
+        asyncio.create_task(_stop_with_service(stopping, stop)),
+    ]
+    try:
+        return await anyio.to_thread.run_sync(
+            lambda: run_disposable(bounds, work, *arguments, stop=stop),
+            limiter=request.app.state.children,
+        )
+    except Stopped:
+        raise (service_stops() if stopping.is_set() else ClientDisconnect()) from None
+    finally:
+        for watch in watches:
+            watch.cancel()
+
+
+async def _stop_when_gone(request: Request, stop: Stop) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+    stop.request()
+
+
+async def _stop_with_service(stopping: asyncio.Event, stop: Stop) -> None:
+    await stopping.wait()
+    stop.request()
