@@ -28,7 +28,9 @@ class Body:
 
     limb_height_km: height of the limb's steepest brightness above the ellipsoid, and its
     1-sigma scatter.  Left out, it is the daylight limb's, low Sun included, and frames whose
-    limb lies in the dark are refused.  Heights above 60 km mean the airglow layer at night.
+    limb lies in the dark are refused.  A height stated
+    is that of the edge in the image, however bright that is.  Heights above 60 km mean the
+    airglow layer at night.
     """
 
     a_km: Annotated[float, Within(100.0, 1e5)] = WGS84_A_M / 1e3

@@ -121,7 +121,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
     ray_body = np.concatenate([p.ray_body[p.found] for p in used])
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
     per_patch = np.concatenate([p.columns_per_patch()[p.found] for p in used])
-    clipped_mask = _clipped_mask(used, in_daylight_air=prior.sun_itrf is not None)
+    clipped_mask = _clipped_mask(used, by_daylight=prior.sun_itrf is not None)
     lens_shift_body = _lens_shift_body(used)
     axes_itrf = np.stack([*limb.axes_itrf, limb.nadir_itrf])
     reach_m = limb.touch_range_m(prior.height_m)
@@ -235,10 +235,13 @@ def _lifts(
     return np.column_stack([rise_m, shape[:, 1:], own]), rough_m
 
 
-def _clipped_mask(used: list[LimbPoints], *, in_daylight_air: bool) -> Array:
-    """1 where a found column (n,) is of an overexposed camera (k,) whose light fades upwards."""
+def _clipped_mask(used: list[LimbPoints], *, by_daylight: bool) -> Array:
+    """1 where a found column (n,) is of an overexposed camera (k,).
+
+    by_daylight: the limb is the daylight's, whose light fades upwards, not of a height stated.
+    """
     counts = [int(np.sum(p.found)) for p in used]
-    over = [in_daylight_air and p.is_overexposed for p in used]
+    over = [by_daylight and p.is_overexposed for p in used]
     return np.repeat(np.eye(len(used)), counts, axis=0)[:, over]
 
 

@@ -82,7 +82,11 @@ def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
     def side(p: Position, q: Position, r: Position) -> float:
         return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
-    return side(a, b, c) * side(a, b, d) <= 0.0 and side(c, d, a) * side(c, d, b) <= 0.0
+    overlap = all(
+        max(min(a[k], b[k]), min(c[k], d[k])) <= min(max(a[k], b[k]), max(c[k], d[k]))
+        for k in (0, 1)
+    )
+    return overlap and side(a, b, c) * side(a, b, d) <= 0.0 and side(c, d, a) * side(c, d, b) <= 0.0
 
 
 @spec
@@ -103,6 +107,11 @@ class GeoPolygon:
 
     def _refuse_no_area(self, ring: list[Position]) -> None:
         sides = list(enumerate(pairwise(ring)))
+        for i, (a, b) in sides:
+            if a[:2] == b[:2]:
+                raise ValueError(
+                    f"positions {i} and {i + 1} of the ring are the same: leave one out"
+                )
         for (i, (a, b)), (j, (c, d)) in combinations(sides, 2):
             if i + 1 < j < i + len(sides) - 1 and _cross(a, b, c, d):
                 raise ValueError(

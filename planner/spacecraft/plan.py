@@ -62,8 +62,8 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     """Plan, verify and simulate an imaging session.
 
     Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
-    InvalidInput for momentum beyond the sphere, VerificationFailed when the judge objects,
-    SearchEnded when it takes more work than such a request may make.
+    InvalidInput for momentum beyond the sphere or a high orbit, VerificationFailed when the
+    judge objects, SearchEnded when it takes more work than such a request may make.
     """
     more = REQUEST_MORE * (len(request.requests) - 1)
     with at_most(min(effort.PLAN + more, SESSION_MOST)):

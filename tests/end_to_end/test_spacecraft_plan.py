@@ -312,6 +312,7 @@ def test_self_crossing_corridors_are_refused():
     with pytest.raises(ValueError, match="crosses itself"):  # over the antimeridian too
         GeoLineString(coordinates=((179.5, 0.0), (-179.5, 1.0), (-179.5, 0.0), (179.5, 1.0)))
     GeoLineString(coordinates=((179.5, 0.0), (-179.5, 0.5), (-178.9, 0.0), (-179.5, -0.5)))
+    GeoLineString(coordinates=((0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0)))  # one parallel
 
 
 def test_rings_that_enclose_nothing_or_cross_themselves_are_refused():
@@ -319,6 +320,11 @@ def test_rings_that_enclose_nothing_or_cross_themselves_are_refused():
         ring((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0))
     with pytest.raises(ValueError, match="encloses 0 km2"):
         ring((0.0, 0.0), (0.5, 0.5), (1.0, 1.0))
+    with pytest.raises(ValueError, match="1 and 2 of the ring are the same"):
+        ring((0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.0, 1.0))
+    u = ((0.0, 0.0), (3.0, 0.0), (3.0, 2.0), (2.0, 2.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0))
+    ring(*u, (0.0, 2.0))  # both tops on one parallel
+    ring((0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0), (3.0, 1.0), (0.0, 1.0))
     ring((179.5, 0.0), (-179.5, 0.0), (-179.5, 1.0), (179.5, 1.0))  # over the antimeridian
     ring((0.0, 0.0), (0.009, 0.0), (0.009, 0.0101), (0.0, 0.0101))  # 1.00 by 1.12 km
 

@@ -115,7 +115,7 @@ def _other_times(
     for piece in _longer(request, longer_s):
         try:
             options = candidates(free, 0, make_session(piece))
-        except (Unreachable, OutsideCoverage):
+        except (Unreachable, OutsideCoverage, InvalidInput):
             continue
         spans += [
             (shifted_utc(piece.start, start_s), shifted_utc(piece.start, stop_s))
@@ -193,7 +193,10 @@ def _moves(
         return
     for more_km in MOVED_MORE_KM:
         shift_km = approach.outside_m / 1e3 + more_km
-        moved = _shift(free, shift_km * approach.towards_enu)
+        try:
+            moved = _shift(free, shift_km * approach.towards_enu)
+        except ValueError:  # nearer to a pole it is smaller than what may be asked for
+            continue
         geometry = moved.geometry
         line = geometry.coordinates[0] if isinstance(geometry, GeoPolygon) else geometry.coordinates
         yield Alternative(
