@@ -254,12 +254,12 @@ def test_a_fork_that_fails_leaves_nothing_open(monkeypatch):
 
     run_disposable(BOUNDS, os.getpid)
     eventually(lambda: not any(isinstance(thread, Timer) for thread in threading.enumerate()))
-    before = sorted(os.listdir("/proc/self/fd"))
+    before = set(os.listdir("/proc/self/fd"))
     monkeypatch.setattr(forkserver, "read_signed", fail)
     with pytest.raises(EOFError) as kept:
         run_disposable(BOUNDS, os.getpid)
     assert kept.value
-    assert sorted(os.listdir("/proc/self/fd")) == before
+    assert set(os.listdir("/proc/self/fd")) <= before  # others' may be collected meanwhile
 
 
 def look_after_parent_is_gone():

@@ -3,7 +3,7 @@
 import os
 import socket
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from http.client import HTTPConnection
 from pathlib import Path
@@ -20,6 +20,7 @@ from app.http.door.connections import connections_to_cut, to_give_way
 CONNECTIONS = 40
 PIPELINE = 20 * head("GET /openapi.json HTTP/1.1")
 NEVER_S = "3600"
+LISTENS = "0A"  # in /proc/net/tcp
 
 
 @contextmanager
@@ -52,16 +53,16 @@ def status(service: Service, path: str, secret: str | None = None) -> int:
         return connection.getresponse().status
 
 
-def sockets(service: Service) -> int:
-    """How many the service holds."""
+def connections(service: Service) -> int:
+    """How many clients' the service holds; its children's pipes are no TCP."""
     folder = Path(f"/proc/{service.pid}/fd")
-    held = 0
+    held = set()
     for name in os.listdir(folder):
-        try:
-            held += os.readlink(folder / name).startswith("socket:")
-        except FileNotFoundError:  # closed in between
-            continue
-    return held
+        with suppress(FileNotFoundError):  # closed in between
+            held.add(os.readlink(folder / name))
+    lines = Path(f"/proc/{service.pid}/net/tcp").read_text().splitlines()[1:]
+    states = {f"socket:[{line.split()[9]}]": line.split()[3] for line in lines}
+    return sum(states.get(name, LISTENS) != LISTENS for name in held)
 
 
 def test_they_keep_nobody_out(tmp_path):
@@ -77,14 +78,15 @@ def test_they_keep_nobody_out(tmp_path):
 
 
 def test_they_are_cut_off(tmp_path):
-    with service_with_key(tmp_path, SLEWTRACK_WRITE_TIMEOUT_S="1") as (service, _):
-        before = sockets(service)
-        with ExitStack() as held:
-            readers = [held.enter_context(closing(slow_reader(service))) for _ in range(5)]
-            eventually(lambda: service.log.read_text().count("/openapi.json") >= len(readers))
-            eventually(lambda: sockets(service) <= before)
-            for reader in readers:
-                assert len(received(reader)) < 1_000_000
+    with (
+        service_with_key(tmp_path, SLEWTRACK_WRITE_TIMEOUT_S="1") as (service, _),
+        ExitStack() as held,
+    ):
+        readers = [held.enter_context(closing(slow_reader(service))) for _ in range(5)]
+        eventually(lambda: service.log.read_text().count("/openapi.json") >= len(readers))
+        eventually(lambda: connections(service) == 0)
+        for reader in readers:
+            assert len(received(reader)) < 1_000_000
 
 
 def test_who_reads_gets_all_answers_of_a_pipeline(tmp_path):
