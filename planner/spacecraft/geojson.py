@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterator
 from itertools import combinations, pairwise
 from typing import Annotated, Literal
 
@@ -51,13 +52,11 @@ class GeoLineString:
 
     def _refuse_crossing(self) -> None:
         last = len(self.coordinates) - 1
-        legs = list(pairwise(_unwrapped(self.coordinates)))
-        for (i, (a, b)), (j, (c, d)) in combinations(enumerate(legs), 2):
-            if j > i + 1 and _cross(a, b, c, d):
-                raise ValueError(
-                    f"the line crosses itself: leg {i} and leg {j} meet; split it into two "
-                    f"requests, positions 0 to {j} and {j} to {last}"
-                )
+        for i, j in _crossings(_unwrapped(self.coordinates)):
+            raise ValueError(
+                f"the line crosses itself: leg {i} and leg {j} meet; split it into two "
+                f"requests, positions 0 to {j} and {j} to {last}"
+            )
 
 
 def _apart_km(a: Position, b: Position) -> float:
@@ -76,6 +75,13 @@ def _unwrapped(line: tuple[Position, ...]) -> list[Position]:
         turns = round((position[0] - found[-1][0]) / 360.0)
         found.append((position[0] - 360.0 * turns, position[1]))
     return found
+
+
+def _crossings(positions: list[Position]) -> Iterator[tuple[int, int]]:
+    """Pairs of legs that meet, other than one with the next."""
+    for (i, (a, b)), (j, (c, d)) in combinations(enumerate(pairwise(positions)), 2):
+        if j > i + 1 and _cross(a, b, c, d):
+            yield i, j
 
 
 def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
@@ -103,17 +109,16 @@ class GeoPolygon:
         if not 4 <= len(ring) <= 64 or ring[0] != ring[-1]:
             raise ValueError("a ring has 4 to 64 positions and ends where it begins")
         _check_positions(ring)
-        self._refuse_no_area(_unwrapped(ring))
+        self._require_area(_unwrapped(ring))
 
-    def _refuse_no_area(self, ring: list[Position]) -> None:
-        sides = list(enumerate(pairwise(ring)))
-        for i, (a, b) in sides:
+    def _require_area(self, ring: list[Position]) -> None:
+        for i, (a, b) in enumerate(pairwise(ring)):
             if a[:2] == b[:2]:
                 raise ValueError(
                     f"positions {i} and {i + 1} of the ring are the same: leave one out"
                 )
-        for (i, (a, b)), (j, (c, d)) in combinations(sides, 2):
-            if i + 1 < j < i + len(sides) - 1 and _cross(a, b, c, d):
+        for i, j in _crossings(ring):
+            if (i, j) != (0, len(ring) - 2):  # which meet where the ring ends
                 raise ValueError(
                     f"the ring crosses itself: side {i} and side {j} meet; give its positions in "
                     "the order in which they follow each other around the area"
