@@ -13,7 +13,7 @@ from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_e
 from planner.attitude.odd_rows import odd_by_rad
 from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
 from planner.errors import InvalidMessage, OutsideCoverage
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
+from planner.frames.earth_orientation import c_frame_from_eci
 from planner.frames.iers import RAD_PER_ARCSEC
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
@@ -168,13 +168,10 @@ def q_frame_from_eci(frame: str, instants: Instants, states: OrbitStates) -> Rot
 
     `states` is the orbit at the same n instants; only the local orbital frames need it.
     """
-    if frame == "ITRF":
-        return Rotation.from_matrix(c_itrf_from_eci(instants))
     if frame in LOCAL_ORBITAL:
         q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
         return q_frame_from_lvlh(frame) * q_lvlh
-    c_frame_from_eci = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
-    return Rotation.from_matrix(np.broadcast_to(c_frame_from_eci, (len(instants), 3, 3)))
+    return Rotation.from_matrix(c_frame_from_eci(frame, instants))
 
 
 def q_frame_from_lvlh(frame: str) -> Rotation:

@@ -1,5 +1,5 @@
 """Tracking as near to a target as the limits allow where exact tracking would break one."""
 
-from planner.keyhole.track import tracks_near
+from planner.keyhole.track import nearest_track
 
-__all__ = ["tracks_near"]
+__all__ = ["nearest_track"]

@@ -10,17 +10,15 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner.commands import ROWS_PER_S
-from planner.errors import Refusal, SolverFailed, TrackBreaksLimit, Unreachable
+from planner.errors import Refusal, SolverFailed, TrackBreaksLimit
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.keyhole.crossing import Crossing, CrossingMotion, Window
 from planner.keyhole.exact import ExactFollowing, ExactWay, RowMotion
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.line_of_sight import LineOfSight
-from planner.pointing.track import AxisTrack, track_candidates
-from planner.scenario import Keyhole
+from planner.pointing.track import AxisTrack
 
 HOPELESS_SHARE = 1.0  # of the frame beyond it: no optimum in the frame is near such a one
 
@@ -66,27 +64,6 @@ class _Chain:
         return RowMotion(self.parts[0].first_row, np.concatenate(pieces, axis=1))
 
 
-def tracks_near(
-    platform: TwoAxisPlatform,
-    los: LineOfSight,
-    start_s: float,
-    stop_s: float,
-    start_angle_rad: NDArray[np.float64],
-    *,
-    keyhole: Keyhole,
-) -> tuple[AxisTrack, ...]:
-    """The exact ways, as `track_candidates` has them; without any, by request, the nearest one.
-
-    Raises what `track_candidates` and `nearest_track` do.
-    """
-    try:
-        return track_candidates(platform, los, start_s, stop_s, start_angle_rad)
-    except (TrackBreaksLimit, Unreachable) as exact:
-        if keyhole == "refuse":
-            raise
-        return (nearest_track(platform, los, start_s, stop_s, exact),)
-
-
 def nearest_track(
     platform: TwoAxisPlatform, los: LineOfSight, start_s: float, stop_s: float, exact: Refusal
 ) -> AxisTrack:
@@ -100,7 +77,7 @@ def nearest_track(
     """
     following = ExactFollowing(platform, los)
     first, last = round(start_s * ROWS_PER_S), round(stop_s * ROWS_PER_S)
-    chains = _chains(following, platform, first, last)
+    chains = _chains(following, first, last)
     if not chains:
         raise exact
     best = min(chains, key=lambda chain: chain.rank)
@@ -111,7 +88,7 @@ def nearest_track(
             limit=exact.limit,
         )
     motion = best.join_parts()
-    _require_in_frame(following, platform, los, motion, exact)
+    _require_in_frame(following, los, motion, exact)
     return AxisTrack(
         axis_names=platform.axis_names,
         t_s=np.arange(motion.first_row, motion.last_row + 1) / ROWS_PER_S,
@@ -125,15 +102,11 @@ def _why(exact: Refusal) -> str:
 
 
 def _require_in_frame(
-    following: ExactFollowing,
-    platform: TwoAxisPlatform,
-    los: LineOfSight,
-    motion: RowMotion,
-    exact: Refusal,
+    following: ExactFollowing, los: LineOfSight, motion: RowMotion, exact: Refusal
 ) -> None:
     t_s, error_rad = following.error_rad(motion)
     worst = int(np.argmax(error_rad))
-    frame_rad = min(platform.frame_half_rad)
+    frame_rad = min(following.platform.frame_half_rad)
     if error_rad[worst] <= frame_rad:
         return
     at_utc = shifted_utc(los.instants.epoch_utc, float(t_s[worst]))
@@ -147,11 +120,9 @@ def _require_in_frame(
     )
 
 
-def _chains(
-    following: ExactFollowing, platform: TwoAxisPlatform, first: int, last: int
-) -> list[_Chain]:
+def _chains(following: ExactFollowing, first: int, last: int) -> list[_Chain]:
     """The best chain to each way of following at the session's end."""
-    windows = _windows(following, platform, first, last)
+    windows = _windows(following, first, last)
     chains = [
         _Chain(parts=(), way=way)
         for way in following.ways(first, windows[0].first, lead=windows[0].fixed[0])
@@ -160,7 +131,7 @@ def _chains(
         if not chains:
             return []
         until = windows[number + 1].first if number + 1 < len(windows) else last
-        crossing = Crossing(following, platform, window)
+        crossing = Crossing(following, window)
         chains = _carry_on(crossing, chains, following.ways(window.last, until))
     return chains
 
@@ -184,11 +155,9 @@ def _carry_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) ->
     ]
 
 
-def _windows(
-    following: ExactFollowing, platform: TwoAxisPlatform, first: int, last: int
-) -> list[Window]:
+def _windows(following: ExactFollowing, first: int, last: int) -> list[Window]:
     """Around each broken run as long as a half turn of the outer axis takes, merged."""
-    outer = platform.outer_limits
+    outer = following.platform.outer_limits
     swing_s = (
         math.pi / 2.0 / outer.rate_max_rad_s
         + outer.rate_max_rad_s / outer.acceleration_max_rad_s2

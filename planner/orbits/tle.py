@@ -10,7 +10,7 @@ import numpy as np
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from planner.errors import OutsideCoverage, figures
-from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
+from planner.frames.earth_orientation import eci_from_frame_state
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.messages.omm import MEAN_MOTION_REV_DAY
 from planner.orbits.accuracy import tle_sigma
@@ -103,12 +103,8 @@ class TleEphemeris(Ephemeris):
                 field=self.field,
                 at_utc=at_utc,
             )
-        c_teme_from_itrf = np.swapaxes(c_itrf_from_teme(instants), 1, 2)
-        c_eci_from_teme = np.swapaxes(c_teme_from_itrf @ c_itrf_from_eci(instants), 1, 2)
-        return OrbitStates(
-            np.einsum("nij,nj->ni", c_eci_from_teme, r_teme_km) * 1e3,
-            np.einsum("nij,nj->ni", c_eci_from_teme, v_teme_km_s) * 1e3,
-        )
+        states_m = eci_from_frame_state("TEME", r_teme_km * 1e3, v_teme_km_s * 1e3, instants)
+        return OrbitStates(*states_m)
 
 
 def require_earth_orbit(satrec: Satrec) -> None:

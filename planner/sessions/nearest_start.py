@@ -33,7 +33,7 @@ USEFUL_ELEVATION_DEG = 10.0  # a carrier lower than that is three times as far o
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
 
 
-@dataclass(frozen=True, kw_only=False)
+@dataclass(frozen=True)
 class Advice:
     """words: the way out.  session: as it can be flown, when those in `costs` are left out."""
 
@@ -53,18 +53,6 @@ class _Span:
     ephemeris: Ephemeris
     known: Rows
     seen: list[Rows]
-
-
-@dataclass(frozen=True, kw_only=True)
-class _SearchResult:
-    """session: as it can be flown, None if not found.
-
-    reach_rows: how far from the start asked for all starts were gone through; None: as far as
-    there are any, negative: not one.
-    """
-
-    session: Session | None = None
-    reach_rows: int | None = None
 
 
 def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
@@ -159,10 +147,10 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         (moved, _rows_by_distance(refused, span)),
     )
     for trials, rows in searches:
-        found = _search(trials, rows, wanted_row)
-        if found.session is not None:
-            return Advice(_way_out(found.session, session), found.session)
-        reaches.append(found.reach_rows)
+        found, reach_rows = _search(trials, rows, wanted_row)
+        if found is not None:
+            return Advice(_way_out(found, session), found)
+        reaches.append(reach_rows)
     if others.dearer is not None:
         instead, costs = others.dearer
         return Advice(f"{_way_out(instead, session)}, {_cost(costs)}", instead, costs)
@@ -251,10 +239,14 @@ def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int
     return f"from {texts[0]} to {texts[1]}{farther}"
 
 
-def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _SearchResult:
+def _search(
+    trials: Trials, rows: Iterable[int], wanted_row: int
+) -> tuple[Session | None, int | None]:
     """The first row that may succeed, then the nearest to the wanted one that does.
 
-    Where that would cost other sessions, the next ones are tried, too.
+    Where that would cost other sessions, the next ones are tried, too.  Returns the session as it
+    can be flown, None if not found, and how far from the wanted row all were gone through; None:
+    as far as there are any, negative: not one.
     """
     reach_rows, refusals = -1, 0
     candidates = list(islice(rows, ATTEMPTS))
@@ -264,12 +256,12 @@ def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _SearchResu
             session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
             if session is not None and trials.accepts(session):
-                return _SearchResult(session=session, reach_rows=reach_rows)
+                return session, reach_rows
             refusals += may
             if may and (session is None or refusals == REFUSALS):
-                return _SearchResult(reach_rows=reach_rows)
-        return _SearchResult(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
-    return _SearchResult(reach_rows=reach_rows)
+                return None, reach_rows
+        return None, reach_rows if len(candidates) == ATTEMPTS else None
+    return None, reach_rows
 
 
 def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
