@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import (
@@ -21,7 +20,6 @@ from planner.pointing.hermite import beyond_limits, cubic_and_row_range
 from planner.pointing.line_of_sight import LineOfSight
 from planner.pointing.track import TURN_RAD, turns_within_stops
 
-Mask = NDArray[np.bool_]
 SINGULAR_RAD = 1e-5  # nearer to the plane of the axes exact angles are noise
 DEAD_MARGIN_RAD = 1e-9
 LIMIT_TOLERANCE = 1e-7  # of the limit's range
@@ -42,7 +40,7 @@ class RowMotion:
     def last_row(self) -> int:
         return self.first_row + len(self.axis_states[0]) - 1
 
-    def at(self, row: int | NDArray[np.intp]) -> Array:
+    def at(self, row: int | Indices) -> Array:
         """The angles on that row, (2,), or on those rows, (n, 2)."""
         return np.asarray(self.axis_states[0, row - self.first_row])
 
@@ -69,10 +67,6 @@ class ExactWay:
     whole: RowMotion
     first_row: int
     last_row: int
-
-    @property
-    def motion(self) -> RowMotion:
-        return self.whole.part(self.first_row, self.last_row)
 
 
 class ExactFollowing:

@@ -15,26 +15,17 @@ from planner import effort
 from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.detour.ocp import ITERATION_ROW
+from planner.detour.ocp import OPTIONS as OPTIONS_AROUND_CONES
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
-from planner.slew.spline_ocp import SOLVE
+from planner.slew.spline_ocp import INSIDE, SOLVE
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles
-INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
 JERK_WEIGHT = 1e-8  # of a mean squared jerk at its limit, beside an error at the frame's edge
 BEYOND_WEIGHT = 10.0  # of the largest square beyond the frame's, beside the mean square
 UNBOUNDED = 1e19  # what Ipopt takes for no bound
-OPTIONS: dict[str, str | float | int] = {
-    "print_level": 0,
-    "sb": "yes",
-    "linear_solver": "mumps",
-    "tol": 1e-7,
-    "constr_viol_tol": 1e-10,
-    "bound_relax_factor": 0.0,
-    "acceptable_iter": 0,
-    "mu_init": 1e-2,
-}
+OPTIONS = OPTIONS_AROUND_CONES | {"tol": 1e-7, "constr_viol_tol": 1e-10, "mu_init": 1e-2}
 
 
 class NearestOcp:

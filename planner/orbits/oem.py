@@ -12,10 +12,17 @@ from planner.errors import InvalidMessage, OutsideCoverage
 from planner.frames.earth_orientation import eci_from_frame_state
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.messages.oem import Oem, OemSegment, read_oem
-from planner.orbits.cell_defects import CellDefects, cell_defects, smooth_arcs
+from planner.orbits.cell_defects import (
+    REFUSE_M,
+    WARN_M,
+    CellDefects,
+    cell_defects,
+    odd_nodes,
+    smooth_arcs,
+    strongest_push,
+)
 from planner.orbits.ephemeris import EDGE_S, Ephemeris, OrbitStates
 from planner.orbits.hermite import hermite, hermite_error_m
-from planner.orbits.node_consistency import REFUSE_M, WARN_M, odd_nodes, strongest_push
 from planner.spec import spec
 
 NODES = 6
@@ -101,7 +108,7 @@ class OemEphemeris(Ephemeris):
         r_m, v_m_s = np.empty((len(instants), 3)), np.empty((len(instants), 3))
         todo = np.ones(len(instants), dtype=bool)
         for arc in self.arcs:
-            t_s = elapsed_s(instants.epoch_utc, arc.epoch_utc) + instants.t_s
+            t_s = instants.since_s(arc.epoch_utc)
             here = todo & (t_s <= elapsed_s(arc.stop_utc, arc.epoch_utc) + EDGE_S)
             if here.any():
                 r_m[here], v_m_s[here] = hermite(
@@ -112,7 +119,7 @@ class OemEphemeris(Ephemeris):
 
     def age_s(self, instants: Instants) -> Array:
         """Time since the message was made, shape (n,); zero before."""
-        return np.maximum(self.since_epoch_s(instants), 0.0)
+        return np.maximum(instants.since_s(self.epoch_utc), 0.0)
 
 
 def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:

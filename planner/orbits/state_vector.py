@@ -143,7 +143,7 @@ class PropagatedEphemeris(Ephemeris):
 
     def interpolate(self, instants: Instants) -> OrbitStates:
         """Velocity is the exact derivative of position."""
-        t_s = self.since_epoch_s(instants)
+        t_s = instants.since_s(self.epoch_utc)
         ends_s = [max(segment.start_s, segment.stop_s) for segment in self.segments[:-1]]
         which = np.searchsorted(ends_s, t_s)
         r_m, v_m_s = np.empty((len(t_s), 3)), np.empty((len(t_s), 3))

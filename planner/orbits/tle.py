@@ -63,9 +63,7 @@ class TleOrbit:
     @property
     def epoch_utc(self) -> datetime:
         """Epoch of the elements."""
-        satrec = self._elements()
-        year = satrec.epochyr + (2000 if satrec.epochyr < 57 else 1900)
-        return datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=satrec.epochdays - 1.0)
+        return _epoch_utc(self.line1)
 
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
@@ -90,7 +88,7 @@ class TleEphemeris(Ephemeris):
 
     def interpolate(self, instants: Instants) -> OrbitStates:
         """Raises OutsideCoverage where SGP4 itself gives up."""
-        since_days = self.since_epoch_s(instants) / DAY_S
+        since_days = instants.since_s(self.epoch_utc) / DAY_S
         errors, r_teme_km, v_teme_km_s = self.satrec.sgp4_array(
             np.full(len(instants), self.satrec.jdsatepoch), self.satrec.jdsatepochF + since_days
         )
@@ -168,6 +166,12 @@ def _check_line(name: str, number: str, line: str) -> None:
         raise ValueError(f"{name} has a character where it doesn't belong; copy the line again")
 
 
+def _epoch_utc(line1: str) -> datetime:
+    year = int(line1[18:20])
+    start_utc = datetime(year + (2000 if year < 57 else 1900), 1, 1, tzinfo=UTC)
+    return start_utc + timedelta(days=float(line1[20:32]) - 1.0)
+
+
 def _check_elements(line1: str, line2: str) -> None:
     """Numbers that no set can have, which SGP4 would take: ValueError names line and element."""
     if line1[62] not in _EPHEMERIS_TYPES:
@@ -192,6 +196,6 @@ def _check_elements(line1: str, line2: str) -> None:
                 f"{low:g}..{high:g}"
             )
     try:
-        require_known(datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=float(line1[20:32]) - 1.0))
+        require_known(_epoch_utc(line1))
     except ValueError as error:
         raise ValueError(f"line1 has its epoch out of range: {error}") from None

@@ -3,9 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.platforms import AxisLimits
 
 
@@ -72,7 +71,7 @@ def cubic_and_row_range(
 
 def beyond_limits(
     ranges: HermiteRange, limits: tuple[AxisLimits, ...], tolerance_share: float
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Where limits break, or the motion is not a number: order of derivative, cell, axis.
 
     Shape (4, cells, m).  tolerance_share: of the range from limit to limit, by which it may be

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.frames.time_scales import utc_text
 from planner.platforms import AxisLimits, TwoAxisPlatform
@@ -131,7 +130,7 @@ def _session_rows(t_s: Array, start_s: float, stop_s: float) -> tuple[int, int]:
     return first, max(last, first + 2)
 
 
-def _around(usable: NDArray[np.bool_], first: int, last: int) -> slice:
+def _around(usable: Mask, first: int, last: int) -> slice:
     """The run of usable rows (or cells) that contains first..last-1."""
     lost_before = np.flatnonzero(~usable[:first])
     lost_after = np.flatnonzero(~usable[last:])
@@ -171,7 +170,7 @@ def turns_within_stops(
 
 
 def _first_break(
-    platform: TwoAxisPlatform, ranges: HermiteRange, beyond: NDArray[np.bool_], session: slice
+    platform: TwoAxisPlatform, ranges: HermiteRange, beyond: Mask, session: slice
 ) -> _Break | None:
     """Of the angle, then of the rate, ..., in the session; beyond: as of `beyond_limits`."""
     broken = np.argwhere(beyond[:, session.start : session.stop - 1])
@@ -196,21 +195,18 @@ def _preference(
 
 
 def _unreachable(
-    platform: TwoAxisPlatform, los: LineOfSight, reachable: NDArray[np.bool_], first: int
+    platform: TwoAxisPlatform, los: LineOfSight, reachable: Mask, first: int
 ) -> Unreachable:
     lost = np.flatnonzero(~reachable)
     start, stop = (los.instants.utc(first + int(lost[end])) for end in (0, -1))
     share = len(lost) / len(reachable)
+    percent = "less than 1%" if share < 0.01 else f"{share:.0%}"
     return Unreachable(
-        f"no pair of axis angles of {platform.name} points at the target for {_percent(share)} of "
+        f"no pair of axis angles of {platform.name} points at the target for {percent} of "
         f"the session, between {utc_text(start)} and {utc_text(stop)}; choose other times, or turn "
         "the carrier so that the target leaves the dead cone of the axes",
         at_utc=start,
     )
-
-
-def _percent(share: float) -> str:
-    return "less than 1%" if share < 0.01 else f"{share:.0%}"
 
 
 def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:

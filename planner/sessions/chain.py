@@ -63,11 +63,8 @@ Pair = tuple[Way | None, Way]  # left and joined
 
 def initial_state(scenario: Scenario) -> States:
     """The platform at row 0, axis by axis."""
-    motions = (scenario.initial_motion(axis) for axis in scenario.platform.axis_names)
-    return tuple(
-        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
-        for q, v, a in motions
-    )
+    motions = (scenario.initial_motion(axis).tolist() for axis in scenario.platform.axis_names)
+    return tuple(AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a) for q, v, a in motions)
 
 
 class Chain:
@@ -263,10 +260,10 @@ class Chain:
         return self._initial if way is None else self._track_states(way, row)
 
     def _leaves_something(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
-        left_s = [self._left_s(way, join_row, way.rows.stop)]
-        if stand.way is not None:
-            left_s.append(self._left_s(stand.way, stand.join_row, leave_row))
-        return min(left_s) > COMMAND_STEP_S - GRID_TOLERANCE_S
+        least_s = COMMAND_STEP_S - GRID_TOLERANCE_S
+        if stand.way and self._left_s(stand.way, stand.join_row, leave_row) <= least_s:
+            return False
+        return self._left_s(way, join_row, way.rows.stop) > least_s
 
     def _left_s(self, way: Way, join_row: int, stop_row: int) -> float:
         """Of a session between the rows at which its track is joined and left."""

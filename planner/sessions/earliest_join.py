@@ -5,10 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
-from planner.arrays import Indices
+from planner.arrays import Indices, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.detour.detour import avoid_cones
 from planner.effort import EffortSpent
@@ -141,7 +140,7 @@ class Approach:
         except InfeasibleSlew:
             return None
 
-    def _certify(self, rows: Indices) -> NDArray[np.bool_]:
+    def _certify(self, rows: Indices) -> Mask:
         """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
         duration_s = rows / ROWS_PER_S - self.start_s
         angle, rate, _ = self.track.motion(rows / ROWS_PER_S)

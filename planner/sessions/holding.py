@@ -11,7 +11,7 @@ from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.errors import NotVisible, OutsideCoverage, Refusal, TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.keyhole import nearest_track
+from planner.keyhole.track import nearest_track
 from planner.orbits import Ephemeris
 from planner.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
 from planner.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight

@@ -124,7 +124,7 @@ def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
 
 def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
     """The session as it can be flown, and the way out in words."""
-    session, epoch_utc, wanted_row = refused.session, refused.epoch_utc, refused.wanted.start
+    session, wanted_row = refused.session, refused.wanted.start
     length_s = elapsed_s(session.stop, session.start)
     others = Others(refused)
     shortened = Trials(
@@ -134,13 +134,10 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         stop_utc=lambda _: session.stop,
         accepts=others.stay_as_asked,
     )
-    moved = replace(
-        shortened, stop_utc=lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s)
-    )
+    moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
     stop_row = _latest_stop(shortened, span)
     if stop_row != refused.wanted.stop:
-        stop_utc = shifted_utc(epoch_utc, stop_row / ROWS_PER_S)
-        shortened = replace(shortened, stop_utc=lambda _: stop_utc)
+        shortened = replace(shortened, stop_utc=lambda _: refused.utc(stop_row))
     reaches: list[int | None] = []
     searches: tuple[tuple[Trials, Iterable[int]], ...] = (
         (shortened, _rows_before_stop(refused, span, stop_row)),
@@ -173,8 +170,7 @@ def _latest_stop(trials: Trials, span: _Span) -> int:
     halfway = (longest.start + longest.stop) // 2
 
     def may_be_held_to(row: int) -> bool:
-        stop_utc = shifted_utc(refused.epoch_utc, row / ROWS_PER_S)
-        return replace(trials, stop_utc=lambda _: stop_utc).may(halfway)
+        return replace(trials, stop_utc=lambda _: refused.utc(row)).may(halfway)
 
     good, bad = halfway + 2 * STENCIL, wanted.stop
     with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
@@ -234,7 +230,7 @@ def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int
         if reach_rows < 0:
             return "(none was decided before the search ends, which is bounded)"
         ends = max(low, wanted_row - reach_rows), min(high, wanted_row + reach_rows)
-    texts = [utc_text(shifted_utc(refused.epoch_utc, row / ROWS_PER_S), 1) for row in ends]
+    texts = [utc_text(refused.utc(row), 1) for row in ends]
     farther = ", nor looked for farther off," if ends != (low, high) else ""
     return f"from {texts[0]} to {texts[1]}{farther}"
 
@@ -323,11 +319,8 @@ def _span(refused: RefusedSession) -> _Span | Refusal:
             start=refused.from_row if scenario.slew.keep_out else max(refused.from_row, early_row),
             stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
         )
-        ends_utc = (
-            shifted_utc(refused.epoch_utc, row / ROWS_PER_S) for row in (known.start, known.stop)
-        )
         try:
-            ephemeris = scenario.orbit.ephemeris(*ends_utc)
+            ephemeris = scenario.orbit.ephemeris(refused.utc(known.start), refused.utc(known.stop))
             return _Span(
                 ephemeris=ephemeris, known=known, seen=_visible_rows(refused, ephemeris, known)
             )

@@ -284,13 +284,11 @@ def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[_Bias]:
     normal = np.cross(r, v)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     turn = _PROBE_M / radius
+    # Position and velocity both turned about the orbit's normal.
+    ahead = OrbitStates(r + turn * np.cross(normal, r), v + turn * np.cross(normal, v))
     disturbed = (
         (OrbitStates(r * (1.0 + turn), v), sigma.radial_m),
-        # Ahead on its track: position and velocity both turned about the orbit's normal.
-        (
-            OrbitStates(r + turn * np.cross(normal, r), v + turn * np.cross(normal, v)),
-            sigma.along_m,
-        ),
+        (ahead, sigma.along_m),
         (OrbitStates(r + _PROBE_M * normal, v), sigma.cross_m),
     )
     undisturbed = scene.direction_platform()

@@ -49,7 +49,7 @@ class MovingGroundTarget(EarthFixedTarget):
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3)."""
-        since_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch)
+        since_s = instants.since_s(self.epoch)
         latitude_rad, longitude_rad = geodesic_end(
             math.radians(self.latitude_deg),
             math.radians(self.longitude_deg),

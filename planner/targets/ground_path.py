@@ -104,7 +104,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                 field="start",
             )
         legs = self._legs
-        t_s = instants.t_s + elapsed_s(instants.epoch_utc, self.start)
+        t_s = instants.since_s(self.start)
         halfway_s = (legs.passing_s[1:] + legs.passing_s[:-1]) / 2.0
         nearest = np.searchsorted(halfway_s, t_s)
         r_itrf_m = np.empty((len(t_s), 3))
