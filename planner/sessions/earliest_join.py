@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -80,9 +81,7 @@ class Approach:
         join is one with a failure just before it, not surely the first.
         """
 
-        def join_at(row: int) -> SlewSolution | None:
-            return self._slew_to(row, options, keep_out)
-
+        join_at = partial(self._slew_to, options=options, keep_out=keep_out)
         bad: int | None = None
         failures = 0
         for row in self.rows_within_reach(after_s, min(until_s, float(self.track.t_s[-1]))):

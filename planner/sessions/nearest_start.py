@@ -132,7 +132,6 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         ephemeris=span.ephemeris,
         seen=span.seen,
         stop_utc=lambda _: session.stop,
-        accepts=others.stay_as_asked,
     )
     moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
     stop_row = _latest_stop(shortened, span)
@@ -144,7 +143,7 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         (moved, _rows_by_distance(refused, span)),
     )
     for trials, rows in searches:
-        found, reach_rows = _search(trials, rows, wanted_row)
+        found, reach_rows = _search(trials, others, rows, wanted_row)
         if found is not None:
             return Advice(_way_out(found, session), found)
         reaches.append(reach_rows)
@@ -236,7 +235,7 @@ def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int
 
 
 def _search(
-    trials: Trials, rows: Iterable[int], wanted_row: int
+    trials: Trials, others: Others, rows: Iterable[int], wanted_row: int
 ) -> tuple[Session | None, int | None]:
     """The first row that may succeed, then the nearest to the wanted one that does.
 
@@ -251,7 +250,7 @@ def _search(
             may = trials.ends_may(row) and trials.may(row)
             session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
-            if session is not None and trials.accepts(session):
+            if session is not None and others.stay_as_asked(session):
                 return session, reach_rows
             refusals += may
             if may and (session is None or refusals == REFUSALS):

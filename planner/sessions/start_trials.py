@@ -23,15 +23,13 @@ class Trials:
     """The refused session from a start row on; every method may end by EffortSpent.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
-    stop that goes with a start row.  accepts: whether the rest of the request bears a session
-    that can be flown by itself.
+    stop that goes with a start row.
     """
 
     refused: RefusedSession
     ephemeris: Ephemeris
     seen: list[Rows]
     stop_utc: Callable[[int], datetime]
-    accepts: Callable[[Session], bool]
 
     def session(self, start_row: int) -> Session | None:
         """With its times moved; None where there is no such session."""
