@@ -58,15 +58,15 @@ class Crossing:
 
     def nearest_in_frame(self, found: CrossingMotion) -> CrossingMotion:
         """Near a crossing that leaves the frame, the best one that doesn't, or the least beyond."""
-        guess = found.motion.axis_states[:, self._knots - self.window.first]
-        bounded = self._solve(guess, in_frame=True)
+        guess_states = found.motion.axis_states[:, self._knots - self.window.first]
+        bounded = self._solve(guess_states, in_frame=True)
         return bounded if bounded.beyond_rad < found.beyond_rad else found
 
-    def _solve(self, guess: Array, *, in_frame: bool) -> CrossingMotion:
+    def _solve(self, guess_states: Array, *, in_frame: bool) -> CrossingMotion:
         axis_states = nearest_ocp(len(self._knots) - 1, in_frame=in_frame).solve(
             self._following.platform,
             self._knots,
-            guess,
+            guess_states,
             self._directions,
             FRAME_SHARE * self.frame_rad,
             fixed=self.window.fixed,

@@ -101,7 +101,7 @@ class NearestOcp:
         self,
         platform: TwoAxisPlatform,
         knots: Indices,
-        guess: Array,
+        guess_states: Array,
         directions: Array,
         frame_rad: float,
         *,
@@ -110,7 +110,7 @@ class NearestOcp:
         """Angle, rate, acceleration (rad, s) on every row from the first knot to the last.
 
         Shape (3, n, 2); to be judged by what it is: the solver's word is not asked.
-        knots: rows, (k + 1,).  guess: angle, rate, acceleration on them, (3, k + 1, 2).
+        knots: rows, (k + 1,).  guess_states: angle, rate, acceleration on them, (3, k + 1, 2).
         directions: unit vectors in the platform frame at `sample_times_s` of the knots.
         frame_rad: unit of the error, and its bound where it is to stay in the frame.
         fixed: whether the guess's first and last state are kept; a free one has no acceleration.
@@ -121,7 +121,7 @@ class NearestOcp:
         limits = platform.axis_limits
         h = np.diff(knots) / ROWS_PER_S / TIME_UNIT_S
         scale = np.repeat([1.0, TIME_UNIT_S, TIME_UNIT_S**2], 2)
-        x0 = np.hstack([*guess]) * scale
+        x0 = np.hstack([*guess_states]) * scale
         units = TIME_UNIT_S ** np.arange(4.0)[:, None]
         low, high = (
             INSIDE * units * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
