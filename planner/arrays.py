@@ -1,7 +1,8 @@
-"""The arrays that nearly every quantity and every row number here is in."""
+"""The arrays of nearly every quantity, row number and answer of yes or no here."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]

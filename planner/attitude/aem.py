@@ -10,15 +10,15 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
-from planner.attitude.odd_rows import odd_by_rad
-from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, rotation_curve
+from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, odd_by_rad, rotation_curve
 from planner.errors import InvalidMessage, OutsideCoverage
-from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
+from planner.frames.earth_orientation import c_frame_from_eci
 from planner.frames.iers import RAD_PER_ARCSEC
 from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
+from planner.frames.time_scales import Instants, shifted_utc, utc_text
 from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import OrbitStates
+from planner.orbits.ephemeris import EDGE_S
 from planner.spec import spec
 
 GAP_WARNED = 20.0  # times the usual step between rows
@@ -27,7 +27,6 @@ ODD_WARNED_RAD = 30.0 * RAD_PER_ARCSEC
 ODD_REFUSED_RAD = 180.0 * RAD_PER_ARCSEC  # 350 m on the ground from 400 km
 ODD_OF_USUAL = 20.0  # times what is usual of the message's rows: noise alone stays below 10
 CURVE_ROWS = 4  # farther rows hardly bend the curve
-_EDGE_S = 1e-6  # the resolution of a datetime
 LOCAL_ORBITAL = ("LVLH", "RTN")
 
 # Radial is -Z of LVLH, along-track +X, and the orbit's normal -Y.
@@ -36,30 +35,27 @@ _Q_RTN_FROM_LVLH = Rotation.from_matrix([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0
 
 @dataclass(frozen=True, eq=False)
 class AttitudeArc:
-    """One segment of a message as a curve, usable from start_utc to stop_utc.
+    """One segment of a message as a curve.
 
-    The curve's clock starts at epoch_utc; it gives the body's attitude against `frame`.
-    row_s: when the message's rows are, same clock.  odd_rad: `odd_by_rad` of each.
+    curve: of the body's attitude against the segment's frame, on the segment's clock.
+    odd_rad: `odd_by_rad` of each of its rows.
     """
 
-    frame: str
-    epoch_utc: datetime
-    start_utc: datetime
-    stop_utc: datetime
+    segment: AemSegment
     curve: RotationCurve
-    row_s: Array
     odd_rad: Array
 
     def oddest_near(self, instants: Instants) -> tuple[datetime, float]:
         """When the row is that fits its neighbours worst of those the curve there rests on, and
         by how much (rad).
         """
-        t_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch_utc)
-        first = int(np.searchsorted(self.row_s, t_s.min())) - CURVE_ROWS
-        stop = int(np.searchsorted(self.row_s, t_s.max())) + CURVE_ROWS
+        row_s, epoch_utc = self.segment.t_s, self.segment.epoch_utc
+        t_s = instants.since_s(epoch_utc)
+        first = int(np.searchsorted(row_s, t_s.min())) - CURVE_ROWS
+        stop = int(np.searchsorted(row_s, t_s.max())) + CURVE_ROWS
         near = slice(max(first, 0), stop)
         row = int(np.argmax(self.odd_rad[near])) + near.start
-        return shifted_utc(self.epoch_utc, float(self.row_s[row])), float(self.odd_rad[row])
+        return shifted_utc(epoch_utc, float(row_s[row])), float(self.odd_rad[row])
 
     @cached_property
     def usually_odd_rad(self) -> float:
@@ -86,22 +82,17 @@ class AemAttitude:
             raise ValueError(f"content: {refusal.detail}") from None
 
     @cached_property
-    def segments(self) -> tuple[AemSegment, ...]:
-        """Read once, at construction."""
-        return read_aem(self.content)
-
-    @cached_property
     def arcs(self) -> tuple[AttitudeArc, ...]:
-        """Curves of the segments, fitted once, at construction."""
-        return tuple(map(_arc, self.segments))
+        """Curves of the segments, read and fitted once, at construction."""
+        return tuple(map(_arc, read_aem(self.content)))
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What the user should know about the message's quality."""
         warnings = (
             warning
-            for segment, arc in zip(self.segments, self.arcs, strict=True)
-            for warning in (_noise(arc), _gap(segment), _not_linear(segment, arc))
+            for arc in self.arcs
+            for warning in (_noise(arc), _gap(arc.segment), _not_linear(arc))
         )
         return tuple(dict.fromkeys(filter(None, warnings)))
 
@@ -138,21 +129,23 @@ class AemAttitude:
                 field="attitude.content",
                 at_utc=at_utc,
             )
-        t_s = instants.t_s + elapsed_s(instants.epoch_utc, arc.epoch_utc)
-        first_s, last_s = (elapsed_s(t, arc.epoch_utc) for t in (arc.start_utc, arc.stop_utc))
-        q_body_from_frame = arc.curve.at(np.clip(t_s, first_s, last_s))
-        return q_body_from_frame * q_frame_from_eci(arc.frame, instants, states)
+        t_s = np.clip(instants.since_s(arc.segment.epoch_utc), *arc.segment.useable_s)
+        return arc.curve.at(t_s) * q_frame_from_eci(arc.segment.frame, instants, states)
 
     def _arc_over(self, instants: Instants) -> AttitudeArc:
+        for arc in self.arcs:
+            t_s, (start_s, stop_s) = instants.since_s(arc.segment.epoch_utc), arc.segment.useable_s
+            if start_s - EDGE_S <= t_s.min() and t_s.max() <= stop_s + EDGE_S:
+                return arc
         first_utc, last_utc = (
             shifted_utc(instants.epoch_utc, float(t))
             for t in (instants.t_s.min(), instants.t_s.max())
         )
-        for arc in self.arcs:
-            if _reaches(first_utc, arc.start_utc) and _reaches(arc.stop_utc, last_utc):
-                return arc
         spans = ", ".join(
-            f"{utc_text(arc.start_utc)} to {utc_text(arc.stop_utc)}" for arc in self.arcs[:3]
+            " to ".join(
+                utc_text(shifted_utc(arc.segment.epoch_utc, t)) for t in arc.segment.useable_s
+            )
+            for arc in self.arcs[:3]
         )
         more = f" and {len(self.arcs) - 3} more" if len(self.arcs) > 3 else ""
         raise OutsideCoverage(
@@ -168,22 +161,15 @@ def q_frame_from_eci(frame: str, instants: Instants, states: OrbitStates) -> Rot
 
     `states` is the orbit at the same n instants; only the local orbital frames need it.
     """
-    if frame == "ITRF":
-        return Rotation.from_matrix(c_itrf_from_eci(instants))
     if frame in LOCAL_ORBITAL:
         q_lvlh = q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
         return q_frame_from_lvlh(frame) * q_lvlh
-    c_frame_from_eci = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
-    return Rotation.from_matrix(np.broadcast_to(c_frame_from_eci, (len(instants), 3, 3)))
+    return Rotation.from_matrix(c_frame_from_eci(frame, instants))
 
 
 def q_frame_from_lvlh(frame: str) -> Rotation:
     """The constant rotation from LVLH to one of LOCAL_ORBITAL."""
     return _Q_RTN_FROM_LVLH if frame == "RTN" else Rotation.identity()
-
-
-def _reaches(later_utc: datetime, earlier_utc: datetime) -> bool:
-    return elapsed_s(later_utc, earlier_utc) >= -_EDGE_S
 
 
 def _arc(segment: AemSegment) -> AttitudeArc:
@@ -192,16 +178,7 @@ def _arc(segment: AemSegment) -> AttitudeArc:
     except ValueError as error:
         start = utc_text(segment.epoch_utc)
         raise InvalidMessage(f"AEM segment from {start}: {error}") from None
-    start_utc, stop_utc = (shifted_utc(segment.epoch_utc, t) for t in segment.useable_s)
-    return AttitudeArc(
-        frame=segment.frame,
-        epoch_utc=segment.epoch_utc,
-        start_utc=start_utc,
-        stop_utc=stop_utc,
-        curve=curve,
-        row_s=segment.t_s,
-        odd_rad=odd_by_rad(segment.t_s, segment.q_body_from_frame_xyzw),
-    )
+    return AttitudeArc(segment, curve, odd_by_rad(segment.t_s, segment.q_body_from_frame_xyzw))
 
 
 def _odd(at_utc: datetime, odd_rad: float) -> str:
@@ -236,7 +213,8 @@ def _gap(segment: AemSegment) -> str | None:
     )
 
 
-def _not_linear(segment: AemSegment, arc: AttitudeArc) -> str | None:
+def _not_linear(arc: AttitudeArc) -> str | None:
+    segment = arc.segment
     if not segment.linear or len(segment.t_s) == 2:
         return None
     middle_s = 0.5 * (segment.t_s[1:] + segment.t_s[:-1])

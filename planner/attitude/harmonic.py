@@ -5,10 +5,9 @@ from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
 from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, choose
@@ -86,7 +85,7 @@ class HarmonicAttitude:
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """From the held-out tail; beyond the lead that was tried in proportion to the time."""
-        lead_s = np.maximum(self._since_end_s(instants), 0.0)
+        lead_s = np.maximum(instants.since_s(self._end_utc), 0.0)
         edge_s = self.chosen_extrapolation.lead_s
         beyond = np.maximum(1.0, lead_s / edge_s[-1])
         rms_body_rad = [
@@ -101,7 +100,7 @@ class HarmonicAttitude:
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""
-        since_end_s = self._since_end_s(instants)
+        since_end_s = instants.since_s(self._end_utc)
         for wrong, why in (
             (since_end_s < -OFFSET_TAIL_S, "lies in the history: use the attitude law aem"),
             (since_end_s > LEAD_MAX_S, f"is more than {LEAD_MAX_S / 3600.0:.0f} h after it"),
@@ -123,9 +122,6 @@ class HarmonicAttitude:
         last = self.segments[-1]
         return shifted_utc(last.epoch_utc, float(last.t_s[-1]))
 
-    def _since_end_s(self, instants: Instants) -> Array:
-        return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self._end_utc))
-
     def _history(self) -> tuple[Array, Rotation]:
         """Rows of the last orbits, thinned: seconds since the last segment's epoch, attitudes."""
         last = self.segments[-1]
@@ -141,7 +137,7 @@ class HarmonicAttitude:
                 attitudes.append(self._q_body_from_lvlh(segment, rows))
         return np.concatenate(times), Rotation.concatenate(attitudes)
 
-    def _q_body_from_lvlh(self, segment: AemSegment, rows: NDArray[np.intp]) -> Rotation:
+    def _q_body_from_lvlh(self, segment: AemSegment, rows: Indices) -> Rotation:
         q_body_from_frame = Rotation.from_quat(segment.q_body_from_frame_xyzw[rows])
         if segment.frame in LOCAL_ORBITAL:
             return q_body_from_frame * q_frame_from_lvlh(segment.frame)
@@ -157,7 +153,7 @@ class HarmonicAttitude:
         return q_body_from_frame * q_frame_from_eci(segment.frame, instants, states) * q_lvlh.inv()
 
 
-def _thin(t_s: Array, oldest_s: float) -> NDArray[np.intp]:
+def _thin(t_s: Array, oldest_s: float) -> Indices:
     """The last row of every stretch of ROW_STEP_S counted back from the end."""
     rows = np.flatnonzero(t_s >= oldest_s)[::-1]
     _, first = np.unique((t_s[-1] - t_s[rows]) // ROW_STEP_S, return_index=True)

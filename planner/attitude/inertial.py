@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from planner.arrays import Array
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
 from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, elapsed_s, utc_text
+from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import OrbitStates
 from planner.spec import UnitPart, Within, spec
 
@@ -56,7 +56,7 @@ class InertialAttitude:
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; the orbit plays no part."""
-        since_epoch_s = self._since_epoch_s(instants)
+        since_epoch_s = instants.since_s(self.epoch)
         age_s = float(np.max(np.abs(since_epoch_s)))
         if age_s >= REFUSE_AGE_S:
             raise OutsideCoverage(
@@ -69,20 +69,17 @@ class InertialAttitude:
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """That the epoch is far from the instants."""
-        age_s = float(np.max(np.abs(self._since_epoch_s(instants))))
+        age_s = float(np.max(np.abs(instants.since_s(self.epoch))))
         return (self._age_warning(age_s),) if age_s > WARN_AGE_S else ()
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """Measured up to 1800 s from the epoch, beyond that growing as time^2."""
         return known_errors(
-            _error_rms_body_rad(np.abs(self._since_epoch_s(instants))),
+            _error_rms_body_rad(np.abs(instants.since_s(self.epoch))),
             "measured: the constant body rate on ISS telemetry in torque equilibrium "
             "(bench/truth.py)",
             "attitude and rate nearer to the session, or a longer history (law harmonic)",
         ).unless_stated(self.uncertainty)
-
-    def _since_epoch_s(self, instants: Instants) -> Array:
-        return np.asarray(instants.t_s + elapsed_s(instants.epoch_utc, self.epoch))
 
     def _age_warning(self, age_s: float) -> str:
         error_deg = float(np.linalg.norm(np.rad2deg(_error_rms_body_rad(np.array([age_s])))))

@@ -7,6 +7,7 @@ foretells rows it has not seen, and what it leaves out is stated.
 """
 
 from dataclasses import dataclass
+from itertools import permutations
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -25,6 +26,10 @@ WORTH_A_SMOOTHER_CURVE = 1.25  # in held-out error
 _HELD_OUT_EVERY = 5
 _SAMPLE_ROWS, _SAMPLES = 1000, 5
 _DEGREE = 5
+# Offsets, in rows, of the four rows that foretell a row: from both sides, from before, from
+# after.  A manoeuvre that begins or ends leaves one side right; a damaged row fits none.
+_STENCILS = ((-2, -1, 1, 2), (-4, -3, -2, -1), (1, 2, 3, 4))
+REACH = 2  # rows at either end whose place between neighbours can't be judged
 
 Curve: TypeAlias = "BSpline | PPoly"
 
@@ -163,3 +168,34 @@ def _distance_rad(p: Array, q: Array) -> Array:
     """Angles between attitudes that are nearly the same, p of any length, q unit, shape (n,)."""
     unit = p / np.linalg.norm(p, axis=1, keepdims=True)
     return np.asarray(2.0 * np.linalg.norm(unit - q, axis=1))
+
+
+def odd_by_rad(t_s: Array, q_body_from_frame_xyzw: Array) -> Array:
+    """How far each row is, at least, from where a cubic through four others leads, shape (n,).
+
+    t_s: shape (n,), increasing.  q_body_from_frame_xyzw: shape (n, 4), unit, neighbours of like
+    sign.
+    Zero for the first and last REACH rows.
+    """
+    odd_rad = np.full(len(t_s), np.inf)
+    rows = np.arange(len(t_s))
+    for stencil in _STENCILS:
+        inside = (rows + min(stencil) >= 0) & (rows + max(stencil) < len(t_s))
+        at = rows[inside]
+        others = at[:, None] + np.array(stencil)
+        weights = _lagrange(t_s[others] - t_s[at, None])
+        miss = q_body_from_frame_xyzw[at] - np.einsum(
+            "nk,nkj->nj", weights, q_body_from_frame_xyzw[others]
+        )
+        miss_rad = 2.0 * np.linalg.norm(miss, axis=1)
+        odd_rad[at] = np.minimum(odd_rad[at], miss_rad)
+    odd_rad[:REACH] = odd_rad[len(t_s) - REACH :] = 0.0
+    return np.where(np.isfinite(odd_rad), odd_rad, 0.0)
+
+
+def _lagrange(node_s: Array) -> Array:
+    """Weights at zero of four nodes each, both of shape (n, 4)."""
+    weights = np.ones_like(node_s)
+    for node, other in permutations(range(4), 2):
+        weights[:, node] *= node_s[:, other] / (node_s[:, other] - node_s[:, node])
+    return weights

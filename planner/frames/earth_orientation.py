@@ -47,7 +47,17 @@ def c_itrf_from_teme(instants: Instants) -> Array:
     at = _interpolate(instants)
     jd1, jd2 = instants.tai_jd()
     theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
-    return np.asarray(_polar_motion(at[:, 4:7]) @ _rotation_z(theta))
+    return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*at[:, 4:7].T)))
+
+
+def c_frame_from_eci(frame: str, instants: Instants) -> Array:
+    """Rotation matrices from GCRF to the axes of ITRF, TEME, EME2000 or GCRF, shape (n, 3, 3)."""
+    if frame == "ITRF":
+        return c_itrf_from_eci(instants)
+    if frame == "TEME":
+        return np.asarray(np.swapaxes(c_itrf_from_teme(instants), 1, 2) @ c_itrf_from_eci(instants))
+    c = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
+    return np.broadcast_to(c, (len(instants), 3, 3))
 
 
 def itrf_from_eci_state(
@@ -70,6 +80,19 @@ def eci_from_itrf_state(
     c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
     v_inertial_itrf_m_s = v_itrf_m_s + np.cross(omega_itrf_rad_s, r_itrf_m)
     return np.einsum("nji,nj->ni", c, r_itrf_m), np.einsum("nji,nj->ni", c, v_inertial_itrf_m_s)
+
+
+def eci_from_frame_state(
+    frame: str, r_m: Array, v_m_s: Array, instants: Instants
+) -> tuple[Array, Array]:
+    """Position and velocity, each (n, 3), of a frame of `c_frame_from_eci`, in ECI.
+
+    An ITRF velocity is relative to the rotating Earth; the slow turning of TEME is left out.
+    """
+    if frame == "ITRF":
+        return eci_from_itrf_state(r_m, v_m_s, instants)
+    c = c_frame_from_eci(frame, instants)
+    return np.einsum("nji,nj->ni", c, r_m), np.einsum("nji,nj->ni", c, v_m_s)
 
 
 def iers_data_end_utc() -> datetime:
@@ -97,26 +120,10 @@ def _celestial_to_terrestrial(instants: Instants) -> tuple[Array, Array]:
     jd1, jd2 = instants.tai_jd()
     era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
     c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
-    w = _polar_motion(at[:, 4:7])
-    ut1_rate = 1.0 + at[:, 7]
-    return w @ _rotation_z(era) @ c_cirs_from_eci, w[:, :, 2] * (OMEGA_EARTH_RAD_S * ut1_rate)[
-        :, None
-    ]
-
-
-def _polar_motion(pole_rad: Array) -> Array:
-    """Matrices from the intermediate (CIP, TIO) to ITRF axes, (n, 3, 3); xp, yp, s' in columns."""
-    return np.asarray(erfa.pom00(*pole_rad.T))
-
-
-def _rotation_z(angle_rad: Array) -> Array:
-    """Frame rotations about z, shape (n, 3, 3)."""
-    c = np.zeros((len(angle_rad), 3, 3))
-    c[:, 0, 0] = c[:, 1, 1] = np.cos(angle_rad)
-    c[:, 0, 1] = np.sin(angle_rad)
-    c[:, 1, 0] = -c[:, 0, 1]
-    c[:, 2, 2] = 1.0
-    return c
+    c_itrf_from_tirs = erfa.pom00(*at[:, 4:7].T)
+    rate_rad_s = OMEGA_EARTH_RAD_S * (1.0 + at[:, 7])
+    c_itrf_from_eci = erfa.c2tcio(c_cirs_from_eci, era, c_itrf_from_tirs)
+    return np.asarray(c_itrf_from_eci), c_itrf_from_tirs[:, :, 2] * rate_rad_s[:, None]
 
 
 def _interpolate(instants: Instants) -> Array:

@@ -55,12 +55,7 @@ def geodetic_from_itrf(r_itrf_m: Array) -> tuple[Array, Array, Array]:
 
 def up_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> Array:
     """Outward normal of the ellipsoid, unit vectors of shape (..., 3)."""
-    latitude, longitude = np.broadcast_arrays(latitude_rad, longitude_rad)
-    cos_latitude = np.cos(latitude)
-    return np.stack(
-        [cos_latitude * np.cos(longitude), cos_latitude * np.sin(longitude), np.sin(latitude)],
-        axis=-1,
-    )
+    return np.asarray(erfa.s2c(longitude_rad, latitude_rad))
 
 
 def c_enu_from_itrf(latitude_rad: ArrayLike, longitude_rad: ArrayLike) -> Array:

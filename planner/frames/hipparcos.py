@@ -6,6 +6,7 @@ without reading the catalogue.
 """
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 from functools import cache
 
@@ -30,26 +31,22 @@ class CatalogueStar:
 def hipparcos_star(number: int) -> CatalogueStar | None:
     """None where the catalogue has no star of that number; it has no radial velocities."""
     with catalog_path().open("rb") as file:
-        low, high = 0, catalog_path().stat().st_size // _RECORD_BYTES
-        while low < high:
-            middle = (low + high) // 2
-            file.seek(middle * _RECORD_BYTES)
-            record = file.read(_RECORD_BYTES)
-            found = int(record[0:6])
-            if found == number:
-                return _star(record)
-            low, high = (middle + 1, high) if found < number else (low, middle)
-    return None
 
+        def record_at(row: int) -> bytes:
+            file.seek(row * _RECORD_BYTES)
+            return bytes(file.read(_RECORD_BYTES))
 
-def _star(record: bytes) -> CatalogueStar:
+        rows = range(catalog_path().stat().st_size // _RECORD_BYTES)
+        row = bisect_left(rows, number, key=lambda row: int(record_at(row)[:6]))
+        record = record_at(row)
+    if not record or int(record[:6]) != number:
+        return None
     return CatalogueStar(
         epoch_jyear=1991.25,
         ra_deg=math.degrees(float(record[15:28])),
         dec_deg=math.degrees(float(record[29:42])),
-        parallax_mas=max(
-            0.0, float(record[43:50])
-        ),  # the noise of a distant star's may be negative
+        # The noise of a distant star's may be negative.
+        parallax_mas=max(0.0, float(record[43:50])),
         pm_ra_cosdec_mas_yr=float(record[51:59]),
         pm_dec_mas_yr=float(record[60:68]),
     )

@@ -22,12 +22,8 @@ def leap_seconds() -> tuple[tuple[int, ...], tuple[int, ...]]:
 
     Since 1972-01-01, when UTC began to differ from TAI by whole seconds.
     """
-    rows = [
-        line.split()
-        for line in Path(IERS_LEAP_SECOND_FILE).read_text(encoding="ascii").splitlines()
-        if line.strip() and not line.startswith("#")
-    ]
-    return tuple(int(float(row[0])) for row in rows), tuple(int(row[4]) for row in rows)
+    mjd, tai_minus_utc_s = np.loadtxt(IERS_LEAP_SECOND_FILE, usecols=(0, 4)).T.astype(int).tolist()
+    return tuple(mjd), tuple(tai_minus_utc_s)
 
 
 @dataclass(frozen=True, eq=False)

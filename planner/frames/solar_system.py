@@ -63,14 +63,9 @@ def r_body_bary_m(body: str, instants: Instants) -> Array:
 
 def earth_bary_state(instants: Instants) -> tuple[Array, Array]:
     """The Earth's centre from the solar system's barycentre: m and m/s, each (n, 3)."""
-    positions, velocities = zip(
-        *(
-            _state_m(center, target, instants)
-            for center, target in ((0, _EARTH_MOON_BARYCENTER), (_EARTH_MOON_BARYCENTER, _EARTH))
-        ),
-        strict=True,
-    )
-    return np.asarray(sum(positions)), np.asarray(sum(velocities))
+    r_m, v_m_s = _state_m(0, _EARTH_MOON_BARYCENTER, instants)
+    r_earth_m, v_earth_m_s = _state_m(_EARTH_MOON_BARYCENTER, _EARTH, instants)
+    return r_m + r_earth_m, v_m_s + v_earth_m_s
 
 
 def _position_m(center: int, target: int, instants: Instants) -> Array:

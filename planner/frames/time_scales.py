@@ -61,6 +61,10 @@ class Instants:
         jd1, jd2 = self.tai_jd()
         return jd1, jd2 + TT_MINUS_TAI_S / DAY_S
 
+    def since_s(self, epoch_utc: datetime) -> Array:
+        """SI seconds since another epoch, shape (n,), negative before it."""
+        return elapsed_s(self.epoch_utc, epoch_utc) + self.t_s
+
     def utc(self, k: int) -> datetime:
         """The k-th of them, rounded to 1 us."""
         return shifted_utc(self.epoch_utc, float(self.t_s[k]))

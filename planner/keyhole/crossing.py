@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.keyhole.exact import ExactFollowing, RowMotion
-from planner.keyhole.ocp import Motion, nearest_ocp, sample_times_s
-from planner.platforms import TwoAxisPlatform
+from planner.keyhole.ocp import nearest_ocp, sample_times_s
 
 SPANS = (96, 48, 24, 12, 6, 3, 2, 1)
 FINE_S = 8.0  # beside the place where limits break; farther off knots stand wider apart
@@ -49,12 +47,10 @@ class CrossingMotion:
 class Crossing:
     """All ways across one window."""
 
-    def __init__(
-        self, following: ExactFollowing, platform: TwoAxisPlatform, window: Window
-    ) -> None:
+    def __init__(self, following: ExactFollowing, window: Window) -> None:
         self.window = window
-        self.frame_rad = min(platform.frame_half_rad)
-        self._following, self._platform = following, platform
+        self.frame_rad = min(following.platform.frame_half_rad)
+        self._following = following
 
     def nearest(self, before: RowMotion, after: RowMotion) -> CrossingMotion:
         """The least integral of the squared error near a smooth swing from one to the other."""
@@ -62,27 +58,25 @@ class Crossing:
 
     def nearest_in_frame(self, found: CrossingMotion) -> CrossingMotion:
         """Near a crossing that leaves the frame, the best one that doesn't, or the least beyond."""
-        at = self._knots - self.window.first
-        guess = Motion(rows=self._knots, axis_states=found.motion.axis_states[:, at])
-        bounded = self._solve(guess, in_frame=True)
+        guess_states = found.motion.axis_states[:, self._knots - self.window.first]
+        bounded = self._solve(guess_states, in_frame=True)
         return bounded if bounded.beyond_rad < found.beyond_rad else found
 
-    def _solve(self, guess: Motion, *, in_frame: bool) -> CrossingMotion:
-        limits = self._platform.axis_limits
-        found = nearest_ocp(len(guess.rows) - 1, in_frame=in_frame).solve(
-            self._platform,
-            limits,
-            guess,
+    def _solve(self, guess_states: Array, *, in_frame: bool) -> CrossingMotion:
+        axis_states = nearest_ocp(len(self._knots) - 1, in_frame=in_frame).solve(
+            self._following.platform,
+            self._knots,
+            guess_states,
             self._directions,
             FRAME_SHARE * self.frame_rad,
             fixed=self.window.fixed,
         )
-        motion = RowMotion(self.window.first, found.at_rows())
+        motion = RowMotion(self.window.first, axis_states)
         t_s, error_rad = self._following.error_rad(motion)
         beyond_rad = max(float(error_rad.max()) - self.frame_rad, 0.0)
         return CrossingMotion(
             motion=motion,
-            beyond_rad=beyond_rad if motion.within(limits).all() else math.inf,
+            beyond_rad=math.inf if motion.beyond(self._following.limits).any() else beyond_rad,
             squared_rad2_s=float(np.mean(error_rad**2)) * float(t_s[-1] - t_s[0]),
         )
 
@@ -91,7 +85,7 @@ class Crossing:
         return self._following.directions(sample_times_s(self._knots))
 
     @cached_property
-    def _knots(self) -> NDArray[np.intp]:
+    def _knots(self) -> Indices:
         """Rows at which the jerk may change: dense where limits break, wider apart beyond."""
         first, last = self.window.first, self.window.last
         spans = next(count for count in SPANS if count <= last - first)
@@ -107,11 +101,11 @@ class Crossing:
         spread = np.maximum.accumulate(knots.astype(np.intp) - offset) + offset
         return np.asarray(np.minimum(spread, last - offset[::-1]))
 
-    def _guess(self, before: RowMotion, after: RowMotion) -> Motion:
-        """Exact up to where limits break, exact from where they don't; between, a smooth swing."""
+    def _guess(self, before: RowMotion, after: RowMotion) -> Array:
+        """At the knots: exact on either side of where limits break, between a smooth swing."""
         knots, window = self._knots, self.window
         start, stop = window.broken[0][0], window.broken[-1][1]
-        rate_max = np.array([axis.rate_max_rad_s for axis in self._platform.axis_limits])
+        rate_max = np.array([axis.rate_max_rad_s for axis in self._following.limits])
         swing = after.at(stop) - before.at(start)
         rows = float(np.max(np.abs(swing) / rate_max)) / SWING_SHARE * ROWS_PER_S
         extra = max(0, math.ceil((rows - (stop - start)) / 2.0))
@@ -127,4 +121,4 @@ class Crossing:
             if is_fixed:
                 row = int(knots[end]) - motion.first_row
                 axis_states[1:, end] = motion.axis_states[1:, row]
-        return Motion(rows=knots, axis_states=axis_states)
+        return axis_states

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import (
@@ -17,11 +16,10 @@ from planner.pointing.angles import (
     boresight_platform,
     singular_margin_rad,
 )
-from planner.pointing.hermite import cubic_and_row_range
+from planner.pointing.hermite import beyond_limits, cubic_and_row_range
 from planner.pointing.line_of_sight import LineOfSight
 from planner.pointing.track import TURN_RAD, turns_within_stops
 
-Mask = NDArray[np.bool_]
 SINGULAR_RAD = 1e-5  # nearer to the plane of the axes exact angles are noise
 DEAD_MARGIN_RAD = 1e-9
 LIMIT_TOLERANCE = 1e-7  # of the limit's range
@@ -42,27 +40,14 @@ class RowMotion:
     def last_row(self) -> int:
         return self.first_row + len(self.axis_states[0]) - 1
 
-    def at(self, row: int | NDArray[np.intp]) -> Array:
+    def at(self, row: int | Indices) -> Array:
         """The angles on that row, (2,), or on those rows, (n, 2)."""
         return np.asarray(self.axis_states[0, row - self.first_row])
 
-    def within(self, limits: tuple[AxisLimits, ...]) -> Mask:
-        """Cells (n - 1,) in which angle, rate, acceleration and jerk keep the limits, as met."""
-        return np.asarray(~self._beyond(limits).any(axis=(0, 2)))
-
-    def within_but_stops(self, limits: tuple[AxisLimits, ...]) -> Mask:
-        """The same without the angles' stops."""
-        return np.asarray(~self._beyond(limits)[1:].any(axis=(0, 2)))
-
-    def _beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
-        """(4, n - 1, 2): by order of derivative, cell and axis; also where not a number."""
+    def beyond(self, limits: tuple[AxisLimits, ...]) -> Mask:
+        """Where the limits are broken, as `beyond_limits` has it, (4, n - 1, 2)."""
         ranges = cubic_and_row_range(COMMAND_STEP_S, *self.axis_states)
-        beyond = []
-        for order, (least, greatest) in enumerate(ranges):
-            low, high = np.array([axis.bounds[order] for axis in limits]).T
-            slack = LIMIT_TOLERANCE * (high - low)
-            beyond.append(~((least >= low - slack) & (greatest <= high + slack)))
-        return np.stack(beyond)
+        return beyond_limits(ranges, limits, LIMIT_TOLERANCE)
 
     def part(self, first_row: int, last_row: int) -> "RowMotion":
         """Of these rows, both included."""
@@ -83,10 +68,6 @@ class ExactWay:
     first_row: int
     last_row: int
 
-    @property
-    def motion(self) -> RowMotion:
-        return self.whole.part(self.first_row, self.last_row)
-
 
 class ExactFollowing:
     """Both branches of exact angles over the rows of a line of sight, which may be unflyable.
@@ -98,7 +79,7 @@ class ExactFollowing:
         # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
         from scipy.interpolate import CubicHermiteSpline
 
-        self._platform = platform
+        self.platform, self.limits = platform, platform.axis_limits
         t_s = los.instants.t_s
         self.first_row = round(float(t_s[0]) * ROWS_PER_S)
         self.last_row = round(float(t_s[-1]) * ROWS_PER_S)
@@ -123,25 +104,20 @@ class ExactFollowing:
 
     def error_rad(self, motion: RowMotion) -> tuple[Array, Array]:
         """Times and the angle between the flown boresight and the target, (n,) each."""
-        u = np.arange(POINTS_PER_ROW)[:, None, None] / POINTS_PER_ROW
-        q, v = motion.axis_states[0], motion.axis_states[1] * COMMAND_STEP_S
-        angle = (
-            q[:-1] * (1.0 - u * u * (3.0 - 2.0 * u))
-            + q[1:] * (u * u * (3.0 - 2.0 * u))
-            + v[:-1] * (u * (1.0 - u) ** 2)
-            - v[1:] * (u * u * (1.0 - u))
-        )
-        angle = np.vstack([angle.transpose(1, 0, 2).reshape(-1, 2), q[-1:]])
-        t_s = (motion.first_row + np.arange(len(angle)) / POINTS_PER_ROW) / ROWS_PER_S
-        boresight, towards = boresight_platform(self._platform, angle), self.directions(t_s)
+        from scipy.interpolate import CubicHermiteSpline
+
+        points = np.arange((motion.last_row - motion.first_row) * POINTS_PER_ROW + 1)
+        t_s = (motion.first_row + points / POINTS_PER_ROW) / ROWS_PER_S
+        angle = CubicHermiteSpline(t_s[::POINTS_PER_ROW], *motion.axis_states[:2])(t_s)
+        boresight, towards = boresight_platform(self.platform, angle), self.directions(t_s)
         across = np.linalg.norm(np.cross(boresight, towards), axis=1)
         return t_s, np.arctan2(across, np.sum(boresight * towards, axis=1))
 
     @cached_property
     def _flyable(self) -> Mask:
         """Cells in which either branch keeps rate, acceleration and jerk."""
-        cells = [branch.within_but_stops(self._platform.axis_limits) for branch in self.branches]
-        return np.asarray(np.any(cells, axis=0) & self._usable_cells)
+        broken = [branch.beyond(self.limits)[1:].any(axis=(0, 2)) for branch in self.branches]
+        return np.asarray(~np.all(broken, axis=0) & self._usable_cells)
 
     def broken(self, first_row: int, last_row: int) -> list[tuple[int, int]]:
         """Runs of rows, both ends included, between which following breaks a limit.
@@ -166,8 +142,10 @@ class ExactFollowing:
         """
         found = []
         for branch in self.branches:
-            for whole in _whole_turns(branch, first_row, last_row, self._platform.axis_limits):
-                lost = ~(whole.within(self._platform.axis_limits) & self._usable_cells)
+            angle_rad = branch.part(first_row, last_row).axis_states[0]
+            choices = turns_within_stops(angle_rad, self.limits, LIMIT_TOLERANCE)
+            for whole in map(branch.turn, itertools.product(*choices)):
+                lost = whole.beyond(self.limits).any(axis=(0, 2)) | ~self._usable_cells
                 if lost[first_row - self.first_row : last_row - self.first_row].any():
                     continue
                 earlier = np.flatnonzero(lost[: first_row - self.first_row])
@@ -184,7 +162,7 @@ class ExactFollowing:
     def _motion(self, angle_rad: Array, rows_s: Array, directions: Array) -> RowMotion:
         with np.errstate(divide="ignore", invalid="ignore"):
             rate, acceleration = axis_motion(
-                self._platform, angle_rad, directions, self._rate(rows_s), self._rate(rows_s, 1)
+                self.platform, angle_rad, directions, self._rate(rows_s), self._rate(rows_s, 1)
             )
         axis_states = np.stack([np.unwrap(angle_rad, axis=0), rate, acceleration])
         return RowMotion(self.first_row, axis_states)
@@ -205,12 +183,3 @@ def _nearest_reachable(platform: TwoAxisPlatform, directions: Array) -> Array:
         math.pi - abs(math.pi - spread - carried) - DEAD_MARGIN_RAD,
     )
     return np.asarray(np.cos(away)[:, None] * outer + np.sin(away)[:, None] * across)
-
-
-def _whole_turns(
-    motion: RowMotion, first_row: int, last_row: int, limits: tuple[AxisLimits, ...]
-) -> list[RowMotion]:
-    """The motion with each number of turns that fits the stops over these rows."""
-    angle_rad = motion.part(first_row, last_row).axis_states[0]
-    choices = turns_within_stops(angle_rad, limits, LIMIT_TOLERANCE)
-    return [motion.turn(turns) for turns in itertools.product(*choices)]

@@ -6,70 +6,26 @@ one solver serves every platform and every pass.
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.detour.ocp import ITERATION_ROW
+from planner.detour.ocp import OPTIONS as OPTIONS_AROUND_CONES
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
-from planner.slew.spline_ocp import SOLVE
+from planner.slew.spline_ocp import INSIDE, SOLVE
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles
-INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
 JERK_WEIGHT = 1e-8  # of a mean squared jerk at its limit, beside an error at the frame's edge
 BEYOND_WEIGHT = 10.0  # of the largest square beyond the frame's, beside the mean square
 UNBOUNDED = 1e19  # what Ipopt takes for no bound
-OPTIONS: dict[str, str | float | int] = {
-    "print_level": 0,
-    "sb": "yes",
-    "linear_solver": "mumps",
-    "tol": 1e-7,
-    "constr_viol_tol": 1e-10,
-    "bound_relax_factor": 0.0,
-    "acceptable_iter": 0,
-    "mu_init": 1e-2,
-}
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Motion:
-    """Both axes at knots on rows, jerk constant in between.
-
-    rows: (k + 1,).  axis_states: angle, rate, acceleration (rad, s), (3, k + 1, 2).
-    """
-
-    rows: NDArray[np.intp]
-    axis_states: Array
-
-    def at_rows(self) -> Array:
-        """Angle, rate and acceleration on every row from the first knot to the last, (3, n, 2).
-
-        Of the cubic Hermite through the knots, which what the solver leaves unsatisfied can't
-        tear apart.
-        """
-        rows = np.arange(self.rows[0], self.rows[-1] + 1)
-        span = np.clip(np.searchsorted(self.rows, rows, side="right") - 1, 0, len(self.rows) - 2)
-        h = (np.diff(self.rows)[span] / ROWS_PER_S)[:, None]
-        u = (rows - self.rows[span])[:, None] / ROWS_PER_S / h
-        angle, rate, _ = self.axis_states
-        q, v = angle[span], rate[span] * h
-        moved, v_next = angle[span + 1] - q, rate[span + 1] * h
-        c2, c3 = 3.0 * moved - 2.0 * v - v_next, v + v_next - 2.0 * moved
-        return np.stack(
-            [
-                q + u * (v + u * (c2 + u * c3)),
-                (v + u * (2.0 * c2 + 3.0 * u * c3)) / h,
-                (2.0 * c2 + 6.0 * u * c3) / h**2,
-            ]
-        )
+OPTIONS = OPTIONS_AROUND_CONES | {"tol": 1e-7, "constr_viol_tol": 1e-10, "mu_init": 1e-2}
 
 
 class NearestOcp:
@@ -144,22 +100,28 @@ class NearestOcp:
     def solve(
         self,
         platform: TwoAxisPlatform,
-        limits: tuple[AxisLimits, ...],
-        guess: Motion,
+        knots: Indices,
+        guess_states: Array,
         directions: Array,
         frame_rad: float,
         *,
         fixed: tuple[bool, bool],
-    ) -> Motion:
-        """To be judged by what it is: the solver's word is not asked.
+    ) -> Array:
+        """Angle, rate, acceleration (rad, s) on every row from the first knot to the last.
 
-        directions: unit vectors in the platform frame at `sample_times_s` of the guess's rows.
+        Shape (3, n, 2); to be judged by what it is: the solver's word is not asked.
+        knots: rows, (k + 1,).  guess_states: angle, rate, acceleration on them, (3, k + 1, 2).
+        directions: unit vectors in the platform frame at `sample_times_s` of the knots.
         frame_rad: unit of the error, and its bound where it is to stay in the frame.
         fixed: whether the guess's first and last state are kept; a free one has no acceleration.
         """
-        h = np.diff(guess.rows) / ROWS_PER_S / TIME_UNIT_S
+        # SciPy's interpolators take 0.2 s to import, which only a plan should pay.
+        from scipy.interpolate import CubicHermiteSpline
+
+        limits = platform.axis_limits
+        h = np.diff(knots) / ROWS_PER_S / TIME_UNIT_S
         scale = np.repeat([1.0, TIME_UNIT_S, TIME_UNIT_S**2], 2)
-        x0 = np.hstack([*guess.axis_states]) * scale
+        x0 = np.hstack([*guess_states]) * scale
         units = TIME_UNIT_S ** np.arange(4.0)[:, None]
         low, high = (
             INSIDE * units * np.array([[bound[side] for bound in axis.bounds] for axis in limits]).T
@@ -204,7 +166,10 @@ class NearestOcp:
         iterations = int(self._solver.stats()["iter_count"])
         effort.count(iterations * ITERATION_ROW * (len(x_start) + sum(map(len, lbg))))
         x = np.asarray(found["x"]).ravel()[: x0.size].reshape(x0.shape) / scale
-        return Motion(rows=guess.rows, axis_states=x.reshape(-1, 3, 2).swapaxes(0, 1))
+        # What the solver leaves unsatisfied can't tear the Hermite through the knots apart.
+        curve = CubicHermiteSpline(knots / ROWS_PER_S, x[:, :2], x[:, 2:4])
+        t_s = np.arange(knots[0], knots[-1] + 1) / ROWS_PER_S
+        return np.stack([curve(t_s, order) for order in range(3)])
 
 
 def _coasting_s(limits: AxisLimits) -> float:
@@ -213,9 +178,9 @@ def _coasting_s(limits: AxisLimits) -> float:
     return max(V / (2.0 * A) + A / (2.0 * J), math.sqrt(V / J))
 
 
-def sample_times_s(rows: NDArray[np.intp]) -> Array:
+def sample_times_s(knots: Indices) -> Array:
     """When the error is measured: all first samples of the spans, all second ones, ..."""
-    start_s, h = rows[:-1] / ROWS_PER_S, np.diff(rows) / ROWS_PER_S
+    start_s, h = knots[:-1] / ROWS_PER_S, np.diff(knots) / ROWS_PER_S
     return np.concatenate([start_s + share * h for share in SAMPLES])
 
 

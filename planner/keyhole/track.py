@@ -10,30 +10,31 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
-from planner.errors import Refusal, SolverFailed, TrackBreaksLimit, Unreachable
+from planner.errors import Refusal, SolverFailed, TrackBreaksLimit
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.keyhole.crossing import Crossing, CrossingMotion, Window
 from planner.keyhole.exact import ExactFollowing, ExactWay, RowMotion
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.line_of_sight import LineOfSight
-from planner.pointing.track import AxisTrack, track_candidates
-from planner.scenario import Keyhole
+from planner.pointing.track import AxisTrack
 
 HOPELESS_SHARE = 1.0  # of the frame beyond it: no optimum in the frame is near such a one
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Chain:
-    """Motions that follow one another, up to where `way` takes over.
+    """A motion up to next_row, from where on `way` is followed.
 
-    beyond_rad: farthest outside the frame.
+    axis_states: as of `RowMotion`, on the rows before next_row.  beyond_rad: farthest outside
+    the frame.
     """
 
-    parts: tuple[RowMotion, ...]
     way: ExactWay
+    next_row: int
+    axis_states: Array
     beyond_rad: float = 0.0
     squared_rad2_s: float = 0.0
 
@@ -42,49 +43,26 @@ class _Chain:
         return self.beyond_rad, self.squared_rad2_s
 
     def carry_on(self, crossing: CrossingMotion, way: ExactWay) -> "_Chain":
-        """Across a window, onto another way."""
-        exact = self.way.motion
+        """Across a window, onto another way; a window's ends, which may be free, are its own."""
         return _Chain(
-            parts=(
-                *self.parts,
-                exact.part(exact.first_row, crossing.motion.first_row),
-                crossing.motion,
-            ),
             way=way,
+            next_row=crossing.motion.last_row + 1,
+            axis_states=np.concatenate(
+                [self._states_to(crossing.motion.first_row - 1), crossing.motion.axis_states],
+                axis=1,
+            ),
             beyond_rad=max(self.beyond_rad, crossing.beyond_rad),
             squared_rad2_s=self.squared_rad2_s + crossing.squared_rad2_s,
         )
 
-    def join_parts(self) -> RowMotion:
-        """Of the rows two parts share, the window's: its ends may be free."""
-        pieces = []
-        for number, part in enumerate((*self.parts, self.way.motion)):
-            first = 0 if number == 0 else 1
-            last = None if number == len(self.parts) else -1
-            rows = slice(None) if number % 2 else slice(first, last)
-            pieces.append(part.axis_states[:, rows])
-        return RowMotion(self.parts[0].first_row, np.concatenate(pieces, axis=1))
+    def motion(self) -> RowMotion:
+        """To the end of the way."""
+        axis_states = self._states_to(self.way.last_row)
+        return RowMotion(self.way.last_row + 1 - axis_states.shape[1], axis_states)
 
-
-def tracks_near(
-    platform: TwoAxisPlatform,
-    los: LineOfSight,
-    start_s: float,
-    stop_s: float,
-    start_angle_rad: NDArray[np.float64],
-    *,
-    keyhole: Keyhole,
-) -> tuple[AxisTrack, ...]:
-    """The exact ways, as `track_candidates` has them; without any, by request, the nearest one.
-
-    Raises what `track_candidates` and `nearest_track` do.
-    """
-    try:
-        return track_candidates(platform, los, start_s, stop_s, start_angle_rad)
-    except (TrackBreaksLimit, Unreachable) as exact:
-        if keyhole == "refuse":
-            raise
-        return (nearest_track(platform, los, start_s, stop_s, exact),)
+    def _states_to(self, last_row: int) -> Array:
+        exact = self.way.whole.part(self.next_row, last_row).axis_states
+        return np.concatenate([self.axis_states, exact], axis=1)
 
 
 def nearest_track(
@@ -100,7 +78,7 @@ def nearest_track(
     """
     following = ExactFollowing(platform, los)
     first, last = round(start_s * ROWS_PER_S), round(stop_s * ROWS_PER_S)
-    chains = _chains(following, platform, first, last)
+    chains = _chains(following, first, last)
     if not chains:
         raise exact
     best = min(chains, key=lambda chain: chain.rank)
@@ -110,8 +88,8 @@ def nearest_track(
             axis=exact.axis,
             limit=exact.limit,
         )
-    motion = best.join_parts()
-    _require_in_frame(following, platform, los, motion, exact)
+    motion = best.motion()
+    _require_in_frame(following, los, motion, exact)
     return AxisTrack(
         axis_names=platform.axis_names,
         t_s=np.arange(motion.first_row, motion.last_row + 1) / ROWS_PER_S,
@@ -125,15 +103,11 @@ def _why(exact: Refusal) -> str:
 
 
 def _require_in_frame(
-    following: ExactFollowing,
-    platform: TwoAxisPlatform,
-    los: LineOfSight,
-    motion: RowMotion,
-    exact: Refusal,
+    following: ExactFollowing, los: LineOfSight, motion: RowMotion, exact: Refusal
 ) -> None:
     t_s, error_rad = following.error_rad(motion)
     worst = int(np.argmax(error_rad))
-    frame_rad = min(platform.frame_half_rad)
+    frame_rad = min(following.platform.frame_half_rad)
     if error_rad[worst] <= frame_rad:
         return
     at_utc = shifted_utc(los.instants.epoch_utc, float(t_s[worst]))
@@ -147,21 +121,17 @@ def _require_in_frame(
     )
 
 
-def _chains(
-    following: ExactFollowing, platform: TwoAxisPlatform, first: int, last: int
-) -> list[_Chain]:
+def _chains(following: ExactFollowing, first: int, last: int) -> list[_Chain]:
     """The best chain to each way of following at the session's end."""
-    windows = _windows(following, platform, first, last)
+    windows = _windows(following, first, last)
     chains = [
-        _Chain(parts=(), way=way)
+        _Chain(way=way, next_row=way.first_row, axis_states=np.empty((3, 0, 2)))
         for way in following.ways(first, windows[0].first, lead=windows[0].fixed[0])
     ]
-    for number, window in enumerate(windows):
-        if not chains:
-            return []
-        until = windows[number + 1].first if number + 1 < len(windows) else last
-        crossing = Crossing(following, platform, window)
-        chains = _carry_on(crossing, chains, following.ways(window.last, until))
+    untils = [*(window.first for window in windows[1:]), last]
+    for window, until in zip(windows, untils, strict=True):
+        ways = following.ways(window.last, until) if chains else []
+        chains = _carry_on(Crossing(following, window), chains, ways)
     return chains
 
 
@@ -179,16 +149,14 @@ def _carry_on(crossing: Crossing, chains: list[_Chain], ways: list[ExactWay]) ->
     longer = [chain.carry_on(one, way) for (chain, way), one in zip(pairs, found, strict=True)]
     count = len(chains)
     return [
-        min(longer[start : start + count], key=lambda chain: chain.rank)
-        for start in range(0, len(longer), count)
+        min(longer[number * count : (number + 1) * count], key=lambda chain: chain.rank)
+        for number in range(len(ways))
     ]
 
 
-def _windows(
-    following: ExactFollowing, platform: TwoAxisPlatform, first: int, last: int
-) -> list[Window]:
+def _windows(following: ExactFollowing, first: int, last: int) -> list[Window]:
     """Around each broken run as long as a half turn of the outer axis takes, merged."""
-    outer = platform.outer_limits
+    outer = following.platform.outer_limits
     swing_s = (
         math.pi / 2.0 / outer.rate_max_rad_s
         + outer.rate_max_rad_s / outer.acceleration_max_rad_s2

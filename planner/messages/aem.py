@@ -9,7 +9,6 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
@@ -25,7 +24,7 @@ from planner.messages.segments import (
     require_size,
     time_axis,
 )
-from planner.messages.xml import message_element, name_of, text_of
+from planner.messages.xml import message_element
 
 FRAMES = ("EME2000", "GCRF", "ITRF", "LVLH", "RTN")
 NORM_TOLERANCE = 1e-3  # three printed decimals
@@ -101,7 +100,7 @@ def _segment(raw: RawSegment) -> AemSegment:
     rows = numbers(raw, len(columns))
     q_xyzw, q_dot_s = _quaternions(raw, columns, rows)
     # The message's quaternion turns axes, SciPy's turns vectors: A to B is the conjugate.
-    if body_is_b == _is_a_to_b(raw):
+    if body_is_b == (_choice(raw, "ATTITUDE_DIR", "A2B", "B2A") == "A2B"):
         q_xyzw, q_dot_s = _conjugate(q_xyzw), None if q_dot_s is None else _conjugate(q_dot_s)
     likeness = np.sign(np.sum(q_xyzw[1:] * q_xyzw[:-1], axis=1))
     sign = np.concatenate([[1.0], np.cumprod(np.where(likeness < 0.0, -1.0, 1.0))])[:, None]
@@ -138,12 +137,13 @@ def _frames(raw: RawSegment) -> tuple[str, bool]:
     return frame, is_body[1]
 
 
-def _is_a_to_b(raw: RawSegment) -> bool:
-    """Version 2 dropped the keyword: its attitudes always go from A to B."""
-    direction = raw.metadata.get("ATTITUDE_DIR", "A2B").upper()
-    if direction not in ("A2B", "B2A"):
-        raw.refuse(f"ATTITUDE_DIR must be A2B or B2A, not {direction!r}")
-    return direction == "A2B"
+def _choice(raw: RawSegment, key: str, default: str, other: str) -> str:
+    """Of a keyword that version 2 dropped for its default."""
+    stated = raw.metadata.get(key, default).upper()
+    if stated not in (default, other):
+        first, second = sorted((default, other))
+        raw.refuse(f"{key} must be {first} or {second}, not {stated!r}")
+    return stated
 
 
 def _type(raw: RawSegment) -> tuple[tuple[str, ...], int]:
@@ -164,7 +164,7 @@ def _quaternions(
     """The message's own quaternions and derivatives, scalar last, each (n, 4)."""
     if columns == _ANGLES:
         return Rotation.from_euler(_sequence(raw), rows, degrees=True).as_quat(), None
-    scalar_first = _scalar_first(raw)
+    scalar_first = _choice(raw, "QUATERNION_TYPE", "LAST", "FIRST") == "FIRST"
     q_xyzw = np.roll(rows[:, :4], -1, axis=1) if scalar_first else rows[:, :4]
     norm = np.linalg.norm(q_xyzw, axis=1, keepdims=True)
     wrong = np.flatnonzero(np.abs(norm[:, 0] - 1.0) > NORM_TOLERANCE)
@@ -177,14 +177,6 @@ def _quaternions(
     if columns[4:] == _ANGVEL:
         return q_xyzw, _derivative(q_xyzw, np.deg2rad(rows[:, 4:]), _angvel_in_b(raw))
     return q_xyzw, None
-
-
-def _scalar_first(raw: RawSegment) -> bool:
-    """Version 2 dropped the keyword: its scalar is always last."""
-    order = raw.metadata.get("QUATERNION_TYPE", "LAST").upper()
-    if order not in ("FIRST", "LAST"):
-        raw.refuse(f"QUATERNION_TYPE must be FIRST or LAST, not {order!r}")
-    return order == "FIRST"
 
 
 def _sequence(raw: RawSegment) -> str:
@@ -238,33 +230,8 @@ def _conjugate(q: Array) -> Array:
 def _raw_xml(content: str) -> list[RawSegment]:
     """The segments, their numbers in the order of `_TYPES`."""
     message = message_element(content, "AEM", _GRAMMAR.versions)
-    segments = []
-    for raw, data in message.segments():
-        columns, _ = _type(raw)
+    units = dict.fromkeys(_ANGLES, "deg")
+    segments = message.segments("attitudeState", lambda raw: _type(raw)[0], units)
+    for raw in segments:
         raw.metadata["QUATERNION_TYPE"] = "LAST"  # elements are named, so we choose the order
-        for element in data:
-            if name_of(element) == "attitudeState":
-                line = message.line(element)
-                values = _values_by_name(raw, element, line)
-                missing = [name for name in ("EPOCH", *columns) if name not in values]
-                if missing:
-                    raw.refuse(f"the attitude state lacks {missing[0]}", line)
-                raw.epochs.append(values["EPOCH"])
-                raw.rows.append([values[column] for column in columns])
-                raw.lines.append(line)
-        segments.append(raw)
     return segments
-
-
-def _values_by_name(raw: RawSegment, state: etree._Element, line: int) -> dict[str, str]:
-    """Texts by name; version 1's rotation1 of rotationAngles is version 2's ANGLE_1."""
-    values = {}
-    for element in state.iter():
-        name = name_of(element)
-        parent = element.getparent()
-        if parent is not None and name_of(parent) == "rotationAngles":
-            name = name.replace("rotation", "ANGLE_")
-        if name in _ANGLES and element.get("units", "deg") != "deg":
-            raw.refuse(f"{name} is in {element.get('units')!r}; it must be in deg", line)
-        values[name] = text_of(element)
-    return values

@@ -9,7 +9,7 @@ from typing import NoReturn
 
 from planner.errors import figures
 from planner.frames.time_scales import utc_from_tai_us
-from planner.messages.epochs import TIME_SYSTEMS, EpochReader
+from planner.messages.epochs import TIME_SYSTEMS, tai_ns
 from planner.messages.kvn import kvn_lines
 from planner.messages.segments import EARTH_NAMES, is_xml, plain, refuse, require_size
 from planner.messages.xml import message_element, name_of, text_of
@@ -85,7 +85,7 @@ class Keywords:
         if time_system not in TIME_SYSTEMS:
             self.refuse(f"TIME_SYSTEM {time_system!r} is not supported; use one of {TIME_SYSTEMS}")
         try:
-            return utc_from_tai_us(EpochReader(time_system).tai_ns(entry.text) // 1000)
+            return utc_from_tai_us(tai_ns(entry.text, time_system) // 1000)
         except ValueError as error:
             self.refuse(str(error), entry.line)
 

@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NoReturn
 
-from planner.messages.segments import RawSegment, refuse
+from planner.messages.segments import RawSegment, refuse, require_version
 
 
 @dataclass(frozen=True)
@@ -26,13 +25,33 @@ class Grammar:
 
 def raw_kvn(content: str, grammar: Grammar) -> tuple[str | None, list[RawSegment]]:
     """CREATION_DATE and the segments, unconverted."""
-    reader = _Reader(grammar)
+    header: dict[str, str] = {}
+    segments: list[RawSegment] = []
+    section, version_key = "header", _version_key(grammar)
     for number, text in kvn_lines(content):
-        reader.read(number, text)
-    if reader.where in ("metadata", *grammar.unread_sections):
+        key, equals, value = (part.strip() for part in text.partition("="))
+        key = key.upper()
+        if text.endswith(("_START", "_STOP")) and not equals:
+            section = _next_section(grammar, header, section, text, number)
+            if text == "META_START":
+                segments.append(RawSegment(grammar.message, number, {}, [], [], []))
+        elif section == "states":
+            _append_row(grammar, segments[-1], text, number)
+        elif section in grammar.unread_sections:
+            continue
+        elif not equals:
+            refuse(grammar.message, number, f"{text[:60]!r} is no 'KEYWORD = value'")
+        elif section == "metadata":
+            segments[-1].metadata[key] = value
+        else:
+            if key == version_key:
+                stated = f"{key} {value!r}"
+                require_version(grammar.message, stated, value, grammar.versions, number)
+            header[key] = value
+    if section in ("metadata", *grammar.unread_sections):
         last = content.count("\n") + 1
-        refuse(grammar.message, last, f"the message ends inside its {reader.where}")
-    return reader.creation, reader.segments
+        refuse(grammar.message, last, f"the message ends inside its {section}")
+    return header.get("CREATION_DATE"), segments
 
 
 def kvn_lines(content: str) -> Iterator[tuple[int, str]]:
@@ -43,68 +62,29 @@ def kvn_lines(content: str) -> Iterator[tuple[int, str]]:
             yield number, text
 
 
-class _Reader:
-    """Where in the message we are, and what was read so far."""
+def _version_key(grammar: Grammar) -> str:
+    return f"CCSDS_{grammar.message}_VERS"
 
-    def __init__(self, grammar: Grammar) -> None:
-        self.where = "header"
-        self.creation: str | None = None
-        self.segments: list[RawSegment] = []
-        self._grammar = grammar
-        self._message = grammar.message
-        self._has_version = False
 
-    def read(self, number: int, text: str) -> None:
-        if text.endswith(("_START", "_STOP")) and "=" not in text:
-            self._turn_to(number, text)
-        elif self.where in self._grammar.unread_sections:
-            return
-        elif "=" in text:
-            key, _, value = (part.strip() for part in text.partition("="))
-            self._keyword(number, key.upper(), value)
-        elif self.where == "states":
-            self._state(number, text)
-        else:
-            self._refuse(number, f"{text[:60]!r} is no 'KEYWORD = value'")
+def _next_section(
+    grammar: Grammar, header: Mapping[str, str], section: str, mark: str, number: int
+) -> str:
+    message, version_key = grammar.message, _version_key(grammar)
+    if version_key not in header:
+        what = f"no {version_key} before the first segment; is this an {message}?"
+        refuse(message, number, what)
+    if (section, mark) not in grammar.sections:
+        refuse(message, number, f"{mark[:60]} can't follow in the {section}")
+    return grammar.sections[section, mark]
 
-    def _refuse(self, number: int, what: str) -> NoReturn:
-        refuse(self._message, number, what)
 
-    def _turn_to(self, number: int, mark: str) -> None:
-        if not self._has_version:
-            self._refuse(
-                number,
-                f"no CCSDS_{self._message}_VERS before the first segment; "
-                f"is this an {self._message}?",
-            )
-        if (self.where, mark) not in self._grammar.sections:
-            self._refuse(number, f"{mark[:60]} can't follow in the {self.where}")
-        self.where = self._grammar.sections[self.where, mark]
-        if mark == "META_START":
-            self.segments.append(RawSegment(self._message, number, {}, [], [], []))
-
-    def _keyword(self, number: int, key: str, value: str) -> None:
-        if self.where == "states":
-            self._refuse(number, f"{key[:60]} stands among the states")
-        elif self.where == "metadata":
-            self.segments[-1].metadata[key] = value
-        elif key == "CREATION_DATE":
-            self.creation = value
-        elif key == f"CCSDS_{self._message}_VERS":
-            versions = self._grammar.versions
-            if value.split(".")[0] not in versions:
-                self._refuse(
-                    number,
-                    f"{key} {value!r} is not supported; "
-                    f"versions {versions[0]} to {versions[-1]} are",
-                )
-            self._has_version = True
-
-    def _state(self, number: int, text: str) -> None:
-        columns = text.split()
-        if len(columns) not in self._grammar.row_columns:
-            self._refuse(number, f"{self._grammar.row_layout}, not {len(columns)} columns")
-        segment = self.segments[-1]
-        segment.epochs.append(columns[0])
-        segment.rows.append(columns[1:])
-        segment.lines.append(number)
+def _append_row(grammar: Grammar, segment: RawSegment, text: str, number: int) -> None:
+    if "=" in text:
+        key = text.partition("=")[0].strip().upper()
+        segment.refuse(f"{key[:60]} stands among the states", number)
+    epoch, *numbers = text.split()
+    if len(numbers) + 1 not in grammar.row_columns:
+        segment.refuse(f"{grammar.row_layout}, not {len(numbers) + 1} columns", number)
+    segment.epochs.append(epoch)
+    segment.rows.append(numbers)
+    segment.lines.append(number)

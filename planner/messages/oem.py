@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from lxml import etree
 
 from planner.arrays import Array
 from planner.errors import InvalidMessage
@@ -26,7 +25,7 @@ from planner.messages.segments import (
     require_size,
     time_axis,
 )
-from planner.messages.xml import message_element, name_of
+from planner.messages.xml import message_element
 
 EARTH_RADIUS_MIN_M = 6.35e6  # below the poles
 R_MAX_M = 2.0e9  # beyond, a position in metres was written where km belong
@@ -52,8 +51,7 @@ _GRAMMAR = Grammar(
     row_columns=(7, 10),
     row_layout="a state has an epoch and 6 numbers, or 9 with accelerations",
 )
-_COLUMNS = ("X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
-_UNIT_OF = dict(zip(_COLUMNS, ("km",) * 3 + ("km/s",) * 3, strict=True))
+_UNITS = dict.fromkeys(("X", "Y", "Z"), "km") | dict.fromkeys(("X_DOT", "Y_DOT", "Z_DOT"), "km/s")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -84,7 +82,12 @@ def read_oem(content: str) -> Oem:
     Accelerations and covariances are passed over.  Raises InvalidMessage naming the line.
     """
     require_size("OEM", content)
-    creation, raw = _raw_xml(content) if is_xml(content) else raw_kvn(content, _GRAMMAR)
+    if is_xml(content):
+        message = message_element(content, "OEM", _GRAMMAR.versions)
+        raw = message.segments("stateVector", lambda _: tuple(_UNITS), _UNITS)
+        creation = message.creation
+    else:
+        creation, raw = raw_kvn(content, _GRAMMAR)
     if not raw:
         raise InvalidMessage("the OEM has no segment with states; is it cut off?")
     return Oem(creation_utc=creation_utc(creation), segments=tuple(map(_segment, raw)))
@@ -144,31 +147,3 @@ def _frame(raw: RawSegment) -> str:
     if frame == "TEME" and "REF_FRAME_EPOCH" in raw.metadata:
         raw.refuse("TEME of a fixed epoch is not supported; convert to EME2000")
     return frame
-
-
-def _raw_xml(content: str) -> tuple[str | None, list[RawSegment]]:
-    """CREATION_DATE and the segments, unconverted."""
-    message = message_element(content, "OEM", _GRAMMAR.versions)
-    segments = []
-    for raw, data in message.segments():
-        for element in data:
-            if name_of(element) == "stateVector":
-                _append_state(raw, element, message.line(element))
-        segments.append(raw)
-    return message.creation, segments
-
-
-def _append_state(raw: RawSegment, element: etree._Element, line: int) -> None:
-    values: dict[str, str] = {}
-    for child in element:
-        name = name_of(child)
-        values[name] = child.text or ""
-        unit = child.get("units")
-        if unit is not None and name in _UNIT_OF and unit != _UNIT_OF[name]:
-            raw.refuse(f"{name} is in {unit!r}; it must be in {_UNIT_OF[name]}", line)
-    try:
-        raw.epochs.append(values["EPOCH"].strip())
-        raw.rows.append([values[column] for column in _COLUMNS])
-    except KeyError as error:
-        raw.refuse(f"the state vector lacks {error.args[0]}", line)
-    raw.lines.append(line)

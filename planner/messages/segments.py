@@ -9,7 +9,7 @@ import numpy as np
 from planner.arrays import Array
 from planner.errors import InvalidMessage
 from planner.frames.time_scales import utc_from_tai_us
-from planner.messages.epochs import TIME_SYSTEMS, EpochReader
+from planner.messages.epochs import TIME_SYSTEMS, tai_ns
 
 _STATED_S = 1.0  # START_TIME and STOP_TIME are often given in whole seconds
 MAX_CHARACTERS = 32_000_000  # five times NASA's 15-day file with a node every minute
@@ -61,6 +61,15 @@ def refuse(message: str, line: int, what: str) -> NoReturn:
     raise InvalidMessage(f"{message} line {line}: {what}")
 
 
+def require_version(
+    message: str, stated: str, version: str, versions: tuple[str, ...], line: int
+) -> None:
+    """Refuse a version that isn't read; stated: it, as the refusal names it."""
+    if version.split(".")[0] not in versions:
+        what = f"{stated} is not supported; versions {versions[0]} to {versions[-1]} are"
+        refuse(message, line, what)
+
+
 def require_size(
     message: str,
     content: str,
@@ -85,7 +94,7 @@ def creation_utc(text: str | None) -> datetime | None:
     if text is None:
         return None
     try:
-        return utc_from_tai_us(EpochReader("UTC").tai_ns(text) // 1000)
+        return utc_from_tai_us(tai_ns(text, "UTC") // 1000)
     except ValueError:
         return None
 
@@ -97,23 +106,20 @@ def time_axis(raw: RawSegment) -> TimeAxis:
         raw.refuse(f"TIME_SYSTEM {time_system!r} is not supported; use one of {TIME_SYSTEMS}")
     if len(raw.rows) < 2:
         raw.refuse(f"the segment has {len(raw.rows)} states; at least 2 are needed")
-    reader = EpochReader(time_system)
-    tai_ns = np.array(
-        [_tai_ns(raw, reader, *pair) for pair in zip(raw.lines, raw.epochs, strict=True)]
-    )
-    backward = np.flatnonzero(np.diff(tai_ns) <= 0)
+    row_ns = np.array([_tai_ns(raw, *row) for row in zip(raw.lines, raw.epochs, strict=True)])
+    backward = np.flatnonzero(np.diff(row_ns) <= 0)
     if len(backward):
         row = int(backward[0]) + 1
         raw.refuse(f"epoch {raw.epochs[row]} is not after the one before", raw.lines[row])
-    anchor_us = int(tai_ns[0]) // 1000
-    t_s = (tai_ns - anchor_us * 1000) / 1e9
+    anchor_us = int(row_ns[0]) // 1000
+    t_s = (row_ns - anchor_us * 1000) / 1e9
     first_s, last_s = float(t_s[0]), float(t_s[-1])
 
     def stated_s(key: str, default_s: float) -> float:
         text = raw.metadata.get(key)
         if text is None:
             return default_s
-        return (_tai_ns(raw, reader, raw.line, text) - anchor_us * 1000) / 1e9
+        return (_tai_ns(raw, raw.line, text) - anchor_us * 1000) / 1e9
 
     start_s, stop_s = stated_s("START_TIME", first_s), stated_s("STOP_TIME", last_s)
     if first_s < start_s - _STATED_S or last_s > stop_s + _STATED_S:
@@ -132,9 +138,10 @@ def time_axis(raw: RawSegment) -> TimeAxis:
     )
 
 
-def _tai_ns(raw: RawSegment, reader: EpochReader, line: int, text: str) -> int:
+def _tai_ns(raw: RawSegment, line: int, text: str) -> int:
+    """Of an epoch in the segment's time system."""
     try:
-        return reader.tai_ns(text)
+        return tai_ns(text, raw.metadata["TIME_SYSTEM"].upper())
     except ValueError as error:
         raw.refuse(str(error), line)
 

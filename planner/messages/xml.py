@@ -1,13 +1,14 @@
 """Reads CCSDS messages in XML, so that hostile text can do no harm."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from lxml import etree
 
-from planner.messages.segments import RawSegment, refuse
+from planner.messages.segments import RawSegment, refuse, require_version
 
+_STATES = {"stateVector": "state vector", "attitudeState": "attitude state"}
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 
 
@@ -27,18 +28,49 @@ class MessageElement:
                 return text_of(date)
         return None
 
-    def segments(self) -> Iterator[tuple[RawSegment, list[etree._Element]]]:
-        """Each segment with its metadata filled in, and the elements of its data."""
+    def segments(
+        self,
+        state: str,
+        columns: Callable[[RawSegment], tuple[str, ...]],
+        units: Mapping[str, str],
+    ) -> list[RawSegment]:
+        """Each segment with its metadata and rows.
+
+        state: the element of a row.  columns: names of its numbers, by the segment's metadata.
+        units: the only ones that some numbers may state.
+        """
+        segments = []
         for body in children(self.element, "body"):
             for element in children(body, "segment"):
                 raw = RawSegment(self.message, self.line(element), {}, [], [], [])
-                data: list[etree._Element] = []
-                for part in element:
-                    if name_of(part) == "metadata":
-                        raw.metadata.update((name_of(entry), text_of(entry)) for entry in part)
-                    elif name_of(part) == "data":
-                        data += part
-                yield raw, data
+                for metadata in children(element, "metadata"):
+                    raw.metadata.update((name_of(entry), text_of(entry)) for entry in metadata)
+                names = columns(raw)
+                for data in children(element, "data"):
+                    for row in children(data, state):
+                        self._append(raw, row, names, units)
+                segments.append(raw)
+        return segments
+
+    def _append(
+        self,
+        raw: RawSegment,
+        row: etree._Element,
+        names: tuple[str, ...],
+        units: Mapping[str, str],
+    ) -> None:
+        line, texts = self.line(row), {}
+        for element in row.iter():
+            name, unit = _keyword_of(element), element.get("units")
+            if unit is not None and unit != units.get(name, unit):
+                raw.refuse(f"{name} is in {unit!r}; it must be in {units[name]}", line)
+            texts[name] = text_of(element)
+        for name in ("EPOCH", *names):
+            if name not in texts:
+                raw.refuse(f"the {_STATES[name_of(row)]} lacks {name}", line)
+        raw.epochs.append(texts["EPOCH"])
+        raw.rows.append([texts[name] for name in names])
+        raw.lines.append(line)
 
     def line(self, element: etree._Element) -> int:
         """Parsed elements always have a line; only ones made by hand lack it."""
@@ -82,14 +114,8 @@ def message_element(content: str, message: str, versions: tuple[str, ...]) -> Me
     if len(elements) != 1:
         refuse(message, 1, f"the XML holds {len(elements)} <{tag}> elements; exactly 1 is needed")
     result = MessageElement(message, elements[0], lines_before)
-    version = elements[0].get("version")
-    if (version or "").split(".")[0] not in versions:
-        refuse(
-            message,
-            result.line(elements[0]),
-            f"{message} version {version!r} is not supported; "
-            f"versions {versions[0]} to {versions[-1]} are",
-        )
+    version, line = elements[0].get("version"), result.line(elements[0])
+    require_version(message, f"{message} version {version!r}", version or "", versions, line)
     return result
 
 
@@ -101,6 +127,13 @@ def children(element: etree._Element, name: str) -> list[etree._Element]:
 def name_of(element: etree._Element) -> str:
     """The tag without its namespace."""
     return str(element.tag).rpartition("}")[2]
+
+
+def _keyword_of(element: etree._Element) -> str:
+    """The name; version 1's rotation1 of an AEM's rotationAngles is version 2's ANGLE_1."""
+    parent = element.getparent()
+    is_angle = parent is not None and name_of(parent) == "rotationAngles"
+    return name_of(element).replace("rotation", "ANGLE_") if is_angle else name_of(element)
 
 
 def text_of(element: etree._Element) -> str:

@@ -119,18 +119,12 @@ def propagate_segment(
             )
             other = next_other
             if step_m < _OUTER_TOLERANCE_M:
-                return _segment(r_m, v_m_s, start_s, stop_s, full)
-    return None
-
-
-def _segment(
-    r_m: Array, v_m_s: Array, start_s: float, stop_s: float, acceleration_m_s2: Array
-) -> CollocationSegment:
-    scheme = _scheme()
-    half_s = 0.5 * (stop_s - start_s)
-    v_coefficients_m_s = half_s * (scheme.integral_coefficients @ acceleration_m_s2)
+                break
+    else:
+        return None
+    v_coefficients_m_s = half_s * (scheme.integral_coefficients @ full)
     v_coefficients_m_s[0] += v_m_s
-    r_coefficients_m = half_s**2 * (scheme.double_integral_coefficients @ acceleration_m_s2)
+    r_coefficients_m = half_s**2 * (scheme.double_integral_coefficients @ full)
     # v (t - start) = v half (1 + tau)
     r_coefficients_m[0] += r_m + half_s * v_m_s
     r_coefficients_m[1] += half_s * v_m_s

@@ -43,7 +43,7 @@ class Ephemeris(ABC):
 
     def states(self, instants: Instants) -> OrbitStates:
         """At the n instants; raises OutsideCoverage unless all lie within the span."""
-        t_s = elapsed_s(instants.epoch_utc, self.start_utc) + instants.t_s
+        t_s = instants.since_s(self.start_utc)
         span_s = elapsed_s(self.stop_utc, self.start_utc)
         outside = np.flatnonzero((t_s < -EDGE_S) | (t_s > span_s + EDGE_S))
         if len(outside):
@@ -56,10 +56,6 @@ class Ephemeris(ABC):
             )
         return self.interpolate(instants)
 
-    def since_epoch_s(self, instants: Instants) -> Array:
-        """Time since the epoch, shape (n,), negative before it."""
-        return elapsed_s(instants.epoch_utc, self.epoch_utc) + instants.t_s
-
     def age_s(self, instants: Instants) -> Array:
         """Time since (or until) the data the orbit rests on, shape (n,), never negative."""
-        return np.abs(self.since_epoch_s(instants))
+        return np.abs(instants.since_s(self.epoch_utc))

@@ -66,11 +66,8 @@ def forces_at(instants: Instants, ballistic_m2_kg: float) -> Forces:
 
 def _third_body(gm_m3_s2: float, r_body_m: Array, r_sat_m: Array) -> Array:
     """Pull on the satellite less the pull on the Earth, shape (n, 3)."""
-    to_body_m = r_body_m - r_sat_m
-    return np.asarray(
-        gm_m3_s2
-        * (
-            to_body_m / np.linalg.norm(to_body_m, axis=1, keepdims=True) ** 3
-            - r_body_m / np.linalg.norm(r_body_m, axis=1, keepdims=True) ** 3
-        )
-    )
+
+    def per_gm(r_m: Array) -> Array:
+        return np.asarray(r_m / np.linalg.norm(r_m, axis=1, keepdims=True) ** 3)
+
+    return gm_m3_s2 * (per_gm(r_body_m - r_sat_m) - per_gm(r_body_m))

@@ -1,9 +1,8 @@
 """Ephemerides between their nodes: Hermite polynomials on position and velocity."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 
 
 def hermite(node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, nodes: int) -> tuple[Array, Array]:
@@ -51,7 +50,7 @@ def hermite_error_m(node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, nodes: 
     return error_m
 
 
-def _windows(node_s: Array, t_s: Array, nodes: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _windows(node_s: Array, t_s: Array, nodes: int) -> tuple[Indices, Indices]:
     """First node and number of nodes to use at each instant, each of shape (n,)."""
     count = len(node_s)
     cell = np.clip(np.searchsorted(node_s, t_s, side="right") - 1, 0, count - 2)
@@ -62,7 +61,7 @@ def _windows(node_s: Array, t_s: Array, nodes: int) -> tuple[NDArray[np.intp], N
 
 
 def _interpolate(
-    node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, first: NDArray[np.intp], count: int
+    node_s: Array, r_m: Array, v_m_s: Array, t_s: Array, first: Indices, count: int
 ) -> tuple[Array, Array]:
     """Through the `count` nodes from `first` on, each instant its own.
 

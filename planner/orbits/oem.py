@@ -9,18 +9,20 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.errors import InvalidMessage, OutsideCoverage
-from planner.frames.earth_orientation import (
-    C_GCRF_FROM_EME2000,
-    c_itrf_from_eci,
-    c_itrf_from_teme,
-    eci_from_itrf_state,
-)
+from planner.frames.earth_orientation import eci_from_frame_state
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.messages.oem import Oem, OemSegment, read_oem
-from planner.orbits.cell_defects import CellDefects, cell_defects, smooth_arcs
+from planner.orbits.cell_defects import (
+    REFUSE_M,
+    WARN_M,
+    CellDefects,
+    cell_defects,
+    odd_nodes,
+    smooth_arcs,
+    strongest_push,
+)
 from planner.orbits.ephemeris import EDGE_S, Ephemeris, OrbitStates
 from planner.orbits.hermite import hermite, hermite_error_m
-from planner.orbits.node_consistency import REFUSE_M, WARN_M, odd_nodes, strongest_push
 from planner.spec import spec
 
 NODES = 6
@@ -106,7 +108,7 @@ class OemEphemeris(Ephemeris):
         r_m, v_m_s = np.empty((len(instants), 3)), np.empty((len(instants), 3))
         todo = np.ones(len(instants), dtype=bool)
         for arc in self.arcs:
-            t_s = elapsed_s(instants.epoch_utc, arc.epoch_utc) + instants.t_s
+            t_s = instants.since_s(arc.epoch_utc)
             here = todo & (t_s <= elapsed_s(arc.stop_utc, arc.epoch_utc) + EDGE_S)
             if here.any():
                 r_m[here], v_m_s[here] = hermite(
@@ -117,7 +119,7 @@ class OemEphemeris(Ephemeris):
 
     def age_s(self, instants: Instants) -> Array:
         """Time since the message was made, shape (n,); zero before."""
-        return np.maximum(self.since_epoch_s(instants), 0.0)
+        return np.maximum(instants.since_s(self.epoch_utc), 0.0)
 
 
 def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[Arc]:
@@ -128,8 +130,11 @@ def _arcs(segment: OemSegment, start_utc: datetime, stop_utc: datetime) -> list[
     high = min(int(np.searchsorted(segment.t_s, stop_s)) + MARGIN, last)
     near = slice(low, high + 1)
     node_s = segment.t_s[near]
-    r_m, v_m_s = _eci(segment, near)
-    defects = cell_defects(Instants(segment.epoch_utc, node_s), r_m, v_m_s)
+    nodes_at = Instants(segment.epoch_utc, node_s)
+    r_m, v_m_s = eci_from_frame_state(
+        segment.frame, segment.r_m[near], segment.v_m_s[near], nodes_at
+    )
+    defects = cell_defects(nodes_at, r_m, v_m_s)
     odd = _odd_warning(segment, node_s, defects)
     arcs = []
     for arc in smooth_arcs(defects):
@@ -215,21 +220,6 @@ def _warnings(
             at_utc=at_utc,
         )
     return (sentence,) if error_m[worst] > WARN_ERROR_M else ()
-
-
-def _eci(segment: OemSegment, near: slice) -> tuple[Array, Array]:
-    """Some nodes' positions and velocities in ECI, shape (n, 3)."""
-    r_m, v_m_s = segment.r_m[near], segment.v_m_s[near]
-    at_nodes = Instants(segment.epoch_utc, segment.t_s[near])
-    if segment.frame == "ITRF":
-        return eci_from_itrf_state(r_m, v_m_s, at_nodes)
-    if segment.frame == "TEME":
-        c_eci_from_itrf = np.swapaxes(c_itrf_from_eci(at_nodes), 1, 2)
-        c = c_eci_from_itrf @ c_itrf_from_teme(at_nodes)
-        return np.einsum("nij,nj->ni", c, r_m), np.einsum("nij,nj->ni", c, v_m_s)
-    if segment.frame == "EME2000":
-        return r_m @ C_GCRF_FROM_EME2000.T, v_m_s @ C_GCRF_FROM_EME2000.T
-    return r_m, v_m_s
 
 
 def _coverage(message: Oem) -> str:

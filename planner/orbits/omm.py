@@ -29,12 +29,8 @@ class OmmOrbit:
 
     def __post_init__(self) -> None:
         try:
-            _ = self.message
-        except InvalidMessage as refusal:
-            raise ValueError(f"content: {refusal.detail}") from None
-        try:
             require_earth_orbit(self._elements())
-        except ValueError as error:
+        except (InvalidMessage, ValueError) as error:
             raise ValueError(f"content: {error}") from None
 
     @cached_property

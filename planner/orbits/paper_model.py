@@ -40,7 +40,7 @@ class PaperEphemeris(Ephemeris):
 
     def interpolate(self, instants: Instants) -> OrbitStates:
         """Velocity is the exact derivative of position."""
-        t_s = self.since_epoch_s(instants)
+        t_s = instants.since_s(self.epoch_utc)
         return OrbitStates(*hermite(self.t_s, self.r_eci_m, self.v_eci_m_s, t_s, nodes=2))
 
 

@@ -10,11 +10,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.errors import OutsideCoverage, figures
-from planner.frames.earth_orientation import (
-    C_GCRF_FROM_EME2000,
-    OMEGA_EARTH_RAD_S,
-    eci_from_itrf_state,
-)
+from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, eci_from_frame_state
 from planner.frames.time_scales import Instants, elapsed_s, require_known, shifted_utc, utc_text
 from planner.orbits.accuracy import state_sigma
 from planner.orbits.atmosphere import HEIGHT_MIN_M
@@ -147,7 +143,7 @@ class PropagatedEphemeris(Ephemeris):
 
     def interpolate(self, instants: Instants) -> OrbitStates:
         """Velocity is the exact derivative of position."""
-        t_s = self.since_epoch_s(instants)
+        t_s = instants.since_s(self.epoch_utc)
         ends_s = [max(segment.start_s, segment.stop_s) for segment in self.segments[:-1]]
         which = np.searchsorted(ends_s, t_s)
         r_m, v_m_s = np.empty((len(t_s), 3)), np.empty((len(t_s), 3))
@@ -191,13 +187,9 @@ def _state_eci(orbit: StateVectorOrbit) -> tuple[Array, Array]:
     """Position and velocity at the epoch, shape (3,), ECI."""
     r_m = np.array(orbit.position_km) * 1e3
     v_m_s = np.array(orbit.velocity_km_s) * 1e3
-    if orbit.frame == "ITRF":
-        at_epoch = Instants(orbit.epoch, np.zeros(1))
-        r_eci_m, v_eci_m_s = eci_from_itrf_state(r_m[None], v_m_s[None], at_epoch)
-        return r_eci_m[0], v_eci_m_s[0]
-    if orbit.frame == "EME2000":
-        return C_GCRF_FROM_EME2000 @ r_m, C_GCRF_FROM_EME2000 @ v_m_s
-    return r_m, v_m_s
+    at_epoch = Instants(orbit.epoch, np.zeros(1))
+    [r_eci_m], [v_eci_m_s] = eci_from_frame_state(orbit.frame, r_m[None], v_m_s[None], at_epoch)
+    return r_eci_m, v_eci_m_s
 
 
 def _propagate(

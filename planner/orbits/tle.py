@@ -10,7 +10,7 @@ import numpy as np
 from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from planner.errors import OutsideCoverage, figures
-from planner.frames.earth_orientation import c_itrf_from_eci, c_itrf_from_teme
+from planner.frames.earth_orientation import eci_from_frame_state
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.messages.omm import MEAN_MOTION_REV_DAY
 from planner.orbits.accuracy import tle_sigma
@@ -63,9 +63,7 @@ class TleOrbit:
     @property
     def epoch_utc(self) -> datetime:
         """Epoch of the elements."""
-        satrec = self._elements()
-        year = satrec.epochyr + (2000 if satrec.epochyr < 57 else 1900)
-        return datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=satrec.epochdays - 1.0)
+        return _epoch_utc(self.line1)
 
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
@@ -90,7 +88,7 @@ class TleEphemeris(Ephemeris):
 
     def interpolate(self, instants: Instants) -> OrbitStates:
         """Raises OutsideCoverage where SGP4 itself gives up."""
-        since_days = self.since_epoch_s(instants) / DAY_S
+        since_days = instants.since_s(self.epoch_utc) / DAY_S
         errors, r_teme_km, v_teme_km_s = self.satrec.sgp4_array(
             np.full(len(instants), self.satrec.jdsatepoch), self.satrec.jdsatepochF + since_days
         )
@@ -103,12 +101,8 @@ class TleEphemeris(Ephemeris):
                 field=self.field,
                 at_utc=at_utc,
             )
-        c_teme_from_itrf = np.swapaxes(c_itrf_from_teme(instants), 1, 2)
-        c_eci_from_teme = np.swapaxes(c_teme_from_itrf @ c_itrf_from_eci(instants), 1, 2)
-        return OrbitStates(
-            np.einsum("nij,nj->ni", c_eci_from_teme, r_teme_km) * 1e3,
-            np.einsum("nij,nj->ni", c_eci_from_teme, v_teme_km_s) * 1e3,
-        )
+        states_m = eci_from_frame_state("TEME", r_teme_km * 1e3, v_teme_km_s * 1e3, instants)
+        return OrbitStates(*states_m)
 
 
 def require_earth_orbit(satrec: Satrec) -> None:
@@ -172,6 +166,12 @@ def _check_line(name: str, number: str, line: str) -> None:
         raise ValueError(f"{name} has a character where it doesn't belong; copy the line again")
 
 
+def _epoch_utc(line1: str) -> datetime:
+    year = int(line1[18:20])
+    start_utc = datetime(year + (2000 if year < 57 else 1900), 1, 1, tzinfo=UTC)
+    return start_utc + timedelta(days=float(line1[20:32]) - 1.0)
+
+
 def _check_elements(line1: str, line2: str) -> None:
     """Numbers that no set can have, which SGP4 would take: ValueError names line and element."""
     if line1[62] not in _EPHEMERIS_TYPES:
@@ -196,6 +196,6 @@ def _check_elements(line1: str, line2: str) -> None:
                 f"{low:g}..{high:g}"
             )
     try:
-        require_known(datetime(year, 1, 1, tzinfo=UTC) + timedelta(days=float(line1[20:32]) - 1.0))
+        require_known(_epoch_utc(line1))
     except ValueError as error:
         raise ValueError(f"line1 has its epoch out of range: {error}") from None

@@ -86,13 +86,10 @@ class TwoAxisPlatform:
                 raise ValueError(f"{name} must have unit length, not {norm}")
         if not all(0.0 < half < math.pi / 2.0 for half in self.frame_half_rad):
             raise ValueError(f"frame_half_rad must lie in (0, pi/2), not {self.frame_half_rad}")
-        if abs(np.dot(self.outer_axis_platform, self.inner_axis_platform)) > math.cos(
-            math.radians(1.0)
-        ):
+        parallel = math.cos(math.radians(1.0))
+        if abs(np.dot(self.outer_axis_platform, self.inner_axis_platform)) > parallel:
             raise ValueError("the two axes are within 1 deg of parallel: one direction is lost")
-        if abs(np.dot(self.zero_direction_platform, self.inner_axis_platform)) > math.cos(
-            math.radians(1.0)
-        ):
+        if abs(np.dot(self.zero_direction_platform, self.inner_axis_platform)) > parallel:
             raise ValueError(
                 "zero_direction_platform is within 1 deg of the inner axis, which can't move it"
             )

@@ -4,9 +4,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.platforms import TwoAxisPlatform
 
 
@@ -18,7 +17,7 @@ class BranchAngles(NamedTuple):
     """
 
     angle_rad: Array
-    reachable: NDArray[np.bool_]
+    reachable: Mask
 
 
 def axis_angles(platform: TwoAxisPlatform, los_platform: Array) -> BranchAngles:

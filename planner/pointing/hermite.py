@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
+from planner.platforms import AxisLimits
 
 
 class HermiteRange(NamedTuple):
@@ -66,6 +67,20 @@ def cubic_and_row_range(
             np.stack([*ranges.acceleration_rad_s2, before, after])
         )
     )
+
+
+def beyond_limits(
+    ranges: HermiteRange, limits: tuple[AxisLimits, ...], tolerance_share: float
+) -> Mask:
+    """Where limits break, or the motion is not a number: order of derivative, cell, axis.
+
+    Shape (4, cells, m).  tolerance_share: of the range from limit to limit, by which it may be
+    passed.
+    """
+    low, high = np.array([axis.bounds for axis in limits]).T[:, :, None]
+    slack = tolerance_share * (high - low)
+    least, greatest = np.stack(ranges, axis=1)
+    return np.asarray(~((least >= low - slack) & (greatest <= high + slack)))
 
 
 def quintic_motion(

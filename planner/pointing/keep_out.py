@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
@@ -48,7 +47,7 @@ class MovingCone:
 
         return CubicSpline(self.t_s, np.column_stack([self.axis_platform, self.counts_rad]))
 
-    def at(self, t_s: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def at(self, t_s: Array) -> tuple[Array, Mask]:
         """Axes, unit vectors (n, 3), and whether the cone counts, (n,)."""
         found = self._curve(t_s)
         axis = found[:, :3] / np.linalg.norm(found[:, :3], axis=1, keepdims=True)

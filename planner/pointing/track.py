@@ -7,19 +7,24 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.errors import Refusal, TrackBreaksLimit, Unreachable, figures
 from planner.frames.time_scales import utc_text
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
-from planner.pointing.hermite import cubic_and_row_range, quintic_motion
+from planner.pointing.hermite import (
+    HermiteRange,
+    beyond_limits,
+    cubic_and_row_range,
+    quintic_motion,
+)
 from planner.pointing.line_of_sight import LineOfSight
 
 TURN_RAD = 2.0 * math.pi
 SINGULAR_RAD = 1e-6  # nearer to the plane of the axes the angles lose the 0.1 arcsec
 LIMIT_TOLERANCE = 1e-9  # of the limit: rounding of degrees to radians
+LIMITS = ("angle", "rate", "acceleration", "jerk")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,15 +53,6 @@ class _Break(NamedTuple):
     row: int
     value: float
     bound: float
-
-
-class _LimitBreaks(NamedTuple):
-    """Cells (n - 1, 2) in which a limit breaks, with the worst value there and the bound."""
-
-    limit: str
-    cells: NDArray[np.bool_]
-    value: Array
-    bound: Array
 
 
 def track_candidates(
@@ -103,13 +99,13 @@ def track_candidates(
         session = slice(first - here.start, last - here.start)
         for angle_rad in _whole_turns(unwrapped, session, platform.axis_limits):
             axis_states = np.stack([angle_rad, rate, acceleration])
-            breaks_at = _breaks(platform, t_s[here], axis_states)
-            session_break = _first_break(platform, breaks_at, session)
+            ranges = cubic_and_row_range(float(t_s[1] - t_s[0]), *axis_states)
+            beyond = beyond_limits(ranges, platform.axis_limits, LIMIT_TOLERANCE)
+            session_break = _first_break(platform, ranges, beyond, session)
             if session_break is not None:
                 breaks.append(session_break._replace(row=here.start + session_break.row))
                 continue
-            kept_cells = ~np.any([found.cells for found in breaks_at], axis=(0, 2))
-            cells = _around(kept_cells, session.start, session.stop - 1)
+            cells = _around(np.asarray(~beyond.any(axis=(0, 2))), session.start, session.stop - 1)
             rows = slice(cells.start, cells.stop + 1)
             ways.append(
                 AxisTrack(
@@ -134,7 +130,7 @@ def _session_rows(t_s: Array, start_s: float, stop_s: float) -> tuple[int, int]:
     return first, max(last, first + 2)
 
 
-def _around(usable: NDArray[np.bool_], first: int, last: int) -> slice:
+def _around(usable: Mask, first: int, last: int) -> slice:
     """The run of usable rows (or cells) that contains first..last-1."""
     lost_before = np.flatnonzero(~usable[:first])
     lost_after = np.flatnonzero(~usable[last:])
@@ -173,29 +169,20 @@ def turns_within_stops(
     return choices
 
 
-def _breaks(platform: TwoAxisPlatform, t_s: Array, axis_states: Array) -> list[_LimitBreaks]:
-    ranges = cubic_and_row_range(float(t_s[1] - t_s[0]), *axis_states)
-    limits = np.array([axis.bounds for axis in platform.axis_limits])
-    found = []
-    for order, limit in enumerate(("angle", "rate", "acceleration", "jerk")):
-        (least, greatest), (low, high) = ranges[order], limits[:, order].T
-        slack = LIMIT_TOLERANCE * (high - low)
-        under, over = least < low - slack, greatest > high + slack
-        value, bound = np.where(under, least, greatest), np.where(under, low, high)
-        found.append(_LimitBreaks(limit, under | over, value, bound))
-    return found
-
-
 def _first_break(
-    platform: TwoAxisPlatform, breaks: list[_LimitBreaks], session: slice
+    platform: TwoAxisPlatform, ranges: HermiteRange, beyond: Mask, session: slice
 ) -> _Break | None:
-    for limit, cells, value, bound in breaks:
-        broken = np.argwhere(cells[session.start : session.stop - 1])
-        if broken.size:
-            cell, axis = session.start + int(broken[0, 0]), int(broken[0, 1])
-            name = platform.axis_names[axis]
-            return _Break(name, limit, cell, float(value[cell, axis]), float(bound[cell, axis]))
-    return None
+    """Of the angle, then of the rate, ..., in the session; beyond: as of `beyond_limits`."""
+    broken = np.argwhere(beyond[:, session.start : session.stop - 1])
+    if not broken.size:
+        return None
+    order, cell, axis = broken[0].tolist()
+    row = session.start + cell
+    least, greatest = ranges[order][:, row, axis].tolist()
+    low, high = platform.axis_limits[axis].bounds[order]
+    is_under = least < low - LIMIT_TOLERANCE * (high - low)
+    value, bound = (least, low) if is_under else (greatest, high)
+    return _Break(platform.axis_names[axis], LIMITS[order], row, value, bound)
 
 
 def _preference(
@@ -208,21 +195,18 @@ def _preference(
 
 
 def _unreachable(
-    platform: TwoAxisPlatform, los: LineOfSight, reachable: NDArray[np.bool_], first: int
+    platform: TwoAxisPlatform, los: LineOfSight, reachable: Mask, first: int
 ) -> Unreachable:
     lost = np.flatnonzero(~reachable)
     start, stop = (los.instants.utc(first + int(lost[end])) for end in (0, -1))
     share = len(lost) / len(reachable)
+    percent = "less than 1%" if share < 0.01 else f"{share:.0%}"
     return Unreachable(
-        f"no pair of axis angles of {platform.name} points at the target for {_percent(share)} of "
+        f"no pair of axis angles of {platform.name} points at the target for {percent} of "
         f"the session, between {utc_text(start)} and {utc_text(stop)}; choose other times, or turn "
         "the carrier so that the target leaves the dead cone of the axes",
         at_utc=start,
     )
-
-
-def _percent(share: float) -> str:
-    return "less than 1%" if share < 0.01 else f"{share:.0%}"
 
 
 def _singular(platform: TwoAxisPlatform, los: LineOfSight, row: int) -> Unreachable:

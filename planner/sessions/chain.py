@@ -1,6 +1,5 @@
 """The cheapest chain of slews through all sessions, step by step from way to way."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -26,6 +25,13 @@ CARE_SHARE = 0.4  # of the work that is left, for what isn't found at once; then
 CARE_MOST = 120_000  # for one slew: another one may do as well
 SHUT_ROWS = 10  # which a slew that cones shut must at least have more: a try takes a second
 TRIES_PER_PAIR = 6  # rows at which one slew is tried; the solver needs a row or two more at most
+# Which eighths of what is lost the earlier of two sessions may bear; none: nothing is given up.
+CONFLICTS: dict[str, tuple[int, ...]] = {
+    "refuse": (),
+    "shorten_later": (0,),
+    "shorten_earlier": (SPLITS,),
+    "least_loss": tuple(range(SPLITS + 1)),
+}
 States = tuple[AxisState, ...]
 
 
@@ -42,28 +48,23 @@ class Stand:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChainStep:
-    """From a stand to a way: the rows it is left and joined at, and what that costs."""
+class ChainStep(Stand):
+    """Onto a way: the row at which the stand before is left, and what that costs."""
 
     way: Way
     leave_row: int
-    join_row: int
     lost_rows: int
     slew_s: float
 
 
 Steps = tuple[ChainStep, ...]
 Pair = tuple[Way | None, Way]  # left and joined
-Resolve = Callable[["Chain", Stand, Way], tuple[int, int] | None]
 
 
 def initial_state(scenario: Scenario) -> States:
     """The platform at row 0, axis by axis."""
-    motions = (scenario.initial_motion(axis) for axis in scenario.platform.axis_names)
-    return tuple(
-        AxisState(angle_rad=float(q), rate_rad_s=float(v), acceleration_rad_s2=float(a))
-        for q, v, a in motions
-    )
+    motions = (scenario.initial_motion(axis).tolist() for axis in scenario.platform.axis_names)
+    return tuple(AxisState(angle_rad=q, rate_rad_s=v, acceleration_rad_s2=a) for q, v, a in motions)
 
 
 class Chain:
@@ -77,7 +78,7 @@ class Chain:
         self.sessions = sessions
         self._barred: dict[Pair, set[tuple[int, int]]] = {}
         self._joins: dict[tuple[Pair, int, int], Join] = {}
-        self._steps: dict[tuple[Pair, int, Resolve, int], ChainStep | None] = {}
+        self._steps: dict[tuple[Pair, int, tuple[int, ...], int], ChainStep | None] = {}
         self._shut: dict[Pair, int] = {}
         self._may_slew = cache(self._try_slew)
         self._first_row_in_reach = cache(self._seek_row_in_reach)
@@ -170,24 +171,19 @@ class Chain:
             state = self.state(self.stand(steps[:number]).way, step.leave_row)
             found = replace(join, cut_short=True)
             with at_most(share):
-                found = self._improve_join(way, step.leave_row, state, join)
+                try:
+                    found = slew_onto(self.scenario, way, step.leave_row, state)
+                except InfeasibleSlew:  # a search from other guesses may miss what was found
+                    found = join
             cut_short = found.cut_short or self._is_cut_short
             better.append(replace(found, stop_row=join.stop_row, cut_short=cut_short))
         return better
 
-    def _improve_join(self, way: Way, from_row: int, state: States, join: Join) -> Join:
-        try:
-            return slew_onto(self.scenario, way, from_row, state)
-        except InfeasibleSlew:  # a search from other guesses may miss what was found
-            return join
-
     def stand(self, steps: Steps) -> Stand:
         """Where the next slew begins."""
-        if not steps:
-            return Stand(way=None, join_row=0)
-        return Stand(way=steps[-1].way, join_row=steps[-1].join_row)
+        return steps[-1] if steps else Stand(way=None, join_row=0)
 
-    def cheapest(self, resolve: Resolve, count: int | None = None) -> Steps | None:
+    def cheapest(self, eighths: tuple[int, ...], count: int | None = None) -> Steps | None:
         """Dynamic programme over the ways of each session; None when no chain of ways fits."""
         chains: list[Steps] = [()]
         for ways in self.sessions[:count]:
@@ -196,24 +192,24 @@ class Chain:
                 options = [
                     (*before, step)
                     for before in chains
-                    if (step := self._step(self.stand(before), way, resolve)) is not None
+                    if (step := self._step(self.stand(before), way, eighths)) is not None
                 ]
                 if options:
                     longer.append(min(options, key=_cost))
             chains = longer
         return min(chains, key=_cost, default=None)
 
-    def _step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
+    def _step(self, stand: Stand, way: Way, eighths: tuple[int, ...]) -> ChainStep | None:
         """Worked out again only where solving has barred more since."""
         pair = (stand.way, way)
-        known = (pair, stand.join_row, resolve, len(self._barred.get(pair, ())))
+        known = (pair, stand.join_row, eighths, len(self._barred.get(pair, ())))
         if known not in self._steps:
-            self._steps[known] = self._new_step(stand, way, resolve)
+            self._steps[known] = self._new_step(stand, way, eighths)
         return self._steps[known]
 
-    def _new_step(self, stand: Stand, way: Way, resolve: Resolve) -> ChainStep | None:
+    def _new_step(self, stand: Stand, way: Way, eighths: tuple[int, ...]) -> ChainStep | None:
         whole = (stand.last_row, way.rows.start)
-        rows = whole if self.fits_as_asked(stand, way) else resolve(self, stand, way)
+        rows = whole if self._fits_as_asked(stand, way) else self._share_loss(stand, way, eighths)
         if rows is None:
             return None
         leave_row, join_row = rows
@@ -226,7 +222,7 @@ class Chain:
             slew_s=least_slew_s(here, there, self.scenario.axis_limits),
         )
 
-    def fits(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
+    def _fits(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
         """Whether nothing known forbids the slew, and something is left of both sessions."""
         is_open = self._is_open(stand, way, leave_row, join_row)
         return is_open and self._may_slew(stand.way, way, leave_row, join_row)
@@ -246,12 +242,12 @@ class Chain:
         in_order = stand.join_row <= leave_row < join_row
         return in_order and self._leaves_something(stand, way, leave_row, join_row)
 
-    def fits_as_asked(self, stand: Stand, way: Way) -> bool:
+    def _fits_as_asked(self, stand: Stand, way: Way) -> bool:
         """The same where nothing is given up; an earlier row may be within reach even then."""
         rows = (stand.last_row, way.rows.start)
         if not self._is_open(stand, way, *rows):
             return False
-        if self.fits(stand, way, *rows):
+        if self._fits(stand, way, *rows):
             return True
         return self._first_row_in_reach(stand.way, way, stand.last_row) is not None
 
@@ -264,74 +260,46 @@ class Chain:
         return self._initial if way is None else self._track_states(way, row)
 
     def _leaves_something(self, stand: Stand, way: Way, leave_row: int, join_row: int) -> bool:
-        left_s = [self._left_s(way, join_row, way.rows.stop)]
-        if stand.way is not None:
-            left_s.append(self._left_s(stand.way, stand.join_row, leave_row))
-        return min(left_s) > COMMAND_STEP_S - GRID_TOLERANCE_S
+        least_s = COMMAND_STEP_S - GRID_TOLERANCE_S
+        if stand.way and self._left_s(stand.way, stand.join_row, leave_row) <= least_s:
+            return False
+        return self._left_s(way, join_row, way.rows.stop) > least_s
 
     def _left_s(self, way: Way, join_row: int, stop_row: int) -> float:
         """Of a session between the rows at which its track is joined and left."""
         start_s, stop_s = self._session_span_s(way)
         return min(stop_s, stop_row / ROWS_PER_S) - max(start_s, join_row / ROWS_PER_S)
 
+    def _share_loss(
+        self, stand: Stand, way: Way, eighths: tuple[int, ...]
+    ) -> tuple[int, int] | None:
+        """The rows of least loss, of which the stand's session bears one of the given eighths."""
+
+        def fitting(loss: int) -> tuple[int, int] | None:
+            for share in eighths:
+                early = round(loss * share / SPLITS)
+                rows = (stand.last_row - early, way.rows.start + loss - early)
+                if self._fits(stand, way, *rows):
+                    return rows
+            return None
+
+        overlap = max(stand.last_row - way.rows.start, 0)
+        most = stand.last_row - stand.join_row + way.rows.stop - way.rows.start
+        low, high, found = overlap, overlap + 1, fitting(overlap + 1)
+        while found is None:
+            low, high = high, overlap + 2 * (high - overlap)
+            if low > most:
+                return None
+            found = fitting(high)
+        while high - low > 1:
+            middle = (low + high) // 2
+            nearer = fitting(middle)
+            if nearer is None:
+                low = middle
+            else:
+                high, found = middle, nearer
+        return found
+
 
 def _cost(steps: Steps) -> tuple[int, float]:
     return sum(step.lost_rows for step in steps), sum(step.slew_s for step in steps)
-
-
-def _refuse(chain: Chain, stand: Stand, way: Way) -> None:
-    """Nothing is given up."""
-
-
-def _shorten_later(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
-    """The later session begins late."""
-    return _share_loss(chain, stand, way, (0,))
-
-
-def _shorten_earlier(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
-    """The earlier session ends early."""
-    return _share_loss(chain, stand, way, (SPLITS,))
-
-
-def _least_loss(chain: Chain, stand: Stand, way: Way) -> tuple[int, int] | None:
-    """Both give something, so that the sum is least."""
-    return _share_loss(chain, stand, way, tuple(range(SPLITS + 1)))
-
-
-CONFLICTS: dict[str, Resolve] = {
-    "refuse": _refuse,
-    "shorten_later": _shorten_later,
-    "shorten_earlier": _shorten_earlier,
-    "least_loss": _least_loss,
-}
-
-
-def _share_loss(
-    chain: Chain, stand: Stand, way: Way, eighths: tuple[int, ...]
-) -> tuple[int, int] | None:
-    """The rows of least loss, of which the earlier session bears one of the given eighths."""
-
-    def fitting(loss: int) -> tuple[int, int] | None:
-        for share in eighths:
-            early = round(loss * share / SPLITS)
-            rows = (stand.last_row - early, way.rows.start + loss - early)
-            if chain.fits(stand, way, *rows):
-                return rows
-        return None
-
-    overlap = max(stand.last_row - way.rows.start, 0)
-    most = stand.last_row - stand.join_row + way.rows.stop - way.rows.start
-    low, high, found = overlap, overlap + 1, fitting(overlap + 1)
-    while found is None:
-        low, high = high, overlap + 2 * (high - overlap)
-        if low > most:
-            return None
-        found = fitting(high)
-    while high - low > 1:
-        middle = (low + high) // 2
-        nearer = fitting(middle)
-        if nearer is None:
-            low = middle
-        else:
-            high, found = middle, nearer
-    return found

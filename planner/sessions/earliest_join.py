@@ -3,12 +3,12 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
-from planner.arrays import Indices
+from planner.arrays import Indices, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.detour.detour import avoid_cones
 from planner.effort import EffortSpent
@@ -81,9 +81,7 @@ class Approach:
         join is one with a failure just before it, not surely the first.
         """
 
-        def join_at(row: int) -> SlewSolution | None:
-            return self._slew_to(row, options, keep_out)
-
+        join_at = partial(self._slew_to, options=options, keep_out=keep_out)
         bad: int | None = None
         failures = 0
         for row in self.rows_within_reach(after_s, min(until_s, float(self.track.t_s[-1]))):
@@ -141,7 +139,7 @@ class Approach:
         except InfeasibleSlew:
             return None
 
-    def _certify(self, rows: Indices) -> NDArray[np.bool_]:
+    def _certify(self, rows: Indices) -> Mask:
         """Whether unlimited jerk and no stops would let the slew end on each of the rows."""
         duration_s = rows / ROWS_PER_S - self.start_s
         angle, rate, _ = self.track.motion(rows / ROWS_PER_S)

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import effort
+from planner.arrays import Array
 from planner.commands import ROWS_PER_S
-from planner.errors import NotVisible, OutsideCoverage, Refusal
+from planner.errors import NotVisible, OutsideCoverage, Refusal, TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
-from planner.keyhole import tracks_near
+from planner.keyhole.track import nearest_track
 from planner.orbits import Ephemeris
 from planner.pointing.keep_out import KeepOutView, deepest_entry, keep_out_view
 from planner.pointing.line_of_sight import STENCIL, LineOfSight, line_of_sight
-from planner.pointing.track import AxisTrack
+from planner.pointing.track import AxisTrack, track_candidates
 from planner.scenario import Scenario, Session
 from planner.targets import BenchMotionTarget, VisibleTarget
 
@@ -61,10 +61,11 @@ def ways_to_hold(
     number: int,
     session: Session,
     from_row: int,
-    start_angle_rad: NDArray[np.float64],
+    start_angle_rad: Array,
 ) -> tuple[Way, ...]:
     """Every way to hold the target over the session, the shortest slew first.
 
+    Where none is exact, by request the one that errs least.
     number: the session's index, for refusals.  session: that session, or the same with other
     times.  from_row: the target is of no use before.  start_angle_rad: shape (m,), where
     the axes come from.  Raises NotVisible, Unreachable, TrackBreaksLimit.
@@ -80,9 +81,12 @@ def ways_to_hold(
         _require_visible(los, rows, session.target, number)
         platform = scenario.platform.with_limits(scenario.axis_limits)
         start_s, stop_s = rows.start / ROWS_PER_S, rows.stop / ROWS_PER_S
-        tracks = tracks_near(
-            platform, los, start_s, stop_s, start_angle_rad, keyhole=session.keyhole
-        )
+        try:
+            tracks = track_candidates(platform, los, start_s, stop_s, start_angle_rad)
+        except (TrackBreaksLimit, Unreachable) as exact:
+            if session.keyhole == "refuse":
+                raise
+            tracks = (nearest_track(platform, los, start_s, stop_s, exact),)
         seen_from_s = _seen_from_s(los, start_s)
     begins_s = min(float(track.t_s[0]) for track in tracks)
     view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
@@ -211,7 +215,7 @@ def _out_of_cones_from_s(
     if view is None:
         return float(track.t_s[0])
 
-    def motion(t_s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def motion(t_s: Array) -> tuple[Array, Array]:
         angle_rad, rate_rad_s, _ = track.motion(begins_s + t_s)
         return angle_rad, rate_rad_s
 

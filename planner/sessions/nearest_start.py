@@ -33,7 +33,7 @@ USEFUL_ELEVATION_DEG = 10.0  # a carrier lower than that is three times as far o
 ROWS_LATER = 3  # the solver needs a row or two more than closed forms say
 
 
-@dataclass(frozen=True, kw_only=False)
+@dataclass(frozen=True)
 class Advice:
     """words: the way out.  session: as it can be flown, when those in `costs` are left out."""
 
@@ -53,18 +53,6 @@ class _Span:
     ephemeris: Ephemeris
     known: Rows
     seen: list[Rows]
-
-
-@dataclass(frozen=True, kw_only=True)
-class _SearchResult:
-    """session: as it can be flown, None if not found.
-
-    reach_rows: how far from the start asked for all starts were gone through; None: as far as
-    there are any, negative: not one.
-    """
-
-    session: Session | None = None
-    reach_rows: int | None = None
 
 
 def plan_sessions(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
@@ -136,7 +124,7 @@ def _at_useful_elevation(refused: RefusedSession) -> RefusedSession | None:
 
 def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
     """The session as it can be flown, and the way out in words."""
-    session, epoch_utc, wanted_row = refused.session, refused.epoch_utc, refused.wanted.start
+    session, wanted_row = refused.session, refused.wanted.start
     length_s = elapsed_s(session.stop, session.start)
     others = Others(refused)
     shortened = Trials(
@@ -144,25 +132,21 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         ephemeris=span.ephemeris,
         seen=span.seen,
         stop_utc=lambda _: session.stop,
-        accepts=others.stay_as_asked,
     )
-    moved = replace(
-        shortened, stop_utc=lambda row: shifted_utc(epoch_utc, row / ROWS_PER_S + length_s)
-    )
+    moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
     stop_row = _latest_stop(shortened, span)
     if stop_row != refused.wanted.stop:
-        stop_utc = shifted_utc(epoch_utc, stop_row / ROWS_PER_S)
-        shortened = replace(shortened, stop_utc=lambda _: stop_utc)
+        shortened = replace(shortened, stop_utc=lambda _: refused.utc(stop_row))
     reaches: list[int | None] = []
     searches: tuple[tuple[Trials, Iterable[int]], ...] = (
         (shortened, _rows_before_stop(refused, span, stop_row)),
         (moved, _rows_by_distance(refused, span)),
     )
     for trials, rows in searches:
-        found = _search(trials, rows, wanted_row)
-        if found.session is not None:
-            return Advice(_way_out(found.session, session), found.session)
-        reaches.append(found.reach_rows)
+        found, reach_rows = _search(trials, others, rows, wanted_row)
+        if found is not None:
+            return Advice(_way_out(found, session), found)
+        reaches.append(reach_rows)
     if others.dearer is not None:
         instead, costs = others.dearer
         return Advice(f"{_way_out(instead, session)}, {_cost(costs)}", instead, costs)
@@ -185,8 +169,7 @@ def _latest_stop(trials: Trials, span: _Span) -> int:
     halfway = (longest.start + longest.stop) // 2
 
     def may_be_held_to(row: int) -> bool:
-        stop_utc = shifted_utc(refused.epoch_utc, row / ROWS_PER_S)
-        return replace(trials, stop_utc=lambda _: stop_utc).may(halfway)
+        return replace(trials, stop_utc=lambda _: refused.utc(row)).may(halfway)
 
     good, bad = halfway + 2 * STENCIL, wanted.stop
     with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
@@ -246,15 +229,19 @@ def _span_searched(refused: RefusedSession, low: int, high: int, reach_rows: int
         if reach_rows < 0:
             return "(none was decided before the search ends, which is bounded)"
         ends = max(low, wanted_row - reach_rows), min(high, wanted_row + reach_rows)
-    texts = [utc_text(shifted_utc(refused.epoch_utc, row / ROWS_PER_S), 1) for row in ends]
+    texts = [utc_text(refused.utc(row), 1) for row in ends]
     farther = ", nor looked for farther off," if ends != (low, high) else ""
     return f"from {texts[0]} to {texts[1]}{farther}"
 
 
-def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _SearchResult:
+def _search(
+    trials: Trials, others: Others, rows: Iterable[int], wanted_row: int
+) -> tuple[Session | None, int | None]:
     """The first row that may succeed, then the nearest to the wanted one that does.
 
-    Where that would cost other sessions, the next ones are tried, too.
+    Where that would cost other sessions, the next ones are tried, too.  Returns the session as it
+    can be flown, None if not found, and how far from the wanted row all were gone through; None:
+    as far as there are any, negative: not one.
     """
     reach_rows, refusals = -1, 0
     candidates = list(islice(rows, ATTEMPTS))
@@ -263,13 +250,13 @@ def _search(trials: Trials, rows: Iterable[int], wanted_row: int) -> _SearchResu
             may = trials.ends_may(row) and trials.may(row)
             session = _nearest_feasible(trials, row, wanted_row) if may else None
             reach_rows = abs(row - wanted_row)
-            if session is not None and trials.accepts(session):
-                return _SearchResult(session=session, reach_rows=reach_rows)
+            if session is not None and others.stay_as_asked(session):
+                return session, reach_rows
             refusals += may
             if may and (session is None or refusals == REFUSALS):
-                return _SearchResult(reach_rows=reach_rows)
-        return _SearchResult(reach_rows=reach_rows if len(candidates) == ATTEMPTS else None)
-    return _SearchResult(reach_rows=reach_rows)
+                return None, reach_rows
+        return None, reach_rows if len(candidates) == ATTEMPTS else None
+    return None, reach_rows
 
 
 def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | None:
@@ -331,11 +318,8 @@ def _span(refused: RefusedSession) -> _Span | Refusal:
             start=refused.from_row if scenario.slew.keep_out else max(refused.from_row, early_row),
             stop=wanted.stop + int(horizon_s) * ROWS_PER_S,
         )
-        ends_utc = (
-            shifted_utc(refused.epoch_utc, row / ROWS_PER_S) for row in (known.start, known.stop)
-        )
         try:
-            ephemeris = scenario.orbit.ephemeris(*ends_utc)
+            ephemeris = scenario.orbit.ephemeris(refused.utc(known.start), refused.utc(known.stop))
             return _Span(
                 ephemeris=ephemeris, known=known, seen=_visible_rows(refused, ephemeris, known)
             )

@@ -1,7 +1,7 @@
 """From a scenario to a verified plan: the whole story on one screen."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import datetime
 
@@ -38,20 +38,29 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     there is one, the nearest session start that can.
     """
     epoch_utc = scenario.initial_state.epoch
-    clock = _StageClock(on_stage)
-    with clock.stage("orbit"):
+    wall_s: dict[str, float] = {}
+
+    @contextmanager
+    def stage(name: str) -> Iterator[None]:
+        on_stage(name)
+        began_s = time.perf_counter()
+        yield
+        wall_s[name] = time.perf_counter() - began_s
+
+    with stage("orbit"):
         ephemeris = ephemeris_over(
             scenario, [session_rows(session, epoch_utc) for session in scenario.sessions]
         )
-    with clock.stage("slews and tracks"):
+    with stage("slews and tracks"):
         joins = _joins(scenario, ephemeris)
-    with clock.stage("comparison"):
+    with stage("comparison"):
         slews = tuple(_slew_run(scenario.slew, number, join) for number, join in enumerate(joins))
     final, losses = sessions_after_conflicts(scenario, joins)
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
-    with clock.stage("pointing budget"):
+    with stage("pointing budget"):
         budgets = tuple(_budget(final, ephemeris, table, session) for session in final.sessions)
-    with clock.stage("verification"):
+    misses = [budget.warning(number) for number, budget in enumerate(budgets) if budget]
+    with stage("verification"):
         report = verify(table, final)
     if scenario.slew.keeps_limits and not report.passed:
         raise _rejection(report)
@@ -67,11 +76,11 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
             *_cut_short(joins),
             *ephemeris.warnings,
             *scenario.attitude.warnings_at(Instants(epoch_utc, table.t_s)),
-            *_misses(budgets),
+            *filter(None, misses),
             *earth_orientation_warnings(Instants(epoch_utc, table.t_s)),
             *(finding.detail for finding in report.findings),
         ),
-        stage_wall_s=clock.wall_s,
+        stage_wall_s=wall_s,
     )
 
 
@@ -151,13 +160,6 @@ def _budget(
     )
 
 
-def _misses(budgets: Sequence[PointingBudget | None]) -> Iterator[str]:
-    for session, budget in enumerate(budgets):
-        warning = budget and budget.warning(session)
-        if warning:
-            yield warning
-
-
 def _rejection(report: VerificationReport) -> VerificationFailed:
     worst = next(finding for finding in report.findings if finding.severity == "error")
     return VerificationFailed(
@@ -166,18 +168,3 @@ def _rejection(report: VerificationReport) -> VerificationFailed:
         limit=worst.limit,
         at_utc=worst.at_utc,
     )
-
-
-class _StageClock:
-    """Wall time per stage of the pipeline."""
-
-    def __init__(self, on_stage: Callable[[str], None]) -> None:
-        self.wall_s: dict[str, float] = {}
-        self._on_stage = on_stage
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        self._on_stage(name)
-        began_s = time.perf_counter()
-        yield
-        self.wall_s[name] = time.perf_counter() - began_s

@@ -20,6 +20,7 @@ from planner.errors import (
     TrackBreaksLimit,
     Unreachable,
 )
+from planner.frames.time_scales import shifted_utc
 from planner.orbits import Ephemeris
 from planner.pointing.keep_out import keep_out_view
 from planner.scenario import Scenario, Session
@@ -57,6 +58,9 @@ class RefusedSession:
     @property
     def wanted(self) -> Rows:
         return session_rows(self.session, self.epoch_utc)
+
+    def utc(self, row: int) -> datetime:
+        return shifted_utc(self.epoch_utc, row / ROWS_PER_S)
 
 
 class SessionRefused(Exception):

@@ -6,9 +6,9 @@ from datetime import datetime
 
 import numpy as np
 
-from planner.commands import COMMAND_STEP_S, ROWS_PER_S
+from planner.commands import COMMAND_STEP_S
 from planner.errors import Refusal
-from planner.frames.time_scales import elapsed_s, shifted_utc
+from planner.frames.time_scales import elapsed_s
 from planner.orbits import Ephemeris
 from planner.pointing.line_of_sight import STENCIL
 from planner.scenario import Session
@@ -23,20 +23,18 @@ class Trials:
     """The refused session from a start row on; every method may end by EffortSpent.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
-    stop that goes with a start row.  accepts: whether the rest of the request bears a session
-    that can be flown by itself.
+    stop that goes with a start row.
     """
 
     refused: RefusedSession
     ephemeris: Ephemeris
     seen: list[Rows]
     stop_utc: Callable[[int], datetime]
-    accepts: Callable[[Session], bool]
 
     def session(self, start_row: int) -> Session | None:
         """With its times moved; None where there is no such session."""
         refused = self.refused
-        start_utc = shifted_utc(refused.epoch_utc, start_row / ROWS_PER_S)
+        start_utc = refused.utc(start_row)
         stop_utc = self.stop_utc(start_row)
         if start_row <= refused.from_row or elapsed_s(stop_utc, start_utc) < COMMAND_STEP_S:
             return None
@@ -62,10 +60,8 @@ class Trials:
         rows = session_rows(moved, self.refused.epoch_utc)
         if rows.stop - rows.start < 2 * STENCIL or isinstance(moved.target, BenchMotionTarget):
             return True
-        begun_utc, ended_utc = (
-            shifted_utc(self.refused.epoch_utc, row / ROWS_PER_S)
-            for row in (rows.start + STENCIL - 1, rows.stop - STENCIL + 1)
-        )
+        begun_utc = self.refused.utc(rows.start + STENCIL - 1)
+        ended_utc = self.refused.utc(rows.stop - STENCIL + 1)
         first = self._ways(replace(moved, stop=begun_utc))
         if self.refused.scenario.slew.objective != "minimum_time":
             first = tuple(way for way in first if self._may_be_slewed(way))
@@ -116,13 +112,10 @@ class Trials:
 
         Where cones leave no way that is found quickly, none is sought for long.
         """
-        if self._is_found(way, early=False):
-            return True
         slew = self.refused.scenario.slew
-        return (
-            slew.objective == "minimum_time"
-            and not slew.keep_out
-            and self._is_found(way, early=True)
+        may_be_early = slew.objective == "minimum_time" and not slew.keep_out
+        return self._is_found(way, early=False) or (
+            may_be_early and self._is_found(way, early=True)
         )
 
     def _is_found(self, way: Way, *, early: bool) -> bool:

@@ -39,6 +39,15 @@ CLOCK_S = 0.02  # 1-sigma of the platform's clock against UTC
 DRIVE_RAD = 5.0 * RAD_PER_ARCSEC / math.sqrt(12.0)  # 1-sigma of an axis by its encoder's step
 
 
+class _Cause(NamedTuple):
+    cause: str
+    basis: str
+    better: str
+
+
+_DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
@@ -92,8 +101,6 @@ def pointing_budget(
     target: VisibleTarget,
     platform: TwoAxisPlatform,
     angle_rad: Array,
-    *,
-    clock_s: float = CLOCK_S,
 ) -> PointingBudget:
     """Budget of the session whose line of sight is `los`.
 
@@ -109,27 +116,26 @@ def pointing_budget(
         *_orbit_offsets(scene, ephemeris),
         *_attitude_offsets(scene, attitude),
         _earth_offsets(scene),
-        _clock_offsets(scene, los, clock_s),
+        _clock_offsets(scene, los),
     ]
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
-    contributions = [
-        _contribution(
-            cause,
-            float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause))),
-            range_m,
-            is_bias=True,
-        )
+    sigmas_rad = {
+        cause: float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause)))
         for cause in dict.fromkeys(bias.cause for bias in biases)
-    ]
-    drives = _Cause(
-        "drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives"
-    )
-    contributions.append(_contribution(drives, DRIVE_RAD, range_m, is_bias=False))
+    } | {_DRIVES: DRIVE_RAD}
     half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
     return PointingBudget(
-        contributions=tuple(contributions),
+        contributions=tuple(
+            Contribution(
+                **cause._asdict(),
+                sigma_arcsec=sigma_rad * _ARCSEC,
+                ground_m=_ground_m(sigma_rad, range_m),
+                is_bias=cause != _DRIVES,
+            )
+            for cause, sigma_rad in sigmas_rad.items()
+        ),
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability_inside(
@@ -251,12 +257,6 @@ def _farthest(shares: Array, rows: Indices) -> Indices:
     return np.array([np.argmax(np.where(nearest == i, shares, -1.0)) for i in range(len(rows))])
 
 
-class _Cause(NamedTuple):
-    name: str
-    basis: str
-    better: str
-
-
 class _Bias(NamedTuple):
     """Where a 1-sigma error of one cause puts the target in the image, (n, 2).
 
@@ -284,13 +284,11 @@ def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[_Bias]:
     normal = np.cross(r, v)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     turn = _PROBE_M / radius
+    # Position and velocity both turned about the orbit's normal.
+    ahead = OrbitStates(r + turn * np.cross(normal, r), v + turn * np.cross(normal, v))
     disturbed = (
         (OrbitStates(r * (1.0 + turn), v), sigma.radial_m),
-        # Ahead on its track: position and velocity both turned about the orbit's normal.
-        (
-            OrbitStates(r + turn * np.cross(normal, r), v + turn * np.cross(normal, v)),
-            sigma.along_m,
-        ),
+        (ahead, sigma.along_m),
         (OrbitStates(r + _PROBE_M * normal, v), sigma.cross_m),
     )
     undisturbed = scene.direction_platform()
@@ -339,24 +337,11 @@ def _earth_offsets(scene: _Scene) -> _Bias:
     return _Bias(cause, scene.in_image(late) * (ut1_s / (2.0 * _PROBE_S)))
 
 
-def _clock_offsets(scene: _Scene, los: LineOfSight, clock_s: float) -> _Bias:
+def _clock_offsets(scene: _Scene, los: LineOfSight) -> _Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
     cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
-    return _Bias(cause, drift * clock_s)
-
-
-def _contribution(
-    cause: _Cause, sigma_rad: float, range_m: float, *, is_bias: bool
-) -> Contribution:
-    return Contribution(
-        cause=cause.name,
-        sigma_arcsec=sigma_rad * _ARCSEC,
-        ground_m=_ground_m(sigma_rad, range_m),
-        is_bias=is_bias,
-        basis=cause.basis,
-        better=cause.better,
-    )
+    return _Bias(cause, drift * CLOCK_S)
 
 
 def _ground_m(sigma_rad: float, range_m: float) -> float | None:

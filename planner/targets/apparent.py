@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+import erfa
 import numpy as np
 
 from planner.arrays import Array
@@ -43,10 +44,9 @@ def aberrate(direction: Array, v_observer_m_s: Array) -> Array:
     """Direction in which a moving observer sees light that comes from `direction`.
 
     Both (n, 3) in the same inertial axes; unit vectors in and out.
-    Source: Explanatory Supplement to the Astronomical Almanac (2013), eq. 7.40.
+    Source: Explanatory Supplement to the Astronomical Almanac (2013), eq. 7.40, as ERFA's `ab`
+    far from the Sun.
     """
     beta = v_observer_m_s / SPEED_OF_LIGHT_M_S
-    inverse_gamma = np.sqrt(1.0 - np.sum(beta**2, axis=1, keepdims=True))
-    along = np.sum(direction * beta, axis=1, keepdims=True)
-    seen = inverse_gamma * direction + (1.0 + along / (1.0 + inverse_gamma)) * beta
-    return np.asarray(seen / (1.0 + along))
+    inverse_gamma = np.sqrt(1.0 - np.sum(beta**2, axis=1))
+    return np.asarray(erfa.ab(direction, beta, np.inf, inverse_gamma))

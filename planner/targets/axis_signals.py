@@ -204,15 +204,12 @@ class Multisine:
         motion = np.zeros((3, len(t_s)))
         motion[0] = self.angle_deg
         count = len(self.frequencies_hz)
-        for k, (amplitude_deg, frequency_hz) in enumerate(
-            zip(self.amplitudes_deg, self.frequencies_hz, strict=True)
-        ):
+        phases = [-math.pi * (k + 1) * k / count for k in range(count)]
+        if self.phases_deg is not None:
+            phases = [math.radians(phase_deg) for phase_deg in self.phases_deg]
+        components = zip(self.amplitudes_deg, self.frequencies_hz, phases, strict=True)
+        for amplitude_deg, frequency_hz, phase in components:
             omega = 2.0 * math.pi * frequency_hz
-            phase = (
-                math.radians(self.phases_deg[k])
-                if self.phases_deg is not None
-                else -math.pi * (k + 1) * k / count
-            )
             motion += amplitude_deg * _sine(omega * t_s + phase, omega)
         return motion
 

@@ -10,12 +10,7 @@ from planner.frames.time_scales import Instants
 from planner.spec import spec
 from planner.targets.apparent import SPEED_OF_LIGHT_M_S
 from planner.targets.refraction import Refraction
-from planner.targets.sky import (
-    GRAZING_ALTITUDE_KM,
-    GrazingAltitudeKm,
-    SkyTarget,
-    require_sky_ranges,
-)
+from planner.targets.sky import GRAZING_ALTITUDE_KM, GrazingAltitudeKm, SkyTarget
 
 LIGHT_TIME_PASSES = 4  # each shrinks the error by v/c = 1e-4, Mercury's 1.6e-4 being the worst
 
@@ -36,7 +31,7 @@ class BodyTarget(SkyTarget):
     def __post_init__(self) -> None:
         if self.body_seen() not in BODIES:
             raise ValueError(f"name must be one of {', '.join(BODIES)}, not {self.name[:40]!r}")
-        require_sky_ranges(self)
+        super().__post_init__()
 
     def body_seen(self) -> str:
         """The ephemeris's name."""

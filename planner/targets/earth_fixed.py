@@ -30,6 +30,13 @@ class EarthFixedTarget(VisibleTarget):
     min_elevation_deg: float
     refraction: Refraction
 
+    def __post_init__(self) -> None:
+        if self.refraction == "standard" and self.min_elevation_deg < LOWEST_ELEVATION_DEG:
+            raise ValueError(
+                f"refraction 'standard' is modelled from {LOWEST_ELEVATION_DEG:g} deg elevation "
+                f"up; raise min_elevation_deg from {self.min_elevation_deg:g} to that"
+            )
+
     @abstractmethod
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Position at the n instants, shape (n, 3)."""
@@ -77,15 +84,6 @@ class EarthFixedTarget(VisibleTarget):
         return (
             f"the carrier stands at {elevation_deg:.2f} deg elevation in the target's sky, "
             f"below the {self.min_elevation_deg:g} deg asked for"
-        )
-
-
-def require_ground_ranges(target: EarthFixedTarget) -> None:
-    """What is modelled of the fields every EarthFixedTarget has."""
-    if target.refraction == "standard" and target.min_elevation_deg < LOWEST_ELEVATION_DEG:
-        raise ValueError(
-            f"refraction 'standard' is modelled from {LOWEST_ELEVATION_DEG:g} deg elevation up; "
-            f"raise min_elevation_deg from {target.min_elevation_deg:g} to that"
         )
 
 

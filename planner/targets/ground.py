@@ -9,7 +9,7 @@ from planner.arrays import Array
 from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.spec import spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, require_ground_ranges
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
 from planner.targets.refraction import Refraction
 
 
@@ -28,9 +28,6 @@ class GroundTarget(EarthFixedTarget):
     height_m: HeightM = 0.0
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
-
-    def __post_init__(self) -> None:
-        require_ground_ranges(self)
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""

@@ -9,7 +9,7 @@ from planner.frames.geodesic import geodesic_end
 from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 from planner.spec import Within, spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, require_ground_ranges
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
 from planner.targets.refraction import Refraction
 
 LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for longer
@@ -37,9 +37,6 @@ class MovingGroundTarget(EarthFixedTarget):
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
 
-    def __post_init__(self) -> None:
-        require_ground_ranges(self)
-
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
         """Refuse to look at it too far from its epoch; `name` is this target's own."""
         lead_s = max(abs(elapsed_s(utc, self.epoch)) for utc in (start_utc, stop_utc))
@@ -52,7 +49,7 @@ class MovingGroundTarget(EarthFixedTarget):
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3)."""
-        since_s = instants.t_s + elapsed_s(instants.epoch_utc, self.epoch)
+        since_s = instants.since_s(self.epoch)
         latitude_rad, longitude_rad = geodesic_end(
             math.radians(self.latitude_deg),
             math.radians(self.longitude_deg),

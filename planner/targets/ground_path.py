@@ -15,7 +15,7 @@ from planner.frames.geodesic import geodesic_between, geodesic_end
 from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.spec import Within, spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, require_ground_ranges
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
 from planner.targets.refraction import Refraction
 from planner.targets.session_target import TimedTarget
 from planner.targets.smooth_step import ramp
@@ -72,7 +72,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
     def __post_init__(self) -> None:
         if not 2 <= len(self.points) <= POINTS_MAX:
             raise ValueError(f"points must hold 2 to {POINTS_MAX} points, not {len(self.points)}")
-        require_ground_ranges(self)
+        super().__post_init__()
         for leg, lasts_s in enumerate(np.diff(self._legs.passing_s)):
             if len(self.points) > 2 and lasts_s < self.corner_s:
                 raise ValueError(
@@ -104,7 +104,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                 field="start",
             )
         legs = self._legs
-        t_s = instants.t_s + elapsed_s(instants.epoch_utc, self.start)
+        t_s = instants.since_s(self.start)
         halfway_s = (legs.passing_s[1:] + legs.passing_s[:-1]) / 2.0
         nearest = np.searchsorted(halfway_s, t_s)
         r_itrf_m = np.empty((len(t_s), 3))

@@ -3,6 +3,7 @@
 import math
 from typing import Annotated
 
+import erfa
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -84,9 +85,7 @@ class KeepOut:
             axis_eci, always = seen.direction_eci, seen.clearance_rad + HIDDEN_RAD
         else:
             ra, dec = math.radians(self.ra_deg or 0.0), math.radians(self.dec_deg or 0.0)
-            axis_eci = np.tile(
-                [math.cos(dec) * math.cos(ra), math.cos(dec) * math.sin(ra), math.sin(dec)], (n, 1)
-            )
+            axis_eci = np.tile(erfa.s2c(ra, dec), (n, 1))
         return np.asarray(q_platform_from_eci.apply(axis_eci)), always
 
 

@@ -35,6 +35,13 @@ class SkyTarget(VisibleTarget):
     grazing_altitude_km: float
     refraction: Refraction
 
+    def __post_init__(self) -> None:
+        if self.refraction == "standard" and self.grazing_altitude_km < LOWEST_SEEN_KM:
+            raise ValueError(
+                f"grazing_altitude_km must be at least {LOWEST_SEEN_KM:g} with refraction "
+                f"'standard', not {self.grazing_altitude_km:g}: lower rays end on the ground"
+            )
+
     @abstractmethod
     def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Astrometric directions, unit vectors (n, 3), and range, (n,), infinite for a star.
@@ -82,13 +89,4 @@ class SkyTarget(VisibleTarget):
         return (
             f"the Earth hides the target: it stands {-math.degrees(clearance_rad):.2f} deg below "
             f"the limb, {self.grazing_altitude_km:g} km above the ellipsoid"
-        )
-
-
-def require_sky_ranges(target: SkyTarget) -> None:
-    """What is modelled of the fields every SkyTarget has."""
-    if target.refraction == "standard" and target.grazing_altitude_km < LOWEST_SEEN_KM:
-        raise ValueError(
-            f"grazing_altitude_km must be at least {LOWEST_SEEN_KM:g} with refraction "
-            f"'standard', not {target.grazing_altitude_km:g}: lower rays end on the ground"
         )

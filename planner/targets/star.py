@@ -12,17 +12,11 @@ from planner.frames.time_scales import Instants
 from planner.spec import Within, spec
 from planner.targets.deflection import AU_M
 from planner.targets.refraction import Refraction
-from planner.targets.sky import (
-    GRAZING_ALTITUDE_KM,
-    GrazingAltitudeKm,
-    SkyTarget,
-    require_sky_ranges,
-)
+from planner.targets.sky import GRAZING_ALTITUDE_KM, GrazingAltitudeKm, SkyTarget
 
 _J2000_JD = 2451545.0
 _J2000_JYEAR = 2000.0
 _MAS_RAD = float(erfa.DMAS2R)
-_AU_YR_KM_S = AU_M / 1e3 / (365.25 * 86400.0)
 
 
 @spec
@@ -71,31 +65,29 @@ class StarTarget(SkyTarget):
                 f"hip {self.hip} is not in the Hipparcos catalogue (numbers 1 to 120404, with "
                 "gaps); give the star's ra_deg and dec_deg instead"
             )
-        require_sky_ranges(self)
+        super().__post_init__()
 
     def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Uniform motion in space, parallax and Roemer delay; see `SkyTarget`.
 
         TT stands for TDB.  Source: ESA 1997, The Hipparcos and Tycho Catalogues, vol. 1,
-        eq. 1.2.16 and 1.5.5.
+        eq. 1.2.16 and 1.5.5, as ERFA's `pmpx`.
         """
         star = self._catalogue_star()
-        ra = math.radians(star.ra_deg)
-        towards = np.array(erfa.s2c(ra, math.radians(star.dec_deg)))
-        east = np.array([-math.sin(ra), math.cos(ra), 0.0])
-        north = np.cross(towards, east)
-        parallax_rad = star.parallax_mas * _MAS_RAD
-        receding_yr = self.radial_velocity_km_s * parallax_rad / _AU_YR_KM_S
-        across_yr = (star.pm_ra_cosdec_mas_yr * east + star.pm_dec_mas_yr * north) * _MAS_RAD
-        motion_yr = across_yr + receding_yr * towards
-
-        roemer_s = r_observer_bary_m @ towards / erfa.CMPS
+        ra, dec = math.radians(star.ra_deg), math.radians(star.dec_deg)
         day, fraction = instants.tt_jd()
-        since_days = (day - _J2000_JD) + fraction + roemer_s / erfa.DAYSEC
-        since_yr = since_days / erfa.DJY + (_J2000_JYEAR - star.epoch_jyear)
-        seen = towards + since_yr[:, None] * motion_yr - parallax_rad * r_observer_bary_m / AU_M
-        direction = seen / np.linalg.norm(seen, axis=1, keepdims=True)
-        return direction, np.full(len(direction), np.inf)
+        since_days = (day - _J2000_JD) + fraction
+        direction = erfa.pmpx(
+            ra,
+            dec,
+            star.pm_ra_cosdec_mas_yr * _MAS_RAD / math.cos(dec),
+            star.pm_dec_mas_yr * _MAS_RAD,
+            star.parallax_mas / 1e3,
+            self.radial_velocity_km_s,
+            since_days / erfa.DJY + (_J2000_JYEAR - star.epoch_jyear),
+            r_observer_bary_m / AU_M,
+        )
+        return np.asarray(direction), np.full(len(direction), np.inf)
 
     def _catalogue_star(self) -> CatalogueStar:
         if self.hip is not None and (star := hipparcos_star(self.hip)) is not None:

@@ -193,6 +193,6 @@ def test_real_telemetry_has_no_damaged_row(name):
     """A yaw manoeuvre between rows 20 s apart included: 21 arcsec at most."""
     law = AemAttitude(content=(DATA / f"iss_attitude_{name}_2018-285.aem").read_text())
     for arc in law.arcs:
-        instants = Instants(arc.epoch_utc, arc.row_s)
+        instants = Instants(arc.segment.epoch_utc, arc.segment.t_s)
         assert arc.oddest_near(instants)[1] < ODD_WARNED_RAD
         assert law.warnings_at(instants) == law.warnings

@@ -12,11 +12,10 @@ from scipy.optimize import brentq
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, shifted_utc, utc_from_text
 from planner.orbits import OemOrbit
-from planner.orbits.cell_defects import cell_defects, smooth_arcs
+from planner.orbits.cell_defects import cell_defects, odd_nodes, smooth_arcs, strongest_push
 from planner.orbits.collocation import node_times_s, propagate_segment
 from planner.orbits.forces import forces_at
 from planner.orbits.hermite import hermite
-from planner.orbits.node_consistency import odd_nodes, strongest_push
 
 DATA = Path(__file__).parents[1] / "data"
 FILES = sorted(DATA.glob("iss_oem_*_excerpt.xml"))
