@@ -153,19 +153,11 @@ def write_aem(plan: SessionTable, created_utc: datetime) -> bytes:
 
 
 IMAGING_EXPORTERS: dict[str, Exporter[SessionTable]] = {
-    "csv": Exporter(
-        title="attitude, rates and gimbals", media_type="text/csv", suffix=".csv", write=write_csv
-    ),
+    "csv": Exporter("attitude, rates and gimbals", "text/csv", ".csv", write_csv),
     "netcdf": Exporter(
-        title="attitude, rates and gimbals (CF-1.12)",
-        media_type="application/x-netcdf",
-        suffix=".nc",
-        write=write_netcdf,
+        "attitude, rates and gimbals (CF-1.12)", "application/x-netcdf", ".nc", write_netcdf
     ),
     "aem": Exporter(
-        title="attitude of the body (CCSDS AEM 2.0, KVN)",
-        media_type="text/x-ccsds-aem",
-        suffix=".aem",
-        write=write_aem,
+        "attitude of the body (CCSDS AEM 2.0, KVN)", "text/x-ccsds-aem", ".aem", write_aem
     ),
 }
