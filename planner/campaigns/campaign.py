@@ -1,13 +1,12 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
 from planner.campaigns.network import Network, network_of, relax
 from planner.campaigns.passes import (
@@ -103,9 +102,13 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     least_s = _least_s(request)
     ways = ways_to_follow(looks, targets, least_s, carrier, platform, request.step_s, grid_s)
     looking = _looking(request)
-    networks = _networks(ways, looking, limits, tell)
+    shortest = looking.length_steps[:, 0]
+    networks = _networks(ways, shortest, limits, tell)
     choice = choose(networks, looking, tell)
-    bound = _bound(networks, ways, looking, limits, choice, tell)
+    tell("bound", 0, 1)
+    # At slew times that nothing can beat.
+    optimistic = [relax(network, ways, shortest, limit_table(limits)) for network in networks]
+    bound = bound_at(optimistic, looking, choice.price)
     seen = set(np.unique(ways.target).tolist())
     return Campaign(
         passes=_in_utc(request, choice, rest_s, grid_s),
@@ -196,7 +199,7 @@ def _looking(request: CampaignRequest) -> Looking:
 
 
 def _networks(
-    ways: Ways, looking: Looking, limits: tuple[AxisLimits, ...], tell: Reporter
+    ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
 ) -> list[Network]:
     numbers = np.unique(ways.pass_number)
     networks = []
@@ -204,27 +207,9 @@ def _networks(
         tell("slews", done, len(numbers))
         rows = np.flatnonzero(ways.pass_number == number)
         networks.append(
-            network_of(
-                ways, rows, looking.length_steps[:, 0], limit_table(limits), longest_slew_s(limits)
-            )
+            network_of(ways, rows, shortest, limit_table(limits), longest_slew_s(limits))
         )
     return networks
-
-
-def _bound(
-    networks: Sequence[Network],
-    ways: Ways,
-    looking: Looking,
-    limits: tuple[AxisLimits, ...],
-    choice: CampaignChoice,
-    tell: Reporter,
-) -> float:
-    """At slew times that nothing can beat."""
-    tell("bound", 0, 1)
-    shortest = looking.length_steps[:, 0]
-    table = limit_table(limits)
-    optimistic = [relax(network, ways, shortest, table) for network in networks]
-    return bound_at(optimistic, looking, choice.price)
 
 
 def _in_utc(

@@ -95,7 +95,7 @@ class _Search:
         self.best: Passes = [()] * len(networks)
         self.value = 0.0
         self._bound = float(looking.look_limit @ looking.look_value.max(axis=1))
-        self._proposed: dict[tuple[int, tuple[Look, ...]], None] = {}
+        self._proposed: dict[Proposal, None] = {}
 
     def find_prices(self, tell: Reporter) -> Array:
         """Prices at which the bound is about least; improves the choice on the way."""
@@ -172,14 +172,13 @@ class _Search:
             return
         latest = list(self._proposed)[-PROPOSALS_MAX:]
         own = [(n, looks) for n, looks in enumerate(self.best) if looks]
-        proposals = [
-            Proposal(pass_number=n, value=self._looking.worth_of([looks]), looks=looks)
-            for n, looks in dict.fromkeys([*own, *latest])
-        ]
-        chosen = best_together(proposals, len(self._networks), self._looking.look_limit, COMBINE_S)
+        proposals = list(dict.fromkeys([*own, *latest]))
+        values = [self._looking.worth_of([looks]) for _, looks in proposals]
         passes: Passes = [()] * len(self._networks)
-        for one in chosen:
-            passes[one.pass_number] = one.looks
+        for number, looks in best_together(
+            proposals, values, len(passes), self._looking.look_limit, COMBINE_S
+        ):
+            passes[number] = looks
         self.improve(passes)
 
 

@@ -1,7 +1,6 @@
 """Picks the paths, one proposed for each pass, that go together best."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
@@ -10,36 +9,34 @@ from scipy.sparse import csr_array
 from planner.arrays import Array
 from planner.campaigns.path import Look
 
+Proposal = tuple[int, tuple[Look, ...]]
+"""A pass by its number, and looks it could have, in order of time."""
+
 GAP_ENOUGH = 1e-4
 
 
-@dataclass(frozen=True, kw_only=True)
-class Proposal:
-    """Looks that one pass could have, in order of time."""
-
-    pass_number: int
-    value: float
-    looks: tuple[Look, ...]
-
-
 def best_together(
-    proposals: Sequence[Proposal], passes: int, look_limit: Array, time_s: float
+    proposals: Sequence[Proposal],
+    values: Sequence[float],
+    passes: int,
+    look_limit: Array,
+    time_s: float,
 ) -> list[Proposal]:
     """At most one per pass, no target looked at too often; the best found in time_s.
 
-    look_limit: (targets,).  An integer programme, solved by HiGHS.
+    values: of the proposals.  look_limit: (targets,).  An integer programme, solved by HiGHS.
     """
     entries = [
         (row, number)
-        for number, one in enumerate(proposals)
-        for row in (one.pass_number, *(passes + look.target for look in one.looks))
+        for number, (pass_number, looks) in enumerate(proposals)
+        for row in (pass_number, *(passes + look.target for look in looks))
     ]
     if not entries:
         return []
     row, place = np.array(entries).T
     shape = (passes + len(look_limit), len(proposals))
     solved = milp(
-        np.array([-one.value for one in proposals]),
+        -np.array(values),
         integrality=np.ones(len(proposals), np.intp),
         bounds=Bounds(0.0, 1.0),
         constraints=LinearConstraint(

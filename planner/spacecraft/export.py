@@ -9,6 +9,7 @@ from scipy.io import netcdf_file
 
 from planner.arrays import Array
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
+from planner.export.csv import rows_csv
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.export.exporter import Exporter
 from planner.export.netcdf import describe
@@ -89,17 +90,13 @@ def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
 
 def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
-    table = plan.table
-    columns = _columns(table)
-    names = [f"{c.name}_{part}".rstrip("_") for c in columns for part in c.parts]
-    lines = [f"# {note}" for note in _notes(plan, created_utc)]
-    lines.append(",".join(["utc", "t_s", *names]))
-    layout = ",".join(f"%.{c.decimals}f" for c in columns for _ in c.parts)
-    rows = np.hstack([column.rows for column in columns]).tolist()
-    moments = Instants(table.epoch_utc, table.t_s).utc_text(1)
-    for moment, t_s, row in zip(moments, table.t_s.tolist(), rows, strict=True):
-        lines.append(f"{moment},{t_s:.1f},{layout % tuple(row)}")
-    return ("\n".join(lines) + "\n").encode()
+    head = "".join(f"# {note}\n" for note in _notes(plan, created_utc))
+    named = [
+        (f"{column.name}_{part}".rstrip("_"), value_by_row, column.decimals)
+        for column in _columns(plan.table)
+        for part, value_by_row in zip(column.parts, column.rows.T, strict=True)
+    ]
+    return (head + rows_csv(plan.table.epoch_utc, plan.table.t_s, named)).encode()
 
 
 def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
