@@ -202,30 +202,20 @@ def no_labels(places: int, start: int, memory: Memory) -> Labels:
 
 
 @compiled
-def follow(labels: Labels, begin: int, to: int, mask: int) -> None:
-    """All labels at place `begin` come to another one with nothing done on the way."""
-    label = labels.label
-    k = labels.first[begin]
-    while k != NONE:
-        here = label[k]
-        things, halves = here.things & mask, here.halves & mask
-        if not _is_barred(label, labels.first[to], here.value, things, halves, False):
-            _keep(labels, to, here.value, things, halves, here.last)
-        k = here.next
+def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited: bool) -> None:
+    """Labels at place `begin` come to others with nothing done on the way; NONE is no place.
 
-
-@compiled
-def leave(labels: Labels, begin: int, places: Iterable[int]) -> None:
-    """Those labels at place `begin` that made a visit there come to others; NONE is no place."""
+    visited: only those that made a visit there.
+    """
     first, label = labels.first, labels.label
     k = first[begin]
     while k != NONE:
         here = label[k]
-        if here.last == k:
-            value, things, halves = here.value, here.things, here.halves
+        if here.last == k or not visited:
+            value, things, halves = here.value, here.things & mask, here.halves & mask
             for to in places:
                 if to != NONE and not _is_barred(label, first[to], value, things, halves, False):
-                    _keep(labels, to, value, things, halves, k)
+                    _keep(labels, to, value, things, halves, here.last)
         k = here.next
 
 

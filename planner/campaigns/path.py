@@ -9,6 +9,7 @@ from planner.arrays import Array, Indices
 from planner.campaigns.network import Network
 from planner.compiled import compiled
 from planner.label_search import (
+    EVERYTHING,
     ROUNDING,
     WHOLE,
     Memory,
@@ -17,7 +18,6 @@ from planner.label_search import (
     best,
     follow,
     forgetful,
-    leave,
     no_labels,
     rounds,
     visit,
@@ -102,7 +102,7 @@ def _sweep(
     for step in range(end):
         mask = memory.tick_mask[step]
         if step > 0:
-            follow(labels, rest + step - 1, rest + step, mask)
+            follow(labels, rest + step - 1, (rest + step,), mask, False)
         for way in range(len(network.first)):
             steps = step - network.first[way]
             if steps < 0:
@@ -112,10 +112,10 @@ def _sweep(
             cell, target = network.offset[way] + steps, network.target[way]
             done = cell + size
             if steps == 0:
-                follow(labels, rest + max(step - network.reach, 0), cell, mask)
+                follow(labels, rest + max(step - network.reach, 0), (cell,), mask, False)
             else:
-                follow(labels, cell - 1, cell, mask)
-                follow(labels, done - 1, done, mask)
+                follow(labels, cell - 1, (cell,), mask, False)
+                follow(labels, done - 1, (done,), mask, False)
             is_seen = False
             for length in range(lengths):
                 takes, value = length_steps[target, length], gain[target, length]
@@ -123,8 +123,9 @@ def _sweep(
                     look = visit_at(memory, step, cell * lengths + length, target, WHOLE, value)
                     is_seen |= visit(labels, (cell - takes,), done, look)
             if is_seen:
-                leave(labels, done, (rest + step,))
+                follow(labels, done, (rest + step,), EVERYTHING, True)
                 edges = network.edge_from[way + 1] - network.edge_from[way]
                 begin = network.arrival_offset[way] + steps * edges
-                leave(labels, done, network.arrival[begin : begin + edges])
+                arrivals = network.arrival[begin : begin + edges]
+                follow(labels, done, arrivals, EVERYTHING, True)
     return best(labels, (rest + end - 1, rest + end))

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import effort
-from planner.arrays import Indices
+from planner.arrays import Array, Indices
 from planner.effort import at_most
 from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
-from planner.opportunities.candidates import candidate_nodes
 from planner.opportunities.carrier import Carrier, carrier_over
 from planner.opportunities.conditions import Condition, conditions_of
 from planner.opportunities.description import describe_windows
@@ -24,6 +23,9 @@ from planner.targets import EarthFixedTarget
 
 BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all
 SHORTEST_S = 1e-3  # the resolution promised of an edge
+PLUMB_RAD = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
+SINGLE_RAD = 1e-3  # what single precision leaves of an angle's cosine, at its worst near 0
+BEYOND = 2  # rows, so that a pass at the end of the span still shows three
 
 
 @dataclass(frozen=True)
@@ -98,13 +100,42 @@ def _batches(
         numbers = list(resting)[first : first + size]
         places = FixedPlaces(carrier, [resting[number] for number in numbers])
         least_rad = np.array([_least_rad(resting[number], asked_rad) for number in numbers])
-        nodes = candidate_nodes(carrier, places.r_itrf_m, least_rad)
+        nodes = _candidate_nodes(carrier, places.r_itrf_m, least_rad)
         yield np.array(numbers), EarthSight(carrier, places, least_rad), nodes, RESTING
     everywhere = Nodes(np.zeros(1, int), np.zeros(len(carrier.node_s), int), carrier.node_s)
     for number, target in enumerate(targets):
         if number not in resting:
             sight = sight_of(carrier, target, _least_rad(target, asked_rad))
             yield np.array([number]), sight, everywhere, ALONE
+
+
+def _candidate_nodes(carrier: Carrier, r_target_itrf_m: Array, min_elevation_rad: Array) -> Nodes:
+    """Rows of the orbit around every instant at which the carrier may stand high enough.
+
+    r_target_itrf_m: (k, 3), at rest.  Each group of nodes reaches two rows beyond both
+    ends of visibility, or to the end of the span.  The Earth's central angle to a carrier at
+    distance r, seen at elevation e from distance R, is acos(R cos e / r) - e.
+    """
+    r_sat_m = carrier.r_sat_itrf_m.at(carrier.node_s)
+    distance_m = np.linalg.norm(r_sat_m, axis=1)
+    ground_m = np.linalg.norm(r_target_itrf_m, axis=1)
+    least_rad = min_elevation_rad - PLUMB_RAD
+    cosine = np.minimum(ground_m * np.cos(least_rad) / distance_m.max(), 1.0)
+    step_s = carrier.node_s[1] - carrier.node_s[0]
+    between_rad = 0.5 * step_s * carrier.turn_max_rad_s
+    central_rad = np.arccos(cosine) - least_rad + between_rad + SINGLE_RAD
+
+    to_sat = (r_sat_m / distance_m[:, None]).astype(np.float32)
+    to_target = (r_target_itrf_m / ground_m[:, None]).astype(np.float32)
+    near = to_target @ to_sat.T > np.cos(np.minimum(central_rad, np.pi))[:, None].astype(np.float32)
+    wider = near.copy()
+    for rows in range(1, BEYOND + 1):
+        wider[:, rows:] |= near[:, :-rows]
+        wider[:, :-rows] |= near[:, rows:]
+    target, row = np.divmod(np.flatnonzero(wider), wider.shape[1])
+    begins = np.append(True, (target[1:] != target[:-1]) | (row[1:] != row[:-1] + 1))
+    begins = begins[: len(target)]
+    return Nodes(target=target[begins], group=np.cumsum(begins) - 1, t_s=carrier.node_s[row])
 
 
 def _least_rad(target: object, asked_rad: float) -> float:

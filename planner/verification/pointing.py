@@ -6,22 +6,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from planner.arrays import Array
-from planner.commands import CommandTable
 from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import Ephemeris
-from planner.scenario import Scenario
 from planner.targets import EarthFixedTarget, SkyTarget
 from planner.verification.carrier import apart_rad, payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import (
     EarthFixedView,
     Finding,
-    Limit,
     OffTarget,
     SessionReport,
     SkyView,
 )
-from planner.verification.session import TableSession, session_report, table_session
+from planner.verification.session import TableSession
 from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
 
 EXACT_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
@@ -29,23 +26,17 @@ ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
 
 
 def pointing_session(
-    table: CommandTable,
-    scenario: Scenario,
-    ephemeris: Ephemeris,
-    number: int,
-    target: EarthFixedTarget | SkyTarget,
-    rows: range,
+    flight: TableSession, ephemeris: Ephemeris, target: EarthFixedTarget | SkyTarget
 ) -> tuple[SessionReport, tuple[Finding, ...]]:
-    """The session of that number, its target held over rows that the table has.
+    """The session, its target held.
 
     Where the air of the limb bends the light, the pointing error may be larger by
     `LIMB_MODEL_SHARE` of the bending, and the clearance smaller.
     """
-    flight = table_session(table, number, rows)
-    instants = Instants(flight.epoch_utc, flight.t_s)
+    instants = Instants(flight.table.epoch_utc, flight.t_s)
     states = ephemeris.states(instants)
-    boresight_eci = payload_eci(scenario, flight.angle_rad, instants, states)
-    most_rad = _allowed_rad(scenario, number)
+    boresight_eci = payload_eci(flight.scenario, flight.angle_rad, instants, states)
+    most_rad = _allowed_rad(flight)
     view: EarthFixedView | SkyView
     if isinstance(target, SkyTarget):
         sky = sky_sight(target, instants, states)
@@ -59,10 +50,7 @@ def pointing_session(
         model_rad = np.zeros_like(error_rad)
         view = _earth_fixed_view(flight, sight, boresight_eci, error_rad)
         findings = _ground_findings(flight, sight, error_rad, most_rad, view, target)
-    report = session_report(
-        table,
-        scenario,
-        flight,
+    report = flight.report(
         error_rad,
         view,
         allowed_rad=most_rad,
@@ -71,10 +59,10 @@ def pointing_session(
     return report, (*findings, *_nearness_findings(report))
 
 
-def _allowed_rad(scenario: Scenario, number: int) -> float:
+def _allowed_rad(flight: TableSession) -> float:
     """0.1 arcsec, or the circle inside the frame where the session is content with that."""
-    if scenario.sessions[number].keyhole == "nearest":
-        return max(EXACT_RAD, min(scenario.platform.frame_half_rad))
+    if flight.scenario.sessions[flight.number].keyhole == "nearest":
+        return max(EXACT_RAD, min(flight.scenario.platform.frame_half_rad))
     return EXACT_RAD
 
 
@@ -127,19 +115,17 @@ def _ground_findings(
             f"{_arcsec(error_rad[worst]):.3f} arcsec "
             f"({view.miss_across_max_m:.2f} m across the line of sight)"
         )
-        yield _error(flight, "pointing", worst, _miss(off, allowed_rad))
+        yield flight.error("pointing", worst, _miss(off, allowed_rad))
     elevation_short_rad = math.radians(target.min_elevation_deg) - view.elevation_min_rad
     if elevation_short_rad > ELEVATION_TOLERANCE_RAD:
-        yield _error(
-            flight,
+        yield flight.error(
             "elevation",
             int(np.argmin(sight.elevation_rad)),
             f"the carrier stands {math.degrees(view.elevation_min_rad):.3f} deg high "
             f"at the target, less than {target.min_elevation_deg:.3f} deg",
         )
     if sight.hidden.any():
-        yield _error(
-            flight,
+        yield flight.error(
             "occlusion",
             int(np.argmax(sight.hidden)),
             "the Earth stands between the carrier and the target",
@@ -152,12 +138,11 @@ def _sky_findings(
     worst = int(np.argmax(error_rad - allowed_rad))
     if not error_rad[worst] <= allowed_rad[worst]:
         off = f"{_arcsec(error_rad[worst]):.3f} arcsec"
-        yield _error(flight, "pointing", worst, _miss(off, float(allowed_rad[worst])))
+        yield flight.error("pointing", worst, _miss(off, float(allowed_rad[worst])))
     short_rad = -sky.clearance_rad - LIMB_MODEL_SHARE * sky.bending_rad
     lowest = int(np.argmax(short_rad))
     if not short_rad[lowest] <= ELEVATION_TOLERANCE_RAD:
-        yield _error(
-            flight,
+        yield flight.error(
             "occlusion",
             lowest,
             f"the target stands {-math.degrees(sky.clearance_rad[lowest]):.3f} deg below the "
@@ -203,15 +188,6 @@ def _nearness_findings(report: SessionReport) -> Iterator[Finding]:
 
 def _miss(off: str, allowed_rad: float) -> str:
     return f"the boresight is {off} off the target, more than {_arcsec(allowed_rad):.1f} arcsec"
-
-
-def _error(flight: TableSession, limit: Limit, index: int, what: str) -> Finding:
-    return Finding(
-        limit=limit,
-        t_s=float(flight.t_s[index]),
-        at_utc=flight.utc(index),
-        detail=f"sessions.{flight.number}: {what}",
-    )
 
 
 def _arcsec(angle_rad: float) -> float:

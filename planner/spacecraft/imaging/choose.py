@@ -205,14 +205,15 @@ def _label_paths(imaging: Imaging, graph: TurnGraph, memory: Memory) -> tuple[fl
         start_tick = imaging.start_tick[j]
         while (now + 1) * WAIT_TICKS <= start_tick:
             now += 1
-            follow(labels, n + now - 1, n + now, memory.tick_mask[now * WAIT_TICKS])
+            mask = memory.tick_mask[now * WAIT_TICKS]
+            follow(labels, n + now - 1, (n + now,), mask, False)
         made = visit_at(
             memory, start_tick, j, imaging.request[j], imaging.part[j], imaging.priority[j]
         )
         visit(labels, (n + now,), j, made)
         visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, made)
         free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
-        follow(labels, j, n + free, EVERYTHING)
+        follow(labels, j, (n + free,), EVERYTHING, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
 
