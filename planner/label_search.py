@@ -61,18 +61,14 @@ class Visit(NamedTuple):
     """What becomes of a label that makes it.
 
     number: the caller's.  part: WHOLE, or OPENS and COMPLETES a thing, others between.
-    bit: the thing's.  before_mask, after_mask: bits remembered before and after the visit.
-    once: as of `Memory`.
+    tick: when it ends.
     """
 
     number: int
     thing: int
     part: int
     value: float
-    bit: int
-    before_mask: int
-    after_mask: int
-    once: bool
+    tick: int
 
 
 class Labels(NamedTuple):
@@ -220,18 +216,11 @@ def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited
 
 
 @compiled
-def visit_at(memory: Memory, tick: int, number: int, thing: int, part: int, value: float) -> Visit:
-    """A visit that ends at a tick."""
-    mask = memory.tick_mask[tick]
-    return Visit(
-        number, thing, part, value, memory.bit[thing], mask, memory.visit_mask[thing], memory.once
-    )
-
-
-@compiled
-def visit(labels: Labels, begins: Iterable[int], to: int, made: Visit) -> bool:
+def visit(labels: Labels, begins: Iterable[int], to: int, memory: Memory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
-    first, label = labels.first, labels.label
+    first, label, once = labels.first, labels.label, memory.once
+    before_mask, after_mask = memory.tick_mask[made.tick], memory.visit_mask[made.thing]
+    bit = memory.bit[made.thing]
     is_any = False
     for begin in begins:
         k = first[begin]
@@ -239,10 +228,12 @@ def visit(labels: Labels, begins: Iterable[int], to: int, made: Visit) -> bool:
             here = label[k]
             k = here.next
             value = here.value + made.value
-            allowed, things, halves = _remember(made, here.things, here.halves)
-            if not allowed or _is_barred(label, first[to], value, things, halves, made.once):
+            allowed, things, halves = _remember(
+                made.part, bit, after_mask, here.things & before_mask, here.halves & before_mask
+            )
+            if not allowed or _is_barred(label, first[to], value, things, halves, once):
                 continue
-            if made.once and _is_behind(label, here.last, made.thing):
+            if once and _is_behind(label, here.last, made.thing):
                 continue
             new = _keep(labels, to, value, things, halves, NONE)
             if new != NONE:
@@ -253,16 +244,17 @@ def visit(labels: Labels, begins: Iterable[int], to: int, made: Visit) -> bool:
 
 
 @compiled
-def _remember(made: Visit, things: int, halves: int) -> tuple[bool, int, int]:
-    """A label's memory after a visit: (allowed, things, halves)."""
-    things, halves = things & made.before_mask, halves & made.before_mask
-    allowed = things & made.bit == 0
-    if made.part == OPENS:
-        return allowed and halves & made.bit == 0, things & made.after_mask, halves | made.bit
-    if made.part == COMPLETES:
-        allowed = allowed and (halves & made.bit != 0 or made.bit == 0)
-        halves &= ~made.bit
-    return allowed, (things | made.bit) & made.after_mask, halves
+def _remember(
+    part: int, bit: int, after_mask: int, things: int, halves: int
+) -> tuple[bool, int, int]:
+    """A label's memory after a visit to the thing of that bit: (allowed, things, halves)."""
+    allowed = things & bit == 0
+    if part == OPENS:
+        return allowed and halves & bit == 0, things & after_mask, halves | bit
+    if part == COMPLETES:
+        allowed = allowed and (halves & bit != 0 or bit == 0)
+        halves &= ~bit
+    return allowed, (things | bit) & after_mask, halves
 
 
 @compiled

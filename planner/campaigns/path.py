@@ -15,13 +15,13 @@ from planner.label_search import (
     Memory,
     Repeats,
     Round,
+    Visit,
     best,
     follow,
     forgetful,
     no_labels,
     rounds,
     visit,
-    visit_at,
 )
 
 
@@ -120,8 +120,8 @@ def _sweep(
             for length in range(lengths):
                 takes, value = length_steps[target, length], gain[target, length]
                 if takes <= steps and value > 0.0:
-                    look = visit_at(memory, step, cell * lengths + length, target, WHOLE, value)
-                    is_seen |= visit(labels, (cell - takes,), done, look)
+                    look = Visit(cell * lengths + length, target, WHOLE, value, step)
+                    is_seen |= visit(labels, (cell - takes,), done, memory, look)
             if is_seen:
                 follow(labels, done, (rest + step,), EVERYTHING, True)
                 edges = network.edge_from[way + 1] - network.edge_from[way]

@@ -3,6 +3,7 @@
 import io
 from dataclasses import dataclass
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 from scipy.io import netcdf_file
@@ -35,40 +36,41 @@ class SessionTable:
         return self.request.definition()
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Column:
-    """rows: shape (n, k), one value a part; unit as UDUNITS writes it."""
+_PARTS_BY_SIDE = {
+    "": ("",),
+    "xyz": ("x", "y", "z"),
+    "xyzw": ("x", "y", "z", "w"),
+    "gimbal": ("1", "2", "3", "4"),
+}
+
+
+class _Column(NamedTuple):
+    """rows: shape (n, k), one value a part of its side; unit as UDUNITS writes it."""
 
     name: str
-    parts: tuple[str, ...]
+    side: str
     unit: str
     rows: Array
     decimals: int = DECIMALS
 
 
 def _columns(table: AttitudeTable) -> tuple[_Column, ...]:
-    xyz, gimbals = ("x", "y", "z"), ("1", "2", "3", "4")
     on = np.append(table.imaging(), False)
     for window in table.windows:
         on[window.last_row] = True
+    q_body_from_eci_xyzw = continuous(table.q_body_from_eci)
     return (
-        _Column(
-            name="q_body_from_eci",
-            parts=(*xyz, "w"),
-            unit="1",
-            rows=continuous(table.q_body_from_eci),
-            decimals=QUATERNION_DECIMALS,
-        ),
-        _degrees("omega_body_deg_s", xyz, "degree s-1", table.omega_body_rad_s),
-        _degrees("alpha_body_deg_s2", xyz, "degree s-2", table.alpha_body_rad_s2),
-        _degrees("gimbal_deg", gimbals, "degree", table.gimbal_rad),
-        _degrees("gimbal_rate_deg_s", gimbals, "degree s-1", table.gimbal_rate_rad_s),
-        _Column(name="imaging", parts=("",), unit="1", rows=on[:, None].astype(float), decimals=0),
+        _Column("q_body_from_eci", "xyzw", "1", q_body_from_eci_xyzw, QUATERNION_DECIMALS),
+        _degrees("omega_body_deg_s", "xyz", "degree s-1", table.omega_body_rad_s),
+        _degrees("alpha_body_deg_s2", "xyz", "degree s-2", table.alpha_body_rad_s2),
+        _degrees("gimbal_deg", "gimbal", "degree", table.gimbal_rad),
+        _degrees("gimbal_rate_deg_s", "gimbal", "degree s-1", table.gimbal_rate_rad_s),
+        _Column("imaging", "", "1", on[:, None].astype(float), decimals=0),
     )
 
 
-def _degrees(name: str, parts: tuple[str, ...], unit: str, values_rad: Array) -> _Column:
-    return _Column(name=name, parts=parts, unit=unit, rows=np.degrees(values_rad) + 0.0)
+def _degrees(name: str, side: str, unit: str, values_rad: Array) -> _Column:
+    return _Column(name, side, unit, np.degrees(values_rad) + 0.0)
 
 
 def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
@@ -94,7 +96,7 @@ def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     named = [
         (f"{column.name}_{part}".rstrip("_"), value_by_row, column.decimals)
         for column in _columns(plan.table)
-        for part, value_by_row in zip(column.parts, column.rows.T, strict=True)
+        for part, value_by_row in zip(_PARTS_BY_SIDE[column.side], column.rows.T, strict=True)
     ]
     return (head + rows_csv(plan.table.epoch_utc, plan.table.t_s, named)).encode()
 
@@ -112,8 +114,9 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
             comment="\n".join(_notes(plan, created_utc)),
         )
         file.createDimension("time", len(table.t_s))
-        for size in ("xyz", "xyzw", "gimbal"):
-            file.createDimension(size, 3 if size == "xyz" else 4)
+        for side, parts in _PARTS_BY_SIDE.items():
+            if side:
+                file.createDimension(side, len(parts))
         time = file.createVariable("time", "d", ("time",))
         time[:] = table.t_s
         since = utc_text(table.epoch_utc, 1).replace("T", " ").removesuffix("Z")
@@ -125,9 +128,8 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
             axis="T",
         )
         for column in _columns(table):
-            side = {("",): (), ("x", "y", "z"): ("xyz",), ("x", "y", "z", "w"): ("xyzw",)}
-            sides = side.get(column.parts, ("gimbal",))
-            name = column.name + "_xyzw" * (sides == ("xyzw",))
+            name = column.name + "_xyzw" * (column.side == "xyzw")
+            sides = (column.side,) if column.side else ()
             variable = file.createVariable(name, "d", ("time", *sides))
             variable[:] = column.rows if sides else column.rows[:, 0]
             describe(variable, units=column.unit)

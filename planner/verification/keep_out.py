@@ -15,7 +15,7 @@ from planner.scenario import Scenario
 from planner.targets import BodyTarget, KeepOut
 from planner.targets.keep_out import HIDDEN_RAD
 from planner.verification.carrier import apart_rad, eci_from_lvlh, eci_from_platform, payload_eci
-from planner.verification.limits import axis_hermite
+from planner.verification.limits import angles_at
 from planner.verification.report import Finding, KeepOutMargin
 from planner.verification.sky import sky_sight
 
@@ -108,7 +108,7 @@ def _angle_rad(table: CommandTable, cell: NDArray[np.intp], u_s: Array) -> Array
     """Angles, shape (n, 2), u_s after the rows; the last row ends a cell and begins none."""
     is_last = cell == len(table.angle_rad) - 1
     begins, into_s = np.where(is_last, cell - 1, cell), np.where(is_last, COMMAND_STEP_S, u_s)
-    return np.stack([axis_hermite(table, k).angle_at(begins, into_s) for k in range(2)], axis=1)
+    return angles_at(table, begins, into_s)
 
 
 def _axis_eci(

@@ -10,7 +10,7 @@ from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.scenario import Scenario
-from planner.verification.limits import axis_hermite, slow_stretches
+from planner.verification.limits import angles_at, axis_hermite, slow_stretches
 from planner.verification.report import (
     EarthFixedView,
     Finding,
@@ -113,11 +113,5 @@ def table_session(
         number=number,
         rows=rows,
         t_s=(POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL),
-        angle_rad=np.stack(
-            [
-                axis_hermite(table, column).angle_at(rows[0] + cell, u_s)
-                for column in range(len(table.axis_names))
-            ],
-            axis=1,
-        ),
+        angle_rad=angles_at(table, rows[0] + cell, u_s),
     )

@@ -23,13 +23,13 @@ from planner.label_search import (
     Memory,
     Repeats,
     Round,
+    Visit,
     best,
     bound,
     follow,
     no_labels,
     rounds,
     visit,
-    visit_at,
 )
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.table import TICK_S
@@ -207,11 +207,9 @@ def _label_paths(imaging: Imaging, graph: TurnGraph, memory: Memory) -> tuple[fl
             now += 1
             mask = memory.tick_mask[now * WAIT_TICKS]
             follow(labels, n + now - 1, (n + now,), mask, False)
-        made = visit_at(
-            memory, start_tick, j, imaging.request[j], imaging.part[j], imaging.priority[j]
-        )
-        visit(labels, (n + now,), j, made)
-        visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, made)
+        made = Visit(j, imaging.request[j], imaging.part[j], imaging.priority[j], start_tick)
+        visit(labels, (n + now,), j, memory, made)
+        visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
         free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
         follow(labels, j, (n + free,), EVERYTHING, False)
     value, visits, count = best(labels, (0, n))
