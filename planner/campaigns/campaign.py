@@ -17,6 +17,7 @@ from planner.campaigns.passes import (
     longest_rest_s,
     longest_slew_s,
 )
+from planner.campaigns.path import Look
 from planner.campaigns.request import LENGTHS, CampaignRequest
 from planner.campaigns.slew_time import limit_table
 from planner.campaigns.ways import Ways, ways_to_follow
@@ -215,29 +216,17 @@ def _networks(
 def _in_utc(
     request: CampaignRequest, choice: CampaignChoice, rest_s: float, grid_s: float
 ) -> tuple[ChosenPass, ...]:
-    def at(step: int) -> datetime:
-        return shifted_utc(request.start, grid_s + step * request.step_s)
+    def chosen(look: Look) -> ChosenLook:
+        start_utc = shifted_utc(request.start, grid_s + look.first_step * request.step_s)
+        length_s = request.targets[look.target].lengths_s[look.length]
+        stop_utc = shifted_utc(start_utc, length_s)
+        return ChosenLook(target=look.target, start_utc=start_utc, stop_utc=stop_utc)
 
-    flights = []
-    for looks in choice.passes:
-        if not looks:
-            continue
-        chosen = []
-        for look in looks:
-            start_utc = at(look.first_step)
-            length_s = request.targets[look.target].lengths_s[look.length]
-            chosen.append(
-                ChosenLook(
-                    target=look.target,
-                    start_utc=start_utc,
-                    stop_utc=shifted_utc(start_utc, length_s),
-                )
-            )
-        flights.append(
-            ChosenPass(
-                start_utc=shifted_utc(chosen[0].start_utc, -rest_s),
-                stop_utc=shifted_utc(chosen[-1].stop_utc, rest_s),
-                looks=tuple(chosen),
-            )
+    return tuple(
+        ChosenPass(
+            start_utc=shifted_utc(looks[0].start_utc, -rest_s),
+            stop_utc=shifted_utc(looks[-1].stop_utc, rest_s),
+            looks=looks,
         )
-    return tuple(flights)
+        for looks in (tuple(map(chosen, one)) for one in choice.passes if one)
+    )

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner import effort
 from planner.arrays import Array, Indices
@@ -13,11 +14,11 @@ from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier, carrier_over
-from planner.opportunities.conditions import Condition, conditions_of
+from planner.opportunities.conditions import Cause, conditions_of
 from planner.opportunities.description import describe_windows
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
-from planner.opportunities.spans import Nodes, Spans, nodes_over, stretches
+from planner.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
 from planner.opportunities.windows import Opportunities, in_order
 from planner.targets import EarthFixedTarget
 
@@ -146,30 +147,31 @@ def _least_rad(target: object, asked_rad: float) -> float:
 
 def _windows(request: OpportunityRequest, sight: Sight, nodes: Nodes, work: Work) -> Spans:
     """When all conditions hold, condition after condition."""
-    effort.spend(work.look_rows * len(nodes.t_s))
-    inside = stretches(sight.clearance_rad, nodes)
-    spans = Spans(
-        target=nodes.target[inside.group],
-        start_s=inside.start_s,
-        stop_s=inside.stop_s,
-        opened_by=np.where(inside.from_first, "interval", "elevation"),
-        closed_by=np.where(inside.to_last, "interval", "elevation"),
-    )
+    interval = np.full(len(nodes.target), "interval")
+    spans = _holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
     for condition in conditions_of(request.conditions, request.platform, sight):
-        spans = _narrow(spans, sight, condition, work)
+        nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+        edges = spans.opened_by, spans.closed_by
+        spans = _holding(condition.margin, nodes, condition.cause, *edges, work)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)
     return spans.select(spans.stop_s - spans.start_s >= least_s)
 
 
-def _narrow(spans: Spans, sight: Sight, condition: Condition, work: Work) -> Spans:
-    nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+def _holding(
+    margin: Margin,
+    nodes: Nodes,
+    cause: Cause,
+    opened_by: NDArray[np.str_],
+    closed_by: NDArray[np.str_],
+    work: Work,
+) -> Spans:
+    """Where a margin holds; opened_by, closed_by: what makes the ends of each group of nodes."""
     effort.spend(work.look_rows * len(nodes.t_s))
-    inside = stretches(condition.margin, nodes)
-    before = spans.select(inside.group)
+    inside = stretches(margin, nodes)
     return Spans(
-        target=before.target,
+        target=nodes.target[inside.group],
         start_s=inside.start_s,
         stop_s=inside.stop_s,
-        opened_by=np.where(inside.from_first, before.opened_by, condition.cause),
-        closed_by=np.where(inside.to_last, before.closed_by, condition.cause),
+        opened_by=np.where(inside.from_first, opened_by[inside.group], cause),
+        closed_by=np.where(inside.to_last, closed_by[inside.group], cause),
     )

@@ -43,20 +43,21 @@ def pointing_session(
         error_rad = apart_rad(sky.apparent_eci, boresight_eci)
         model_rad = LIMB_MODEL_SHARE * sky.bending_rad
         view = _sky_view(flight, sky)
-        findings = _sky_findings(flight, sky, error_rad, most_rad + model_rad, target)
+        findings = _sky_findings(flight, sky, target)
     else:
         sight = earth_fixed_sight(target, instants, states)
         error_rad = apart_rad(sight.apparent_eci, boresight_eci)
         model_rad = np.zeros_like(error_rad)
         view = _earth_fixed_view(flight, sight, boresight_eci, error_rad)
-        findings = _ground_findings(flight, sight, error_rad, most_rad, view, target)
+        findings = _ground_findings(flight, sight, target)
     report = flight.report(
         error_rad,
         view,
         allowed_rad=most_rad,
         off_target=_off_target(flight, error_rad, EXACT_RAD + model_rad),
     )
-    return report, (*findings, *_nearness_findings(report))
+    pointing = _pointing_findings(flight, error_rad, most_rad + model_rad, view)
+    return report, (*pointing, *findings, *_nearness_findings(report))
 
 
 def _allowed_rad(flight: TableSession) -> float:
@@ -101,27 +102,32 @@ def _miss_on_ground_m(sight: EarthFixedSight, boresight_eci: Array) -> float:
     return float(np.max(sight.range_m * np.linalg.norm(on_ground, axis=1)))
 
 
-def _ground_findings(
-    flight: TableSession,
-    sight: EarthFixedSight,
-    error_rad: Array,
-    allowed_rad: float,
-    view: EarthFixedView,
-    target: EarthFixedTarget,
+def _pointing_findings(
+    flight: TableSession, error_rad: Array, allowed_rad: Array, view: EarthFixedView | SkyView
 ) -> Iterator[Finding]:
-    worst = int(np.argmax(error_rad))
-    if not error_rad[worst] <= allowed_rad:
-        off = (
-            f"{_arcsec(error_rad[worst]):.3f} arcsec "
-            f"({view.miss_across_max_m:.2f} m across the line of sight)"
+    worst = int(np.argmax(error_rad - allowed_rad))
+    if not error_rad[worst] <= allowed_rad[worst]:
+        across = ""
+        if isinstance(view, EarthFixedView):
+            across = f" ({view.miss_across_max_m:.2f} m across the line of sight)"
+        yield flight.error(
+            "pointing",
+            worst,
+            f"the boresight is {_arcsec(error_rad[worst]):.3f} arcsec{across} off the target, more "
+            f"than {_arcsec(float(allowed_rad[worst])):.1f} arcsec",
         )
-        yield flight.error("pointing", worst, _miss(off, allowed_rad))
-    elevation_short_rad = math.radians(target.min_elevation_deg) - view.elevation_min_rad
-    if elevation_short_rad > ELEVATION_TOLERANCE_RAD:
+
+
+def _ground_findings(
+    flight: TableSession, sight: EarthFixedSight, target: EarthFixedTarget
+) -> Iterator[Finding]:
+    lowest = int(np.argmin(sight.elevation_rad))
+    elevation_rad = float(sight.elevation_rad[lowest])
+    if math.radians(target.min_elevation_deg) - elevation_rad > ELEVATION_TOLERANCE_RAD:
         yield flight.error(
             "elevation",
-            int(np.argmin(sight.elevation_rad)),
-            f"the carrier stands {math.degrees(view.elevation_min_rad):.3f} deg high "
+            lowest,
+            f"the carrier stands {math.degrees(elevation_rad):.3f} deg high "
             f"at the target, less than {target.min_elevation_deg:.3f} deg",
         )
     if sight.hidden.any():
@@ -132,13 +138,7 @@ def _ground_findings(
         )
 
 
-def _sky_findings(
-    flight: TableSession, sky: SkyDirection, error_rad: Array, allowed_rad: Array, target: SkyTarget
-) -> Iterator[Finding]:
-    worst = int(np.argmax(error_rad - allowed_rad))
-    if not error_rad[worst] <= allowed_rad[worst]:
-        off = f"{_arcsec(error_rad[worst]):.3f} arcsec"
-        yield flight.error("pointing", worst, _miss(off, float(allowed_rad[worst])))
+def _sky_findings(flight: TableSession, sky: SkyDirection, target: SkyTarget) -> Iterator[Finding]:
     short_rad = -sky.clearance_rad - LIMB_MODEL_SHARE * sky.bending_rad
     lowest = int(np.argmax(short_rad))
     if not short_rad[lowest] <= ELEVATION_TOLERANCE_RAD:
@@ -184,10 +184,6 @@ def _nearness_findings(report: SessionReport) -> Iterator[Finding]:
         t_s=worst.max_t_s,
         at_utc=worst.max_utc,
     )
-
-
-def _miss(off: str, allowed_rad: float) -> str:
-    return f"the boresight is {off} off the target, more than {_arcsec(allowed_rad):.1f} arcsec"
 
 
 def _arcsec(angle_rad: float) -> float:
