@@ -110,20 +110,29 @@ def forgetful(things: int, ticks: int, *, once: bool) -> Memory:
 class Repeats:
     """Which things are remembered, and where.
 
-    first_tick, last_tick: of the places where a thing can be visited, (things,).  Things that
-    lie further apart than a label can leap share a bit.
+    things: how many there are.  thing, first_tick, last_tick: of each place where one can be
+    visited, (n,).  Things that lie further apart than a label can leap share a bit.
     pairs: things visited in two parts, remembered everywhere.
     """
 
     def __init__(
-        self, first_tick: Indices, last_tick: Indices, leap_ticks: int, pairs: Sequence[int]
+        self,
+        things: int,
+        thing: Indices,
+        first_tick: Indices,
+        last_tick: Indices,
+        leap_ticks: int,
+        pairs: Sequence[int],
     ) -> None:
-        self._first, self._last, self._leap_ticks = first_tick, last_tick, leap_ticks
+        self._first, self._last = np.full(things, last_tick.max()), np.zeros(things, np.int64)
+        np.minimum.at(self._first, thing, first_tick)
+        np.maximum.at(self._last, thing, last_tick)
+        self._leap_ticks = leap_ticks
         self._pairs = frozenset(pairs)
         self._number: dict[int, int] = {}
-        self._visit_mask = np.zeros(len(first_tick), np.int64)
-        for thing in pairs:
-            self._remember(thing, slice(None))
+        self._visit_mask = np.zeros(things, np.int64)
+        for pair in pairs:
+            self._remember(pair, slice(None))
 
     def memory(self) -> Memory:
         bit = np.zeros_like(self._visit_mask)

@@ -74,12 +74,8 @@ def path_bound(network: Network, length_steps: Indices, gain: Array, labels_max:
 
     Tightened until a path of that value is known, or more than labels_max labels were made.
     """
-    first_tick = np.full(len(gain), network.stop_step)
-    last_tick = np.zeros(len(gain), np.intp)
-    np.minimum.at(first_tick, network.target, network.first)
-    np.maximum.at(last_tick, network.target, network.last)
     leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
-    repeats = Repeats(first_tick, last_tick, leap_ticks, pairs=())
+    repeats = Repeats(len(gain), network.target, network.first, network.last, leap_ticks, pairs=())
     known = best_path(network, length_steps, gain).value
     least = np.inf
     for found in rounds(

@@ -184,14 +184,11 @@ def _turn_graph(nodes: _Nodes) -> TurnGraph:
 
 
 def _repeats(imaging: Imaging, count: int, graph: TurnGraph) -> Repeats:
-    first_tick = np.full(count, imaging.stop_tick.max())
-    last_tick = np.zeros_like(first_tick)
-    np.minimum.at(first_tick, imaging.request, imaging.start_tick)
-    np.maximum.at(last_tick, imaging.request, imaging.start_tick)
     longest_ticks = int(np.max(imaging.stop_tick - imaging.start_tick))
     leap_ticks = longest_ticks + int(graph.reach_ticks.max()) + 2 * WAIT_TICKS
     stereo = np.unique(imaging.request[imaging.part != WHOLE]).tolist()
-    return Repeats(first_tick, last_tick, leap_ticks, stereo)
+    start_tick = imaging.start_tick
+    return Repeats(count, imaging.request, start_tick, start_tick, leap_ticks, stereo)
 
 
 @compiled
