@@ -177,10 +177,10 @@ class _Search:
         latest = list(self._proposed)[-PROPOSALS_MAX:]
         own = [(n, looks) for n, looks in enumerate(self.best) if looks]
         proposals = list(dict.fromkeys([*own, *latest]))
-        values = [self._looking.worth_of([looks]) for _, looks in proposals]
+        proposal_value = [self._looking.worth_of([looks]) for _, looks in proposals]
         passes: Passes = [()] * len(self._networks)
         for number, looks in _best_together(
-            proposals, values, len(passes), self._looking.look_limit, COMBINE_S
+            proposals, proposal_value, len(passes), self._looking.look_limit, COMBINE_S
         ):
             passes[number] = looks
         self.improve(passes)
@@ -188,14 +188,14 @@ class _Search:
 
 def _best_together(
     proposals: Sequence[Proposal],
-    values: Sequence[float],
+    proposal_value: Sequence[float],
     passes: int,
     look_limit: Array,
     time_s: float,
 ) -> list[Proposal]:
     """At most one per pass, no target looked at too often; the best found in time_s.
 
-    values: of the proposals.  look_limit: (targets,).  An integer programme, solved by HiGHS.
+    proposal_value: of each.  look_limit: (targets,).  An integer programme, solved by HiGHS.
     """
     entries = [
         (row, number)
@@ -207,7 +207,7 @@ def _best_together(
     row, place = np.array(entries).T
     shape = (passes + len(look_limit), len(proposals))
     solved = milp(
-        -np.array(values),
+        -np.array(proposal_value),
         integrality=np.ones(len(proposals), np.intp),
         bounds=Bounds(0.0, 1.0),
         constraints=LinearConstraint(

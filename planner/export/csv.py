@@ -23,17 +23,24 @@ def table_csv(table: CommandTable) -> str:
 
     Degrees to 1e-9 (4 microarcsec), as in the JSON answer.
     """
-    named = [(column.name, column.value_by_row, DECIMALS) for column in columns(table)]
-    return rows_csv(table.epoch_utc, table.t_s, named)
+    table_columns = columns(table)
+    names = [column.name for column in table_columns]
+    value_by_row = np.column_stack([column.value_by_row for column in table_columns])
+    return rows_csv(table.epoch_utc, table.t_s, names, value_by_row, [DECIMALS] * len(names))
 
 
-def rows_csv(epoch_utc: datetime, t_s: Array, named: Sequence[tuple[str, Array, int]]) -> str:
-    """One row per 0.2 s: `utc`, `t_s`, then columns (n,) by their names with so many decimals."""
-    names, values, decimals = zip(*named, strict=True)
+def rows_csv(
+    epoch_utc: datetime,
+    t_s: Array,
+    names: Sequence[str],
+    value_by_row: Array,
+    decimals: Sequence[int],
+) -> str:
+    """One row per 0.2 s: `utc`, `t_s`, then columns, (n, k), by their names and decimals."""
     layout = ",".join(f"%.{count}f" for count in decimals)
     lines = [",".join(["utc", "t_s", *map(_quote, names)])]
     utc = Instants(epoch_utc, t_s).utc_text(1)
-    for moment, t, row in zip(utc, t_s.tolist(), np.column_stack(values).tolist(), strict=True):
+    for moment, t, row in zip(utc, t_s.tolist(), value_by_row.tolist(), strict=True):
         lines.append(f"{moment},{t:.1f},{layout % tuple(row)}")
     return "\n".join(lines) + "\n"
 

@@ -93,12 +93,12 @@ def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
 def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
     head = "".join(f"# {note}\n" for note in _notes(plan, created_utc))
-    named = [
-        (f"{column.name}_{part}".rstrip("_"), value_by_row, column.decimals)
-        for column in _columns(plan.table)
-        for part, value_by_row in zip(_PARTS_BY_SIDE[column.side], column.rows.T, strict=True)
-    ]
-    return (head + rows_csv(plan.table.epoch_utc, plan.table.t_s, named)).encode()
+    columns = _columns(plan.table)
+    parts = [(column, part) for column in columns for part in _PARTS_BY_SIDE[column.side]]
+    names = [f"{column.name}_{part}".rstrip("_") for column, part in parts]
+    rows = np.hstack([column.rows for column in columns])
+    decimals = [column.decimals for column, _ in parts]
+    return (head + rows_csv(plan.table.epoch_utc, plan.table.t_s, names, rows, decimals)).encode()
 
 
 def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
