@@ -61,18 +61,14 @@ class Visit(NamedTuple):
     """What becomes of a label that makes it.
 
     number: the caller's.  part: WHOLE, or OPENS and COMPLETES a thing, others between.
-    bit: the thing's.  before_mask, after_mask: bits remembered before and after the visit.
-    once: as of `Memory`.
+    tick: when it ends.
     """
 
     number: int
     thing: int
     part: int
     value: float
-    bit: int
-    before_mask: int
-    after_mask: int
-    once: bool
+    tick: int
 
 
 class Labels(NamedTuple):
@@ -114,20 +110,29 @@ def forgetful(things: int, ticks: int, *, once: bool) -> Memory:
 class Repeats:
     """Which things are remembered, and where.
 
-    first_tick, last_tick: of the places where a thing can be visited, (things,).  Things that
-    lie further apart than a label can leap share a bit.
+    things: how many there are.  thing, first_tick, last_tick: of each place where one can be
+    visited, (n,).  Things that lie further apart than a label can leap share a bit.
     pairs: things visited in two parts, remembered everywhere.
     """
 
     def __init__(
-        self, first_tick: Indices, last_tick: Indices, leap_ticks: int, pairs: Sequence[int]
+        self,
+        things: int,
+        thing: Indices,
+        first_tick: Indices,
+        last_tick: Indices,
+        leap_ticks: int,
+        pairs: Sequence[int],
     ) -> None:
-        self._first, self._last, self._leap_ticks = first_tick, last_tick, leap_ticks
+        self._first, self._last = np.full(things, last_tick.max()), np.zeros(things, np.int64)
+        np.minimum.at(self._first, thing, first_tick)
+        np.maximum.at(self._last, thing, last_tick)
+        self._leap_ticks = leap_ticks
         self._pairs = frozenset(pairs)
         self._number: dict[int, int] = {}
-        self._visit_mask = np.zeros(len(first_tick), np.int64)
-        for thing in pairs:
-            self._remember(thing, slice(None))
+        self._visit_mask = np.zeros(things, np.int64)
+        for pair in pairs:
+            self._remember(pair, slice(None))
 
     def memory(self) -> Memory:
         bit = np.zeros_like(self._visit_mask)
@@ -202,46 +207,29 @@ def no_labels(places: int, start: int, memory: Memory) -> Labels:
 
 
 @compiled
-def follow(labels: Labels, begin: int, to: int, mask: int) -> None:
-    """All labels at place `begin` come to another one with nothing done on the way."""
-    label = labels.label
-    k = labels.first[begin]
-    while k != NONE:
-        here = label[k]
-        things, halves = here.things & mask, here.halves & mask
-        if not _is_barred(label, labels.first[to], here.value, things, halves, False):
-            _keep(labels, to, here.value, things, halves, here.last)
-        k = here.next
+def follow(labels: Labels, begin: int, places: Iterable[int], mask: int, visited: bool) -> None:
+    """Labels at place `begin` come to others with nothing done on the way; NONE is no place.
 
-
-@compiled
-def leave(labels: Labels, begin: int, places: Iterable[int]) -> None:
-    """Those labels at place `begin` that made a visit there come to others; NONE is no place."""
+    visited: only those that made a visit there.
+    """
     first, label = labels.first, labels.label
     k = first[begin]
     while k != NONE:
         here = label[k]
-        if here.last == k:
-            value, things, halves = here.value, here.things, here.halves
+        if here.last == k or not visited:
+            value, things, halves = here.value, here.things & mask, here.halves & mask
             for to in places:
                 if to != NONE and not _is_barred(label, first[to], value, things, halves, False):
-                    _keep(labels, to, value, things, halves, k)
+                    _keep(labels, to, value, things, halves, here.last)
         k = here.next
 
 
 @compiled
-def visit_at(memory: Memory, tick: int, number: int, thing: int, part: int, value: float) -> Visit:
-    """A visit that ends at a tick."""
-    mask = memory.tick_mask[tick]
-    return Visit(
-        number, thing, part, value, memory.bit[thing], mask, memory.visit_mask[thing], memory.once
-    )
-
-
-@compiled
-def visit(labels: Labels, begins: Iterable[int], to: int, made: Visit) -> bool:
+def visit(labels: Labels, begins: Iterable[int], to: int, memory: Memory, made: Visit) -> bool:
     """All labels at places `begins` that may come to another one by a visit; whether any did."""
-    first, label = labels.first, labels.label
+    first, label, once = labels.first, labels.label, memory.once
+    before_mask, after_mask = memory.tick_mask[made.tick], memory.visit_mask[made.thing]
+    bit = memory.bit[made.thing]
     is_any = False
     for begin in begins:
         k = first[begin]
@@ -249,10 +237,12 @@ def visit(labels: Labels, begins: Iterable[int], to: int, made: Visit) -> bool:
             here = label[k]
             k = here.next
             value = here.value + made.value
-            allowed, things, halves = _remember(made, here.things, here.halves)
-            if not allowed or _is_barred(label, first[to], value, things, halves, made.once):
+            allowed, things, halves = _remember(
+                made.part, bit, after_mask, here.things & before_mask, here.halves & before_mask
+            )
+            if not allowed or _is_barred(label, first[to], value, things, halves, once):
                 continue
-            if made.once and _is_behind(label, here.last, made.thing):
+            if once and _is_behind(label, here.last, made.thing):
                 continue
             new = _keep(labels, to, value, things, halves, NONE)
             if new != NONE:
@@ -263,16 +253,17 @@ def visit(labels: Labels, begins: Iterable[int], to: int, made: Visit) -> bool:
 
 
 @compiled
-def _remember(made: Visit, things: int, halves: int) -> tuple[bool, int, int]:
-    """A label's memory after a visit: (allowed, things, halves)."""
-    things, halves = things & made.before_mask, halves & made.before_mask
-    allowed = things & made.bit == 0
-    if made.part == OPENS:
-        return allowed and halves & made.bit == 0, things & made.after_mask, halves | made.bit
-    if made.part == COMPLETES:
-        allowed = allowed and (halves & made.bit != 0 or made.bit == 0)
-        halves &= ~made.bit
-    return allowed, (things | made.bit) & made.after_mask, halves
+def _remember(
+    part: int, bit: int, after_mask: int, things: int, halves: int
+) -> tuple[bool, int, int]:
+    """A label's memory after a visit to the thing of that bit: (allowed, things, halves)."""
+    allowed = things & bit == 0
+    if part == OPENS:
+        return allowed and halves & bit == 0, things & after_mask, halves | bit
+    if part == COMPLETES:
+        allowed = allowed and (halves & bit != 0 or bit == 0)
+        halves &= ~bit
+    return allowed, (things | bit) & after_mask, halves
 
 
 @compiled

@@ -1,13 +1,12 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
 from planner.campaigns.network import Network, network_of, relax
 from planner.campaigns.passes import (
@@ -18,6 +17,7 @@ from planner.campaigns.passes import (
     longest_rest_s,
     longest_slew_s,
 )
+from planner.campaigns.path import Look
 from planner.campaigns.request import LENGTHS, CampaignRequest
 from planner.campaigns.slew_time import limit_table
 from planner.campaigns.ways import Ways, ways_to_follow
@@ -103,9 +103,13 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     least_s = _least_s(request)
     ways = ways_to_follow(looks, targets, least_s, carrier, platform, request.step_s, grid_s)
     looking = _looking(request)
-    networks = _networks(ways, looking, limits, tell)
+    shortest = looking.length_steps[:, 0]
+    networks = _networks(ways, shortest, limits, tell)
     choice = choose(networks, looking, tell)
-    bound = _bound(networks, ways, looking, limits, choice, tell)
+    tell("bound", 0, 1)
+    # At slew times that nothing can beat.
+    optimistic = [relax(network, ways, shortest, limit_table(limits)) for network in networks]
+    bound = bound_at(optimistic, looking, choice.price)
     seen = set(np.unique(ways.target).tolist())
     return Campaign(
         passes=_in_utc(request, choice, rest_s, grid_s),
@@ -196,7 +200,7 @@ def _looking(request: CampaignRequest) -> Looking:
 
 
 def _networks(
-    ways: Ways, looking: Looking, limits: tuple[AxisLimits, ...], tell: Reporter
+    ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
 ) -> list[Network]:
     numbers = np.unique(ways.pass_number)
     networks = []
@@ -204,55 +208,25 @@ def _networks(
         tell("slews", done, len(numbers))
         rows = np.flatnonzero(ways.pass_number == number)
         networks.append(
-            network_of(
-                ways, rows, looking.length_steps[:, 0], limit_table(limits), longest_slew_s(limits)
-            )
+            network_of(ways, rows, shortest, limit_table(limits), longest_slew_s(limits))
         )
     return networks
-
-
-def _bound(
-    networks: Sequence[Network],
-    ways: Ways,
-    looking: Looking,
-    limits: tuple[AxisLimits, ...],
-    choice: CampaignChoice,
-    tell: Reporter,
-) -> float:
-    """At slew times that nothing can beat."""
-    tell("bound", 0, 1)
-    shortest = looking.length_steps[:, 0]
-    table = limit_table(limits)
-    optimistic = [relax(network, ways, shortest, table) for network in networks]
-    return bound_at(optimistic, looking, choice.price)
 
 
 def _in_utc(
     request: CampaignRequest, choice: CampaignChoice, rest_s: float, grid_s: float
 ) -> tuple[ChosenPass, ...]:
-    def at(step: int) -> datetime:
-        return shifted_utc(request.start, grid_s + step * request.step_s)
+    def chosen(look: Look) -> ChosenLook:
+        start_utc = shifted_utc(request.start, grid_s + look.first_step * request.step_s)
+        length_s = request.targets[look.target].lengths_s[look.length]
+        stop_utc = shifted_utc(start_utc, length_s)
+        return ChosenLook(target=look.target, start_utc=start_utc, stop_utc=stop_utc)
 
-    flights = []
-    for looks in choice.passes:
-        if not looks:
-            continue
-        chosen = []
-        for look in looks:
-            start_utc = at(look.first_step)
-            length_s = request.targets[look.target].lengths_s[look.length]
-            chosen.append(
-                ChosenLook(
-                    target=look.target,
-                    start_utc=start_utc,
-                    stop_utc=shifted_utc(start_utc, length_s),
-                )
-            )
-        flights.append(
-            ChosenPass(
-                start_utc=shifted_utc(chosen[0].start_utc, -rest_s),
-                stop_utc=shifted_utc(chosen[-1].stop_utc, rest_s),
-                looks=tuple(chosen),
-            )
+    return tuple(
+        ChosenPass(
+            start_utc=shifted_utc(looks[0].start_utc, -rest_s),
+            stop_utc=shifted_utc(looks[-1].stop_utc, rest_s),
+            looks=looks,
         )
-    return tuple(flights)
+        for looks in (tuple(map(chosen, one)) for one in choice.passes if one)
+    )

@@ -4,13 +4,16 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_array
 
 from planner.arrays import Array, Indices
-from planner.campaigns.master import Proposal, best_together
 from planner.campaigns.network import Network
 from planner.campaigns.path import Look, best_path, path_bound
 
 Passes = list[tuple[Look, ...]]
+Proposal = tuple[int, tuple[Look, ...]]
+"""A pass by its number, and looks it could have, in order of time."""
 Reporter = Callable[[str, int, int], None]
 """What is being done, and how many parts of how many of it are."""
 
@@ -21,6 +24,7 @@ FILL_EVERY = 10
 SWEEPS_MAX = 10
 PROPOSALS_MAX = 6000  # the latest, made at the best prices
 COMBINE_S = 20.0  # most time for the integer programme
+COMBINED_GAP_ENOUGH = 1e-4  # of it
 GAP_ENOUGH = 1e-3
 BOUND_LABELS_MAX = 4_000_000  # of all passes, of one an eighth of them: some seconds
 WORTHLESS = 1e-9  # of rounding
@@ -95,7 +99,7 @@ class _Search:
         self.best: Passes = [()] * len(networks)
         self.value = 0.0
         self._bound = float(looking.look_limit @ looking.look_value.max(axis=1))
-        self._proposed: dict[tuple[int, tuple[Look, ...]], None] = {}
+        self._proposed: dict[Proposal, None] = {}
 
     def find_prices(self, tell: Reporter) -> Array:
         """Prices at which the bound is about least; improves the choice on the way."""
@@ -172,15 +176,49 @@ class _Search:
             return
         latest = list(self._proposed)[-PROPOSALS_MAX:]
         own = [(n, looks) for n, looks in enumerate(self.best) if looks]
-        proposals = [
-            Proposal(pass_number=n, value=self._looking.worth_of([looks]), looks=looks)
-            for n, looks in dict.fromkeys([*own, *latest])
-        ]
-        chosen = best_together(proposals, len(self._networks), self._looking.look_limit, COMBINE_S)
+        proposals = list(dict.fromkeys([*own, *latest]))
+        proposal_value = [self._looking.worth_of([looks]) for _, looks in proposals]
         passes: Passes = [()] * len(self._networks)
-        for one in chosen:
-            passes[one.pass_number] = one.looks
+        for number, looks in _best_together(
+            proposals, proposal_value, len(passes), self._looking.look_limit, COMBINE_S
+        ):
+            passes[number] = looks
         self.improve(passes)
+
+
+def _best_together(
+    proposals: Sequence[Proposal],
+    proposal_value: Sequence[float],
+    passes: int,
+    look_limit: Array,
+    time_s: float,
+) -> list[Proposal]:
+    """At most one per pass, no target looked at too often; the best found in time_s.
+
+    proposal_value: of each.  look_limit: (targets,).  An integer programme, solved by HiGHS.
+    """
+    entries = [
+        (row, number)
+        for number, (pass_number, looks) in enumerate(proposals)
+        for row in (pass_number, *(passes + look.target for look in looks))
+    ]
+    if not entries:
+        return []
+    row, place = np.array(entries).T
+    shape = (passes + len(look_limit), len(proposals))
+    solved = milp(
+        -np.array(proposal_value),
+        integrality=np.ones(len(proposals), np.intp),
+        bounds=Bounds(0.0, 1.0),
+        constraints=LinearConstraint(
+            csr_array((np.ones(len(row)), (row, place)), shape=shape),
+            ub=np.concatenate([np.ones(passes), look_limit]),
+        ),
+        options={"time_limit": time_s, "mip_rel_gap": COMBINED_GAP_ENOUGH},
+    )
+    if solved.x is None:
+        return []
+    return [one for one, share in zip(proposals, solved.x, strict=True) if share > 0.5]
 
 
 def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:

@@ -9,19 +9,19 @@ from planner.arrays import Array, Indices
 from planner.campaigns.network import Network
 from planner.compiled import compiled
 from planner.label_search import (
+    EVERYTHING,
     ROUNDING,
     WHOLE,
     Memory,
     Repeats,
     Round,
+    Visit,
     best,
     follow,
     forgetful,
-    leave,
     no_labels,
     rounds,
     visit,
-    visit_at,
 )
 
 
@@ -74,12 +74,8 @@ def path_bound(network: Network, length_steps: Indices, gain: Array, labels_max:
 
     Tightened until a path of that value is known, or more than labels_max labels were made.
     """
-    first_tick = np.full(len(gain), network.stop_step)
-    last_tick = np.zeros(len(gain), np.intp)
-    np.minimum.at(first_tick, network.target, network.first)
-    np.maximum.at(last_tick, network.target, network.last)
     leap_ticks = 2 * int((network.last - network.first).max()) + network.reach
-    repeats = Repeats(first_tick, last_tick, leap_ticks, pairs=())
+    repeats = Repeats(len(gain), network.target, network.first, network.last, leap_ticks, pairs=())
     known = best_path(network, length_steps, gain).value
     least = np.inf
     for found in rounds(
@@ -102,7 +98,7 @@ def _sweep(
     for step in range(end):
         mask = memory.tick_mask[step]
         if step > 0:
-            follow(labels, rest + step - 1, rest + step, mask)
+            follow(labels, rest + step - 1, (rest + step,), mask, False)
         for way in range(len(network.first)):
             steps = step - network.first[way]
             if steps < 0:
@@ -112,19 +108,20 @@ def _sweep(
             cell, target = network.offset[way] + steps, network.target[way]
             done = cell + size
             if steps == 0:
-                follow(labels, rest + max(step - network.reach, 0), cell, mask)
+                follow(labels, rest + max(step - network.reach, 0), (cell,), mask, False)
             else:
-                follow(labels, cell - 1, cell, mask)
-                follow(labels, done - 1, done, mask)
+                follow(labels, cell - 1, (cell,), mask, False)
+                follow(labels, done - 1, (done,), mask, False)
             is_seen = False
             for length in range(lengths):
                 takes, value = length_steps[target, length], gain[target, length]
                 if takes <= steps and value > 0.0:
-                    look = visit_at(memory, step, cell * lengths + length, target, WHOLE, value)
-                    is_seen |= visit(labels, (cell - takes,), done, look)
+                    look = Visit(cell * lengths + length, target, WHOLE, value, step)
+                    is_seen |= visit(labels, (cell - takes,), done, memory, look)
             if is_seen:
-                leave(labels, done, (rest + step,))
+                follow(labels, done, (rest + step,), EVERYTHING, True)
                 edges = network.edge_from[way + 1] - network.edge_from[way]
                 begin = network.arrival_offset[way] + steps * edges
-                leave(labels, done, network.arrival[begin : begin + edges])
+                arrivals = network.arrival[begin : begin + edges]
+                follow(labels, done, arrivals, EVERYTHING, True)
     return best(labels, (rest + end - 1, rest + end))

@@ -107,10 +107,8 @@ class CampaignRequest:
                 f"not {', '.join(self.rest_deg) or 'none'}"
             )
         for name, limits in zip(names, self.platform.axis_limits, strict=True):
-            low_deg, high_deg = (
-                math.degrees(limits.angle_min_rad),
-                math.degrees(limits.angle_max_rad),
-            )
+            low_deg = math.degrees(limits.angle_min_rad)
+            high_deg = math.degrees(limits.angle_max_rad)
             if not low_deg <= self.rest_deg[name] <= high_deg:
                 raise ValueError(
                     f"rest_angles_deg.{name} must lie within its stops {low_deg:g}..{high_deg:g}, "

@@ -41,14 +41,8 @@ class Ways:
     axis_states: Array
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Run:
-    """Ways found in one batch of samples, each array of shape (w,) or (n, ...)."""
-
-    look: Indices
-    first_step: Indices
-    steps: Indices
-    axis_states: Array
+_Run = tuple[Indices, Indices, Indices, Array]
+"""Ways found in one batch: row of `looks`, first_step and steps of each, and all axis_states."""
 
 
 def ways_to_follow(
@@ -165,21 +159,14 @@ def _split(look: Indices, step: Indices, axis_states: Array, usable: NDArray[np.
     goes_on = (look[1:] == look[:-1]) & (step[1:] == step[:-1] + 1)
     goes_on &= (np.abs(np.diff(axis_states[:, 0], axis=0)) < math.pi).all(axis=1)
     begins = np.flatnonzero(np.append(True, ~goes_on)[: len(look)])
-    return _Run(
-        look=look[begins],
-        first_step=step[begins],
-        steps=np.diff(np.append(begins, len(look))),
-        axis_states=axis_states,
-    )
+    return look[begins], step[begins], np.diff(np.append(begins, len(look))), axis_states
 
 
 def _gather(runs: Sequence[_Run], looks: Looks, least_steps: Indices, step_s: float) -> Ways:
     """The runs longer than the least of their targets, (targets,), by pass and time."""
     none = np.empty(0, np.intp)
-    look = np.concatenate([none, *(run.look for run in runs)])
-    first_step = np.concatenate([none, *(run.first_step for run in runs)])
-    steps = np.concatenate([none, *(run.steps for run in runs)])
-    axis_states = np.concatenate([np.empty((0, 3, 2)), *(run.axis_states for run in runs)])
+    columns = zip((none, none, none, np.empty((0, 3, 2))), *runs, strict=True)
+    look, first_step, steps, axis_states = map(np.concatenate, columns)
     begins = np.cumsum(steps) - steps
     order = np.flatnonzero(steps > least_steps[looks.target[look]])
     order = order[np.lexsort((first_step[order], looks.pass_number[look[order]]))]

@@ -1,9 +1,11 @@
 """The command table as CSV."""
 
+from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
 
+from planner.arrays import Array
 from planner.commands import CommandTable
 from planner.export.description import DECIMALS, columns, notes, one_line
 from planner.export.exporter import FlightPlan
@@ -17,17 +19,29 @@ def write_csv(plan: FlightPlan, created_utc: datetime) -> bytes:
 
 
 def table_csv(table: CommandTable) -> str:
-    """One row per 0.2 s: `utc`, `t_s`, then `NAME_deg` and `NAME_rate_deg_s` of each axis.
+    """As `rows_csv`: `NAME_deg` and `NAME_rate_deg_s` of each axis.
 
     Degrees to 1e-9 (4 microarcsec), as in the JSON answer.
     """
     table_columns = columns(table)
-    utc = Instants(table.epoch_utc, table.t_s).utc_text(1)
-    t_s = table.t_s.tolist()
-    rows = np.column_stack([column.value_by_row for column in table_columns]).tolist()
-    lines = [",".join(["utc", "t_s", *(_quote(column.name) for column in table_columns)])]
-    for moment, t, row in zip(utc, t_s, rows, strict=True):
-        lines.append(f"{moment},{t:.1f}," + ",".join(f"{value:.{DECIMALS}f}" for value in row))
+    names = [column.name for column in table_columns]
+    value_by_row = np.column_stack([column.value_by_row for column in table_columns])
+    return rows_csv(table.epoch_utc, table.t_s, names, value_by_row, [DECIMALS] * len(names))
+
+
+def rows_csv(
+    epoch_utc: datetime,
+    t_s: Array,
+    names: Sequence[str],
+    value_by_row: Array,
+    decimals: Sequence[int],
+) -> str:
+    """One row per 0.2 s: `utc`, `t_s`, then columns, (n, k), by their names and decimals."""
+    layout = ",".join(f"%.{count}f" for count in decimals)
+    lines = [",".join(["utc", "t_s", *map(_quote, names)])]
+    utc = Instants(epoch_utc, t_s).utc_text(1)
+    for moment, t, row in zip(utc, t_s.tolist(), value_by_row.tolist(), strict=True):
+        lines.append(f"{moment},{t:.1f},{layout % tuple(row)}")
     return "\n".join(lines) + "\n"
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +39,7 @@ class Column:
     value_by_row: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class CarrierName:
+class CarrierName(NamedTuple):
     """Name and international designator, UNKNOWN where the orbit source has none."""
 
     name: str
@@ -94,13 +94,13 @@ def carrier_name(orbit: Orbit) -> CarrierName:
         if launch:
             century = "19" if int(launch[:2]) >= 57 else "20"
             designator = f"{century}{launch[:2]}-{launch[2:]}"
-        return CarrierName(name=f"NORAD {orbit.line1[2:7].strip()}", designator=designator)
+        return CarrierName(f"NORAD {orbit.line1[2:7].strip()}", designator)
     name = ""
     if isinstance(orbit, OemOrbit):
         name = orbit.message.segments[0].object_name
     elif isinstance(orbit, OmmOrbit | OpmOrbit):
         name = orbit.message.object_name
-    return CarrierName(name=one_line(name) or UNKNOWN, designator=UNKNOWN)
+    return CarrierName(one_line(name) or UNKNOWN, UNKNOWN)
 
 
 def one_line(text: str) -> str:

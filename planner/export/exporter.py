@@ -13,7 +13,7 @@ SegmentKind = Literal["wait", "slew", "track"]
 KINDS: tuple[SegmentKind, ...] = get_args(SegmentKind)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Exporter(Generic[P]):
     """One format of one kind of plan.
 

@@ -5,9 +5,9 @@ Everything is in ITRF axes, in which targets on the ground stand still.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import datetime
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -72,7 +72,8 @@ def carrier_over(
     first_state = ephemeris.states(Instants(start_utc, np.zeros(1)))
     step_s = min(STEP_TURN_RAD / _perigee_rate_rad_s(first_state), STEP_MAX_S)
     cells = 2 * max(math.ceil(span_s / step_s / 2.0), NODES - 1)
-    rows = _Rows(ephemeris, attitude, platform, start_utc, span_s, cells)
+    rows = _rows(ephemeris, start_utc, span_s, cells)
+    step_s = span_s / cells
     r_sat_itrf_m = _to_itrf(rows.c_itrf, rows.states.r_sat_eci_m)
     v_sat_itrf_m_s = _to_itrf(rows.c_itrf, rows.states.v_sat_eci_m_s)
     r_sun_itrf_m, r_moon_itrf_m = (
@@ -86,63 +87,51 @@ def carrier_over(
         span_s=span_s,
         node_s=rows.instants.t_s,
         turn_max_rad_s=turn_max_rad_s + OMEGA_EARTH_RAD_S,
-        r_sat_itrf_m=UniformTable(rows.step_s, r_sat_itrf_m),
-        v_sat_itrf_m_s=UniformTable(rows.step_s, v_sat_itrf_m_s),
-        r_sun_itrf_m=UniformTable(rows.step_s, r_sun_itrf_m),
-        r_moon_itrf_m=UniformTable(rows.step_s, r_moon_itrf_m),
-        q_platform_from_itrf_xyzw=_attitude_table(rows),
+        r_sat_itrf_m=UniformTable(step_s, r_sat_itrf_m),
+        v_sat_itrf_m_s=UniformTable(step_s, v_sat_itrf_m_s),
+        r_sun_itrf_m=UniformTable(step_s, r_sun_itrf_m),
+        r_moon_itrf_m=UniformTable(step_s, r_moon_itrf_m),
+        q_platform_from_itrf_xyzw=_attitude_table(rows, ephemeris, attitude, platform),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """Orbit, attitude and Earth at `cells` + 1 instants over the span."""
+class _Rows(NamedTuple):
+    """Orbit and Earth at instants evenly over the span."""
 
-    ephemeris: Ephemeris
-    attitude: AttitudeLaw
-    platform: TwoAxisPlatform
-    start_utc: datetime
-    span_s: float
-    cells: int
-
-    @property
-    def step_s(self) -> float:
-        return self.span_s / self.cells
-
-    @cached_property
-    def instants(self) -> Instants:
-        return Instants(self.start_utc, np.linspace(0.0, self.span_s, self.cells + 1))
-
-    @cached_property
-    def states(self) -> OrbitStates:
-        return self.ephemeris.states(self.instants)
-
-    @cached_property
-    def c_itrf(self) -> Array:
-        return c_itrf_from_eci(self.instants)
-
-    def q_platform_from_itrf_xyzw(self) -> Array:
-        """Neighbours of like sign, shape (n, 4)."""
-        q_platform_from_itrf = (
-            self.platform.q_platform_from_body
-            * self.attitude.q_body_from_eci(self.instants, self.states)
-            * Rotation.from_matrix(self.c_itrf).inv()
-        )
-        q = q_platform_from_itrf.as_quat()
-        turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
-        q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
-        return np.asarray(q)
+    instants: Instants
+    states: OrbitStates
+    c_itrf: Array
 
 
-def _attitude_table(rows: _Rows) -> UniformTable:
+def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) -> _Rows:
+    instants = Instants(start_utc, np.linspace(0.0, span_s, cells + 1))
+    return _Rows(instants, ephemeris.states(instants), c_itrf_from_eci(instants))
+
+
+def _attitude_table(
+    rows: _Rows, ephemeris: Ephemeris, attitude: AttitudeLaw, platform: TwoAxisPlatform
+) -> UniformTable:
     """As fine as the law needs: every other row must foretell the rest."""
     while True:
-        q = rows.q_platform_from_itrf_xyzw()
-        half = UniformTable(2.0 * rows.step_s, q[::2])
-        off_rad = 2.0 * np.linalg.norm(half.at(rows.instants.t_s) - q, axis=1)
-        if np.max(off_rad) <= ATTITUDE_ERROR_RAD or rows.step_s <= ATTITUDE_STEP_MIN_S:
-            return UniformTable(rows.step_s, q)
-        rows = replace(rows, cells=2 * rows.cells)
+        q = _q_platform_from_itrf_xyzw(rows, attitude, platform)
+        t_s = rows.instants.t_s
+        step_s = float(t_s[1])
+        off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
+        if np.max(off_rad) <= ATTITUDE_ERROR_RAD or step_s <= ATTITUDE_STEP_MIN_S:
+            return UniformTable(step_s, q)
+        rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))
+
+
+def _q_platform_from_itrf_xyzw(
+    rows: _Rows, attitude: AttitudeLaw, platform: TwoAxisPlatform
+) -> Array:
+    """Neighbours of like sign, shape (n, 4)."""
+    q_body_from_eci = attitude.q_body_from_eci(rows.instants, rows.states)
+    q_eci_from_itrf = Rotation.from_matrix(rows.c_itrf).inv()
+    q = (platform.q_platform_from_body * q_body_from_eci * q_eci_from_itrf).as_quat()
+    turns_over = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+    q[1:] *= np.where(np.cumsum(turns_over) % 2 == 1, -1.0, 1.0)[:, None]
+    return np.asarray(q)
 
 
 def _perigee_rate_rad_s(states: OrbitStates) -> float:

@@ -57,8 +57,21 @@ def conditions_of(
     def turning(cause: Cause, margin: Margin) -> Condition:
         return Condition(cause, margin, orbit_step_s, TURN_MAX_RAD)
 
+    def los_itrf(which: Indices, t_s: Array) -> Array:
+        return sight.sighting(which, t_s).direction_itrf
+
+    def reach(which: Indices, t_s: Array) -> Array:
+        los_platform = carrier.in_platform(los_itrf(which, t_s), t_s)
+        angle_rad = axis_angles(platform, los_platform).angle_rad
+        return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
+
     if on_earth and conditions.max_off_nadir_deg is not None:
-        yield turning("off_nadir", _off_nadir(conditions.max_off_nadir_deg, sight))
+        limit_rad = math.radians(conditions.max_off_nadir_deg)
+
+        def off_nadir(which: Indices, t_s: Array) -> Array:
+            return limit_rad - off_nadir_rad(los_itrf(which, t_s), carrier, t_s)
+
+        yield turning("off_nadir", off_nadir)
     bodies: tuple[tuple[Cause, float | None, UniformTable], ...] = (
         ("sun_keep_out", conditions.sun_keep_out_deg, carrier.r_sun_itrf_m),
         ("moon_keep_out", conditions.moon_keep_out_deg, carrier.r_moon_itrf_m),
@@ -66,7 +79,7 @@ def conditions_of(
     for cause, keep_out_deg, r_body_itrf_m in bodies:
         if keep_out_deg is not None:
             yield turning(cause, _keep_out(keep_out_deg, r_body_itrf_m, sight))
-    yield turning("reach", _reach(platform, sight))
+    yield turning("reach", reach)
 
 
 def reach_margin_rad(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
@@ -127,28 +140,11 @@ def _sunlight(conditions: OpportunityConditions, sight: Sight) -> Margin:
     return margin
 
 
-def _off_nadir(limit_deg: float, sight: Sight) -> Margin:
-    def margin(which: Indices, t_s: Array) -> Array:
-        direction_itrf = sight.sighting(which, t_s).direction_itrf
-        return math.radians(limit_deg) - off_nadir_rad(direction_itrf, sight.carrier, t_s)
-
-    return margin
-
-
 def _keep_out(keep_out_deg: float, r_body_itrf_m: UniformTable, sight: Sight) -> Margin:
     def margin(which: Indices, t_s: Array) -> Array:
         body = _body_direction(r_body_itrf_m, sight.carrier, t_s)
         away_rad = angle_rad(sight.sighting(which, t_s).direction_itrf, body)
         above_limb_rad = limb_clearance_rad(body, sight.carrier.r_sat_itrf_m.at(t_s), 0.0)
         return np.maximum(away_rad - math.radians(keep_out_deg), -HIDDEN_RAD - above_limb_rad)
-
-    return margin
-
-
-def _reach(platform: TwoAxisPlatform, sight: Sight) -> Margin:
-    def margin(which: Indices, t_s: Array) -> Array:
-        los_platform = sight.carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
-        angle_rad = axis_angles(platform, los_platform).angle_rad
-        return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
 
     return margin

@@ -5,25 +5,28 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner import effort
-from planner.arrays import Indices
+from planner.arrays import Array, Indices
 from planner.effort import at_most
 from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
-from planner.opportunities.candidates import candidate_nodes
 from planner.opportunities.carrier import Carrier, carrier_over
-from planner.opportunities.conditions import Condition, conditions_of
+from planner.opportunities.conditions import Cause, conditions_of
 from planner.opportunities.description import describe_windows
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
-from planner.opportunities.spans import Nodes, Spans, nodes_over, stretches
+from planner.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
 from planner.opportunities.windows import Opportunities, in_order
 from planner.targets import EarthFixedTarget
 
 BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all
 SHORTEST_S = 1e-3  # the resolution promised of an edge
+PLUMB_RAD = 0.0034  # geodetic against geocentric vertical: 0.1924 deg at most
+SINGLE_RAD = 1e-3  # what single precision leaves of an angle's cosine, at its worst near 0
+BEYOND = 2  # rows, so that a pass at the end of the span still shows three
 
 
 @dataclass(frozen=True)
@@ -98,13 +101,42 @@ def _batches(
         numbers = list(resting)[first : first + size]
         places = FixedPlaces(carrier, [resting[number] for number in numbers])
         least_rad = np.array([_least_rad(resting[number], asked_rad) for number in numbers])
-        nodes = candidate_nodes(carrier, places.r_itrf_m, least_rad)
+        nodes = _candidate_nodes(carrier, places.r_itrf_m, least_rad)
         yield np.array(numbers), EarthSight(carrier, places, least_rad), nodes, RESTING
     everywhere = Nodes(np.zeros(1, int), np.zeros(len(carrier.node_s), int), carrier.node_s)
     for number, target in enumerate(targets):
         if number not in resting:
             sight = sight_of(carrier, target, _least_rad(target, asked_rad))
             yield np.array([number]), sight, everywhere, ALONE
+
+
+def _candidate_nodes(carrier: Carrier, r_target_itrf_m: Array, min_elevation_rad: Array) -> Nodes:
+    """Rows of the orbit around every instant at which the carrier may stand high enough.
+
+    r_target_itrf_m: (k, 3), at rest.  Each group of nodes reaches two rows beyond both
+    ends of visibility, or to the end of the span.  The Earth's central angle to a carrier at
+    distance r, seen at elevation e from distance R, is acos(R cos e / r) - e.
+    """
+    r_sat_m = carrier.r_sat_itrf_m.at(carrier.node_s)
+    distance_m = np.linalg.norm(r_sat_m, axis=1)
+    ground_m = np.linalg.norm(r_target_itrf_m, axis=1)
+    least_rad = min_elevation_rad - PLUMB_RAD
+    cosine = np.minimum(ground_m * np.cos(least_rad) / distance_m.max(), 1.0)
+    step_s = carrier.node_s[1] - carrier.node_s[0]
+    between_rad = 0.5 * step_s * carrier.turn_max_rad_s
+    central_rad = np.arccos(cosine) - least_rad + between_rad + SINGLE_RAD
+
+    to_sat = (r_sat_m / distance_m[:, None]).astype(np.float32)
+    to_target = (r_target_itrf_m / ground_m[:, None]).astype(np.float32)
+    near = to_target @ to_sat.T > np.cos(np.minimum(central_rad, np.pi))[:, None].astype(np.float32)
+    wider = near.copy()
+    for rows in range(1, BEYOND + 1):
+        wider[:, rows:] |= near[:, :-rows]
+        wider[:, :-rows] |= near[:, rows:]
+    target, row = np.divmod(np.flatnonzero(wider), wider.shape[1])
+    begins = np.append(True, (target[1:] != target[:-1]) | (row[1:] != row[:-1] + 1))
+    begins = begins[: len(target)]
+    return Nodes(target=target[begins], group=np.cumsum(begins) - 1, t_s=carrier.node_s[row])
 
 
 def _least_rad(target: object, asked_rad: float) -> float:
@@ -115,30 +147,31 @@ def _least_rad(target: object, asked_rad: float) -> float:
 
 def _windows(request: OpportunityRequest, sight: Sight, nodes: Nodes, work: Work) -> Spans:
     """When all conditions hold, condition after condition."""
-    effort.spend(work.look_rows * len(nodes.t_s))
-    inside = stretches(sight.clearance_rad, nodes)
-    spans = Spans(
-        target=nodes.target[inside.group],
-        start_s=inside.start_s,
-        stop_s=inside.stop_s,
-        opened_by=np.where(inside.from_first, "interval", "elevation"),
-        closed_by=np.where(inside.to_last, "interval", "elevation"),
-    )
+    interval = np.full(len(nodes.target), "interval")
+    spans = _holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
     for condition in conditions_of(request.conditions, request.platform, sight):
-        spans = _narrow(spans, sight, condition, work)
+        nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+        edges = spans.opened_by, spans.closed_by
+        spans = _holding(condition.margin, nodes, condition.cause, *edges, work)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)
     return spans.select(spans.stop_s - spans.start_s >= least_s)
 
 
-def _narrow(spans: Spans, sight: Sight, condition: Condition, work: Work) -> Spans:
-    nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+def _holding(
+    margin: Margin,
+    nodes: Nodes,
+    cause: Cause,
+    opened_by: NDArray[np.str_],
+    closed_by: NDArray[np.str_],
+    work: Work,
+) -> Spans:
+    """Where a margin holds; opened_by, closed_by: what makes the ends of each group of nodes."""
     effort.spend(work.look_rows * len(nodes.t_s))
-    inside = stretches(condition.margin, nodes)
-    before = spans.select(inside.group)
+    inside = stretches(margin, nodes)
     return Spans(
-        target=before.target,
+        target=nodes.target[inside.group],
         start_s=inside.start_s,
         stop_s=inside.stop_s,
-        opened_by=np.where(inside.from_first, before.opened_by, condition.cause),
-        closed_by=np.where(inside.to_last, before.closed_by, condition.cause),
+        opened_by=np.where(inside.from_first, opened_by[inside.group], cause),
+        closed_by=np.where(inside.to_last, closed_by[inside.group], cause),
     )

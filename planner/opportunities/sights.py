@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -29,43 +28,6 @@ class Sighting:
     direction_itrf: Array
     range_m: Array
     elevation_rad: Array
-
-
-class Sight(Protocol):
-    """Targets that are looked at alike; `which` (n,) numbers them, t_s (n,) is the carrier's."""
-
-    @property
-    def carrier(self) -> Carrier:
-        """From which they are looked at."""
-        ...
-
-    def clearance_rad(self, which: Indices, t_s: Array) -> Array:
-        """How far inside the region where it can be seen, (n,); `VisibleTarget`'s."""
-        ...
-
-    def closeness(self, which: Indices, t_s: Array) -> Array:
-        """Greatest at the closest approach, (n,)."""
-        ...
-
-    def sighting(self, which: Indices, t_s: Array) -> Sighting:
-        """Directions, ranges, elevations."""
-        ...
-
-    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
-        """Of the Sun's centre in the target's sky, without refraction; NaN in space, (n,)."""
-        ...
-
-    def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
-        """When, from t_s, the straight course at t_s is nearest, s, and how fast the line of
-        sight then turns, rad/s, each (n,)."""
-        ...
-
-
-class Places(Protocol):
-    """Where targets on the Earth are."""
-
-    def r_target_itrf_m(self, which: Indices, t_s: Array) -> Array: ...
-    def up_itrf(self, which: Indices, r_target_itrf_m: Array) -> Array: ...
 
 
 class FixedPlaces:
@@ -112,7 +74,7 @@ class EarthSight:
     """
 
     carrier: Carrier
-    places: Places
+    places: FixedPlaces | MovingPlace
     min_elevation_rad: Array
 
     def clearance_rad(self, which: Indices, t_s: Array) -> Array:
@@ -202,6 +164,16 @@ class SkySight:
             np.einsum("nji,nj->ni", c_itrf, self.carrier.v_sat_itrf_m_s.at(t_s)),
         )
         return instants, states, c_itrf
+
+
+Sight = EarthSight | SkySight
+"""Targets that are looked at alike; `which` (n,) numbers them, t_s (n,) is the carrier's.
+
+clearance_rad: how far inside the region where it can be seen, `VisibleTarget`'s.  closeness:
+greatest at the closest approach.  sun_elevation_rad: of the Sun's centre in the target's sky,
+without refraction; NaN in space.  nearest_passage: when, from t_s, the straight course at t_s is
+nearest, s, and how fast the line of sight then turns, rad/s.  Each (n,).
+"""
 
 
 def resting_places(targets: Sequence[Target]) -> dict[int, EarthFixedTarget]:

@@ -3,12 +3,14 @@
 import io
 from dataclasses import dataclass
 from datetime import datetime
+from typing import NamedTuple
 
 import numpy as np
 from scipy.io import netcdf_file
 
 from planner.arrays import Array
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
+from planner.export.csv import rows_csv
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
 from planner.export.exporter import Exporter
 from planner.export.netcdf import describe
@@ -34,40 +36,41 @@ class SessionTable:
         return self.request.definition()
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Column:
-    """rows: shape (n, k), one value a part; unit as UDUNITS writes it."""
+_PARTS_BY_SIDE = {
+    "": ("",),
+    "xyz": ("x", "y", "z"),
+    "xyzw": ("x", "y", "z", "w"),
+    "gimbal": ("1", "2", "3", "4"),
+}
+
+
+class _Column(NamedTuple):
+    """rows: shape (n, k), one value a part of its side; unit as UDUNITS writes it."""
 
     name: str
-    parts: tuple[str, ...]
+    side: str
     unit: str
     rows: Array
     decimals: int = DECIMALS
 
 
 def _columns(table: AttitudeTable) -> tuple[_Column, ...]:
-    xyz, gimbals = ("x", "y", "z"), ("1", "2", "3", "4")
     on = np.append(table.imaging(), False)
     for window in table.windows:
         on[window.last_row] = True
+    q_body_from_eci_xyzw = continuous(table.q_body_from_eci)
     return (
-        _Column(
-            name="q_body_from_eci",
-            parts=(*xyz, "w"),
-            unit="1",
-            rows=continuous(table.q_body_from_eci),
-            decimals=QUATERNION_DECIMALS,
-        ),
-        _degrees("omega_body_deg_s", xyz, "degree s-1", table.omega_body_rad_s),
-        _degrees("alpha_body_deg_s2", xyz, "degree s-2", table.alpha_body_rad_s2),
-        _degrees("gimbal_deg", gimbals, "degree", table.gimbal_rad),
-        _degrees("gimbal_rate_deg_s", gimbals, "degree s-1", table.gimbal_rate_rad_s),
-        _Column(name="imaging", parts=("",), unit="1", rows=on[:, None].astype(float), decimals=0),
+        _Column("q_body_from_eci", "xyzw", "1", q_body_from_eci_xyzw, QUATERNION_DECIMALS),
+        _degrees("omega_body_deg_s", "xyz", "degree s-1", table.omega_body_rad_s),
+        _degrees("alpha_body_deg_s2", "xyz", "degree s-2", table.alpha_body_rad_s2),
+        _degrees("gimbal_deg", "gimbal", "degree", table.gimbal_rad),
+        _degrees("gimbal_rate_deg_s", "gimbal", "degree s-1", table.gimbal_rate_rad_s),
+        _Column("imaging", "", "1", on[:, None].astype(float), decimals=0),
     )
 
 
-def _degrees(name: str, parts: tuple[str, ...], unit: str, values_rad: Array) -> _Column:
-    return _Column(name=name, parts=parts, unit=unit, rows=np.degrees(values_rad) + 0.0)
+def _degrees(name: str, side: str, unit: str, values_rad: Array) -> _Column:
+    return _Column(name, side, unit, np.degrees(values_rad) + 0.0)
 
 
 def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
@@ -89,17 +92,13 @@ def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
 
 def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
-    table = plan.table
-    columns = _columns(table)
-    names = [f"{c.name}_{part}".rstrip("_") for c in columns for part in c.parts]
-    lines = [f"# {note}" for note in _notes(plan, created_utc)]
-    lines.append(",".join(["utc", "t_s", *names]))
-    layout = ",".join(f"%.{c.decimals}f" for c in columns for _ in c.parts)
-    rows = np.hstack([column.rows for column in columns]).tolist()
-    moments = Instants(table.epoch_utc, table.t_s).utc_text(1)
-    for moment, t_s, row in zip(moments, table.t_s.tolist(), rows, strict=True):
-        lines.append(f"{moment},{t_s:.1f},{layout % tuple(row)}")
-    return ("\n".join(lines) + "\n").encode()
+    head = "".join(f"# {note}\n" for note in _notes(plan, created_utc))
+    columns = _columns(plan.table)
+    parts = [(column, part) for column in columns for part in _PARTS_BY_SIDE[column.side]]
+    names = [f"{column.name}_{part}".rstrip("_") for column, part in parts]
+    rows = np.hstack([column.rows for column in columns])
+    decimals = [column.decimals for column, _ in parts]
+    return (head + rows_csv(plan.table.epoch_utc, plan.table.t_s, names, rows, decimals)).encode()
 
 
 def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
@@ -115,8 +114,9 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
             comment="\n".join(_notes(plan, created_utc)),
         )
         file.createDimension("time", len(table.t_s))
-        for size in ("xyz", "xyzw", "gimbal"):
-            file.createDimension(size, 3 if size == "xyz" else 4)
+        for side, parts in _PARTS_BY_SIDE.items():
+            if side:
+                file.createDimension(side, len(parts))
         time = file.createVariable("time", "d", ("time",))
         time[:] = table.t_s
         since = utc_text(table.epoch_utc, 1).replace("T", " ").removesuffix("Z")
@@ -128,9 +128,8 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
             axis="T",
         )
         for column in _columns(table):
-            side = {("",): (), ("x", "y", "z"): ("xyz",), ("x", "y", "z", "w"): ("xyzw",)}
-            sides = side.get(column.parts, ("gimbal",))
-            name = column.name + "_xyzw" * (sides == ("xyzw",))
+            name = column.name + "_xyzw" * (column.side == "xyzw")
+            sides = (column.side,) if column.side else ()
             variable = file.createVariable(name, "d", ("time", *sides))
             variable[:] = column.rows if sides else column.rows[:, 0]
             describe(variable, units=column.unit)
@@ -153,19 +152,11 @@ def write_aem(plan: SessionTable, created_utc: datetime) -> bytes:
 
 
 IMAGING_EXPORTERS: dict[str, Exporter[SessionTable]] = {
-    "csv": Exporter(
-        title="attitude, rates and gimbals", media_type="text/csv", suffix=".csv", write=write_csv
-    ),
+    "csv": Exporter("attitude, rates and gimbals", "text/csv", ".csv", write_csv),
     "netcdf": Exporter(
-        title="attitude, rates and gimbals (CF-1.12)",
-        media_type="application/x-netcdf",
-        suffix=".nc",
-        write=write_netcdf,
+        "attitude, rates and gimbals (CF-1.12)", "application/x-netcdf", ".nc", write_netcdf
     ),
     "aem": Exporter(
-        title="attitude of the body (CCSDS AEM 2.0, KVN)",
-        media_type="text/x-ccsds-aem",
-        suffix=".aem",
-        write=write_aem,
+        "attitude of the body (CCSDS AEM 2.0, KVN)", "text/x-ccsds-aem", ".aem", write_aem
     ),
 }

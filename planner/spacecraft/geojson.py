@@ -48,9 +48,6 @@ class GeoLineString:
                     f"positions {number} and {number + 1} are {apart_km:.0f} km apart; a leg has "
                     f"at most {LEG_MAX_KM:.0f} km: put positions between"
                 )
-        self._refuse_crossing()
-
-    def _refuse_crossing(self) -> None:
         last = len(self.coordinates) - 1
         for i, j in _crossings(_unwrapped(self.coordinates)):
             raise ValueError(

@@ -6,8 +6,8 @@ below a full turn, so curves of sigma serve as attitude profiles.  It is the vec
 Source: Schaub, Junkins, Analytical Mechanics of Space Systems, 3.6 (eq. 3.157-3.162).
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,25 +46,24 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=-1, keepdims=True))
 
 
-def body_motion(motion: MrpMotion) -> BodyMotion:
-    """Body rates of a motion of sigma."""
+def body_motion(
+    motion: Sequence[Any],
+    dot: Callable[..., Any] = _dot,
+    cross: Callable[..., Any] = np.cross,
+) -> BodyMotion:
+    """Body rates of an `MrpMotion`; dot, cross: of what it is made of instead of arrays."""
     sigma, d1, d2, d3 = motion
-    s, s1 = _dot(sigma, sigma), _dot(sigma, d1)
-    s2 = _dot(d1, d1) + _dot(sigma, d2)
-    s3 = 3.0 * _dot(d1, d2) + _dot(sigma, d3)
-    f = 4.0 / (1.0 + s) ** 2
-    f1 = -16.0 * s1 / (1.0 + s) ** 3
-    f2 = -16.0 * s2 / (1.0 + s) ** 3 + 96.0 * s1**2 / (1.0 + s) ** 4
-    a = (1.0 - s) * d1 - 2.0 * np.cross(sigma, d1) + 2.0 * sigma * s1
-    a1 = (1.0 - s) * d2 - 2.0 * np.cross(sigma, d2) + 2.0 * sigma * s2
-    a2 = (
-        (1.0 - s) * d3
-        - 2.0 * s1 * d2
-        - 2.0 * np.cross(d1, d2)
-        - 2.0 * np.cross(sigma, d3)
-        + 2.0 * d1 * s2
-        + 2.0 * sigma * s3
-    )
+    s, s1 = dot(sigma, sigma), dot(sigma, d1)
+    s2 = dot(d1, d1) + dot(sigma, d2)
+    s3 = 3.0 * dot(d1, d2) + dot(sigma, d3)
+    inverse = 1.0 / (1.0 + s)
+    f = 4.0 * inverse**2
+    f1 = -4.0 * f * inverse * s1
+    f2 = f * inverse * (24.0 * inverse * s1**2 - 4.0 * s2)
+    a = (1.0 - s) * d1 - 2.0 * cross(sigma, d1) + 2.0 * sigma * s1
+    a1 = (1.0 - s) * d2 - 2.0 * cross(sigma, d2) + 2.0 * sigma * s2
+    a2 = (1.0 - s) * d3 - 2.0 * s1 * d2 - 2.0 * cross(d1, d2) - 2.0 * cross(sigma, d3)
+    a2 = a2 + 2.0 * (d1 * s2 + sigma * s3)
     return BodyMotion(f * a, f1 * a + f * a1, f2 * a + 2.0 * f1 * a1 + f * a2)
 
 

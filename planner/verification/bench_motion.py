@@ -5,13 +5,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from planner.commands import CommandTable
 from planner.errors import InvalidInput
-from planner.scenario import Scenario
 from planner.targets import AxisMotion, BenchMotionTarget
 from planner.verification.clock import elapsed_us
 from planner.verification.report import Finding, SessionReport
-from planner.verification.session import TableSession, session_report, table_session
+from planner.verification.session import TableSession
 
 BETWEEN_ROWS_MAX_RAD = math.radians(0.1 / 3600.0)  # what the 0.2 s table promises of its cubics
 # Rows are the motion's own values; the first is where the slew ends, met to a thousandth.
@@ -20,29 +18,27 @@ AT_ROWS_MAX_RAD_S = math.radians(0.01 / 3600.0)
 
 
 def bench_session(
-    table: CommandTable, scenario: Scenario, number: int, target: BenchMotionTarget, rows: range
+    flight: TableSession, target: BenchMotionTarget
 ) -> tuple[SessionReport | None, tuple[Finding, ...]]:
-    """The session of that number; its error is the larger one of the axes' angles.
+    """Its error is the larger one of the axes' angles.
 
     Where the motion stands at each instant is taken from the target.
     """
-    flight = table_session(table, number, rows)
-    start_utc = target.start if target.start is not None else scenario.sessions[number].start
-    since_s = flight.t_s - elapsed_us(start_utc, flight.epoch_utc) / 1e6
+    table, number = flight.table, flight.number
+    start_utc = target.start if target.start is not None else flight.scenario.sessions[number].start
+    since_s = flight.t_s - elapsed_us(start_utc, table.epoch_utc) / 1e6
     try:
         motion = target.axis_motion(table.axis_names, since_s)
     except InvalidInput as refusal:
         detail = f"sessions.{number}: {refusal.detail}"
         return None, (Finding(limit="motion", detail=detail),)
     error_rad = np.abs(flight.angle_rad - motion.angle_rad).max(axis=1)
-    report = session_report(
-        table, scenario, flight, error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD
-    )
-    return report, tuple(_findings(table, flight, motion))
+    report = flight.report(error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD)
+    return report, tuple(_findings(flight, motion))
 
 
-def _findings(table: CommandTable, flight: TableSession, motion: AxisMotion) -> Iterator[Finding]:
-    is_row, rows = flight.is_row, slice(flight.rows[0], flight.rows[-1] + 1)
+def _findings(flight: TableSession, motion: AxisMotion) -> Iterator[Finding]:
+    table, is_row, rows = flight.table, flight.is_row, slice(flight.rows[0], flight.rows[-1] + 1)
     angle_off_rad = flight.angle_rad - motion.angle_rad
     rate_off_rad_s = np.zeros_like(angle_off_rad)
     rate_off_rad_s[is_row] = table.rate_rad_s[rows] - motion.rate_rad_s[is_row]
@@ -54,14 +50,11 @@ def _findings(table: CommandTable, flight: TableSession, motion: AxisMotion) -> 
         worst = int(np.argmax(excess[:, column]))
         if not excess[worst, column] <= 1.0:
             angle, rate = (off[worst, column] for off in (angle_off_rad, rate_off_rad_s))
-            yield Finding(
-                limit="motion",
-                axis=axis,
-                t_s=float(flight.t_s[worst]),
-                at_utc=flight.utc(worst),
-                detail=(
-                    f"sessions.{flight.number}: {axis} is {math.degrees(angle) * 3600.0:+.3f} "
-                    f"arcsec and {math.degrees(rate) * 3600.0:+.3f} arcsec/s off the motion asked "
-                    f"for{'' if is_row[worst] else ', between rows'}"
-                ),
+            yield flight.error(
+                "motion",
+                worst,
+                f"{axis} is {math.degrees(angle) * 3600.0:+.3f} arcsec and "
+                f"{math.degrees(rate) * 3600.0:+.3f} arcsec/s off the motion asked for"
+                f"{'' if is_row[worst] else ', between rows'}",
+                axis,
             )

@@ -45,7 +45,7 @@ def eci_from_platform(
     c_platform_from_body = _matrix(platform.q_platform_from_body_xyzw)
     vector_body = vector_platform @ c_platform_from_body  # rows times C: C transposed, applied
     if isinstance(attitude, LvlhAttitude):
-        return _eci_from_lvlh(vector_body @ _c_body_from_lvlh(attitude), states)
+        return eci_from_lvlh(vector_body @ _c_body_from_lvlh(attitude), states)
     if isinstance(attitude, InertialAttitude):
         return _eci_from_spinning(vector_body, attitude, instants)
     return np.asarray(attitude.q_body_from_eci(instants, states).inv().apply(vector_body))
@@ -65,16 +65,9 @@ def apart_rad(a_eci: Array, b_eci: Array) -> Array:
     return np.asarray(np.arctan2(across, np.sum(a_eci * b_eci, axis=1)))
 
 
-def _turn(v: Array, axis: Array, angle_rad: Array) -> Array:
-    """Vectors v, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
-    unit = axis / np.linalg.norm(axis)
-    cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
-    along = (v @ unit)[..., None] * unit
-    return np.asarray(along + cos * (v - along) + sin * np.cross(unit, v))
-
-
-def _eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
-    """+Z to the Earth's centre, +Y against the orbit normal, +X completing (near the velocity)."""
+def eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
+    """Vectors (n, 3) in ECI; +Z to the Earth's centre, +Y against the orbit normal, +X completing
+    (near the velocity)."""
     r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
     down = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
     forward_m_s = v - np.sum(v * down, axis=1, keepdims=True) * down
@@ -82,6 +75,14 @@ def _eci_from_lvlh(vector_lvlh: Array, states: OrbitStates) -> Array:
     right = np.cross(down, forward)
     x, y, z = (vector_lvlh[:, k, None] for k in range(3))
     return np.asarray(x * forward + y * right + z * down)
+
+
+def _turn(v: Array, axis: Array, angle_rad: Array) -> Array:
+    """Vectors v, (3,) or (n, 3), turned about one axis by n angles.  Source: Rodrigues 1840."""
+    unit = axis / np.linalg.norm(axis)
+    cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
+    along = (v @ unit)[..., None] * unit
+    return np.asarray(along + cos * (v - along) + sin * np.cross(unit, v))
 
 
 def _c_body_from_lvlh(attitude: LvlhAttitude) -> Array:

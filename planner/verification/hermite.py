@@ -77,58 +77,53 @@ class AxisHermite:
     def angle_extremes(self) -> tuple[HermiteExtreme, HermiteExtreme]:
         """Least and greatest angle anywhere."""
         turning = _inside(self.crossings_s(0.0))
-        every = slice(None)
-        value_by_kind = [self.angle_rad[:-1], *(self.angle_at(every, u) for u in turning)]
-        least, greatest = self._extremes(value_by_kind, [np.zeros(len(turning[0])), *turning])
-        last = HermiteExtreme(float(self.angle_rad[-1]), (len(self.angle_rad) - 1) / ROWS_PER_S)
-        return (
-            min(least, last, key=lambda extreme: extreme.value),
-            max(greatest, last, key=lambda extreme: extreme.value),
+        return _extremes(
+            (self.angle_rad[:-1], 0.0),
+            *((self.angle_at(slice(None), u_s), u_s) for u_s in turning),
+            (self.angle_rad[1:], COMMAND_STEP_S),
         )
 
     def rate_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the rate, with its sign."""
         with np.errstate(divide="ignore", invalid="ignore"):
             turning = _inside(-self.half_acceleration_rad_s2 / (3.0 * self.sixth_jerk_rad_s3))
-        every = slice(None)
-        start = np.zeros_like(turning)
-        stop = np.full_like(turning, COMMAND_STEP_S)
-        value_by_kind = [self.rate_rad_s[:-1], self.rate_at(every, turning), self.rate_rad_s[1:]]
-        return _greatest_magnitude(self._extremes(value_by_kind, [start, turning, stop]))
+        return _greatest_magnitude(
+            (self.rate_rad_s[:-1], 0.0),
+            (self.rate_at(slice(None), turning), turning),
+            (self.rate_rad_s[1:], COMMAND_STEP_S),
+        )
 
     def acceleration_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the acceleration, linear in each cell, with its sign."""
-        start = np.zeros_like(self.half_acceleration_rad_s2)
-        value_by_kind = [self.acceleration_after_row_rad_s2, self.acceleration_before_row_rad_s2]
-        return _greatest_magnitude(self._extremes(value_by_kind, [start, start + COMMAND_STEP_S]))
+        return _greatest_magnitude(
+            (self.acceleration_after_row_rad_s2, 0.0),
+            (self.acceleration_before_row_rad_s2, COMMAND_STEP_S),
+        )
 
     def jerk_extreme(self) -> HermiteExtreme:
         """Greatest magnitude of the jerk, constant in each cell, with its sign; cell's start."""
-        start = np.zeros_like(self.sixth_jerk_rad_s3)
-        return _greatest_magnitude(self._extremes([6.0 * self.sixth_jerk_rad_s3], [start]))
+        return _greatest_magnitude((6.0 * self.sixth_jerk_rad_s3, 0.0))
 
     def acceleration_jump_extreme(self, initial_acceleration_rad_s2: float) -> HermiteExtreme:
         """Greatest step of the acceleration at a row; before row 0 it is the initial one."""
-        before = np.concatenate(
-            [[initial_acceleration_rad_s2], self.acceleration_before_row_rad_s2[:-1]]
-        )
-        jumps = self.acceleration_after_row_rad_s2 - before
-        return _greatest_magnitude(self._extremes([jumps], [np.zeros_like(jumps)]))
-
-    def _extremes(
-        self, value_by_kind: list[Array], u_s: list[Array]
-    ) -> tuple[HermiteExtreme, HermiteExtreme]:
-        stacked, into_cell_s = np.stack(value_by_kind), np.stack(u_s)
-        found = []
-        for where in (np.argmin(stacked), np.argmax(stacked)):
-            kind, cell = np.unravel_index(where, stacked.shape)
-            t_s = cell / ROWS_PER_S + into_cell_s[kind, cell]
-            found.append(HermiteExtreme(float(stacked[kind, cell]), float(t_s)))
-        return found[0], found[1]
+        before = np.append(initial_acceleration_rad_s2, self.acceleration_before_row_rad_s2[:-1])
+        return _greatest_magnitude((self.acceleration_after_row_rad_s2 - before, 0.0))
 
 
-def _greatest_magnitude(extremes: tuple[HermiteExtreme, HermiteExtreme]) -> HermiteExtreme:
-    return max(extremes, key=lambda extreme: abs(extreme.value))
+def _extremes(*kinds: tuple[Array, Array | float]) -> tuple[HermiteExtreme, HermiteExtreme]:
+    """Least and greatest; each kind: a value in every cell, and how far into the cell, s."""
+    value = np.stack([kind[0] for kind in kinds])
+    into_cell_s = np.stack([np.broadcast_to(u_s, value.shape[1:]) for _, u_s in kinds])
+    t_s = np.arange(value.shape[1]) / ROWS_PER_S + into_cell_s
+    least, greatest = int(np.argmin(value)), int(np.argmax(value))
+    return (
+        HermiteExtreme(float(value.flat[least]), float(t_s.flat[least])),
+        HermiteExtreme(float(value.flat[greatest]), float(t_s.flat[greatest])),
+    )
+
+
+def _greatest_magnitude(*kinds: tuple[Array, Array | float]) -> HermiteExtreme:
+    return max(_extremes(*kinds), key=lambda extreme: abs(extreme.value))
 
 
 def _inside(u_s: Array) -> Array:

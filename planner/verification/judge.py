@@ -21,6 +21,7 @@ from planner.verification.keep_out import keep_out_findings, keep_out_margins
 from planner.verification.limits import limit_findings, limit_margins
 from planner.verification.pointing import pointing_session
 from planner.verification.report import Finding, Given, SessionReport, VerificationReport
+from planner.verification.session import table_session
 from planner.verification.structure import covers, session_rows, structure_findings, unflyable
 
 DERIVED_TARGETS = (GroundTarget, StarTarget, BodyTarget)  # the judge finds them by itself
@@ -85,8 +86,8 @@ def _judge_session(
     if rows is None:
         return None, ()
     if isinstance(target, BenchMotionTarget):
-        return bench_session(table, scenario, number, target, rows)
-    return pointing_session(table, scenario, ephemeris(), number, target, rows)
+        return bench_session(table_session(table, scenario, number, rows), target)
+    return pointing_session(table_session(table, scenario, number, rows), ephemeris(), target)
 
 
 def _ephemeris(

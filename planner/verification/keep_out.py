@@ -14,8 +14,8 @@ from planner.orbits import Ephemeris, OrbitStates
 from planner.scenario import Scenario
 from planner.targets import BodyTarget, KeepOut
 from planner.targets.keep_out import HIDDEN_RAD
-from planner.verification.carrier import apart_rad, eci_from_platform, payload_eci
-from planner.verification.limits import axis_hermite
+from planner.verification.carrier import apart_rad, eci_from_lvlh, eci_from_platform, payload_eci
+from planner.verification.limits import angles_at
 from planner.verification.report import Finding, KeepOutMargin
 from planner.verification.sky import sky_sight
 
@@ -108,7 +108,7 @@ def _angle_rad(table: CommandTable, cell: NDArray[np.intp], u_s: Array) -> Array
     """Angles, shape (n, 2), u_s after the rows; the last row ends a cell and begins none."""
     is_last = cell == len(table.angle_rad) - 1
     begins, into_s = np.where(is_last, cell - 1, cell), np.where(is_last, COMMAND_STEP_S, u_s)
-    return np.stack([axis_hermite(table, k).angle_at(begins, into_s) for k in range(2)], axis=1)
+    return angles_at(table, begins, into_s)
 
 
 def _axis_eci(
@@ -128,12 +128,7 @@ def _axis_eci(
         sight = sky_sight(BodyTarget(name=cone.body, grazing_altitude_km=0.0), instants, states)
         return sight.apparent_eci, sight.clearance_rad > -HIDDEN_RAD
     if cone.direction_lvlh is not None:
-        r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
-        momentum = np.cross(r, v)
-        z = -r / np.sqrt(np.sum(r * r, axis=1, keepdims=True))
-        y = -momentum / np.sqrt(np.sum(momentum * momentum, axis=1, keepdims=True))
-        basis = np.stack([np.cross(y, z), y, z], axis=1)
-        return np.asarray(np.einsum("k,nkj->nj", np.array(cone.direction_lvlh), basis)), always
+        return eci_from_lvlh(np.tile(cone.direction_lvlh, (len(always), 1)), states), always
     if cone.ra_deg is None or cone.dec_deg is None:
         raise TypeError("a cone without a direction has no axis")
     axis = erfa.s2c(math.radians(cone.ra_deg), math.radians(cone.dec_deg))

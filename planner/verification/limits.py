@@ -6,6 +6,7 @@ from datetime import datetime
 
 import numpy as np
 
+from planner.arrays import Array, Indices
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.platforms import AxisLimits
@@ -40,14 +41,14 @@ def limit_margins(table: CommandTable, scenario: Scenario) -> tuple[LimitMargin,
             limit=limit,
             limit_value=bound,
             extreme=extreme.value,
-            margin=_margin(limit, extreme.value, bound),
+            margin=margin,
             t_s=extreme.t_s,
             at_utc=shifted_utc(table.epoch_utc, extreme.t_s),
         )
         for column, (axis, limits) in enumerate(
             zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
         )
-        for limit, bound, extreme in _extremes(
+        for limit, bound, extreme, margin in _extremes(
             axis_hermite(table, column), limits, float(scenario.initial_motion(axis)[2])
         )
     )
@@ -83,6 +84,12 @@ def axis_hermite(table: CommandTable, column: int) -> AxisHermite:
     return AxisHermite(table.angle_rad[:, column], table.rate_rad_s[:, column])
 
 
+def angles_at(table: CommandTable, cell: Indices, u_s: Array) -> Array:
+    """Angles, shape (n, m), u_s after the rows that n cells begin with."""
+    columns = range(len(table.axis_names))
+    return np.stack([axis_hermite(table, k).angle_at(cell, u_s) for k in columns], axis=1)
+
+
 def slow_stretches(
     axis: str, hermite: AxisHermite, rate_min_rad_s: float, rows: range, epoch_utc: datetime
 ) -> Iterator[SlowStretch]:
@@ -113,23 +120,21 @@ def slow_stretches(
 
 def _extremes(
     hermite: AxisHermite, limits: AxisLimits, initial_acceleration_rad_s2: float
-) -> Iterator[tuple[Limit, float, HermiteExtreme]]:
+) -> Iterator[tuple[Limit, float, HermiteExtreme, float]]:
+    """The kinds of limit: bound, extreme, and what is left between them."""
     least, greatest = hermite.angle_extremes()
-    yield "angle_min", limits.angle_min_rad, least
-    yield "angle_max", limits.angle_max_rad, greatest
-    yield "rate", limits.rate_max_rad_s, hermite.rate_extreme()
-    yield "acceleration", limits.acceleration_max_rad_s2, hermite.acceleration_extreme()
-    yield "jerk", limits.jerk_max_rad_s3, hermite.jerk_extreme()
-    yield (
-        "acceleration_jump",
-        ACCELERATION_JUMP * limits.jerk_max_rad_s3 * COMMAND_STEP_S,
-        hermite.acceleration_jump_extreme(initial_acceleration_rad_s2),
+    yield "angle_min", limits.angle_min_rad, least, least.value - limits.angle_min_rad
+    yield "angle_max", limits.angle_max_rad, greatest, limits.angle_max_rad - greatest.value
+    jump_rad_s2 = ACCELERATION_JUMP * limits.jerk_max_rad_s3 * COMMAND_STEP_S
+    magnitudes: tuple[tuple[Limit, float, HermiteExtreme], ...] = (
+        ("rate", limits.rate_max_rad_s, hermite.rate_extreme()),
+        ("acceleration", limits.acceleration_max_rad_s2, hermite.acceleration_extreme()),
+        ("jerk", limits.jerk_max_rad_s3, hermite.jerk_extreme()),
+        (
+            "acceleration_jump",
+            jump_rad_s2,
+            hermite.acceleration_jump_extreme(initial_acceleration_rad_s2),
+        ),
     )
-
-
-def _margin(limit: Limit, extreme: float, bound: float) -> float:
-    if limit == "angle_min":
-        return extreme - bound
-    if limit == "angle_max":
-        return bound - extreme
-    return bound - abs(extreme)
+    for limit, bound, extreme in magnitudes:
+        yield limit, bound, extreme, bound - abs(extreme.value)

@@ -6,22 +6,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from planner.arrays import Array
-from planner.commands import CommandTable
 from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import Ephemeris
-from planner.scenario import Scenario
 from planner.targets import EarthFixedTarget, SkyTarget
 from planner.verification.carrier import apart_rad, payload_eci
 from planner.verification.earth_fixed import EarthFixedSight, earth_fixed_sight
 from planner.verification.report import (
     EarthFixedView,
     Finding,
-    Limit,
     OffTarget,
     SessionReport,
     SkyView,
 )
-from planner.verification.session import TableSession, session_report, table_session
+from planner.verification.session import TableSession
 from planner.verification.sky import LIMB_MODEL_SHARE, SkyDirection, sky_sight
 
 EXACT_RAD = math.radians(0.1 / 3600.0)  # a seventh of a pixel of the HRC
@@ -29,52 +26,44 @@ ELEVATION_TOLERANCE_RAD = 1e-7  # a carrier, or a limb, 0.1 m lower at 1000 km
 
 
 def pointing_session(
-    table: CommandTable,
-    scenario: Scenario,
-    ephemeris: Ephemeris,
-    number: int,
-    target: EarthFixedTarget | SkyTarget,
-    rows: range,
+    flight: TableSession, ephemeris: Ephemeris, target: EarthFixedTarget | SkyTarget
 ) -> tuple[SessionReport, tuple[Finding, ...]]:
-    """The session of that number, its target held over rows that the table has.
+    """The session, its target held.
 
     Where the air of the limb bends the light, the pointing error may be larger by
     `LIMB_MODEL_SHARE` of the bending, and the clearance smaller.
     """
-    flight = table_session(table, number, rows)
-    instants = Instants(flight.epoch_utc, flight.t_s)
+    instants = Instants(flight.table.epoch_utc, flight.t_s)
     states = ephemeris.states(instants)
-    boresight_eci = payload_eci(scenario, flight.angle_rad, instants, states)
-    most_rad = _allowed_rad(scenario, number)
+    boresight_eci = payload_eci(flight.scenario, flight.angle_rad, instants, states)
+    most_rad = _allowed_rad(flight)
     view: EarthFixedView | SkyView
     if isinstance(target, SkyTarget):
         sky = sky_sight(target, instants, states)
         error_rad = apart_rad(sky.apparent_eci, boresight_eci)
         model_rad = LIMB_MODEL_SHARE * sky.bending_rad
         view = _sky_view(flight, sky)
-        findings = _sky_findings(flight, sky, error_rad, most_rad + model_rad, target)
+        findings = _sky_findings(flight, sky, target)
     else:
         sight = earth_fixed_sight(target, instants, states)
         error_rad = apart_rad(sight.apparent_eci, boresight_eci)
         model_rad = np.zeros_like(error_rad)
         view = _earth_fixed_view(flight, sight, boresight_eci, error_rad)
-        findings = _ground_findings(flight, sight, error_rad, most_rad, view, target)
-    report = session_report(
-        table,
-        scenario,
-        flight,
+        findings = _ground_findings(flight, sight, target)
+    report = flight.report(
         error_rad,
         view,
         allowed_rad=most_rad,
         off_target=_off_target(flight, error_rad, EXACT_RAD + model_rad),
     )
-    return report, (*findings, *_nearness_findings(report))
+    pointing = _pointing_findings(flight, error_rad, most_rad + model_rad, view)
+    return report, (*pointing, *findings, *_nearness_findings(report))
 
 
-def _allowed_rad(scenario: Scenario, number: int) -> float:
+def _allowed_rad(flight: TableSession) -> float:
     """0.1 arcsec, or the circle inside the frame where the session is content with that."""
-    if scenario.sessions[number].keyhole == "nearest":
-        return max(EXACT_RAD, min(scenario.platform.frame_half_rad))
+    if flight.scenario.sessions[flight.number].keyhole == "nearest":
+        return max(EXACT_RAD, min(flight.scenario.platform.frame_half_rad))
     return EXACT_RAD
 
 
@@ -113,51 +102,47 @@ def _miss_on_ground_m(sight: EarthFixedSight, boresight_eci: Array) -> float:
     return float(np.max(sight.range_m * np.linalg.norm(on_ground, axis=1)))
 
 
-def _ground_findings(
-    flight: TableSession,
-    sight: EarthFixedSight,
-    error_rad: Array,
-    allowed_rad: float,
-    view: EarthFixedView,
-    target: EarthFixedTarget,
+def _pointing_findings(
+    flight: TableSession, error_rad: Array, allowed_rad: Array, view: EarthFixedView | SkyView
 ) -> Iterator[Finding]:
-    worst = int(np.argmax(error_rad))
-    if not error_rad[worst] <= allowed_rad:
-        off = (
-            f"{_arcsec(error_rad[worst]):.3f} arcsec "
-            f"({view.miss_across_max_m:.2f} m across the line of sight)"
+    worst = int(np.argmax(error_rad - allowed_rad))
+    if not error_rad[worst] <= allowed_rad[worst]:
+        across = ""
+        if isinstance(view, EarthFixedView):
+            across = f" ({view.miss_across_max_m:.2f} m across the line of sight)"
+        yield flight.error(
+            "pointing",
+            worst,
+            f"the boresight is {_arcsec(error_rad[worst]):.3f} arcsec{across} off the target, more "
+            f"than {_arcsec(float(allowed_rad[worst])):.1f} arcsec",
         )
-        yield _error(flight, "pointing", worst, _miss(off, allowed_rad))
-    elevation_short_rad = math.radians(target.min_elevation_deg) - view.elevation_min_rad
-    if elevation_short_rad > ELEVATION_TOLERANCE_RAD:
-        yield _error(
-            flight,
+
+
+def _ground_findings(
+    flight: TableSession, sight: EarthFixedSight, target: EarthFixedTarget
+) -> Iterator[Finding]:
+    lowest = int(np.argmin(sight.elevation_rad))
+    elevation_rad = float(sight.elevation_rad[lowest])
+    if math.radians(target.min_elevation_deg) - elevation_rad > ELEVATION_TOLERANCE_RAD:
+        yield flight.error(
             "elevation",
-            int(np.argmin(sight.elevation_rad)),
-            f"the carrier stands {math.degrees(view.elevation_min_rad):.3f} deg high "
+            lowest,
+            f"the carrier stands {math.degrees(elevation_rad):.3f} deg high "
             f"at the target, less than {target.min_elevation_deg:.3f} deg",
         )
     if sight.hidden.any():
-        yield _error(
-            flight,
+        yield flight.error(
             "occlusion",
             int(np.argmax(sight.hidden)),
             "the Earth stands between the carrier and the target",
         )
 
 
-def _sky_findings(
-    flight: TableSession, sky: SkyDirection, error_rad: Array, allowed_rad: Array, target: SkyTarget
-) -> Iterator[Finding]:
-    worst = int(np.argmax(error_rad - allowed_rad))
-    if not error_rad[worst] <= allowed_rad[worst]:
-        off = f"{_arcsec(error_rad[worst]):.3f} arcsec"
-        yield _error(flight, "pointing", worst, _miss(off, float(allowed_rad[worst])))
+def _sky_findings(flight: TableSession, sky: SkyDirection, target: SkyTarget) -> Iterator[Finding]:
     short_rad = -sky.clearance_rad - LIMB_MODEL_SHARE * sky.bending_rad
     lowest = int(np.argmax(short_rad))
     if not short_rad[lowest] <= ELEVATION_TOLERANCE_RAD:
-        yield _error(
-            flight,
+        yield flight.error(
             "occlusion",
             lowest,
             f"the target stands {-math.degrees(sky.clearance_rad[lowest]):.3f} deg below the "
@@ -198,19 +183,6 @@ def _nearness_findings(report: SessionReport) -> Iterator[Finding]:
         limit="pointing",
         t_s=worst.max_t_s,
         at_utc=worst.max_utc,
-    )
-
-
-def _miss(off: str, allowed_rad: float) -> str:
-    return f"the boresight is {off} off the target, more than {_arcsec(allowed_rad):.1f} arcsec"
-
-
-def _error(flight: TableSession, limit: Limit, index: int, what: str) -> Finding:
-    return Finding(
-        limit=limit,
-        t_s=float(flight.t_s[index]),
-        at_utc=flight.utc(index),
-        detail=f"sessions.{flight.number}: {what}",
     )
 
 

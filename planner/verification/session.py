@@ -1,4 +1,4 @@
-"""The instants at which a session is judged, and its largest error over them."""
+"""The instants at which a session is judged, and what is reported of them."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -10,9 +10,11 @@ from planner.arrays import Array
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.frames.time_scales import shifted_utc
 from planner.scenario import Scenario
-from planner.verification.limits import axis_hermite, slow_stretches
+from planner.verification.limits import angles_at, axis_hermite, slow_stretches
 from planner.verification.report import (
     EarthFixedView,
+    Finding,
+    Limit,
     OffTarget,
     PointingError,
     SessionReport,
@@ -26,11 +28,13 @@ POINTS_PER_CELL = 4  # the row, and three: a Hermite errs like u^2 (1-u)^2, most
 class TableSession:
     """What the table flies over one session, at n instants, every `POINTS_PER_CELL`th one a row.
 
-    t_s: since the table's epoch, shape (n,).  angle_rad: shape (n, m), one column per axis.
+    number: the session's.  t_s: since the table's epoch, shape (n,).  angle_rad: shape (n, m), one
+    column per axis.
     """
 
+    table: CommandTable
+    scenario: Scenario
     number: int
-    epoch_utc: datetime
     rows: range
     t_s: Array
     angle_rad: Array
@@ -41,70 +45,73 @@ class TableSession:
 
     def utc(self, index: int) -> datetime:
         """The instant of that index."""
-        return shifted_utc(self.epoch_utc, float(self.t_s[index]))
+        return shifted_utc(self.table.epoch_utc, float(self.t_s[index]))
+
+    def error(self, limit: Limit, index: int, what: str, axis: str | None = None) -> Finding:
+        """What is wrong at the instant of that index."""
+        return Finding(
+            limit=limit,
+            axis=axis,
+            t_s=float(self.t_s[index]),
+            at_utc=self.utc(index),
+            detail=f"sessions.{self.number}: {what}",
+        )
+
+    def report(
+        self,
+        error_rad: Array,
+        view: EarthFixedView | SkyView | None,
+        *,
+        allowed_rad: float,
+        off_target: tuple[OffTarget, ...] = (),
+    ) -> SessionReport:
+        """error_rad: of each instant, shape (n,)."""
+        scenario, rows, epoch_utc = self.scenario, self.rows, self.table.epoch_utc
+        return SessionReport(
+            number=self.number,
+            start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
+            stop_utc=shifted_utc(epoch_utc, rows[-1] / ROWS_PER_S),
+            at_rows=self._error_over(error_rad, self.is_row),
+            between_rows=self._error_over(error_rad, ~self.is_row),
+            overall=self._error_over(error_rad, np.ones_like(self.is_row)),
+            view=view,
+            allowed_rad=allowed_rad,
+            off_target=off_target,
+            slow_stretches=tuple(
+                stretch
+                for column, (axis, limits) in enumerate(
+                    zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
+                )
+                for stretch in slow_stretches(
+                    axis, axis_hermite(self.table, column), limits.rate_min_rad_s, rows, epoch_utc
+                )
+            ),
+        )
+
+    def _error_over(self, error_rad: Array, mask: NDArray[np.bool_]) -> PointingError:
+        indices = np.flatnonzero(mask)
+        worst = int(indices[np.argmax(error_rad[indices])])
+        return PointingError(
+            max_rad=float(error_rad[worst]),
+            rms_rad=float(np.sqrt(np.mean(error_rad[indices] ** 2))),
+            max_t_s=float(self.t_s[worst]),
+            max_utc=self.utc(worst),
+        )
 
 
-def table_session(table: CommandTable, number: int, rows: range) -> TableSession:
+def table_session(
+    table: CommandTable, scenario: Scenario, number: int, rows: range
+) -> TableSession:
     """The table's Hermite over rows that it has."""
     cells = len(rows) - 1
     points = np.arange(POINTS_PER_CELL * cells + 1)
     cell = np.minimum(points // POINTS_PER_CELL, cells - 1)
     u_s = (points - POINTS_PER_CELL * cell) * (COMMAND_STEP_S / POINTS_PER_CELL)
     return TableSession(
+        table=table,
+        scenario=scenario,
         number=number,
-        epoch_utc=table.epoch_utc,
         rows=rows,
         t_s=(POINTS_PER_CELL * rows[0] + points) / (ROWS_PER_S * POINTS_PER_CELL),
-        angle_rad=np.stack(
-            [
-                axis_hermite(table, column).angle_at(rows[0] + cell, u_s)
-                for column in range(len(table.axis_names))
-            ],
-            axis=1,
-        ),
-    )
-
-
-def session_report(
-    table: CommandTable,
-    scenario: Scenario,
-    flight: TableSession,
-    error_rad: Array,
-    view: EarthFixedView | SkyView | None,
-    *,
-    allowed_rad: float,
-    off_target: tuple[OffTarget, ...] = (),
-) -> SessionReport:
-    """error_rad: of each instant of `flight`, shape (n,)."""
-    rows, epoch_utc = flight.rows, flight.epoch_utc
-    return SessionReport(
-        number=flight.number,
-        start_utc=shifted_utc(epoch_utc, rows[0] / ROWS_PER_S),
-        stop_utc=shifted_utc(epoch_utc, rows[-1] / ROWS_PER_S),
-        at_rows=_error_over(flight, error_rad, flight.is_row),
-        between_rows=_error_over(flight, error_rad, ~flight.is_row),
-        overall=_error_over(flight, error_rad, np.ones_like(flight.is_row)),
-        view=view,
-        allowed_rad=allowed_rad,
-        off_target=off_target,
-        slow_stretches=tuple(
-            stretch
-            for column, (axis, limits) in enumerate(
-                zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
-            )
-            for stretch in slow_stretches(
-                axis, axis_hermite(table, column), limits.rate_min_rad_s, rows, epoch_utc
-            )
-        ),
-    )
-
-
-def _error_over(flight: TableSession, error_rad: Array, mask: NDArray[np.bool_]) -> PointingError:
-    indices = np.flatnonzero(mask)
-    worst = int(indices[np.argmax(error_rad[indices])])
-    return PointingError(
-        max_rad=float(error_rad[worst]),
-        rms_rad=float(np.sqrt(np.mean(error_rad[indices] ** 2))),
-        max_t_s=float(flight.t_s[worst]),
-        max_utc=flight.utc(worst),
+        angle_rad=angles_at(table, rows[0] + cell, u_s),
     )

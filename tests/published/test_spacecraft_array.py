@@ -1,12 +1,10 @@
 """Are the gyros' momentum, envelope and torque those of the paper (Platonov, Sumarokov 2019)?"""
 
 import numpy as np
-import pytest
 
 from planner.spacecraft.vehicle.cmg_array import CmgArray, rotor_momentum, steer
 
 ARRAY = CmgArray()
-PYRAMID = CmgArray(arrangement="pyramid")
 H = 60.0
 
 
@@ -33,24 +31,22 @@ def test_every_momentum_of_random_gimbals_is_inside_the_envelope():
     assert np.all(ARRAY.in_envelope(momentum * (1.0 - 1e-12)))
 
 
-@pytest.mark.parametrize("array", [ARRAY, PYRAMID])
-def test_gimbal_angles_invert_momentum(array):
+def test_gimbal_angles_invert_momentum():
     rng = np.random.default_rng(4)
     for _ in range(20):
         wanted = rng.standard_normal(3)
         wanted *= rng.uniform(0.0, 60.0) / np.linalg.norm(wanted)
-        angles = array.gimbal_angles(wanted)
-        np.testing.assert_allclose(array.momentum(angles), wanted, atol=1e-9)  # rounding
+        angles = ARRAY.gimbal_angles(wanted)
+        np.testing.assert_allclose(ARRAY.momentum(angles), wanted, atol=1e-9)  # rounding
 
 
-@pytest.mark.parametrize("array", [ARRAY, PYRAMID])
-def test_jacobian_is_the_derivative(array):
+def test_jacobian_is_the_derivative():
     angles, step = np.array([0.3, -1.2, 2.0, 0.7]), 1e-6
     for k in range(4):
         bump = step * np.eye(4)[k]
-        difference = (array.momentum(angles + bump) - array.momentum(angles - bump)) / (2 * step)
+        difference = (ARRAY.momentum(angles + bump) - ARRAY.momentum(angles - bump)) / (2 * step)
         # central difference: truncation 1e-12, rounding 60 * 1e-16 / 1e-6
-        np.testing.assert_allclose(array.jacobian(angles)[:, k] * H, difference, atol=1e-7)
+        np.testing.assert_allclose(ARRAY.jacobian(angles)[:, k] * H, difference, atol=1e-7)
 
 
 def test_at_least_30_n_m_anywhere_in_the_60_n_m_s_sphere():
@@ -98,6 +94,5 @@ def test_rates_are_limited_and_the_inverse_guarded_at_a_singularity():
 
 def test_kernel_and_definition_agree():
     angles, out = np.array([0.1, 0.9, -2.0, 1.4]), np.zeros(3)
-    for array in (ARRAY, PYRAMID):
-        rotor_momentum(array.gyros(), angles, out)
-        np.testing.assert_allclose(out, array.momentum(angles), atol=1e-12)
+    rotor_momentum(ARRAY.gyros(), angles, out)
+    np.testing.assert_allclose(out, ARRAY.momentum(angles), atol=1e-12)

@@ -51,9 +51,8 @@ class Log(NamedTuple):
 
 @compiled
 def _read_gyro(omega_body_rad_s: Array, noise: Noise, tick: int, gyro_rad_s: Array) -> None:
-    for k in range(3):
-        scaled_rad_s = omega_body_rad_s[k] * (1.0 + noise.gyro_scale[k])
-        gyro_rad_s[k] = scaled_rad_s + noise.gyro_bias_rad_s[k] + noise.gyro_rad_s[tick, k]
+    scaled_rad_s = omega_body_rad_s * (1.0 + noise.gyro_scale)
+    gyro_rad_s[:3] = scaled_rad_s + noise.gyro_bias_rad_s + noise.gyro_rad_s[tick]
     gyro_rad_s[3] = (gyro_rad_s[0] + gyro_rad_s[1] + gyro_rad_s[2]) / math.sqrt(3.0)
 
 
@@ -63,15 +62,12 @@ def _misjudge(
 ) -> None:
     """Turn the true attitude by the (small) knowledge error, body axes."""
     q, out = q_eci_from_body_xyzw, q_eci_from_believed_xyzw
-    x, y, z = knowledge_error_rad
-    x, y, z = 0.5 * x, 0.5 * y, 0.5 * z
+    x, y, z = 0.5 * knowledge_error_rad
     out[0] = q[0] + q[3] * x + q[1] * z - q[2] * y
     out[1] = q[1] + q[3] * y + q[2] * x - q[0] * z
     out[2] = q[2] + q[3] * z + q[0] * y - q[1] * x
     out[3] = q[3] - q[0] * x - q[1] * y - q[2] * z
-    norm = math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
-    for k in range(4):
-        out[k] /= norm
+    out /= math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
 
 
 @compiled
@@ -168,15 +164,12 @@ def fly(
             plant, body, reference, tick, executed_rad_s, nadir_eci[tick],
             log.rate_error_rad_s[tick], turned_rad,
         )  # fmt: skip
-        fix = tick % noise.tracker_ticks == 0 and not reference.imaging[tick]
-        for k in range(3):
-            if gyro_read:
-                knowledge_error_rad[k] += (
-                    noise.gyro_bias_rad_s[k] * TICK_S + noise.gyro_scale[k] * turned_rad[k]
-                )
-            else:
-                knowledge_error_rad[k] += estimate.omega_body_rad_s[k] * TICK_S - turned_rad[k]
-            if fix:
-                fixed_rad = knowledge_error_rad[k] + noise.tracker_rad[tick, k]
-                knowledge_error_rad[k] -= TRACKER_GAIN * fixed_rad
+        if gyro_read:
+            drift_rad = noise.gyro_bias_rad_s * TICK_S + noise.gyro_scale * turned_rad
+        else:
+            drift_rad = estimate.omega_body_rad_s * TICK_S - turned_rad
+        knowledge_error_rad += drift_rad
+        if tick % noise.tracker_ticks == 0 and not reference.imaging[tick]:
+            fixed_rad = knowledge_error_rad + noise.tracker_rad[tick]
+            knowledge_error_rad -= TRACKER_GAIN * fixed_rad
     return log

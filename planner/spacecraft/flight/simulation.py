@@ -94,7 +94,7 @@ def plant(
         stiffness_per_s2=omega_rad_s**2,
         damping_per_s=2.0 * damping * omega_rad_s,
         gyros=array.gyros(),
-        gimbal_axes_body=np.ascontiguousarray(array.gimbal_axes_body),
+        gimbal_axes_body=array.gimbal_axes_body,
         gimbal_inertia_kg_m2=array.gimbal_inertia_kg_m2,
         servo_half_step=servo_step(array.servo_rad_s, array.servo_damping, step_s / 2.0),
         step_s=step_s,

@@ -14,6 +14,8 @@ from planner.spacecraft.verification import SpacecraftVerification, VerifiedWind
 
 RATE_ERROR_MAX_RAD_S = math.radians(0.001)  # Platonov, Sumarokov 2019
 ACROSS_AXES = [0, 2]  # of the body, across the optical axis
+WORST_IF_GREAT = ("pointing_error_rad", "settled_s", "smear_px", "gimbal_rate_rad_s")
+WORST_IF_SMALL = ("spare_s", "momentum_margin_n_m_s", "gimbal_margin")
 ASSUMPTIONS = (
     "gimbal servo 50 rad/s, damping 0.7 (the paper gives the form, no numbers)",
     "flexible modes 2.0, 2.1, 3.4, 5.5, 9.5 Hz with 5, 5, 3, 1, 0.5 % of the inertia, damping "
@@ -115,13 +117,8 @@ def _worst(same: Sequence[WindowSteadiness]) -> WindowSteadiness:
         rate_error_rad_s=np.max([one.rate_error_rad_s for one in same], axis=0),
         rms_rad_s=math.sqrt(float(np.mean([one.rms_rad_s**2 for one in same]))),
         steady=all(one.steady for one in same),
-        pointing_error_rad=max(one.pointing_error_rad for one in same),
-        settled_s=max(one.settled_s for one in same),
-        spare_s=min(one.spare_s for one in same),
-        smear_px=max(one.smear_px for one in same),
-        momentum_margin_n_m_s=min(one.momentum_margin_n_m_s for one in same),
-        gimbal_margin=min(one.gimbal_margin for one in same),
-        gimbal_rate_rad_s=max(one.gimbal_rate_rad_s for one in same),
+        **{name: max(getattr(one, name) for one in same) for name in WORST_IF_GREAT},
+        **{name: min(getattr(one, name) for one in same) for name in WORST_IF_SMALL},
     )
 
 

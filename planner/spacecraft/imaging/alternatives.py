@@ -191,10 +191,11 @@ def _moves(
     approach = _closest_approach(free, session)
     if approach is None:
         return
+    outside_m, towards_enu = approach
     for more_km in MOVED_MORE_KM:
-        shift_km = approach.outside_m / 1e3 + more_km
+        shift_km = outside_m / 1e3 + more_km
         try:
-            moved = _shift(free, shift_km * approach.towards_enu)
+            moved = _shift(free, shift_km * towards_enu)
         except ValueError:  # nearer to a pole it is smaller than what may be asked for
             continue
         geometry = moved.geometry
@@ -223,17 +224,12 @@ def _shift(free: Request, shift_enu_km: Array) -> Request:
     return replace(free, geometry=GeoLineString(coordinates=line))
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Approach:
-    """How far over the ground a point lies outside the camera's reach when the track passes it,
-    and the horizontal unit vector from it to the track there."""
+def _closest_approach(request: Request, session: ImagingSession) -> tuple[float, Array] | None:
+    """How far over the ground the request's middle lies outside the camera's reach when the track
+    passes it, m, and the horizontal unit vector from it to the track there, ENU.
 
-    outside_m: float
-    towards_enu: Array
-
-
-def _closest_approach(request: Request, session: ImagingSession) -> _Approach | None:
-    """Of the request's middle; None when the track doesn't pass it."""
+    None when the track doesn't pass it.
+    """
     middle_itrf_m, _ = middle_of(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
     along_rad, _ = session.look_angles(middle_itrf_m, grid_s)
@@ -252,7 +248,5 @@ def _closest_approach(request: Request, session: ImagingSession) -> _Approach | 
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(middle_itrf_m)
     c_enu = c_enu_from_itrf(float(latitude_rad), float(longitude_rad))
     east_m, north_m, _ = c_enu @ (up_itrf * earth_m - middle_itrf_m)
-    return _Approach(
-        outside_m=max((away_rad - reach_rad) * earth_m, 0.0),
-        towards_enu=np.array([east_m, north_m, 0.0]) / math.hypot(east_m, north_m),
-    )
+    towards_enu = np.array([east_m, north_m, 0.0]) / math.hypot(east_m, north_m)
+    return max((away_rad - reach_rad) * earth_m, 0.0), towards_enu

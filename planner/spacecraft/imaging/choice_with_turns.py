@@ -114,31 +114,26 @@ def choose_and_turn(
 
 
 def _gentler(session: ImagingSession, first: Choice) -> tuple[Choice, Timeline] | None:
-    """Everything imaged with the gentlest turns tried, or None."""
+    """Everything imaged with the gentlest turns tried, or None.
+
+    What the choice is measured by stays.
+    """
     for more_s in LONGER_BY_S:
         longer = replace(session, turn_time=session.turn_time.plus(more_s))
         try:
-            found = _with_longer_turns(longer, first)
+            options, _ = options_of(longer)
+        except (Unreachable, InfeasibleSlew):
+            continue
+        choice = _Revision().choice(longer, options)
+        if choice.value < first.value:
+            continue
+        try:
+            choice, timeline = _with_turns(longer, options, choice, LONGER_ROUNDS)
         except InfeasibleSlew:  # the turns are as short as they can be already
             return None
-        if found is not None:
-            return found
+        if choice.value >= first.value:
+            return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
     return None
-
-
-def _with_longer_turns(longer: ImagingSession, first: Choice) -> tuple[Choice, Timeline] | None:
-    """Everything imaged with the longer turns, or None.  What the choice is measured by stays."""
-    try:
-        options, _ = options_of(longer)
-    except (Unreachable, InfeasibleSlew):
-        return None
-    choice = _Revision().choice(longer, options)
-    if choice.value < first.value:
-        return None
-    choice, timeline = _with_turns(longer, options, choice, LONGER_ROUNDS)
-    if choice.value < first.value:
-        return None
-    return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
 
 
 def _with_turns(

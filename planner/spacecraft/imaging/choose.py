@@ -23,13 +23,13 @@ from planner.label_search import (
     Memory,
     Repeats,
     Round,
+    Visit,
     best,
     bound,
     follow,
     no_labels,
     rounds,
     visit,
-    visit_at,
 )
 from planner.spacecraft.imaging.candidates import Candidate
 from planner.spacecraft.table import TICK_S
@@ -184,14 +184,11 @@ def _turn_graph(nodes: _Nodes) -> TurnGraph:
 
 
 def _repeats(imaging: Imaging, count: int, graph: TurnGraph) -> Repeats:
-    first_tick = np.full(count, imaging.stop_tick.max())
-    last_tick = np.zeros_like(first_tick)
-    np.minimum.at(first_tick, imaging.request, imaging.start_tick)
-    np.maximum.at(last_tick, imaging.request, imaging.start_tick)
     longest_ticks = int(np.max(imaging.stop_tick - imaging.start_tick))
     leap_ticks = longest_ticks + int(graph.reach_ticks.max()) + 2 * WAIT_TICKS
     stereo = np.unique(imaging.request[imaging.part != WHOLE]).tolist()
-    return Repeats(first_tick, last_tick, leap_ticks, stereo)
+    start_tick = imaging.start_tick
+    return Repeats(count, imaging.request, start_tick, start_tick, leap_ticks, stereo)
 
 
 @compiled
@@ -205,14 +202,13 @@ def _label_paths(imaging: Imaging, graph: TurnGraph, memory: Memory) -> tuple[fl
         start_tick = imaging.start_tick[j]
         while (now + 1) * WAIT_TICKS <= start_tick:
             now += 1
-            follow(labels, n + now - 1, n + now, memory.tick_mask[now * WAIT_TICKS])
-        made = visit_at(
-            memory, start_tick, j, imaging.request[j], imaging.part[j], imaging.priority[j]
-        )
-        visit(labels, (n + now,), j, made)
-        visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, made)
+            mask = memory.tick_mask[now * WAIT_TICKS]
+            follow(labels, n + now - 1, (n + now,), mask, False)
+        made = Visit(j, imaging.request[j], imaging.part[j], imaging.priority[j], start_tick)
+        visit(labels, (n + now,), j, memory, made)
+        visit(labels, graph.before[graph.first[j] : graph.first[j + 1]], j, memory, made)
         free = (imaging.stop_tick[j] + graph.reach_ticks[j] + WAIT_TICKS - 1) // WAIT_TICKS
-        follow(labels, j, n + free, EVERYTHING)
+        follow(labels, j, (n + free,), EVERYTHING, False)
     value, visits, count = best(labels, (0, n))
     return max(value, 0.0), visits, count
 

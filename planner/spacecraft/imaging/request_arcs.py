@@ -16,8 +16,6 @@ from planner.spacecraft.requests import (
     CorridorRequest,
     ImagingRequest,
     Request,
-    StereoRequest,
-    StripRequest,
 )
 
 # How closely the satellite's path is looked at for the azimuth of its track, and for its sense.
@@ -31,7 +29,10 @@ def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundAr
     A corridor's legs as they are given, other arcs in the sense of flight; by a reversible
     detector to and fro.
     """
-    arcs = _strips(request, session) if isinstance(request, AreaRequest) else _legs(request)
+    if isinstance(request, AreaRequest):
+        arcs = _strips(request, session)
+    else:
+        arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
     if isinstance(request, CorridorRequest):
         return [arcs]
     forward = [_along_flight(arc, session) for arc in arcs]
@@ -39,10 +40,6 @@ def scan_orders(request: Request, session: ImagingSession) -> list[list[GroundAr
         return [forward]
     senses = [(arc, replace(arc.turned_round(), backwards=True)) for arc in forward]
     return [[both[(k + first) % 2] for k, both in enumerate(senses)] for first in (0, 1)]
-
-
-def _legs(request: StripRequest | CorridorRequest | StereoRequest) -> list[GroundArc]:
-    return [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
 
 
 def _arc(start: Position, end: Position, request: ImagingRequest) -> GroundArc:

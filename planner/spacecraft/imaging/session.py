@@ -79,18 +79,7 @@ def make_session(request: ImagingPlanRequest) -> ImagingSession:
     """The orbit and the spacecraft of a request, made ready.  Raises InvalidInput."""
     spacecraft = request.definition()
     ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
-    _require_low(ephemeris, request.start)
-    return ImagingSession(
-        request=request,
-        ephemeris=ephemeris,
-        duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
-        spacecraft=spacecraft,
-        turn_time=turn_time(spacecraft),
-    )
-
-
-def _require_low(ephemeris: Ephemeris, start_utc: datetime) -> None:
-    states = ephemeris.states(Instants(start_utc, np.zeros(1)))
+    states = ephemeris.states(Instants(request.start, np.zeros(1)))
     height_m = float(np.linalg.norm(states.r_sat_eci_m[0])) - WGS84_A_M
     if height_m > HEIGHT_MAX_M:
         raise InvalidInput(
@@ -99,3 +88,10 @@ def _require_low(ephemeris: Ephemeris, start_utc: datetime) -> None:
             "one",
             field="orbit",
         )
+    return ImagingSession(
+        request=request,
+        ephemeris=ephemeris,
+        duration_s=int(elapsed_s(request.stop, request.start) / TICK_S + 1e-6) * TICK_S,
+        spacecraft=spacecraft,
+        turn_time=turn_time(spacecraft),
+    )

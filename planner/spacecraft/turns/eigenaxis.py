@@ -7,11 +7,11 @@ the two ends' motions continued with constant rate and acceleration, s the share
 
 import math
 import time
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from ruckig import InputParameter, Ruckig, Trajectory
+from scipy.interpolate import PPoly
 
 from planner import effort
 from planner.arrays import Array
@@ -21,15 +21,6 @@ from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnPro
 STRETCH = 150.0  # of `planner.effort`: to look at a turn so much longer
 
 
-class AngleMotion(NamedTuple):
-    """The angle turned and its derivatives at instants, (n,) each."""
-
-    angle_rad: Array
-    rate_rad_s: Array
-    acceleration_rad_s2: Array
-    jerk_rad_s3: Array
-
-
 class AngleLimits(NamedTuple):
     """The whole angle of a turn and what it may be turned with."""
 
@@ -37,9 +28,6 @@ class AngleLimits(NamedTuple):
     rate_rad_s: float
     acceleration_rad_s2: float
     jerk_rad_s3: float
-
-
-AngleCurve = Callable[[Array], AngleMotion]  # by instants t_s (n,)
 
 
 def eigenaxis_turn(
@@ -93,7 +81,7 @@ def _curve(problem: TurnProblem, stretch_factor: float, jerk: bool) -> tuple[Mrp
 
     def mrp_at(t_s: Array) -> MrpMotion:
         t = np.asarray(t_s, dtype=float)
-        s, d1, d2, d3 = (x[:, None] for x in _blend(about_axis.angle_rad, angle_at(t)))
+        s, d1, d2, d3 = (x[:, None] for x in _blend(about_axis.angle_rad, angle_at, t))
         x, y = t[:, None], t[:, None] - span_s
         p, p1, p2 = s0 + v0 * x + 0.5 * a0 * x**2, v0 + a0 * x, a0
         r, r1, r2 = s1 + v1 * y + 0.5 * a1 * y**2, v1 + a1 * y, a1
@@ -108,7 +96,7 @@ def _curve(problem: TurnProblem, stretch_factor: float, jerk: bool) -> tuple[Mrp
     return mrp_at, span_s
 
 
-def _ruckig(limits: AngleLimits) -> tuple[AngleCurve, float]:
+def _ruckig(limits: AngleLimits) -> tuple[PPoly, float]:
     motion = InputParameter(1)
     motion.current_position, motion.target_position = [0.0], [limits.angle_rad]
     motion.max_velocity, motion.max_acceleration = [limits.rate_rad_s], [limits.acceleration_rad_s2]
@@ -116,51 +104,33 @@ def _ruckig(limits: AngleLimits) -> tuple[AngleCurve, float]:
     found = Trajectory(1)
     Ruckig(1).calculate(motion, found)
     profile = found.profiles[0][0]
-    starts_s = np.concatenate([[0.0], np.cumsum(np.array(profile.t))])
-    jerks, accelerations = np.array(profile.j), np.array(profile.a)
-    rates, angles = np.array(profile.v), np.array(profile.p)
-
-    def angle_at(t_s: Array) -> AngleMotion:
-        k = np.clip(np.searchsorted(starts_s[1:], t_s, side="right"), 0, 6)
-        u = t_s - starts_s[k]
-        j, a, v, p = jerks[k], accelerations[k], rates[k], angles[k]
-        return AngleMotion(
-            p + u * (v + u * (a / 2.0 + u * j / 6.0)), v + u * (a + u * j / 2.0), a + u * j, j
-        )
-
-    return angle_at, float(found.duration)
+    # Of the ends, of which there is one more than of the pieces, each piece takes its first.
+    jerks, accelerations = np.array(profile.j), np.array(profile.a[:-1])
+    pieces = [jerks / 6.0, accelerations / 2.0, profile.v[:-1], profile.p[:-1]]
+    return PPoly(pieces, np.concatenate([[0.0], np.cumsum(profile.t)])), float(found.duration)
 
 
-def _bang_coast_bang(limits: AngleLimits) -> tuple[AngleCurve, float]:
+def _bang_coast_bang(limits: AngleLimits) -> tuple[PPoly, float]:
     """With any jerk."""
     angle_rad, acceleration = limits.angle_rad, limits.acceleration_rad_s2
     ramp_s = min(limits.rate_rad_s / acceleration, math.sqrt(angle_rad / acceleration))
     top_rad_s = acceleration * ramp_s
-    span_s = angle_rad / top_rad_s + ramp_s
-
-    def angle_at(t_s: Array) -> AngleMotion:
-        left_s = span_s - t_s
-        braking = np.where(
-            left_s < ramp_s,
-            angle_rad - 0.5 * acceleration * left_s**2,
-            top_rad_s * (t_s - 0.5 * ramp_s),
-        )
-        return AngleMotion(
-            np.where(t_s < ramp_s, 0.5 * acceleration * t_s**2, braking),
-            np.minimum(top_rad_s, acceleration * np.minimum(t_s, left_s)),
-            np.where(t_s < ramp_s, acceleration, np.where(left_s <= ramp_s, -acceleration, 0.0)),
-            np.zeros_like(t_s),
-        )
-
-    return angle_at, span_s
+    brake_s = max(angle_rad / top_rad_s, ramp_s)
+    ramp_rad = 0.5 * top_rad_s * ramp_s
+    pieces = [
+        [0.5 * acceleration, 0.0, -0.5 * acceleration],
+        [0.0, top_rad_s, top_rad_s],
+        [0.0, ramp_rad, angle_rad - ramp_rad],
+    ]
+    return PPoly(pieces, [0.0, ramp_s, brake_s, brake_s + ramp_s]), brake_s + ramp_s
 
 
-def _blend(angle_rad: float, motion: AngleMotion) -> tuple[Array, Array, Array, Array]:
+def _blend(angle_rad: float, angle_at: PPoly, t_s: Array) -> tuple[Array, Array, Array, Array]:
     """Share of the way in sigma, with three derivatives, for the angle p turned of angle_rad.
 
     s = (tan((p - angle/2)/4) / tan(angle/8) + 1)/2 makes the blend a pure rotation by p.
     """
-    p, v, a, j = motion
+    p, v, a, j = (angle_at(t_s, order) for order in range(4))
     y = np.tan((p - 0.5 * angle_rad) / 4.0)
     g = 0.5 / math.tan(angle_rad / 8.0)
     y1 = (1.0 + y**2) / 4.0

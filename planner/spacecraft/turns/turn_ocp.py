@@ -18,7 +18,7 @@ from scipy.interpolate import BSpline
 
 from planner import effort
 from planner.arrays import Array
-from planner.spacecraft.mrp import MrpMotion
+from planner.spacecraft.mrp import MrpMotion, body_motion
 from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 from planner.spacecraft.vehicle.definition import TurnObjective
 
@@ -71,31 +71,14 @@ def _design(shape: Shape, u: Array) -> tuple[Array, ...]:
 
 
 def _point_loads() -> casadi.Function:
-    """sigma, d1, d2, d3 (per second), G in body axes, J -> rates, torque, torque rate, H.
-
-    The formulas of `mrp.body_motion`, in CasADi's symbols.
-    """
-    sigma, d1, d2, d3, total, j = (
-        casadi.SX.sym(name, 3) for name in ("s", "d1", "d2", "d3", "G", "J")
-    )
-    s, s1 = casadi.dot(sigma, sigma), casadi.dot(sigma, d1)
-    s2 = casadi.dot(d1, d1) + casadi.dot(sigma, d2)
-    s3 = 3 * casadi.dot(d1, d2) + casadi.dot(sigma, d3)
-    inverse = 1 / (1 + s)
-    f = 4 * inverse**2
-    f1 = -4 * f * inverse * s1
-    f2 = f * inverse * (24 * inverse * s1**2 - 4 * s2)
-    c1, c2, c3 = casadi.cross(sigma, d1), casadi.cross(sigma, d2), casadi.cross(sigma, d3)
-    a = (1 - s) * d1 - 2 * c1 + 2 * sigma * s1
-    a1 = (1 - s) * d2 - 2 * c2 + 2 * sigma * s2
-    a2 = (1 - s) * d3 - 2 * s1 * d2 - 2 * casadi.cross(d1, d2) - 2 * c3 + 2 * (d1 * s2 + sigma * s3)
-    omega, alpha = f * a, f1 * a + f * a1
-    jerk = f2 * a + 2 * f1 * a1 + f * a2
+    """sigma, d1, d2, d3 (per second), G in body axes, J -> rates, torque, torque rate, H."""
+    *sigmas, total, j = (casadi.SX.sym(name, 3) for name in ("s", "d1", "d2", "d3", "G", "J"))
+    omega, alpha, jerk = body_motion(sigmas, casadi.dot, casadi.cross)
     precession = casadi.cross(omega, total)
     torque_rate = j * jerk + casadi.cross(alpha, total) - casadi.cross(omega, precession)
     return casadi.Function(
         "loads",
-        [sigma, d1, d2, d3, total, j],
+        [*sigmas, total, j],
         [omega, j * alpha + precession, torque_rate, total - j * omega],
     )
 

@@ -6,16 +6,18 @@ Source: Platonov, Sumarokov 2019, eq. 1 and the definitions below it.
 """
 
 import math
-from typing import Literal, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array
 from planner.compiled import compiled
-from planner.spec import spec
+from planner.spec import Within, spec
 
 SINGULARITY_GUARD = 0.02  # of det(D D^T): below it the inverse is damped
+Positive = Annotated[float, Within(1e-9, 1e9)]
+NotNegative = Annotated[float, Within(0.0, 1e9)]
 
 
 class Gyros(NamedTuple):
@@ -29,70 +31,34 @@ class Gyros(NamedTuple):
 
 @spec
 class CmgArray:
-    """Identical CMGs: gimbal axes, rotor directions at zero angle, one drive.
+    """Identical CMGs in two scissor pairs: gimbal axes, rotor directions at zero angle, one drive.
 
-    arrangement: `paired` (two scissor pairs, gimbal axes along X and Y; H = h [s3 + s4,
-    s1 + s2, c1 + c2 + c3 + c4]) or `pyramid` (gimbal axes at `skew_rad` from the XY plane).
+    The gimbal axes lie along X and Y: H = h [s3 + s4, s1 + s2, c1 + c2 + c3 + c4].
     rate_step_rad_s: the drive executes whole multiples of it (and nothing smaller).
     rate_error_share, rate_error_rad_s: execution error +-(share x rate + constant).
     servo_rad_s, servo_damping: W(s) = 1/(T^2 s^2 + 2 xi T s + 1), T = 1/servo_rad_s; the
     paper gives the form but no numbers: 50 rad/s and 0.7 are assumed.
     gimbal_inertia_kg_m2: of rotor and frame about the gimbal axis; 0 leaves its reaction out.
+    gimbal_axes_body, rotor_axes_body, torque_axes_body: (4, 3), what the gimbals turn about, and
+    at zero gimbal angle the rotors' momentum and what they turn towards.
     """
 
-    arrangement: Literal["paired", "pyramid"] = "paired"
-    momentum_n_m_s: float = 60.0
-    skew_rad: float = math.radians(54.7356)
-    rate_max_rad_s: float = math.radians(57.3)
-    rate_step_rad_s: float = math.radians(0.0069)
-    rate_error_share: float = 0.01
-    rate_error_rad_s: float = math.radians(0.0069)
-    servo_rad_s: float = 50.0
-    servo_damping: float = 0.7
-    gimbal_inertia_kg_m2: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("momentum_n_m_s", "rate_max_rad_s", "servo_rad_s", "servo_damping"):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
-        for name in (
-            "rate_step_rad_s",
-            "rate_error_share",
-            "rate_error_rad_s",
-            "gimbal_inertia_kg_m2",
-        ):
-            if not getattr(self, name) >= 0.0:
-                raise ValueError(f"{name} must not be negative, but is {getattr(self, name)}")
-        if not 0.0 <= self.skew_rad <= math.pi / 2:
-            raise ValueError(f"skew_rad must lie in 0..pi/2, not {self.skew_rad}")
-
-    @property
-    def gimbal_axes_body(self) -> Array:
-        """Directions the gimbals turn about, shape (4, 3)."""
-        if self.arrangement == "paired":
-            return np.array([[-1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 1, 0]])
-        c, s = math.cos(self.skew_rad), math.sin(self.skew_rad)
-        return np.array([[s, 0, c], [0, s, c], [-s, 0, c], [0, -s, c]])
-
-    @property
-    def rotor_axes_body(self) -> Array:
-        """Directions of the rotors' momentum at zero gimbal angle, shape (4, 3)."""
-        if self.arrangement == "paired":
-            return np.tile([0.0, 0.0, 1.0], (4, 1))
-        return np.array([[0, 1.0, 0], [-1, 0, 0], [0, -1, 0], [1, 0, 0]])
-
-    @property
-    def torque_axes_body(self) -> Array:
-        """Directions the rotors turn towards at zero gimbal angle, shape (4, 3)."""
-        return np.cross(self.gimbal_axes_body, self.rotor_axes_body)
+    momentum_n_m_s: Positive = 60.0
+    rate_max_rad_s: Positive = math.radians(57.3)
+    rate_step_rad_s: NotNegative = math.radians(0.0069)
+    rate_error_share: NotNegative = 0.01
+    rate_error_rad_s: NotNegative = math.radians(0.0069)
+    servo_rad_s: Positive = 50.0
+    servo_damping: Positive = 0.7
+    gimbal_inertia_kg_m2: NotNegative = 0.0
+    gimbal_axes_body: ClassVar[Array] = np.array([[-1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 1, 0]])
+    rotor_axes_body: ClassVar[Array] = np.tile([0.0, 0.0, 1.0], (4, 1))
+    torque_axes_body: ClassVar[Array] = np.cross(gimbal_axes_body, rotor_axes_body)
 
     def gyros(self) -> Gyros:
         """The array for compiled code."""
         return Gyros(
-            self.momentum_n_m_s,
-            np.ascontiguousarray(self.rotor_axes_body),
-            np.ascontiguousarray(self.torque_axes_body),
-            self.rate_max_rad_s,
+            self.momentum_n_m_s, self.rotor_axes_body, self.torque_axes_body, self.rate_max_rad_s
         )
 
     def momentum(self, gimbal_rad: Array) -> Array:
@@ -119,13 +85,9 @@ class CmgArray:
     def in_envelope(self, momentum_n_m_s: Array) -> NDArray[np.bool_]:
         """Whether some gimbal angles reach a momentum, (..., 3) -> (...).
 
-        Two scissor pairs: exactly |Hx|, |Hy| <= 2h and |Hz| <= sqrt(4h^2 - Hx^2) +
-        sqrt(4h^2 - Hy^2).  Pyramid: the sphere inside its envelope that any azimuth reaches.
+        Exactly |Hx|, |Hy| <= 2h and |Hz| <= sqrt(4h^2 - Hx^2) + sqrt(4h^2 - Hy^2).
         """
         h = self.momentum_n_m_s
-        if self.arrangement == "pyramid":
-            radius_n_m_s = 4.0 * h * min(math.cos(self.skew_rad), math.sin(self.skew_rad))
-            return np.asarray(np.linalg.norm(momentum_n_m_s, axis=-1) <= radius_n_m_s)
         hx, hy, hz = np.moveaxis(np.asarray(momentum_n_m_s), -1, 0)
         room_x, room_y = 4 * h**2 - hx**2, 4 * h**2 - hy**2
         reach = np.sqrt(np.maximum(room_x, 0.0)) + np.sqrt(np.maximum(room_y, 0.0))
@@ -134,9 +96,8 @@ class CmgArray:
     def gimbal_angles(self, momentum_n_m_s: Array) -> Array:
         """Well-conditioned gimbal angles (4,) that hold a momentum (3,).
 
-        Two scissor pairs: closed form; each pair's half-angle is arccos(L/2h), and the split
-        of Hz between the pairs (z12 = Hz/2 + s) is the one furthest from singularity on a
-        grid of 201 splits.  Pyramid: Newton steps from the balanced position.
+        Closed form; each pair's half-angle is arccos(L/2h), and the split of Hz between the pairs
+        (z12 = Hz/2 + s) is the one furthest from singularity on a grid of 201 splits.
         Raises ValueError outside the envelope.
         """
         if not self.in_envelope(momentum_n_m_s):
@@ -144,8 +105,6 @@ class CmgArray:
                 f"momentum {np.round(momentum_n_m_s, 1).tolist()} N m s is outside the envelope "
                 "of the gyros; unload it first"
             )
-        if self.arrangement == "pyramid":
-            return self._pyramid_angles(momentum_n_m_s)
         h = self.momentum_n_m_s
         hx, hy, hz = momentum_n_m_s
         split = np.linspace(-2.0 * h, 2.0 * h, 201)
@@ -160,19 +119,6 @@ class CmgArray:
             axis=-1,
         )
         return np.asarray(angles[np.argmax(np.where(ok, self.singularity_margin(angles), -1.0))])
-
-    def _pyramid_angles(self, momentum_n_m_s: Array) -> Array:
-        gimbal_rad = np.zeros(4)
-        for _ in range(50):
-            miss_n_m_s = momentum_n_m_s - self.momentum(gimbal_rad)
-            if np.linalg.norm(miss_n_m_s) < 1e-12 * self.momentum_n_m_s:
-                return gimbal_rad
-            inverse = np.linalg.pinv(self.jacobian(gimbal_rad), rcond=1e-2)
-            gimbal_rad = gimbal_rad + np.clip(inverse @ miss_n_m_s / self.momentum_n_m_s, -0.3, 0.3)
-        raise ValueError(
-            f"found no gimbal angles for {np.round(momentum_n_m_s, 1).tolist()} N m s; unload "
-            "some momentum first"
-        )
 
 
 @compiled

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from planner.arrays import Array
-from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.spacecraft.vehicle.cmg_array import CmgArray, Positive
 from planner.spec import Within, spec
 
 TurnObjective = Literal["smooth", "minimum_time"]
@@ -28,18 +28,12 @@ class FlexibleMode:
     sqrt(share) sqrt(J) o axis_body, so that a share of 1 would leave no rigid body.
     """
 
-    frequency_hz: float
-    damping: float = 0.005
-    inertia_share: float
+    frequency_hz: Annotated[float, Within(1e-3, 20.0)]
+    damping: Annotated[float, Within(1e-6, 0.999)] = 0.005
+    inertia_share: Annotated[float, Within(0.0, 0.3)]
     axis_body: Vector3
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.frequency_hz <= 20.0:
-            raise ValueError(f"frequency_hz must lie in (0, 20], not {self.frequency_hz}")
-        if not 0.0 < self.damping < 1.0:
-            raise ValueError(f"damping must lie in (0, 1), not {self.damping}")
-        if not 0.0 <= self.inertia_share < 0.3:
-            raise ValueError(f"inertia_share must lie in [0, 0.3), not {self.inertia_share}")
         if not math.isclose(math.hypot(*self.axis_body), 1.0, abs_tol=1e-3):
             raise ValueError(f"axis_body must be a unit vector, not {self.axis_body}")
 
@@ -68,22 +62,13 @@ class Sensors:
     resolver_noise_rad: of a gimbal angle, per sample.
     """
 
-    gyro_range_rad_s: float = math.radians(1.6)
+    gyro_range_rad_s: Positive = math.radians(1.6)
     gyro_noise_rad_s: float = math.radians(5e-5)
     gyro_bias_rad_s: float = math.radians(1e-5)
     gyro_scale_error: float = 2e-5
     star_tracker_noise_rad: float = math.radians(5.0 / 3600.0)
-    star_tracker_period_s: float = 1.0
+    star_tracker_period_s: Annotated[float, Within(0.2, 1e6)] = 1.0  # no less than a control cycle
     resolver_noise_rad: float = 5e-6
-
-    def __post_init__(self) -> None:
-        if not self.gyro_range_rad_s > 0.0:
-            raise ValueError(f"gyro_range_rad_s must be positive, not {self.gyro_range_rad_s}")
-        if not self.star_tracker_period_s >= 0.2:
-            raise ValueError(
-                f"star_tracker_period_s is at least a control cycle, 0.2 s, not "
-                f"{self.star_tracker_period_s}"
-            )
 
 
 @spec
@@ -96,19 +81,13 @@ class ControlGains:
     gimbal's angle error made good in a tick.
     """
 
-    k1_per_s: float = 2.0
-    k2_per_s2: float = 0.5
-    cutoff_hz: float = 1.5
-    delay_ticks: int = 0
+    k1_per_s: Positive = 2.0
+    k2_per_s2: Positive = 0.5
+    cutoff_hz: Positive = 1.5
+    delay_ticks: Annotated[int, Within(0, 1)] = 0
     null_gain_rad_s: float = 0.02
     acceleration_share: float = 0.75
     gimbal_gain: float = 0.9
-
-    def __post_init__(self) -> None:
-        if not (self.k1_per_s > 0.0 and self.k2_per_s2 > 0.0 and self.cutoff_hz > 0.0):
-            raise ValueError("k1_per_s, k2_per_s2 and cutoff_hz must be positive")
-        if self.delay_ticks not in (0, 1):
-            raise ValueError(f"delay_ticks must be 0 or 1, not {self.delay_ticks}")
 
 
 @spec
@@ -121,23 +100,12 @@ class SlewLimits:
     imaging, on the profile already.
     """
 
-    rate_rad_s: float = math.radians(3.5)
-    rate_axis_rad_s: float = math.radians(1.58)
-    torque_n_m: float = 15.0
-    torque_rate_n_m_s: float = 40.0
-    momentum_sphere_n_m_s: float = 60.0
+    rate_rad_s: Positive = math.radians(3.5)
+    rate_axis_rad_s: Positive = math.radians(1.58)
+    torque_n_m: Positive = 15.0
+    torque_rate_n_m_s: Positive = 40.0
+    momentum_sphere_n_m_s: Positive = 60.0
     settle_s: Annotated[float, Within(*SETTLE_S)] = 2.6
-
-    def __post_init__(self) -> None:
-        for name in (
-            "rate_rad_s",
-            "rate_axis_rad_s",
-            "torque_n_m",
-            "torque_rate_n_m_s",
-            "momentum_sphere_n_m_s",
-        ):
-            if not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} must be positive, not {getattr(self, name)}")
 
 
 @spec
@@ -149,16 +117,12 @@ class Camera:
     backwards (TDI in both directions).  The paper gives 1 m and 12 km; TDI is assumed.
     """
 
-    pixel_rad: float = 1.0 / 650e3
+    pixel_rad: Annotated[float, Within(1e-9, 1e-3)] = 1.0 / 650e3
     tdi_lines: Annotated[int, Within(1, 1024)] = 32
     swath_m: Annotated[float, Within(*SWATH_M)] = 12e3
     reversible: bool = False
     across_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 45.0
     along_max_deg: Annotated[float, Within(*OFF_NADIR_DEG)] = 30.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.pixel_rad < 1e-3:
-            raise ValueError(f"pixel_rad must lie in (0, 1e-3), not {self.pixel_rad}")
 
 
 @spec

@@ -54,7 +54,7 @@ def _propagate(
 ) -> tuple[Array, Array]:
     n = len(h_body_n_m_s)
     rows_rad, rows_rad_s = np.zeros((n, 4)), np.zeros((n, 4))
-    now_rad, middle_rad = start_rad.copy(), start_rad.copy()
+    now_rad = start_rad.copy()
     rate_rad_s, held_n_m_s = np.zeros(4), np.zeros(3)
     for k in range(n):
         rows_rad[k] = now_rad
@@ -62,13 +62,10 @@ def _propagate(
             break
         rotor_momentum(gyros, now_rad, held_n_m_s)
         torque_n_m = (h_body_n_m_s[k + 1] - held_n_m_s) / TICK_S
-        middle_rad[:] = now_rad
+        middle_rad, gain_rad_s = now_rad.copy(), 0.0 if imaging[k] else null_gain_rad_s
         for _ in range(4):
-            gain_rad_s = 0.0 if imaging[k] else null_gain_rad_s
             steer(gyros, middle_rad, torque_n_m, gain_rad_s, rate_rad_s)
-            for i in range(4):
-                middle_rad[i] = now_rad[i] + 0.5 * TICK_S * rate_rad_s[i]
-        for i in range(4):
-            now_rad[i] += TICK_S * rate_rad_s[i]
+            middle_rad = now_rad + 0.5 * TICK_S * rate_rad_s
+        now_rad += TICK_S * rate_rad_s
         rows_rad_s[k] = rate_rad_s
     return rows_rad, rows_rad_s

@@ -104,8 +104,7 @@ def rotation_between(
     out[1] = a[3] * b[1] - a[1] * b[3] - a[2] * b[0] + a[0] * b[2]
     out[2] = a[3] * b[2] - a[2] * b[3] - a[0] * b[1] + a[1] * b[0]
     if out[3] < 0.0:
-        for k in range(4):
-            out[k] = -out[k]
+        out[:] = -out
 
 
 @compiled
@@ -116,24 +115,19 @@ def estimate_rate(
 
     gyro_rad_s: (4,), X, Y, Z and the diagonal.  Returns whether the gyro gave it.
     """
-    saturated, which = 0, 0
-    for k in range(3):
-        estimate.omega_body_rad_s[k] = gyro_rad_s[k]
-        if abs(gyro_rad_s[k]) >= computer.gyro_range_rad_s:
-            saturated += 1
-            which = k
-    if saturated == 0:
+    estimate.omega_body_rad_s[:] = gyro_rad_s[:3]
+    saturated = np.flatnonzero(np.abs(gyro_rad_s[:3]) >= computer.gyro_range_rad_s)
+    if len(saturated) == 0:
         return True
     x, y, z, diagonal = gyro_rad_s
-    if saturated == 1 and abs(diagonal) < computer.gyro_range_rad_s:
+    if len(saturated) == 1 and abs(diagonal) < computer.gyro_range_rad_s:
+        which = saturated[0]
         estimate.omega_body_rad_s[which] = math.sqrt(3.0) * diagonal - x - y - z + gyro_rad_s[which]
         return True
     total_n_m_s, rotors_n_m_s = np.empty(3), np.empty(3)
     unrotate(estimate.q_eci_from_body_xyzw, memory.momentum_eci_n_m_s, total_n_m_s)
     rotor_momentum(computer.gyros, estimate.gimbal_rad, rotors_n_m_s)
-    for k in range(3):
-        body_n_m_s = total_n_m_s[k] - rotors_n_m_s[k]
-        estimate.omega_body_rad_s[k] = body_n_m_s / memory.inertia_kg_m2[k]
+    estimate.omega_body_rad_s[:] = (total_n_m_s - rotors_n_m_s) / memory.inertia_kg_m2
     return False
 
 
@@ -148,17 +142,15 @@ def learn(computer: Computer, memory: OnboardMemory, estimate: Estimate) -> None
     rotor_momentum(computer.gyros, estimate.gimbal_rad, seen_body_n_m_s)
     unrotate(estimate.q_eci_from_body_xyzw, memory.momentum_eci_n_m_s, total_n_m_s)
     products, squares = memory.rate_momentum_sum_n_m, memory.rate_square_sum_per_s2
-    for k in range(3):
-        rate_rad_s = estimate.omega_body_rad_s[k]
-        if abs(rate_rad_s) > LEARNING_RATE_RAD_S:
-            products[k] += rate_rad_s * (total_n_m_s[k] - seen_body_n_m_s[k])
-            squares[k] += rate_rad_s * rate_rad_s
-        memory.inertia_kg_m2[k] = products[k] / squares[k]
-        seen_body_n_m_s[k] += memory.inertia_kg_m2[k] * rate_rad_s
+    rate_rad_s = estimate.omega_body_rad_s
+    turning = np.abs(rate_rad_s) > LEARNING_RATE_RAD_S
+    products += np.where(turning, rate_rad_s * (total_n_m_s - seen_body_n_m_s), 0.0)
+    squares += np.where(turning, rate_rad_s * rate_rad_s, 0.0)
+    memory.inertia_kg_m2[:] = products / squares
+    seen_body_n_m_s += memory.inertia_kg_m2 * rate_rad_s
     rotate(estimate.q_eci_from_body_xyzw, seen_body_n_m_s, seen_eci_n_m_s)
     kept_n_m_s = memory.momentum_eci_n_m_s
-    for k in range(3):
-        kept_n_m_s[k] += MOMENTUM_GAIN * (seen_eci_n_m_s[k] - kept_n_m_s[k])
+    kept_n_m_s += MOMENTUM_GAIN * (seen_eci_n_m_s - kept_n_m_s)
 
 
 @compiled
@@ -166,12 +158,11 @@ def _low_pass(computer: Computer, memory: OnboardMemory, rate_error_rad_s: Array
     """The Butterworth's output in place of its input (3,)."""
     b0, b1, b2, a1, a2 = computer.butterworth_coefficients
     state = memory.filter_rad_s
-    for k in range(3):
-        x = rate_error_rad_s[k]
-        y = b0 * x + state[0, k]
-        state[0, k] = b1 * x - a1 * y + state[1, k]
-        state[1, k] = b2 * x - a2 * y
-        rate_error_rad_s[k] = y
+    x = rate_error_rad_s.copy()
+    y = b0 * x + state[0]
+    state[0] = b1 * x - a1 * y + state[1]
+    state[1] = b2 * x - a2 * y
+    rate_error_rad_s[:] = y
 
 
 @compiled
@@ -180,9 +171,8 @@ def _paper_acceleration(
     memory: OnboardMemory,
     q_table_from_body_xyzw: Array,
     rate_error_rad_s: Array,
-    acceleration_body_rad_s2: Array,
-) -> None:
-    """Body acceleration by the two published laws."""
+) -> Array:
+    """Body acceleration, (3,), by the two published laws."""
     k1, k2, e = computer.k1_per_s, computer.k2_per_s2, q_table_from_body_xyzw
     sine = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
     angle_rad = 2.0 * math.atan2(sine, e[3])
@@ -190,12 +180,10 @@ def _paper_acceleration(
     limit_rad_s = min(brake_rad_s, computer.turn_rate_rad_s)
     near = angle_rad * k2 / k1 <= limit_rad_s
     speed_rad_s = min(limit_rad_s, computer.turn_acceleration_rad_s2 * memory.turn_s[0])
-    for k in range(3):
-        if near:
-            acceleration_body_rad_s2[k] = -k2 * 2.0 * e[k] - k1 * rate_error_rad_s[k]
-        else:
-            wanted_rad_s = rate_error_rad_s[k] + speed_rad_s * e[k] / sine
-            acceleration_body_rad_s2[k] = -k1 * wanted_rad_s
+    acceleration_rad_s2: Array = -k1 * (rate_error_rad_s + speed_rad_s * e[:3] / sine)
+    if near:
+        acceleration_rad_s2 = -k2 * 2.0 * e[:3] - k1 * rate_error_rad_s
+    return acceleration_rad_s2
 
 
 @compiled
@@ -208,22 +196,17 @@ def decide(
     from the tick at which the command acts to the next.
     """
     q_body, omega = estimate.q_eci_from_body_xyzw, estimate.omega_body_rad_s
-    q_table_from_body_xyzw, table_rad_s = np.empty(4), np.empty(3)
-    error_rad_s, acceleration_rad_s2 = np.empty(3), np.empty(3)
+    q_table_from_body_xyzw, table_rad_s, total_n_m_s = np.empty(4), np.empty(3), np.empty(3)
     rotation_between(reference.q_eci_from_body_xyzw[tick], q_body, q_table_from_body_xyzw)
     unrotate(q_table_from_body_xyzw, reference.omega_body_rad_s[tick], table_rad_s)
-    for k in range(3):
-        error_rad_s[k] = omega[k] - table_rad_s[k]
+    error_rad_s = omega - table_rad_s
     _low_pass(computer, memory, error_rad_s)
-    total_n_m_s, torque_n_m = np.empty(3), np.empty(3)
     unrotate(q_body, memory.momentum_eci_n_m_s, total_n_m_s)
     if computer.law == PAPER:
-        _paper_acceleration(
-            computer, memory, q_table_from_body_xyzw, error_rad_s, acceleration_rad_s2
+        acceleration_rad_s2 = _paper_acceleration(
+            computer, memory, q_table_from_body_xyzw, error_rad_s
         )
-        torque_n_m[0] = -(omega[1] * total_n_m_s[2] - omega[2] * total_n_m_s[1])
-        torque_n_m[1] = -(omega[2] * total_n_m_s[0] - omega[0] * total_n_m_s[2])
-        torque_n_m[2] = -(omega[0] * total_n_m_s[1] - omega[1] * total_n_m_s[0])
+        torque_n_m = -np.cross(omega, total_n_m_s)
     else:
         now = min(tick + computer.delay_ticks, len(reference.imaging) - 1)
         q_ahead = reference.ahead_q_eci_from_body_xyzw[now : now + 2]
@@ -231,25 +214,18 @@ def decide(
         now_n_m_s, later_n_m_s = np.empty(3), np.empty(3)
         unrotate(q_ahead[0], memory.momentum_eci_n_m_s, now_n_m_s)
         unrotate(q_ahead[1], memory.momentum_eci_n_m_s, later_n_m_s)
-        for k in range(3):
-            acceleration_rad_s2[k] = (
-                -computer.k2_per_s2 * 2.0 * q_table_from_body_xyzw[k]
-                - computer.k1_per_s * error_rad_s[k]
-            )
-            faster_rad_s = omega_ahead[1, k] - omega_ahead[0, k]
-            step_n_m_s = later_n_m_s[k] - now_n_m_s[k] - memory.inertia_kg_m2[k] * faster_rad_s
-            torque_n_m[k] = step_n_m_s / TICK_S
-        torque_n_m[0] -= error_rad_s[1] * total_n_m_s[2] - error_rad_s[2] * total_n_m_s[1]
-        torque_n_m[1] -= error_rad_s[2] * total_n_m_s[0] - error_rad_s[0] * total_n_m_s[2]
-        torque_n_m[2] -= error_rad_s[0] * total_n_m_s[1] - error_rad_s[1] * total_n_m_s[0]
-    for k in range(3):
-        torque_n_m[k] -= memory.inertia_kg_m2[k] * acceleration_rad_s2[k]
+        acceleration_rad_s2 = (
+            -computer.k2_per_s2 * 2.0 * q_table_from_body_xyzw[:3] - computer.k1_per_s * error_rad_s
+        )
+        faster_rad_s = omega_ahead[1] - omega_ahead[0]
+        step_n_m_s = later_n_m_s - now_n_m_s - memory.inertia_kg_m2 * faster_rad_s
+        torque_n_m = step_n_m_s / TICK_S - np.cross(error_rad_s, total_n_m_s)
+    torque_n_m -= memory.inertia_kg_m2 * acceleration_rad_s2
     null_gain_rad_s = 0.0 if reference.imaging[tick] else computer.null_gain_rad_s
     middle_rad, rate_rad_s = estimate.gimbal_rad.copy(), memory.wanted_rad_s[0]
     for _ in range(2):
         steer(computer.gyros, middle_rad, torque_n_m, null_gain_rad_s, rate_rad_s)
-        for i in range(4):
-            middle_rad[i] = estimate.gimbal_rad[i] + 0.5 * TICK_S * rate_rad_s[i]
+        middle_rad = estimate.gimbal_rad + 0.5 * TICK_S * rate_rad_s
 
 
 @compiled
