@@ -4,6 +4,7 @@ import hashlib
 import math
 from dataclasses import dataclass, fields
 from datetime import datetime
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -45,6 +46,17 @@ def _member(name: str, values: tuple[object, ...], decimals: int | None) -> obje
         if hasattr(value, f"{name}_utc"):
             return utc_or_none(getattr(value, f"{name}_utc"))
     raise AttributeError(f"none of the values has what {name} is filled with")
+
+
+def to_json(answer: object) -> bytes:
+    """UTF-8, by the members as the answer's class declares them."""
+    kind: type = type(answer)
+    return _adapter(kind).dump_json(answer)
+
+
+@cache
+def _adapter(kind: type) -> TypeAdapter[object]:
+    return TypeAdapter(kind)
 
 
 def degrees(angle_rad: float, decimals: int | None = DECIMALS) -> float:
@@ -94,9 +106,6 @@ class PlanHead:
     revises: str | None
 
 
-_HEAD = TypeAdapter(PlanHead)
-
-
 def new_head(state: JobState) -> PlanHead:
     """Of a plan that replaces none."""
     return PlanHead(id=new_id(), state=state, revision=1, revises=None)
@@ -104,4 +113,4 @@ def new_head(state: JobState) -> PlanHead:
 
 def whole_answer(head: PlanHead, document: bytes, table: bytes) -> bytes:
     """One JSON object of the members of the first two, and the table."""
-    return b"".join([_HEAD.dump_json(head)[:-1], b",", document[1:-1], b',"table":', table, b"}"])
+    return b"".join([to_json(head)[:-1], b",", document[1:-1], b',"table":', table, b"}"])
