@@ -68,14 +68,18 @@ def _starting(angles_deg: dict[str, float], **rates: dict[str, float]) -> dict[s
     return {"epoch": "2015-02-27T17:34:00Z", "angles_deg": angles_deg, **rates}
 
 
-_AXIS = {
-    "angle_min_deg": -175.0,
-    "angle_max_deg": 175.0,
-    "rate_max_deg_s": 2.0,
-    "acceleration_max_deg_s2": 0.8,
-    "jerk_max_deg_s3": 0.5,
-    "rate_min_deg_s": 0.0166667,
-}
+def _axis(name: str, axis_platform: list[float]) -> dict[str, Any]:
+    return {
+        "name": name,
+        "axis_platform": axis_platform,
+        "angle_min_deg": -175.0,
+        "angle_max_deg": 175.0,
+        "rate_max_deg_s": 2.0,
+        "acceleration_max_deg_s2": 0.8,
+        "jerk_max_deg_s3": 0.5,
+        "rate_min_deg_s": 0.0166667,
+    }
+
 
 PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     "tle": ("Las Vegas from the ISS by a TLE, 27 February 2015", LAS_VEGAS),
@@ -114,8 +118,8 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             "own platform",
             platform={
                 "name": "bench model",
-                "outer": {"name": "azimuth", "axis_platform": [0.0, -1.0, 0.0], **_AXIS},
-                "inner": {"name": "tilt", "axis_platform": [1.0, 0.0, 0.0], **_AXIS},
+                "outer": _axis("azimuth", [0.0, -1.0, 0.0]),
+                "inner": _axis("tilt", [1.0, 0.0, 0.0]),
                 "q_platform_from_body_xyzw": [0.0, 0.0, 0.7071067811865476, 0.7071067811865476],
             },
             initial_state=_starting({"azimuth": 0.0, "tilt": 0.0}),
