@@ -4,10 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import TypeAdapter
-
 from app.answers.job import JobProblem, JobResponse, job_out, page
-from app.answers.members import fill
+from app.answers.members import fill, to_json
 from app.store.ids import JobState
 from app.store.jobs import Job
 
@@ -114,23 +112,15 @@ class CampaignDryRun:
     targets: int
 
 
-_CAMPAIGN = TypeAdapter(CampaignResponse)
-_LIST = TypeAdapter(CampaignList)
-_CHOICE = TypeAdapter(CampaignChoiceOut)
-_LOOKS = TypeAdapter(list[CampaignLookOut])
-_LEFT_OUT = TypeAdapter(list[LookLeftOut])
-DRY_RUN = TypeAdapter(CampaignDryRun)
-
-
 def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Job]) -> bytes:
     """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
     latest = {part.options["campaign"]["pass"]: part for part in parts}
     passes = [_pass_out(latest[number]) for number in sorted(latest)]
-    return _CAMPAIGN.dump_json(
+    return to_json(
         fill(
             CampaignResponse,
             job_out(job),
-            choice=None if choice is None else _CHOICE.validate_python(choice),
+            choice=None if choice is None else CampaignChoiceOut(**choice),
             planned=_planned_out(passes),
             passes=passes,
         )
@@ -145,8 +135,8 @@ def _pass_out(part: Job) -> CampaignPassOut:
         state=part.state,
         start=facts["start"],
         stop=facts["stop"],
-        looks=_LOOKS.validate_python(facts["looks"]),
-        left_out=_LEFT_OUT.validate_python(facts["left_out"]),
+        looks=[CampaignLookOut(**look) for look in facts["looks"]],
+        left_out=[LookLeftOut(**look) for look in facts["left_out"]],
         problem=job_out(part).problem,
     )
 
@@ -168,4 +158,4 @@ def _planned_out(passes: Sequence[CampaignPassOut]) -> PlannedOut:
 def campaign_list_json(jobs: Sequence[Job], limit: int) -> bytes:
     """A CampaignList."""
     campaigns, after = page(jobs, limit)
-    return _LIST.dump_json(CampaignList(campaigns=campaigns, next=after))
+    return to_json(CampaignList(campaigns=campaigns, next=after))

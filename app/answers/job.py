@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from pydantic import TypeAdapter
 
-from app.answers.members import fill
+from app.answers.members import fill, to_json
 from app.answers.problem import Problem
 from app.store.ids import JobState
 from app.store.jobs import Job
@@ -44,9 +44,7 @@ class PlanList:
     next: str | None
 
 
-_JOB = TypeAdapter(JobResponse)
 _PROBLEM = TypeAdapter(JobProblem)
-_LIST = TypeAdapter(PlanList)
 
 
 def job_out(job: Job) -> JobResponse:
@@ -65,7 +63,7 @@ def job_out(job: Job) -> JobResponse:
 
 def job_json(job: Job) -> bytes:
     """A JobResponse as UTF-8 JSON."""
-    return _JOB.dump_json(job_out(job))
+    return to_json(job_out(job))
 
 
 def page(jobs: Sequence[Job], limit: int) -> tuple[list[JobResponse], str | None]:
@@ -77,4 +75,4 @@ def page(jobs: Sequence[Job], limit: int) -> tuple[list[JobResponse], str | None
 def list_json(jobs: Sequence[Job], limit: int) -> bytes:
     """A PlanList."""
     plans, after = page(jobs, limit)
-    return _LIST.dump_json(PlanList(plans=plans, next=after))
+    return to_json(PlanList(plans=plans, next=after))

@@ -2,8 +2,10 @@
 
 import hashlib
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, fields
 from datetime import datetime
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,6 +16,7 @@ from app.versions import versions
 from planner.arrays import Array
 from planner.frames.time_scales import utc_text
 
+ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises
 Answer = TypeVar("Answer")
 
@@ -24,27 +27,42 @@ def fill(
     """A dataclass of an answer; the members that aren't given are those of our values.
 
     Each is what the first of the values that knows it has under the same name, a tuple as a
-    list; `x_deg` is its `x_rad` in degrees, rounded to so many decimals, and `x` its `x_utc`
-    as text.
+    list; `x_deg` is its `x_rad` in degrees, rounded to so many decimals, `x_arcsec` too,
+    `x_km` its `x_m`, and `x` or `x_at` its `x_utc` as text.  What none knows has its default.
     """
     for field in fields(kind):  # type: ignore[arg-type]
         if field.name not in members:
-            members[field.name] = _member(field.name, values, decimals)
+            member = _member(field.name, values, decimals)
+            if member is not MISSING:
+                members[field.name] = member
     return kind(**members)
 
 
 def _member(name: str, values: tuple[object, ...], decimals: int | None) -> object:
-    in_rad = name.replace("_deg", "_rad")
+    forms: tuple[tuple[str, Callable[[Any], object]], ...] = (
+        (name, lambda member: list(member) if isinstance(member, tuple) else member),
+        (name.replace("_deg", "_rad"), lambda angle_rad: degrees(angle_rad, decimals)),
+        (name.replace("_arcsec", "_rad"), lambda angle_rad: angle_rad * ARCSEC_PER_RAD),
+        (name.replace("_km", "_m"), lambda length_m: length_m / 1e3),
+        (f"{name.removesuffix('_at')}_utc", utc_text),
+    )
     for value in values:
-        if hasattr(value, name):
-            member = getattr(value, name)
-            return list(member) if isinstance(member, tuple) else member
-        if hasattr(value, in_rad):
-            angle_rad = getattr(value, in_rad)
-            return None if angle_rad is None else degrees(angle_rad, decimals)
-        if hasattr(value, f"{name}_utc"):
-            return utc_or_none(getattr(value, f"{name}_utc"))
-    raise AttributeError(f"none of the values has what {name} is filled with")
+        for known, form in forms:
+            if hasattr(value, known):
+                member = getattr(value, known)
+                return None if member is None else form(member)
+    return MISSING
+
+
+def to_json(answer: object) -> bytes:
+    """UTF-8, by the members as the answer's class declares them."""
+    kind: type = type(answer)
+    return _adapter(kind).dump_json(answer)
+
+
+@cache
+def _adapter(kind: type) -> TypeAdapter[object]:
+    return TypeAdapter(kind)
 
 
 def degrees(angle_rad: float, decimals: int | None = DECIMALS) -> float:
@@ -94,9 +112,6 @@ class PlanHead:
     revises: str | None
 
 
-_HEAD = TypeAdapter(PlanHead)
-
-
 def new_head(state: JobState) -> PlanHead:
     """Of a plan that replaces none."""
     return PlanHead(id=new_id(), state=state, revision=1, revises=None)
@@ -104,4 +119,4 @@ def new_head(state: JobState) -> PlanHead:
 
 def whole_answer(head: PlanHead, document: bytes, table: bytes) -> bytes:
     """One JSON object of the members of the first two, and the table."""
-    return b"".join([_HEAD.dump_json(head)[:-1], b",", document[1:-1], b',"table":', table, b"}"])
+    return b"".join([to_json(head)[:-1], b",", document[1:-1], b',"table":', table, b"}"])

@@ -5,9 +5,8 @@ from datetime import datetime
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
-from app.answers.members import ProvenanceOut
+from app.answers.members import ProvenanceOut, to_json
 from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
@@ -109,12 +108,9 @@ class OpportunitiesResponse:
     provenance: ProvenanceOut
 
 
-_ADAPTER = TypeAdapter(OpportunitiesResponse)
-
-
 def opportunities_json(result: Opportunities, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    return _ADAPTER.dump_json(
+    return to_json(
         OpportunitiesResponse(
             start=utc_text(result.start_utc),
             stop=utc_text(result.stop_utc),

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, TypeAdapter
+from pydantic import BaseModel, ConfigDict
 
 from app.answers.comparison import SlewComparisonOut, comparison_out
 from app.answers.horizon_view import HorizonCheckOut
@@ -15,6 +15,7 @@ from app.answers.members import (
     degrees_of,
     fill,
     new_head,
+    to_json,
     whole_answer,
 )
 from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out
@@ -179,10 +180,6 @@ class DryRunResponse:
     provenance: ProvenanceOut
 
 
-_DOCUMENT = TypeAdapter(PlanDocument)
-_TABLE = TypeAdapter(TableOut)
-
-
 def plan_json(
     plan: Plan, provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
 ) -> bytes:
@@ -212,7 +209,7 @@ def verdict_state(plan: Plan) -> Literal["done", "failed"]:
 
 def table_json(table: CommandTable) -> bytes:
     """The table as the answer holds it."""
-    return _TABLE.dump_json(table_out(table))
+    return to_json(table_out(table))
 
 
 def plan_document(
@@ -220,7 +217,7 @@ def plan_document(
 ) -> bytes:
     """A PlanDocument as UTF-8 JSON."""
     report = plan.verification
-    return _DOCUMENT.dump_json(
+    return to_json(
         PlanDocument(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,

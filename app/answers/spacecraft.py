@@ -5,9 +5,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from pydantic import TypeAdapter
 
-from app.answers.members import PlanHead, ProvenanceOut, degrees_of, fill, new_head, whole_answer
+from app.answers.members import (
+    PlanHead,
+    ProvenanceOut,
+    degrees_of,
+    fill,
+    new_head,
+    to_json,
+    whole_answer,
+)
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
@@ -179,10 +186,6 @@ class SpacecraftDryRunResponse:
     provenance: ProvenanceOut
 
 
-_DOCUMENT = TypeAdapter(SpacecraftPlanDocument)
-_TABLE = TypeAdapter(AttitudeTableOut)
-
-
 def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
     document = spacecraft_document(plan, provenance)
@@ -191,7 +194,7 @@ def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
 
 def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
     """A SpacecraftPlanDocument as UTF-8 JSON."""
-    return _DOCUMENT.dump_json(
+    return to_json(
         SpacecraftPlanDocument(
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
@@ -216,7 +219,7 @@ def row_text(table: AttitudeTable, row: int) -> str:
 def attitude_table_json(table: AttitudeTable) -> bytes:
     """An AttitudeTableOut as UTF-8 JSON."""
     q_body_from_eci_xyzw = continuous(table.q_body_from_eci)
-    return _TABLE.dump_json(
+    return to_json(
         AttitudeTableOut(
             epoch=utc_text(table.epoch_utc, 1),
             step_s=TICK_S,

@@ -39,6 +39,10 @@ class _OneLinePerFault(TyperGroup):
             sys.exit(FAILED)
         sys.exit(code or 0)
 
+    def invoke(self, context: Any) -> Any:  # noqa: ANN401 (Typer's own signature)
+        with one_line_for_what_goes_wrong():
+            return super().invoke(context)
+
 
 main = typer.Typer(
     cls=_OneLinePerFault,
@@ -78,54 +82,53 @@ def plan(
     json: WholeAnswer = None,
 ) -> None:
     """Plan the sessions of a request and report."""
-    with one_line_for_what_goes_wrong():
-        body, read_utc = _read(file)
+    body, read_utc = _read(file)
 
-        from planner.export import EXPORTERS
+    from planner.export import EXPORTERS
 
-        exports = list(_formats_and_paths(export, EXPORTERS))
+    exports = list(_formats_and_paths(export, EXPORTERS))
 
-        from app.requests.plan import read_plan_request
+    from app.requests.plan import read_plan_request
 
-        request = read_plan_request(body)
+    request = read_plan_request(body)
 
-        from app.cli.plan_report import print_report
-        from planner.sessions.pipeline import make_plan
+    from app.cli.plan_report import print_report
+    from planner.sessions.pipeline import make_plan
 
-        result = make_plan(request)
-        print_report(result)
-        if json:
-            from app.answers.members import provenance
-            from app.answers.plan import plan_json
+    result = make_plan(request)
+    print_report(result)
+    if json:
+        from app.answers.members import provenance
+        from app.answers.plan import plan_json
 
-            checks = []
-            if request.horizon_cameras:
-                from app.work.horizon_views import horizon_checks
+        checks = []
+        if request.horizon_cameras:
+            from app.work.horizon_views import horizon_checks
 
-                checks = horizon_checks(result.scenario, request.horizon_cameras)
-            _write(json, plan_json(result, provenance(read_utc, body), checks))
-        if plot:
-            try:
-                from app.cli.figure import draw_plan
-            except ModuleNotFoundError as missing:
-                raise InvalidInput(
-                    f"drawing needs {missing.name}, which isn't installed: install "
-                    "slewtrack[plot], or leave it out",
-                    field="--plot",
-                ) from None
+            checks = horizon_checks(result.scenario, request.horizon_cameras)
+        _write(json, plan_json(result, provenance(read_utc, body), checks))
+    if plot:
+        try:
+            from app.cli.figure import draw_plan
+        except ModuleNotFoundError as missing:
+            raise InvalidInput(
+                f"drawing needs {missing.name}, which isn't installed: install "
+                "slewtrack[plot], or leave it out",
+                field="--plot",
+            ) from None
 
-            _write(plot, draw_plan(result, plot.suffix.lstrip(".") or "png"))
+        _write(plot, draw_plan(result, plot.suffix.lstrip(".") or "png"))
 
-        from app.answers.plan import require_verified
+    from app.answers.plan import require_verified
 
-        # A table that fails is shown beside the verdict, above, and nowhere else.
-        require_verified(result.verification.findings)
-        if csv:
-            from planner.export.csv import table_csv
+    # A table that fails is shown beside the verdict, above, and nowhere else.
+    require_verified(result.verification.findings)
+    if csv:
+        from planner.export.csv import table_csv
 
-            _write(csv, table_csv(result.table).encode())
-        for name, path in exports:
-            _write(path, EXPORTERS[name].write(result, read_utc))
+        _write(csv, table_csv(result.table).encode())
+    for name, path in exports:
+        _write(path, EXPORTERS[name].write(result, read_utc))
 
 
 @main.command()
@@ -137,25 +140,24 @@ def windows(
     json: WholeAnswer = None,
 ) -> None:
     """Tell when targets can be seen."""
-    with one_line_for_what_goes_wrong():
-        body, read_utc = _read(file)
+    body, read_utc = _read(file)
 
-        from app.requests.opportunities import read_opportunity_request
+    from app.requests.opportunities import read_opportunity_request
 
-        request = read_opportunity_request(body)
+    request = read_opportunity_request(body)
 
-        from app.answers.members import provenance
-        from app.answers.opportunities import opportunities_json, windows_out
-        from app.cli.windows_report import print_windows, windows_csv
-        from planner.opportunities import find_opportunities
+    from app.answers.members import provenance
+    from app.answers.opportunities import opportunities_json, windows_out
+    from app.cli.windows_report import print_windows, windows_csv
+    from planner.opportunities import find_opportunities
 
-        result = find_opportunities(request)
-        answer = windows_out(result)
-        print_windows(result, answer)
-        if csv:
-            _write(csv, windows_csv(result.axis_names, answer).encode())
-        if json:
-            _write(json, opportunities_json(result, provenance(read_utc, body)))
+    result = find_opportunities(request)
+    answer = windows_out(result)
+    print_windows(result, answer)
+    if csv:
+        _write(csv, windows_csv(result.axis_names, answer).encode())
+    if json:
+        _write(json, opportunities_json(result, provenance(read_utc, body)))
 
 
 @main.command()
@@ -170,23 +172,22 @@ def campaign(
     ] = None,
 ) -> None:
     """Choose, order and plan sessions for many targets over days."""
-    with one_line_for_what_goes_wrong():
-        body, _ = _read(file)
+    body, _ = _read(file)
 
-        import zlib
-        from json import loads
+    import zlib
+    from json import loads
 
-        from app.cli.campaign import campaign_csv, print_campaign, run_campaign, write_plans
+    from app.cli.campaign import campaign_csv, print_campaign, run_campaign, write_plans
 
-        choice, passes = run_campaign(body)
-        document = zlib.decompress(choice.document)
-        print_campaign(loads(document), passes)
-        if plans:
-            write_plans(plans, passes)
-        if csv:
-            _write(csv, campaign_csv(passes).encode())
-        if json:
-            _write(json, document)
+    choice, passes = run_campaign(body)
+    document = zlib.decompress(choice.document)
+    print_campaign(loads(document), passes)
+    if plans:
+        write_plans(plans, passes)
+    if csv:
+        _write(csv, campaign_csv(passes).encode())
+    if json:
+        _write(json, document)
 
 
 @main.command()
@@ -207,18 +208,17 @@ def horizon(
     json: WholeAnswer = None,
 ) -> None:
     """Measure the local vertical in images of the horizon."""
-    with one_line_for_what_goes_wrong():
-        from app.cli.horizon import measure_frames, measure_one
-        from app.work.horizon_series import read_series
+    from app.cli.horizon import measure_frames, measure_one
+    from app.work.horizon_series import read_series
 
-        body = request.read_bytes()
-        series = read_series(body)
-        if series is None:
-            answer = measure_one(body, images, overlay)
-        else:
-            answer = measure_frames(series, body, images)
-        if json:
-            _write(json, answer)
+    body = request.read_bytes()
+    series = read_series(body)
+    if series is None:
+        answer = measure_one(body, images, overlay)
+    else:
+        answer = measure_frames(series, body, images)
+    if json:
+        _write(json, answer)
 
 
 @main.command()
@@ -234,29 +234,28 @@ def spacecraft(
     json: WholeAnswer = None,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
-    with one_line_for_what_goes_wrong():
-        body, read_utc = _read(file)
+    body, read_utc = _read(file)
 
-        from planner.spacecraft.export import IMAGING_EXPORTERS
+    from planner.spacecraft.export import IMAGING_EXPORTERS
 
-        exports = list(_formats_and_paths(export, IMAGING_EXPORTERS))
+    exports = list(_formats_and_paths(export, IMAGING_EXPORTERS))
 
-        from app.requests.spacecraft import read_spacecraft_request
+    from app.requests.spacecraft import read_spacecraft_request
 
-        request = read_spacecraft_request(body)
+    request = read_spacecraft_request(body)
 
-        from app.cli.spacecraft_report import print_session
-        from planner.spacecraft.plan import plan_imaging
+    from app.cli.spacecraft_report import print_session
+    from planner.spacecraft.plan import plan_imaging
 
-        result = plan_imaging(request)
-        print_session(result)
-        for name, path in exports:
-            _write(path, IMAGING_EXPORTERS[name].write(result, read_utc))
-        if json:
-            from app.answers.members import provenance
-            from app.answers.spacecraft import spacecraft_plan_json
+    result = plan_imaging(request)
+    print_session(result)
+    for name, path in exports:
+        _write(path, IMAGING_EXPORTERS[name].write(result, read_utc))
+    if json:
+        from app.answers.members import provenance
+        from app.answers.spacecraft import spacecraft_plan_json
 
-            _write(json, spacecraft_plan_json(result, provenance(read_utc, body)))
+        _write(json, spacecraft_plan_json(result, provenance(read_utc, body)))
 
 
 def _port(text: str | int) -> int:
@@ -271,11 +270,10 @@ def serve(
     port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
     """Serve the HTTP API and its pages (/docs); beyond this machine with API keys only."""
-    with one_line_for_what_goes_wrong():
-        from app.http.serving import serve_on
-        from app.settings import settings_of_environment
+    from app.http.serving import serve_on
+    from app.settings import settings_of_environment
 
-        serve_on(host, port, settings_of_environment())
+    serve_on(host, port, settings_of_environment())
 
 
 @main.command()
@@ -286,17 +284,16 @@ def worker(
     ] = None,
 ) -> None:
     """Solve for services that are set to the same Dask scheduler."""
-    with one_line_for_what_goes_wrong():
-        from app.jobs.dask_address import check_scheduler
-        from app.log.logs import configure_logs
-        from app.settings import settings_of_environment
+    from app.jobs.dask_address import check_scheduler
+    from app.log.logs import configure_logs
+    from app.settings import settings_of_environment
 
-        settings = settings_of_environment()
-        check_scheduler(scheduler, "worker", "--scheduler")
-        from app.jobs.dask_worker import work_for
+    settings = settings_of_environment()
+    check_scheduler(scheduler, "worker", "--scheduler")
+    from app.jobs.dask_worker import work_for
 
-        configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers
-        work_for(scheduler, solves or settings.workers)
+    configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers
+    work_for(scheduler, solves or settings.workers)
 
 
 def _read(file: str) -> tuple[bytes, datetime]:

@@ -5,10 +5,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import cv2
-from pydantic import TypeAdapter
 
-from app.answers.horizon import EstimateResponse, estimate_out
-from app.answers.members import provenance
+from app.answers.horizon import estimate_out
+from app.answers.members import provenance, to_json
 from app.cli.horizon_report import print_estimate, print_series
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
@@ -40,8 +39,7 @@ def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> byt
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(png)
     origin = provenance(datetime.now(UTC), body, *images)
-    answer = estimate_out(estimate, overlays if request.overlay else (), origin)
-    return TypeAdapter(EstimateResponse).dump_json(answer)
+    return to_json(estimate_out(estimate, overlays if request.overlay else (), origin))
 
 
 def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.one_line import one_line_for_what_goes_wrong
 from app.store.api_keys import SCOPES, Key, KeyScope
 from planner.errors import InvalidInput
 
@@ -37,27 +36,25 @@ def create(
     ] = None,
 ) -> None:
     """Make a key; its secret is shown now and never again."""
-    with one_line_for_what_goes_wrong():
-        scopes = tuple(_scope(text) for text in scope or ["read"])
-        with _store() as store:
-            key, secret = store.create(
-                _printable(name), scopes, rate_per_minute=rate_per_minute, concurrency=concurrency
-            )
-        text = f"Key {key.id} ({', '.join(key.scopes)}). Keep its secret, shown only once:"
-        typer.echo(text, err=True)
-        typer.echo(secret)
+    scopes = tuple(_scope(text) for text in scope or ["read"])
+    with _store() as store:
+        key, secret = store.create(
+            _printable(name), scopes, rate_per_minute=rate_per_minute, concurrency=concurrency
+        )
+    text = f"Key {key.id} ({', '.join(key.scopes)}). Keep its secret, shown only once:"
+    typer.echo(text, err=True)
+    typer.echo(secret)
 
 
 @keys.command(name="list")
 def list_keys() -> None:
     """Show all keys, without their secrets."""
-    with one_line_for_what_goes_wrong():
-        with _store() as store:
-            found = store.all()
-        for key in found:
-            typer.echo(_line(key))
-        if not found:
-            typer.echo("There are no keys; `slewtrack keys create NAME` makes one.", err=True)
+    with _store() as store:
+        found = store.all()
+    for key in found:
+        typer.echo(_line(key))
+    if not found:
+        typer.echo("There are no keys; `slewtrack keys create NAME` makes one.", err=True)
 
 
 @keys.command()
@@ -65,7 +62,7 @@ def revoke(
     key_id: Annotated[str, typer.Argument(metavar="ID", help="As `slewtrack keys list` shows it.")],
 ) -> None:
     """Refuse a key from its next request on."""
-    with one_line_for_what_goes_wrong(), _store() as store:
+    with _store() as store:
         store.revoke(key_id)
 
 

@@ -18,6 +18,8 @@ def one_line_for_what_goes_wrong() -> Iterator[None]:
     """Turn whatever is raised inside into that line and the exit."""
     try:
         yield
+    except (typer.Exit, typer.Abort, typer.TyperException):
+        raise  # Typer's own
     except Refusal as refusal:
         failed = refusal.blame == "ours" or isinstance(refusal, Unverified)
         say(_with_field(refusal))

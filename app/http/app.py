@@ -26,15 +26,7 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
-from app.http.routes import (
-    campaigns,
-    horizon,
-    opportunities,
-    plans,
-    platforms,
-    spacecraft,
-    system,
-)
+from app.http.routes import campaigns, horizon, opportunities, plans, platforms, spacecraft, system
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.disposable import spare_children, start_server
 from app.jobs.executors import LocalExecutor, SolveExecutor
@@ -91,16 +83,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.settings = settings
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    for resource in (
-        plans,
-        opportunities,
-        campaigns,
-        horizon,
-        spacecraft,
-        platforms,
-        system,
-        pages,
-    ):
+    of_api = (plans, opportunities, campaigns, horizon, spacecraft, platforms, system)
+    for resource in (*of_api, pages):
         app.include_router(resource.router)
     pages.serve_files(app)
     errors.install(app)

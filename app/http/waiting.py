@@ -50,26 +50,21 @@ async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
 
     Or this service is told to stop: the job is kept.
     """
+    dispatcher: Dispatcher = request.app.state.dispatcher
+    clock_s = asyncio.get_running_loop().time
+    until_s = clock_s() + wait_s
     stops = asyncio.create_task(request.app.state.stopping.wait())
     try:
-        await _wait_for_end(request, job_id, wait_s, stops)
+        while (left_s := until_s - clock_s()) > 0.0 and not stops.done():
+            with dispatcher.watching(job_id) as (ended, is_here):
+                if not is_here:
+                    job = await read(request, lambda connection: jobs.get(connection, job_id))
+                    if job is None or not job.is_open:
+                        return
+                    left_s = min(left_s, _LOOK_S)
+                waits: list[asyncio.Future[Any]] = [asyncio.wrap_future(ended), stops]
+                await asyncio.wait(waits, timeout=left_s, return_when=asyncio.FIRST_COMPLETED)
+                if ended.done() and ended.result():
+                    return
     finally:
         stops.cancel()
-
-
-async def _wait_for_end(
-    request: Request, job_id: str, wait_s: float, stops: asyncio.Task[Any]
-) -> None:
-    dispatcher: Dispatcher = request.app.state.dispatcher
-    until_s = asyncio.get_running_loop().time() + wait_s
-    while (left_s := until_s - asyncio.get_running_loop().time()) > 0.0 and not stops.done():
-        with dispatcher.watching(job_id) as (ended, is_here):
-            if not is_here:
-                job = await read(request, lambda connection: jobs.get(connection, job_id))
-                if job is None or not job.is_open:
-                    return
-                left_s = min(left_s, _LOOK_S)
-            waits: list[asyncio.Future[Any]] = [asyncio.wrap_future(ended), stops]
-            await asyncio.wait(waits, timeout=left_s, return_when=asyncio.FIRST_COMPLETED)
-            if ended.done() and ended.result():
-                return

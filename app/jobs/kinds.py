@@ -46,10 +46,6 @@ def _store_plan(connection: Connection, job: Job, new: NewPlan) -> JobState:
     return new.state
 
 
-def _iterations(new: NewPlan) -> int | None:
-    return new.iterations
-
-
 PLAN = JobKind(
     name="plan",
     # As SLEWTRACK_JOB_DEADLINE_S has it unless set, so that the operator decides.  The most that
@@ -57,7 +53,7 @@ PLAN = JobKind(
     bounds=Bounds(deadline_s=300.0, memory_mib=2000),
     work=plan_and_pack,
     store=_store_plan,
-    iterations=_iterations,
+    iterations=lambda new: new.iterations,
 )
 SPACECRAFT_PLAN = JobKind(
     name="spacecraft",

@@ -4,10 +4,11 @@ import json
 import re
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from app.answers.members import ProvenanceOut
+from app.answers.campaign import CampaignChoiceOut
+from app.answers.members import ProvenanceOut, fill
 from app.answers.opportunities import opportunities_json
 from app.requests.campaign import read_campaign_request
 from app.work.progress import Progress, report
@@ -59,7 +60,7 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
         request, lambda stage, done, of: report(Progress(stage=stage, done=done, of=of))
     )
     return NewCampaign(
-        document=zlib.compress(json.dumps(_document(request, campaign)).encode()),
+        document=zlib.compress(json.dumps(asdict(_choice(request, campaign))).encode()),
         parts=tuple(
             _part(document, request, number, flight)
             for number, flight in enumerate(campaign.passes)
@@ -67,25 +68,17 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     )
 
 
-def _document(request: CampaignRequest, campaign: Campaign) -> dict[str, Any]:
-    looked_at = {look.target for flight in campaign.passes for look in flight.looks}
-    unseen = set(campaign.unseen)
-    return {
-        "value": campaign.value,
-        "bound": campaign.bound,
-        "gap_share": campaign.gap_share,
-        "greedy_value": campaign.greedy_value,
-        "windows": campaign.windows,
-        "looks": sum(len(flight.looks) for flight in campaign.passes),
-        "passes": len(campaign.passes),
-        "unseen": [request.targets[row].id for row in campaign.unseen],
-        "left_out": [
-            target.id
-            for row, target in enumerate(request.targets)
-            if row not in looked_at and row not in unseen
-        ],
-        "warnings": list(campaign.warnings),
-    }
+def _choice(request: CampaignRequest, campaign: Campaign) -> CampaignChoiceOut:
+    looked_at = [look.target for flight in campaign.passes for look in flight.looks]
+    known = {*looked_at, *campaign.unseen}
+    return fill(
+        CampaignChoiceOut,
+        campaign,
+        looks=len(looked_at),
+        passes=len(campaign.passes),
+        unseen=[request.targets[row].id for row in campaign.unseen],
+        left_out=[target.id for row, target in enumerate(request.targets) if row not in known],
+    )
 
 
 def _part(

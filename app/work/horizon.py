@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
-from app.answers.horizon import EstimateResponse, estimate_out, numbers_of
-from app.answers.members import ProvenanceOut
+from app.answers.horizon import estimate_out, numbers_of
+from app.answers.members import ProvenanceOut, to_json
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
@@ -46,10 +45,6 @@ class PictureOut:
     q_body_from_eci_xyzw: list[float]
     nadir_body: list[float]
     nadir_geodetic_body: list[float]
-
-
-_ESTIMATE = TypeAdapter(EstimateResponse)
-_PICTURE = TypeAdapter(PictureOut)
 
 
 @contextmanager
@@ -97,7 +92,7 @@ def estimate_json(
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
     estimate, overlays = measure(request, images, draw=request.overlay)
-    return _ESTIMATE.dump_json(estimate_out(estimate, overlays, provenance))
+    return to_json(estimate_out(estimate, overlays, provenance))
 
 
 @_report_out_of_memory()
@@ -122,7 +117,7 @@ def picture_json(request: PictureRequest) -> bytes:
         nadir_body=numbers_of(c_body_from_itrf @ around.limb.nadir_itrf),
         nadir_geodetic_body=numbers_of(c_body_from_itrf @ around.limb.nadir_geodetic_itrf),
     )
-    return _PICTURE.dump_json(answer)
+    return to_json(answer)
 
 
 def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:

@@ -9,10 +9,9 @@ from typing import Annotated
 
 import cv2
 import numpy as np
-from pydantic import TypeAdapter
 
 from app.answers.horizon import covariance_deg2, numbers_of, word
-from app.answers.members import ProvenanceOut, degrees
+from app.answers.members import ProvenanceOut, degrees, to_json
 from app.requests.horizon import ATTITUDE_SIGMA_DEG
 from app.requests.json_reader import JsonReader
 from app.work.horizon_views import attitudes_at, surroundings
@@ -125,7 +124,6 @@ class SeriesResponse:
 
 _SESSION = JsonReader(HorizonSession)
 _FRAMES = JsonReader(HorizonFrames)
-_ADAPTER = TypeAdapter(SeriesResponse)
 
 
 @dataclass(frozen=True)
@@ -215,7 +213,7 @@ def _picture_at(film: cv2.VideoCapture, t_s: float) -> Pixels:
 def series_json(series: Series, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
     report, observed = series.report, series.report.used > 0
-    return _ADAPTER.dump_json(
+    return to_json(
         SeriesResponse(
             verdict=report.verdict,
             used=report.used,

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
-from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PredictionResponse, view_out
 from app.answers.horizon_view import HorizonCheckOut, ViewOut
-from app.answers.members import ProvenanceOut, fill
+from app.answers.members import ProvenanceOut, fill, to_json
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
 from estimator.prediction import predict_horizon
@@ -77,9 +76,6 @@ def views(
     return found, warnings
 
 
-_PREDICTION = TypeAdapter(PredictionResponse)
-
-
 def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON."""
     found, warnings = views(
@@ -90,8 +86,7 @@ def prediction_json(request: PredictionRequest, provenance: ProvenanceOut) -> by
         body=request.body,
         attitude_sigma_deg=request.attitude_sigma_deg,
     )
-    answer = PredictionResponse(views=found, warnings=list(warnings), provenance=provenance)
-    return _PREDICTION.dump_json(answer)
+    return to_json(PredictionResponse(views=found, warnings=list(warnings), provenance=provenance))
 
 
 def horizon_checks(scenario: Scenario, cameras: tuple[HorizonCamera, ...]) -> list[HorizonCheckOut]:

@@ -12,8 +12,6 @@ from estimator.search.plausibility import unusable_frame
 from estimator.search.trial import Search, SearchResult, View, blank_part, try_attitude
 from estimator.search.votes import vote
 
-_BAND_RAD = np.deg2rad(0.5)
-_VOTES_TRIED = 5
 _DISAGREE_SIGMA = 5.0
 _SEED = 20161
 _UNEXPLAINED = (Reason.NO_HORIZON, Reason.BROKEN_ARC, Reason.ELSEWHERE, Reason.RESIDUALS)
@@ -60,7 +58,7 @@ def _best_of_votes(views: Sequence[View], search: Search) -> SearchResult:
     predicted_body = None if c_predicted is None else c_predicted @ limb.nadir_geodetic_itrf
     edges = [view.edges for view in views if view.unusable is None]
     failures: list[SearchResult] = []
-    for nadir_body in vote(edges, eta_rad, _BAND_RAD, predicted_body, _SEED)[:_VOTES_TRIED]:
+    for nadir_body in vote(edges, eta_rad, predicted_body, _SEED):
         result = try_attitude(views, search, search.start(nadir_body))
         if result.reason is None:
             return result

@@ -16,32 +16,28 @@ from planner.arrays import Array
 _PAIRS = 1500
 _CANDIDATES = 500
 _COUNTED = 30
-_BEST = 8
+_BEST = 5
 _GRADIENT_COSINE = 0.90
+_BAND_RAD = np.deg2rad(0.5)  # off the limb's angle, where an edge still counts
 _APART_RAD = np.deg2rad(1.0)
 _BIN_RAD = np.deg2rad(4.0)
 
 
 @dataclass(frozen=True)
 class _LimbCone:
-    """The angle from nadir to limb, eta, and how far off it an edge still counts."""
+    """The angle from nadir to limb, eta."""
 
     cosine: float
     sine: float
-    band_rad: float
 
 
 def vote(
-    per_camera: list[Edges],
-    eta_rad: float,
-    band_rad: float,
-    predicted_body: Array | None,
-    seed: int,
+    per_camera: list[Edges], eta_rad: float, predicted_body: Array | None, seed: int
 ) -> list[Array]:
-    """Up to eight nadirs (3,) in body axes, best first, none within 1 deg of a better one.
+    """Up to five nadirs (3,) in body axes, best first, none within 1 deg of a better one.
 
     Their score is the limb that speaks for them, in bins of 4 deg of azimuth.
-    eta_rad: angle from nadir to limb.  band_rad: how far off it an edge still counts.
+    eta_rad: angle from nadir to limb.
     predicted_body: a nadir to be scored along with the others; it gets no credit.
     """
     edges = Edges(
@@ -52,7 +48,7 @@ def vote(
     if len(edges) < 8:
         return []
     rng = np.random.default_rng(seed)
-    cone = _LimbCone(float(np.cos(eta_rad)), float(np.sin(eta_rad)), band_rad)
+    cone = _LimbCone(float(np.cos(eta_rad)), float(np.sin(eta_rad)))
     chance = edges.weight**2 + 1e-9
     chance /= chance.sum()
     single = edges.at(rng.choice(len(edges), min(200, len(edges)), replace=False, p=chance))
@@ -102,7 +98,7 @@ def _scores(nadirs_body: Array, edges: Edges, cone: _LimbCone) -> Array:
     near = edges.ray_body.astype(np.float32) @ single
     near -= np.float32(cone.cosine)
     near *= near
-    near *= np.float32(-((cone.sine * cone.band_rad) ** -2))
+    near *= np.float32(-((cone.sine * _BAND_RAD) ** -2))
     near += np.float32(1.0)
     np.maximum(near, 0.0, out=near)
     inward = edges.inward_body.astype(np.float32) @ single
@@ -117,7 +113,7 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
     """
     off_rad = (edges.ray_body @ nadir_body - cone.cosine) / cone.sine
     inward = edges.inward_body @ nadir_body > _GRADIENT_COSINE * cone.sine
-    near = (np.abs(off_rad) < cone.band_rad) & inward
+    near = (np.abs(off_rad) < _BAND_RAD) & inward
     if not np.any(near):
         return 0.0
     first_body = np.cross(nadir_body, np.eye(3)[np.argmin(np.abs(nadir_body))])
@@ -125,7 +121,7 @@ def _coverage(nadir_body: Array, edges: Edges, cone: _LimbCone) -> float:
     second_body = np.cross(nadir_body, first_body)
     azimuth_rad = np.arctan2(edges.ray_body[near] @ second_body, edges.ray_body[near] @ first_body)
     bins = ((azimuth_rad + np.pi) / _BIN_RAD).astype(int)
-    strength = edges.weight[near] * (1.0 - (off_rad[near] / cone.band_rad) ** 2)
+    strength = edges.weight[near] * (1.0 - (off_rad[near] / _BAND_RAD) ** 2)
     best = np.zeros(bins.max() + 1)
     np.maximum.at(best, bins, strength)
     return float(best.sum())

@@ -9,13 +9,13 @@ from pydantic import Field
 from sqlalchemy import Connection
 
 from app.answers.campaign import (
-    DRY_RUN,
     CampaignDryRun,
     CampaignList,
     CampaignResponse,
     campaign_json,
     campaign_list_json,
 )
+from app.answers.members import to_json
 from app.http.blocking import read
 from app.http.negotiation import JSON, accepts_json, json_body
 from app.http.openapi.schema import request_body
@@ -79,7 +79,7 @@ async def post_campaign(
     spec = await anyio.to_thread.run_sync(read_campaign_request, body)
     if query.dry_run:
         sound = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
-        return Response(DRY_RUN.dump_json(sound), media_type=JSON)
+        return Response(to_json(sound), media_type=JSON)
     job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, spec, body, key, {})
     waits = patience(prefer, 0)
     await wait_for_end(request, job.id, waits.wait_s)

@@ -10,10 +10,10 @@ from typing import Annotated, Any
 
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
-from pydantic import BaseModel, TypeAdapter
+from pydantic import BaseModel
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
-from app.answers.members import provenance
+from app.answers.members import provenance, to_json
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -64,7 +64,8 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         form = _form(request, resource, query)
         spec = await anyio.to_thread.run_sync(resource.read, body)
         if query.dry_run:
-            return Response(_dry_run(resource, spec, body), media_type=JSON)
+            found = resource.dry_run(spec, provenance(datetime.now(UTC), body))
+            return Response(to_json(found), media_type=JSON)
         job = await anyio.to_thread.run_sync(
             _accept_plan, request, resource, spec, body, query, key
         )
@@ -133,11 +134,6 @@ def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | 
     """The format asked for, None for JSON; raises 406."""
     by_media_type = resource.format_by_media_type
     return query.format or by_media_type.get(preferred_type(request, (JSON, *by_media_type)))
-
-
-def _dry_run(resource: PlanResource, spec: Any, body: bytes) -> bytes:  # noqa: ANN401 (resource's)
-    answer = resource.dry_run(spec, provenance(datetime.now(UTC), body))
-    return TypeAdapter[object](resource.dry_run_response).dump_json(answer)
 
 
 def _accept_plan(

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples.plan import LAS_VEGAS, ground, ship
 
 _CARRIER = {name: LAS_VEGAS[name] for name in ("platform", "orbit", "attitude")}
 
@@ -13,15 +13,7 @@ OPPORTUNITY_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             **_CARRIER,
             "targets": [
                 {"id": "Las Vegas", "priority": 2.0, "target": LAS_VEGAS["sessions"][0]["target"]},
-                {
-                    "id": "London",
-                    "target": {
-                        "mode": "ground",
-                        "latitude_deg": 51.5074,
-                        "longitude_deg": -0.1278,
-                        "height_m": 60.0,
-                    },
-                },
+                {"id": "London", "target": ground(51.5074, -0.1278, 60.0)},
             ],
             "start": "2015-02-27T12:00:00Z",
             "stop": "2015-03-01T12:00:00Z",
@@ -46,19 +38,7 @@ OPPORTUNITY_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
         "A ship under way, by day and away from the limb",
         {
             **_CARRIER,
-            "targets": [
-                {
-                    "id": "ship",
-                    "target": {
-                        "mode": "ground_moving",
-                        "epoch": "2015-02-27T12:00:00Z",
-                        "latitude_deg": 32.5,
-                        "longitude_deg": -118.0,
-                        "course_deg": 315.0,
-                        "speed_m_s": 8.0,
-                    },
-                }
-            ],
+            "targets": [{"id": "ship", "target": ship("2015-02-27T12:00:00Z")}],
             "start": "2015-02-27T12:00:00Z",
             "stop": "2015-03-01T12:00:00Z",
             "conditions": {"sun_elevation_min_deg": 0.0, "max_off_nadir_deg": 60.0},

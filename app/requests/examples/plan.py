@@ -5,12 +5,25 @@ from typing import Any
 from app.requests.examples.messages import ATTITUDE, ATTITUDE_HISTORY, OEM, OMM, OPM
 
 
-def _ground(latitude_deg: float, longitude_deg: float, height_m: float) -> dict[str, Any]:
+def ground(latitude_deg: float, longitude_deg: float, height_m: float) -> dict[str, Any]:
+    """A point on the ground, height above the ellipsoid."""
     return {
         "mode": "ground",
         "latitude_deg": latitude_deg,
         "longitude_deg": longitude_deg,
         "height_m": height_m,
+    }
+
+
+def ship(epoch: str) -> dict[str, Any]:
+    """Off San Diego, going north-west."""
+    return {
+        "mode": "ground_moving",
+        "epoch": epoch,
+        "latitude_deg": 32.5,
+        "longitude_deg": -118.0,
+        "course_deg": 315.0,
+        "speed_m_s": 8.0,
     }
 
 
@@ -20,7 +33,7 @@ def _session(target: dict[str, Any], start: str, stop: str) -> dict[str, Any]:
     return {"target": target, "start": f"{day}:{start}Z", "stop": f"{day}:{stop}Z"}
 
 
-_LAS_VEGAS_TARGET = _ground(36.1147, -115.1728, 610.0)
+_LAS_VEGAS_TARGET = ground(36.1147, -115.1728, 610.0)
 
 # The pass of Sumarokov 2016, Fig. 3, with the elements published for that day.
 LAS_VEGAS: dict[str, Any] = {
@@ -42,109 +55,108 @@ LAS_VEGAS: dict[str, Any] = {
 }
 
 
+def _request(name: str, **changes: object) -> dict[str, Any]:
+    """`LAS_VEGAS` with other members."""
+    return {**LAS_VEGAS, "name": name, **changes}
+
+
 def _request_at(name: str, target: dict[str, Any]) -> dict[str, Any]:
-    return {**LAS_VEGAS, "name": name, "sessions": [_session(target, "36:20", "37:50")]}
+    return _request(name, sessions=[_session(target, "36:20", "37:50")])
 
 
-_AXIS = {
-    "angle_min_deg": -175.0,
-    "angle_max_deg": 175.0,
-    "rate_max_deg_s": 2.0,
-    "acceleration_max_deg_s2": 0.8,
-    "jerk_max_deg_s3": 0.5,
-    "rate_min_deg_s": 0.0166667,
-}
+def _starting(angles_deg: dict[str, float], **rates: dict[str, float]) -> dict[str, Any]:
+    return {"epoch": "2015-02-27T17:34:00Z", "angles_deg": angles_deg, **rates}
+
+
+def _axis(name: str, axis_platform: list[float]) -> dict[str, Any]:
+    return {
+        "name": name,
+        "axis_platform": axis_platform,
+        "angle_min_deg": -175.0,
+        "angle_max_deg": 175.0,
+        "rate_max_deg_s": 2.0,
+        "acceleration_max_deg_s2": 0.8,
+        "jerk_max_deg_s3": 0.5,
+        "rate_min_deg_s": 0.0166667,
+    }
+
 
 PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     "tle": ("Las Vegas from the ISS by a TLE, 27 February 2015", LAS_VEGAS),
     "oem": (
         "The orbit from a CCSDS OEM",
-        {**LAS_VEGAS, "name": "OEM", "orbit": {"source": "oem", "content": OEM}},
+        _request("OEM", orbit={"source": "oem", "content": OEM}),
     ),
     "state": (
         "The orbit from a state vector, propagated numerically",
-        {
-            **LAS_VEGAS,
-            "name": "state vector",
-            "orbit": {
+        _request(
+            "state vector",
+            orbit={
                 "source": "state",
                 "frame": "GCRF",
                 "epoch": "2015-02-27T17:34:00Z",
                 "position_km": [2478.460528, -5510.960698, 3057.568431],
                 "velocity_km_s": [3.854332385, 4.469967194, 4.910924946],
             },
-        },
+        ),
     ),
     "inertial": (
         "An attitude measured at an epoch and a constant body rate",
-        {
-            **LAS_VEGAS,
-            "name": "inertial attitude",
-            "attitude": {
+        _request(
+            "inertial attitude",
+            attitude={
                 "law": "inertial",
                 "epoch": "2015-02-27T17:36:00Z",
                 "q_body_from_eci_xyzw": [0.702681592, 0.52279416, 0.050583198, 0.479964776],
                 "omega_body_deg_s": [0.0, -0.06497, 0.0],
             },
-        },
+        ),
     ),
     "platform": (
         "A platform of one's own: the paper's effective limits, mounted with a yaw of 90 deg",
-        {
-            **LAS_VEGAS,
-            "name": "own platform",
-            "platform": {
+        _request(
+            "own platform",
+            platform={
                 "name": "bench model",
-                "outer": {
-                    "name": "azimuth",
-                    "axis_platform": [0.0, -1.0, 0.0],
-                    **_AXIS,
-                },
-                "inner": {"name": "tilt", "axis_platform": [1.0, 0.0, 0.0], **_AXIS},
+                "outer": _axis("azimuth", [0.0, -1.0, 0.0]),
+                "inner": _axis("tilt", [1.0, 0.0, 0.0]),
                 "q_platform_from_body_xyzw": [0.0, 0.0, 0.7071067811865476, 0.7071067811865476],
             },
-            "initial_state": {
-                "epoch": "2015-02-27T17:34:00Z",
-                "angles_deg": {"azimuth": 0.0, "tilt": 0.0},
-            },
-        },
+            initial_state=_starting({"azimuth": 0.0, "tilt": 0.0}),
+        ),
     ),
     "spline": (
         "The paper's cubic spline in place of the optimal slew",
-        {**LAS_VEGAS, "name": "spline", "slew": {"method": "spline"}},
+        _request("spline", slew={"method": "spline"}),
     ),
     "minimum_time": (
         "As fast as the limits allow, from a moving start",
-        {
-            **LAS_VEGAS,
-            "name": "minimum time",
-            "initial_state": {
-                "epoch": "2015-02-27T17:34:00Z",
-                "angles_deg": {"alpha": 40.0, "beta": -20.0},
-                "rates_deg_s": {"alpha": -0.5, "beta": 0.25},
-            },
-            "slew": {"method": "ocp", "objective": "minimum_time"},
-        },
+        _request(
+            "minimum time",
+            initial_state=_starting(
+                {"alpha": 40.0, "beta": -20.0}, rates_deg_s={"alpha": -0.5, "beta": 0.25}
+            ),
+            slew={"method": "ocp", "objective": "minimum_time"},
+        ),
     ),
     "omm": (
         "The orbit from a CCSDS OMM as catalogues send it",
-        {**LAS_VEGAS, "name": "OMM", "orbit": {"source": "omm", "content": OMM}},
+        _request("OMM", orbit={"source": "omm", "content": OMM}),
     ),
     "opm": (
         "The orbit from a CCSDS OPM, propagated numerically",
-        {**LAS_VEGAS, "name": "OPM", "orbit": {"source": "opm", "content": OPM}},
+        _request("OPM", orbit={"source": "opm", "content": OPM}),
     ),
     "aem": (
         "The attitude from a CCSDS AEM",
-        {**LAS_VEGAS, "name": "AEM", "attitude": {"law": "aem", "content": ATTITUDE}},
+        _request("AEM", attitude={"law": "aem", "content": ATTITUDE}),
     ),
     "harmonic": (
         "An attitude history that ends before the session, carried on",
-        {
-            **LAS_VEGAS,
-            "name": "attitude carried on",
-            "attitude": {"law": "harmonic", "content": ATTITUDE_HISTORY},
-        },
+        _request(
+            "attitude carried on",
+            attitude={"law": "harmonic", "content": ATTITUDE_HISTORY},
+        ),
     ),
     "refraction": (
         "Aimed where the standard atmosphere makes the target appear",
@@ -154,17 +166,7 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "ground_moving": (
         "A ship off San Diego under way",
-        _request_at(
-            "ship",
-            {
-                "mode": "ground_moving",
-                "epoch": "2015-02-27T17:00:00Z",
-                "latitude_deg": 32.5,
-                "longitude_deg": -118.0,
-                "course_deg": 315.0,
-                "speed_m_s": 8.0,
-            },
-        ),
+        _request_at("ship", ship("2015-02-27T17:00:00Z")),
     ),
     "ground_path": (
         "A strip with a bend, scanned at 200 m/s over the ground",
@@ -181,10 +183,7 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             },
         ),
     ),
-    "star": (
-        "Vega by its Hipparcos number",
-        _request_at("Vega", {"mode": "star", "hip": 91262}),
-    ),
+    "star": ("Vega by its Hipparcos number", _request_at("Vega", {"mode": "star", "hip": 91262})),
     "star_coordinates": (
         "Barnard's star by Gaia's coordinates, proper motion and parallax",
         _request_at(
@@ -231,49 +230,42 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "sequence": (
         "Three cities in one pass, too close together: sessions shortened by the least time",
-        {
-            **LAS_VEGAS,
-            "name": "Las Vegas, Salt Lake City, Laramie",
-            "sessions": [
+        _request(
+            "Las Vegas, Salt Lake City, Laramie",
+            sessions=[
                 _session(_LAS_VEGAS_TARGET, "36:20", "37:20"),
-                _session(_ground(40.76, -111.89, 1288.0), "37:28", "38:30"),
-                _session(_ground(41.31, -105.59, 2184.0), "38:35", "39:50"),
+                _session(ground(40.76, -111.89, 1288.0), "37:28", "38:30"),
+                _session(ground(41.31, -105.59, 2184.0), "38:35", "39:50"),
             ],
-            "on_conflict": "least_loss",
-        },
+            on_conflict="least_loss",
+        ),
     ),
     "keep_out": (
         "Led around the Sun, which the straight slew would pass at 2 deg",
-        {
-            **LAS_VEGAS,
-            "name": "around the Sun",
-            "initial_state": {
-                "epoch": "2015-02-27T17:34:00Z",
-                "angles_deg": {"alpha": 40.0, "beta": -170.0},
-            },
-            "slew": {"method": "ocp", "keep_out": [{"body": "sun", "half_angle_deg": 25.0}]},
-        },
+        _request(
+            "around the Sun",
+            initial_state=_starting({"alpha": 40.0, "beta": -170.0}),
+            slew={"method": "ocp", "keep_out": [{"body": "sun", "half_angle_deg": 25.0}]},
+        ),
     ),
     "keyhole": (
         "Kochab past the outer axis of the platform, tracked as near as its limits allow",
-        {
-            **LAS_VEGAS,
-            "name": "keyhole",
-            "attitude": {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 45.4},
-            "sessions": [
+        _request(
+            "keyhole",
+            attitude={"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 0.0, "roll_deg": 45.4},
+            sessions=[
                 _session({"mode": "star", "hip": 72607}, "42:00", "46:00") | {"keyhole": "nearest"}
             ],
-        },
+        ),
     ),
     "avoid_modes": (
         "A slew that leaves two modes of the structure at rest",
-        {
-            **LAS_VEGAS,
-            "name": "modes spared",
-            "slew": {
+        _request(
+            "modes spared",
+            slew={
                 "method": "ocp",
                 "avoid_modes": [{"frequency_hz": 0.1}, {"frequency_hz": 0.35, "damping": 0.01}],
             },
-        },
+        ),
     ),
 }
