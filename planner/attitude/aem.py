@@ -135,7 +135,8 @@ class AemAttitude:
     def _arc_over(self, instants: Instants) -> AttitudeArc:
         for arc in self.arcs:
             t_s, (start_s, stop_s) = instants.since_s(arc.segment.epoch_utc), arc.segment.useable_s
-            if start_s - EDGE_S <= t_s.min() and t_s.max() <= stop_s + EDGE_S:
+            outside_s = max(start_s - float(t_s.min()), float(t_s.max()) - stop_s)
+            if round(outside_s, 6) <= EDGE_S:
                 return arc
         first_utc, last_utc = (
             shifted_utc(instants.epoch_utc, float(t))

@@ -107,8 +107,9 @@ class ExactFollowing:
         from scipy.interpolate import CubicHermiteSpline
 
         points = np.arange((motion.last_row - motion.first_row) * POINTS_PER_ROW + 1)
-        t_s = (motion.first_row + points / POINTS_PER_ROW) / ROWS_PER_S
-        angle = CubicHermiteSpline(t_s[::POINTS_PER_ROW], *motion.axis_states[:2])(t_s)
+        since_first_s = points / POINTS_PER_ROW / ROWS_PER_S
+        curve = CubicHermiteSpline(since_first_s[::POINTS_PER_ROW], *motion.axis_states[:2])
+        angle, t_s = curve(since_first_s), motion.first_row / ROWS_PER_S + since_first_s
         boresight, towards = boresight_platform(self.platform, angle), self.directions(t_s)
         across = np.linalg.norm(np.cross(boresight, towards), axis=1)
         return t_s, np.arctan2(across, np.sum(boresight * towards, axis=1))

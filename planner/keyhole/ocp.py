@@ -167,8 +167,9 @@ class NearestOcp:
         effort.count(iterations * ITERATION_ROW * (len(x_start) + sum(map(len, lbg))))
         x = np.asarray(found["x"]).ravel()[: x0.size].reshape(x0.shape) / scale
         # What the solver leaves unsatisfied can't tear the Hermite through the knots apart.
-        curve = CubicHermiteSpline(knots / ROWS_PER_S, x[:, :2], x[:, 2:4])
-        t_s = np.arange(knots[0], knots[-1] + 1) / ROWS_PER_S
+        since_first = knots - knots[0]
+        curve = CubicHermiteSpline(since_first / ROWS_PER_S, x[:, :2], x[:, 2:4])
+        t_s = np.arange(since_first[-1] + 1) / ROWS_PER_S
         return np.stack([curve(t_s, order) for order in range(3)])
 
 

@@ -60,7 +60,8 @@ class MessageElement:
         units: Mapping[str, str],
     ) -> None:
         line, texts = self.line(row), {}
-        for element in row.iter():
+        # An attitude's numbers lie deeper, among elements of their own.
+        for element in row if name_of(row) == "stateVector" else row.iter():
             name, unit = _keyword_of(element), element.get("units")
             if unit is not None and unit != units.get(name, unit):
                 raw.refuse(f"{name} is in {unit!r}; it must be in {units[name]}", line)

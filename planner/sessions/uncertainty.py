@@ -101,6 +101,8 @@ def pointing_budget(
     target: VisibleTarget,
     platform: TwoAxisPlatform,
     angle_rad: Array,
+    *,
+    clock_s: float = CLOCK_S,
 ) -> PointingBudget:
     """Budget of the session whose line of sight is `los`.
 
@@ -116,7 +118,7 @@ def pointing_budget(
         *_orbit_offsets(scene, ephemeris),
         *_attitude_offsets(scene, attitude),
         _earth_offsets(scene),
-        _clock_offsets(scene, los),
+        _clock_offsets(scene, los, clock_s),
     ]
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
@@ -337,11 +339,11 @@ def _earth_offsets(scene: _Scene) -> _Bias:
     return _Bias(cause, scene.in_image(late) * (ut1_s / (2.0 * _PROBE_S)))
 
 
-def _clock_offsets(scene: _Scene, los: LineOfSight) -> _Bias:
+def _clock_offsets(scene: _Scene, los: LineOfSight, clock_s: float) -> _Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
     cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
-    return _Bias(cause, drift * CLOCK_S)
+    return _Bias(cause, drift * clock_s)
 
 
 def _ground_m(sigma_rad: float, range_m: float) -> float | None:

@@ -73,6 +73,12 @@ def test_kvn_with_everything_in_it():
     assert segment.useable_s == (240.0, 480.0)
 
 
+def test_what_lies_deeper_in_a_state_is_no_part_of_it():
+    nested = XML.replace("</stateVector>", "<other><X>99999</X></other></stateVector>")
+    (plain,), (segment,) = read_oem(XML).segments, read_oem(nested).segments
+    np.testing.assert_array_equal(segment.r_m, plain.r_m)
+
+
 def test_xml_without_ndm_and_with_namespaces():
     (segment,) = read_oem(XML).segments
     assert segment.frame == "GCRF"
