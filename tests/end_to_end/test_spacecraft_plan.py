@@ -175,6 +175,13 @@ def test_looking_farther_aside_than_the_camera_may_is_found(plan, monkeypatch, w
     every(verify_table(plan.table, plan.request), f"deg {way} the track")
 
 
+@pytest.mark.parametrize("way", ["across", "along"])
+def test_the_last_part_of_a_tick_may_look_a_fifth_of_a_degree_farther(plan, monkeypatch, way):
+    most_deg = max(getattr(window, f"{way}_deg") for window in plan.verification.windows)
+    fly_with(monkeypatch, "camera", **{f"{way}_max_deg": most_deg - 0.19})
+    assert verify_table(plan.table, plan.request).passed
+
+
 def test_gyros_that_do_not_hold_what_the_attitude_needs_are_found(plan):
     """1 mrad of one gimbal is 0.06 N m s."""
     only(
