@@ -28,6 +28,7 @@ import sys
 import tempfile
 import time
 import types
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -69,6 +70,8 @@ FIRST = {
     "properties/test_verification_sky_pieces oracles/test_verification_refraction",
     "planner/verification/limits.py": "oracles/test_verification_limits "
     "properties/test_verification_pieces",
+    "planner/verification/pointing.py": "oracles/test_verification_pointing "
+    "oracles/test_verification_sky oracles/test_keyhole",
     "planner/verification/sky.py": "oracles/test_verification_sky "
     "properties/test_verification_sky_pieces oracles/test_verification_refraction",
     "planner/verification/solar_system.py": "oracles/test_verification_sky "
@@ -96,33 +99,20 @@ FIRST = {
     "app/jobs/kinds.py": "contracts/test_campaign_jobs contracts/test_http_jobs",
     "app/jobs/settling.py": "contracts/test_jobs contracts/test_campaign_jobs",
     "app/requests/": "contracts/test_text_bounds contracts/test_spacecraft_requests "
-    "contracts/test_limits "
-    "contracts/test_leap_second_requests contracts/test_number_ranges contracts/test_http_refusals",
+    "contracts/test_horizon_request contracts/test_limits contracts/test_leap_second_requests "
+    "contracts/test_number_ranges contracts/test_http_refusals",
     "app/requests/horizon": "contracts/test_horizon_request contracts/test_number_ranges "
     "contracts/test_http_horizon",
 }
-# With --again these too.
+# With --again all of its room, and these.
 THEN = {
-    "planner/verification/": "oracles/test_keyhole end_to_end/test_every_target "
-    "oracles/test_verification_pointing oracles/test_verification_limits "
-    "oracles/test_verification_structure oracles/test_verification_bench_motion "
-    "oracles/test_verification_sky oracles/test_verification_refraction "
-    "properties/test_verification_pieces properties/test_verification_sky_pieces "
-    "published/test_verification_golden end_to_end/test_keep_out_plans",
+    "planner/verification/": "oracles/test_keyhole end_to_end/test_every_target",
     "planner/spacecraft/verification.py": "contracts/test_http_spacecraft",
-    "planner/slew/": "oracles/test_slew_profiles published/test_paper_spline "
-    "contracts/test_slew_methods properties/test_slew_near_rate_limit properties/test_slew_join "
-    "oracles/test_vibration oracles/test_schedule_slew_time oracles/test_slew_optimum "
-    "properties/test_keep_out_slews end_to_end/test_effort end_to_end/test_planning "
+    "planner/slew/": "properties/test_slew_join end_to_end/test_effort end_to_end/test_planning "
     "properties/test_slews",
-    "app/jobs/": "contracts/test_jobs contracts/test_disposable_child contracts/test_campaign_jobs "
-    "contracts/test_http_jobs contracts/test_cluster contracts/test_http_in_child "
-    "contracts/test_stopping end_to_end/test_crashes",
-    "app/requests/": "contracts/test_text_bounds contracts/test_spacecraft_requests "
-    "contracts/test_horizon_request contracts/test_keep_out_request contracts/test_limits "
-    "contracts/test_leap_second_requests contracts/test_number_ranges "
-    "contracts/test_http_refusals contracts/test_http_openapi contracts/test_http_plans "
-    "contracts/test_http_opportunities contracts/test_http_spacecraft "
+    "app/jobs/": "contracts/test_http_in_child contracts/test_stopping end_to_end/test_crashes",
+    "app/requests/": "contracts/test_keep_out_request contracts/test_http_openapi "
+    "contracts/test_http_plans contracts/test_http_opportunities contracts/test_http_spacecraft "
     "end_to_end/test_campaign_command contracts/test_generated_requests",
 }
 
@@ -167,11 +157,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=12)
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--limit", type=float, default=600.0, help="seconds a mutant")
-    parser.add_argument("--only", default="", help="beginning of the files to mutate")
+    parser.add_argument("--only", nargs="+", default=[""], help="beginnings of files to mutate")
     given = parser.parse_args()
     results = given.results.resolve()
     before = _read(results)
-    chosen = [one for one in _sample(given.count, given.seed) if one.file.startswith(given.only)]
+    sample, only = _sample(given.count, given.seed), tuple(given.only)
+    chosen = [one for one in sample if one.file.startswith(only)]
     _copy_project(given.copy)
     os.chdir(given.copy)
     os.environ.update(PYTHONPATH=os.getcwd(), OMP_NUM_THREADS="1")
@@ -187,7 +178,7 @@ def main() -> None:
         sys.path.insert(0, os.getcwd())
         for room in ROOMS:
             untried = [one for one in chosen if one.file.startswith(room) and one not in before]
-            tests = {test for one in untried for test in _tests(one.file, FIRST)}
+            tests = {test for one in untried for test in _tests(one.file)}
             if untried:
                 trials = Trials(untried, results, given.limit)
                 pytest.main(["-q", "-s", "-n0", "-p", "no:cacheprovider", *sorted(tests)], [trials])
@@ -204,10 +195,10 @@ def _note(trial: Trial, results: Path, number: str) -> None:
 def _report(trials: dict[Mutant, Trial]) -> None:
     for room in ROOMS:
         outcomes = [one.outcome for one in trials.values() if one.mutant.file.startswith(room)]
-        print(f"{room}: {len(outcomes)} tried, {outcomes.count('survived')} survived")
+        print(f"{room}: {len(outcomes)} tried, {dict(Counter(outcomes))}")
     for mutant, trial in trials.items():
-        if trial.outcome == "survived":
-            print(_text(mutant))
+        if trial.outcome != "killed":
+            print(trial.outcome, _text(mutant))
 
 
 def _text(mutant: Mutant) -> str:
@@ -223,11 +214,21 @@ def _read(results: Path) -> dict[Mutant, Trial]:
     return {trial.mutant: trial for trial in trials}
 
 
-def _tests(file: str, table: Mapping[str, str]) -> list[str]:
+def _tests(file: str) -> list[str]:
     """What pytest calls the tests of a file."""
-    longest = max((beginning for beginning in table if file.startswith(beginning)), key=len)
-    names = [name.partition("::") for name in table[longest].split()]
-    return [f"tests/{path}.py{colons}{test}" for path, colons, test in names]
+    return _named(FIRST[max((start for start in FIRST if file.startswith(start)), key=len)])
+
+
+def _tests_of_room(file: str) -> list[str]:
+    """Those of the file, those of its room's other files, and those of `THEN`."""
+    room = next(start for start in THEN if file.startswith(start))
+    of_room = [names for start, names in FIRST.items() if start.startswith(room)]
+    return list(dict.fromkeys([*_tests(file), *_named(" ".join([*of_room, THEN[room]]))]))
+
+
+def _named(names: str) -> list[str]:
+    parts = [name.partition("::") for name in names.split()]
+    return [f"tests/{path}.py{colons}{test}" for path, colons, test in parts]
 
 
 def _copy_project(folder: Path) -> None:
@@ -246,19 +247,18 @@ def _copy_project(folder: Path) -> None:
 
 def _sample(count: int, seed: int) -> list[Mutant]:
     """At most one mutant a line, in each room as many as its share of all lines."""
-    draw = random.Random(seed)
     files = {room: _files(room) for room in ROOMS}
     lines = {room: sum(_lines(file) for file in files[room]) for room in ROOMS}
     chosen = []
     for room in ROOMS:
-        wanted = round(count * lines[room] / sum(lines.values()))
+        draw = random.Random(f"{seed} {room}")  # whatever becomes of the other rooms
         by_line: dict[tuple[str, int], list[Mutant]] = {}
         for file in files[room]:
             for mutant in _mutants(file):
                 by_line.setdefault((file, mutant.line), []).append(mutant)
-        places = draw.sample(sorted(by_line), wanted)
-        chosen += [draw.choice(by_line[place]) for place in places]
-    draw.shuffle(chosen)  # a run that is stopped has seen something of each room
+        mutants = [draw.choice(of_a_line) for of_a_line in by_line.values()]
+        draw.shuffle(mutants)
+        chosen += mutants[: round(count * lines[room] / sum(lines.values()))]
     return chosen
 
 
@@ -385,7 +385,7 @@ def _run_tests(session: Any, mutant: Mutant) -> bool:  # noqa: ANN401 (pytest's)
     """In the fork: whether all tests pass.  Those that draw examples take longer and come last."""
     sys.modules["__main__"] = types.ModuleType("__main__")  # children of tests need no mutants
     _put_in(mutant)
-    tests = _tests(mutant.file, FIRST)
+    tests = _tests(mutant.file)
     items = [item for test in tests for item in session.items if item.nodeid.startswith(test)]
     items.sort(key=lambda item: hasattr(item.obj, "hypothesis"))
     for item, following in zip(items, [*items[1:], None], strict=True):
@@ -450,23 +450,12 @@ def _functions(member: object) -> list[types.FunctionType]:
 
 def _try_afresh(mutant: Mutant, limit_s: float) -> Trial:
     """All tests of its room, in an interpreter that knows nothing."""
-    tests = dict.fromkeys([*_tests(mutant.file, FIRST), *_tests(mutant.file, THEN)])
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-x",
-        "-q",
-        "-n0",
-        "--tb=no",
-        "-p",
-        "no:cacheprovider",
-    ]
+    options = ["-x", "-q", "-n0", "--tb=no", "-p", "no:cacheprovider"]
+    command = [sys.executable, "-m", "pytest", *options, *_tests_of_room(mutant.file)]
     with _written(mutant):
         began_s = time.monotonic()
         outcome, by = _outcome(
-            lambda: subprocess.run([*command, *tests], check=False).returncode == 0,
-            limit_s,
+            lambda: subprocess.run(command, check=False).returncode == 0, limit_s
         )
         return Trial(mutant, outcome, by, round(time.monotonic() - began_s, 1))
 

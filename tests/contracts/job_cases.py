@@ -15,6 +15,7 @@ from app.jobs.kinds import PLAN, JobKind
 from app.store.ids import JobState, new_id
 from app.store.jobs import Job, NewJob
 from app.store.packed import NewPlan
+from app.work.progress import Progress, report
 
 
 def made() -> NewPlan:
@@ -80,6 +81,16 @@ def linger(request: bytes, _: object = None) -> NewPlan:
     return note(request)
 
 
+def tell(request: bytes, _: object = None) -> NewPlan:
+    """Lingers, and says how far it is."""
+    told = 0
+    while not _gate(Path(os.fsdecode(request))).exists():
+        told += 1
+        report(Progress(stage="telling", done=told))
+        time.sleep(0.02)
+    return note(request)
+
+
 def fail(*_: object) -> NewPlan:
     raise RuntimeError("secret /etc/passwd")
 
@@ -97,7 +108,7 @@ def repeat(request: bytes, asked: object = None) -> NewPlan:
     return made()
 
 
-WORKS = (note, spin, hang, die, die_once, hang_once, linger, fail, repeat)
+WORKS = (note, spin, hang, die, die_once, hang_once, linger, tell, fail, repeat)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from dask import config
 from distributed import Client
-from job_cases import KINDS, BoundsWithABug
+from job_cases import KINDS, BoundsWithABug, let_go
 from waiting import alive, eventually
 
 from app.jobs import dask_executor
@@ -21,6 +21,7 @@ from app.jobs.dask_executor import DaskExecutor
 from app.jobs.dask_worker import SLOT
 from app.jobs.disposable import ChildDied, ChildFailed, Stop, Stopped
 from app.jobs.executors import Task
+from app.work.progress import Progress
 from planner.errors import InvalidInput
 
 BIN = Path(sys.executable).parent
@@ -75,14 +76,14 @@ def a_worker(scheduler):
         yield process
 
 
-def submitted(executor, work, notes, stop=None, bounds=None):
+def submitted(executor, work, notes, stop=None, bounds=None, on_progress=lambda _: None):
     task = Task(
         job_id=work,
         bounds=bounds or KINDS[work].bounds,
         work=KINDS[work].work,
         body=os.fsencode(notes),
     )
-    return executor.submit(task, stop or Stop(), lambda _: None)
+    return executor.submit(task, stop or Stop(), on_progress)
 
 
 def pids(notes):
@@ -93,7 +94,7 @@ def keys_without_worker(dask_scheduler):
     return [task.key for task in dask_scheduler.unrunnable]
 
 
-def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path):
+def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path, caplog):
     name = ["--name", "other", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
     other = ["--resources", f"{SLOT}.dev=1", *name]
     stop = Stop()
@@ -105,12 +106,23 @@ def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path):
         stop.request()
         with pytest.raises(Stopped):
             future.result(WITHIN_S)
+        eventually(lambda: not client.run_on_scheduler(keys_without_worker))  # forgotten
     assert pids(tmp_path / "notes") == []
+    assert "no worker of this version is connected" in caplog.text
 
 
 def test_work_is_done_in_a_child_of_the_worker(executor, a_worker, tmp_path):
     assert submitted(executor, "note", tmp_path / "notes").result(WITHIN_S).state == "done"
     assert len(pids(tmp_path / "notes")) == 1
+
+
+def test_how_far_work_is_comes_back(executor, a_worker, tmp_path):
+    heard = []
+    future = submitted(executor, "tell", tmp_path / "notes", on_progress=heard.append)
+    eventually(lambda: len(heard) > 1)
+    let_go(tmp_path / "notes")
+    assert future.result(WITHIN_S).state == "done"
+    assert heard[:2] == [Progress(stage="telling", done=1), Progress(stage="telling", done=2)]
 
 
 def test_errors_come_back_as_they_were(executor, a_worker, tmp_path):

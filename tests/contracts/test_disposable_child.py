@@ -34,6 +34,7 @@ from app.jobs.disposable import (
 )
 from app.requests.examples.plan import PLAN_EXAMPLES
 from app.work.plan import plan_and_pack
+from app.work.progress import Progress, report
 from planner.errors import InvalidInput
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
@@ -57,6 +58,29 @@ def test_a_refusal_comes_through_whole():
     with pytest.raises(InvalidInput, match="not so") as refused:
         run_disposable(BOUNDS, refuse, "not so")
     assert (refused.value.field, refused.value.limit) == ("sessions.0", "rate")
+
+
+def say_how_far():
+    report(Progress(stage="begun"))
+    report(Progress(stage="half", done=1, of=2))
+
+
+def test_progress_comes_through_in_order():
+    heard = []
+    run_disposable(BOUNDS, say_how_far, on_progress=heard.append)
+    assert heard == [Progress(stage="begun"), Progress(stage="half", done=1, of=2)]
+    run_disposable(BOUNDS, say_how_far)  # nobody need listen
+
+
+@pytest.mark.parametrize("stream", [1, 2])
+def test_what_a_child_prints_goes_nowhere(stream):
+    """It may hold the request."""
+    assert run_disposable(BOUNDS, os.readlink, f"/proc/self/fd/{stream}") == os.devnull
+
+
+def test_ctrl_c_ends_no_child():
+    """The terminal sends it to all; the service ends its children as it sees fit."""
+    assert run_disposable(BOUNDS, signal.raise_signal, signal.SIGINT) is None
 
 
 def test_too_long_a_work_is_killed():

@@ -11,6 +11,7 @@ from job_cases import KINDS, Notes, let_go, new_job
 from sqlalchemy import select, update
 from waiting import alive, eventually
 
+from app.jobs import dispatcher as dispatcher_module
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.executors import LocalExecutor
 from app.jobs.kinds import JOB_KINDS
@@ -86,6 +87,47 @@ def test_a_request_begun_at_once_is_not_read_again(database, tmp_path):
         ended(database, holding.id)
         ended(database, waiting.id)
     assert file.read_text().splitlines() == ["as it was read", "None"]
+
+
+def test_work_that_waits_is_begun_as_soon_as_there_is_room(database, tmp_path, monkeypatch):
+    """Not only when the queue is looked at again."""
+    monkeypatch.setattr(dispatcher_module, "POLL_S", 3600.0)
+    first = tmp_path / "first"
+    with dispatching(database) as dispatcher:
+        dispatcher.submit(new_job("linger", first))
+        waiting = dispatcher.submit(new_job("note", tmp_path / "notes"))
+        eventually(lambda: not dispatcher._wake.is_set())  # the queue was looked at
+        let_go(first)
+        assert ended(database, waiting.id).state == "done"
+
+
+def test_no_more_is_worked_on_than_there_is_room_for(database, tmp_path):
+    first, second = tmp_path / "first", tmp_path / "second"
+    with dispatching(database) as dispatcher:
+        dispatcher.submit(new_job("linger", first))
+        waiting = dispatcher.submit(new_job("linger", second))
+        let_go(first)
+        eventually(lambda: job_of(database, waiting.id).state == "running")
+        assert dispatcher.submit(new_job("note", tmp_path / "third")).state == "queued"
+        let_go(second)
+
+
+def test_how_far_work_is_can_be_followed(database, tmp_path):
+    def progress():
+        with database.reading() as connection:
+            told = events.after(connection, job.id, 0)
+        return [event for event in told if event.kind == events.PROGRESS]
+
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("tell", tmp_path / "notes"))
+        one, other = eventually(lambda: len(told := progress()) > 1 and told[:2])
+        let_go(tmp_path / "notes")
+        ended(database, job.id)
+    assert one.data.keys() == {"stage", "done"}  # nothing of `of`, which the work doesn't know
+    assert one.data["stage"] == "telling"
+    assert one.data["done"] < other.data["done"]
+    # told every 20 ms, stored every half second
+    assert (other.at_utc - one.at_utc).total_seconds() > 0.4
 
 
 def test_cancelling_kills_what_runs(database, tmp_path):

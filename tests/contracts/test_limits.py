@@ -18,9 +18,11 @@ from app.http.door.key_ring import KeyRing
 from app.http.door.limits import CALLERS_KEPT, ConcurrencyLimit, RateLimit, network_of
 from app.http.metrics import Metrics
 from app.requests.json_reader import DEPTH_MAX, VALUES_MAX, beyond_bounds
+from app.requests.plan import read_plan_request
 from app.settings import Settings
 from app.store.api_keys import Key, digest, new_secret
 from app.store.keys import KeyStore
+from planner.errors import InvalidRequest
 
 SOME_KEY = Key(id="1", name="", secret_sha256="", scopes=("read",), created_utc=datetime.now(UTC))
 
@@ -268,6 +270,22 @@ def test_all_bodies_together(tmp_path):
 def test_values_are_counted_outside_strings(document, says):
     found = beyond_bounds(json.dumps(document).encode())
     assert (found is None) if says is None else (says in found)
+
+
+@pytest.mark.parametrize(
+    ("most", "more", "says"),
+    [
+        (dict.fromkeys(map(str, range(1000))), {"x": 0}, "1001 fields, more than 1000"),
+        ({"x": [{}] * 19_999}, {"y": {}}, "more than 20000 objects"),
+        ({"x": int("1" * 80)}, {"y": int("1" * 81)}, "81 digits, more than 80"),
+    ],
+    ids=["fields", "objects", "digits"],
+)
+def test_what_one_request_may_hold(most, more, says):
+    for document, is_too_much in ((most, False), (most | more, True)):
+        with pytest.raises(InvalidRequest) as refusal:  # no plan either way
+            read_plan_request(json.dumps(document).encode())
+        assert (says in str(refusal.value)) is is_too_much
 
 
 @pytest.mark.parametrize(("deep", "refused"), [(DEPTH_MAX, False), (DEPTH_MAX + 1, True)])

@@ -11,10 +11,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
-from spacecraft_cases import EPOCH, ORBIT, area, four_modes, line, session
+from spacecraft_cases import EPOCH, ORBIT, area, four_modes, line, positions, session
 
 from planner import effort
 from planner.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
+from planner.frames.geodesy import itrf_from_geodetic
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import (
     AreaRequest,
@@ -86,6 +87,8 @@ def test_what_no_pass_can_scan_is_refused_at_once():
 def test_limits_hold_between_rows(plan):
     verified = plan.verification
     assert verified.rate_deg_s.max() <= 1.58 * 1.002
+    at_rows_deg_s = np.rad2deg(np.abs(plan.table.omega_body_rad_s).max(axis=0))
+    assert np.all(verified.rate_deg_s >= at_rows_deg_s - 1e-12)  # of each axis, and rounding
     assert verified.torque_n_m <= 15.0 * 1.002
     assert verified.momentum_mismatch_n_m_s < 0.02
 
@@ -172,6 +175,13 @@ def test_looking_farther_aside_than_the_camera_may_is_found(plan, monkeypatch, w
     every(verify_table(plan.table, plan.request), f"deg {way} the track")
 
 
+@pytest.mark.parametrize("way", ["across", "along"])
+def test_the_last_part_of_a_tick_may_look_a_fifth_of_a_degree_farther(plan, monkeypatch, way):
+    most_deg = max(getattr(window, f"{way}_deg") for window in plan.verification.windows)
+    fly_with(monkeypatch, "camera", **{f"{way}_max_deg": most_deg - 0.19})
+    assert verify_table(plan.table, plan.request).passed
+
+
 def test_gyros_that_do_not_hold_what_the_attitude_needs_are_found(plan):
     """1 mrad of one gimbal is 0.06 N m s."""
     only(
@@ -212,6 +222,21 @@ def test_a_line_scanned_beside_the_one_asked_for_is_found(plan):
         strip, geometry=dataclasses.replace(strip.geometry, coordinates=tuple(moved))
     )
     asked = dataclasses.replace(plan.request, requests=(there, *plan.request.requests[1:]))
+    only(verify_table(plan.table, asked), "beside the line asked for")
+
+
+@pytest.mark.parametrize("end", [0, -1])
+def test_a_scan_that_begins_before_the_line_or_runs_on_past_it_is_found(plan, end):
+    """By 5 km of 60, less than a second."""
+    strip = plan.request.requests[0]
+    longitude_rad, latitude_rad = np.deg2rad(strip.geometry.coordinates).T[:2]
+    ends_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, 0.0)
+    ends_itrf_m[end] += (ends_itrf_m[-1 - end] - ends_itrf_m[end]) / 12.0
+    shorter = GeoLineString(coordinates=positions(ends_itrf_m))
+    asked = dataclasses.replace(
+        plan.request,
+        requests=(dataclasses.replace(strip, geometry=shorter), *plan.request.requests[1:]),
+    )
     only(verify_table(plan.table, asked), "beside the line asked for")
 
 

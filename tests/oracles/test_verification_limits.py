@@ -85,7 +85,7 @@ def test_a_stop_well_passed_between_rows_fails_the_table():
     assert np.rad2deg(margin.margin) == pytest.approx(-0.002, abs=1e-9)
 
 
-@pytest.mark.parametrize(("past_rad", "passes"), [(1e-7, True), (3e-6, False)])
+@pytest.mark.parametrize(("past_rad", "passes"), [(4.9e-7, True), (5.1e-7, False)])
 def test_a_stop_may_be_passed_by_rounding_only(past_rad, passes):
     # a millionth of half the travel, 0.5 rad, even though the stop itself is at zero
     scenario = scenario_of(platform=with_limits("inner", angle_min_rad=0.0, angle_max_rad=1.0))

@@ -1,6 +1,7 @@
 """Do the judge's pieces keep to their closed forms and invariants?"""
 
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 
 import erfa
 import numpy as np
@@ -11,11 +12,13 @@ from hypothesis.extra.numpy import arrays
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
+from planner.errors import OutsideCoverage
 from planner.frames.earth_orientation import c_itrf_from_eci, iers_data_end_utc
 from planner.frames.time_scales import Instants
 from planner.platforms import ISS_HRC
+from planner.verification import earth
 from planner.verification.carrier import boresight_platform
-from planner.verification.clock import elapsed_us, tai_us
+from planner.verification.clock import elapsed_us, tai_us, tt_s
 from planner.verification.earth import earth_orientation
 from planner.verification.earth_fixed import hidden_by_earth
 from planner.verification.hermite import AxisHermite
@@ -224,6 +227,32 @@ def test_the_earth_does_not_jump_where_the_iers_predictions_end():
     np.testing.assert_allclose(x_axis, planned[:, 0, :], rtol=0, atol=1e-9)
 
 
+def test_the_earth_is_known_from_the_first_instant_of_the_iers_series():
+    """finals2000A begins at 0h UTC of 1973-01-02."""
+    first_utc = datetime(1973, 1, 2, tzinfo=UTC)
+    t_s = np.linspace(0.0, 5.0, 4)
+    assert np.isfinite(earth_orientation(first_utc, t_s).era_rad).all()
+    with pytest.raises(OutsideCoverage, match="1973-01-02"):
+        earth_orientation(first_utc - timedelta(seconds=10), t_s)
+
+
+def test_an_iers_series_that_misses_a_day_is_not_taken_for_the_whole(monkeypatch, tmp_path):
+    """Each day is looked for where the format puts it: every later one would be a day off."""
+    lines = Path(earth.IERS_A_FILE).read_text(encoding="ascii").splitlines(keepends=True)
+    short = tmp_path / "finals2000A.all"
+    short.write_text("".join([*lines[:9000], *lines[9001:]]), encoding="ascii")
+    monkeypatch.setattr(earth, "IERS_A_FILE", str(short))
+    cached = (earth._line, earth._daily_values, earth._last_mjd)
+    for values in cached:
+        values.cache_clear()
+    try:
+        with pytest.raises(ValueError, match="no longer holds MJD"):
+            earth_orientation(datetime(2015, 2, 27, 12, tzinfo=UTC), np.arange(4.0))
+    finally:
+        for values in cached:
+            values.cache_clear()
+
+
 def test_past_the_iers_predictions_the_last_values_are_held():
     far_utc = datetime(2045, 1, 1, tzinfo=UTC)
     earth = earth_orientation(far_utc, np.linspace(0.0, 100.0, 5))
@@ -246,6 +275,15 @@ def test_tai_is_erfas(moment):
     days, rest_us = divmod(tai_us(utc), 86_400_000_000)
     # ERFA's day fraction resolves 1e-16 of a day; a microsecond is ours
     assert (day - 2400000.5 - days + fraction) * 86400.0 == pytest.approx(rest_us / 1e6, abs=1e-6)
+
+
+def test_tt_counts_from_j2000_with_the_leap_seconds_since():
+    """J2000.0 is 2000-01-01 12:00:00 TT, 11:58:55.816 UTC; five leap seconds later, in 2017."""
+    j2000_utc = datetime(2000, 1, 1, 11, 58, 55, 816000, tzinfo=UTC)
+    np.testing.assert_allclose(tt_s(j2000_utc, np.array([0.0, 1.5])), [0.0, 1.5], rtol=0, atol=1e-7)
+    passed_s = (j2000_utc.replace(year=2017) - j2000_utc).total_seconds()
+    since_s = tt_s(j2000_utc.replace(year=2017), np.zeros(1))
+    np.testing.assert_allclose(since_s, passed_s + 5.0, rtol=0, atol=1e-7)
 
 
 def test_a_leap_second_is_counted_and_can_be_named():
