@@ -15,14 +15,12 @@ from sqlalchemy.exc import ProgrammingError
 from app.log.exceptions import reason
 from app.store.database import Database, open_database
 from app.store.failures import StoreUnavailable
-from app.store.models import Base
 from planner.errors import InvalidInput
 
 _FOLDER = Path(__file__).parent / "migrations"
 _LOCK = 0x736C6577  # "slew": any number that nobody else locks
 _OTHERS_S = 30.0  # how long others that start may take to migrate
 _PAUSE_S = 0.2
-_ONLY_ADDED_TO = (None, "0001", "0002", "0003")  # until 0004 tables were added, none was changed
 
 
 @contextmanager
@@ -78,14 +76,11 @@ def _upgrade(connection: Connection) -> None:
     scripts = ScriptDirectory.from_config(config)
     known = {script.revision for script in scripts.walk_revisions()}
     present = MigrationContext.configure(connection).get_current_revision()
-    if present in _ONLY_ADDED_TO:
-        Base.metadata.create_all(connection)  # those that aren't there
-        command.stamp(config, "head", purge=True)
-    elif present not in known:
+    if present is not None and present not in known:
         raise InvalidInput(
             f"the database was written by a later version of slewtrack (its state is {present!r}); "
             "install that one, or use another database",
             field="SLEWTRACK_DATABASE_URL",
         )
-    elif present != scripts.get_current_head():
+    if present != scripts.get_current_head():
         command.upgrade(config, "head")

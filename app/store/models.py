@@ -1,19 +1,16 @@
 """The tables: jobs, plans, campaigns, events, probes, keys and the audit log."""
 
 from datetime import datetime
-from typing import Any, ClassVar
+from typing import Any
 
 from sqlalchemy import (
-    DDL,
     JSON,
     CheckConstraint,
-    Double,
     ForeignKey,
     Index,
     LargeBinary,
     MetaData,
     UniqueConstraint,
-    event,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
@@ -25,9 +22,8 @@ _ID = PlainString(36)
 
 
 class Base(DeclarativeBase):
-    """What a new database is made after, and Alembic compares one with."""
+    """What Alembic compares a database with."""
 
-    type_annotation_map: ClassVar[dict[Any, Any]] = {float: Double}
     # Named, so that a migration can drop a constraint on every database.
     metadata = MetaData(
         naming_convention={
@@ -73,7 +69,7 @@ class JobRow(Base):
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
 
     __table_args__ = (
-        CheckConstraint(f"state IN ({_STATES})", name="ck_jobs_state"),
+        CheckConstraint(f"state IN ({_STATES})", name="state"),
         Index(None, "state", "rank", "id"),  # what to take up next
         Index(None, "kind", "id"),  # lists
         Index(None, "parent_id", "state"),
@@ -174,33 +170,3 @@ class AuditRow(Base):
     detail: Mapped[str] = mapped_column(PlainText)
 
     __table_args__ = (Index(None, "subject"),)
-
-
-# The database itself refuses to change a plan, or what was logged.
-_SAFEGUARDS = {
-    ("plans", "sqlite"): (
-        "CREATE TRIGGER plans_are_immutable BEFORE UPDATE ON plans "
-        "BEGIN SELECT RAISE(ABORT, 'plans are immutable'); END",
-    ),
-    ("plans", "postgresql"): (
-        "CREATE FUNCTION refuse_update() RETURNS trigger LANGUAGE plpgsql AS "
-        "$$ BEGIN RAISE EXCEPTION '%% are immutable', TG_TABLE_NAME; END $$",
-        "CREATE TRIGGER plans_are_immutable BEFORE UPDATE ON plans "
-        "FOR EACH ROW EXECUTE FUNCTION refuse_update()",
-    ),
-    ("audit", "sqlite"): tuple(
-        f"CREATE TRIGGER audit_refuses_{deed.lower()} BEFORE {deed} ON audit "
-        "BEGIN SELECT RAISE(ABORT, 'the audit log is only added to'); END"
-        for deed in ("UPDATE", "DELETE")
-    ),
-    ("audit", "postgresql"): (
-        "CREATE FUNCTION refuse_change_of_audit() RETURNS trigger LANGUAGE plpgsql AS "
-        "$$ BEGIN RAISE EXCEPTION 'the audit log is only added to'; END $$",
-        "CREATE TRIGGER audit_refuses_change BEFORE UPDATE OR DELETE ON audit "
-        "FOR EACH ROW EXECUTE FUNCTION refuse_change_of_audit()",
-    ),
-}
-for (table, dialect), statements in _SAFEGUARDS.items():
-    for statement in statements:
-        safeguard = DDL(statement).execute_if(dialect=dialect)  # type: ignore[no-untyped-call]
-        event.listen(Base.metadata.tables[table], "after_create", safeguard)

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from job_cases import made, new_job
-from sqlalchemy import String, Text, delete, inspect, select, text, update
+from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
 from app.store import audit, events, jobs, models, plans
@@ -42,36 +42,12 @@ def accepted(database, tmp_path, lease_s=None, **members):
     return new.id, token
 
 
-def test_a_new_database_is_as_the_models_say(tmp_path):
+def test_migrations_lead_to_the_models(tmp_path):
     with empty_database(tmp_path) as database:
         upgrade(database)
         with database.reading() as connection:
             context = MigrationContext.configure(connection, opts={"compare_type": True})
             assert compare_metadata(context, models.Base.metadata) == []
-
-
-def test_a_database_that_lacks_tables_gets_them(database):
-    """As one written before there were keys, an audit log, campaigns and probes."""
-    lacking = {row.__table__ for row in (models.KeyRow, models.AuditRow, models.ProbeRow)}
-    lacking.add(models.CampaignRow.__table__)
-    with database.writing() as connection:
-        models.Base.metadata.drop_all(connection, lacking)
-        connection.execute(
-            text(
-                "DROP FUNCTION IF EXISTS refuse_change_of_audit"
-                if connection.dialect.name == "postgresql"
-                else "SELECT 1"
-            )
-        )
-        connection.execute(text("UPDATE alembic_version SET version_num = '0001'"))
-    upgrade(database)
-    with database.writing() as connection:
-        audit.record(connection, key_id=None, action="note", subject="first")
-        version = connection.scalar(text("SELECT version_num FROM alembic_version"))
-        assert inspect(connection).has_table("probes")
-    assert version == "0004"
-    with pytest.raises(DatabaseError, match="only added to"), database.writing() as connection:
-        connection.execute(delete(models.AuditRow))
 
 
 @pytest.mark.usefixtures("patient_store")
