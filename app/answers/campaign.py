@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.answers.job import JobProblem, JobResponse, job_out, page
-from app.answers.members import fill, to_json
+from app.answers.members import fill, from_store, to_json
 from app.store.ids import JobState
 from app.store.jobs import Job
 
@@ -120,7 +120,7 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
         fill(
             CampaignResponse,
             job_out(job),
-            choice=None if choice is None else CampaignChoiceOut(**choice),
+            choice=None if choice is None else from_store(CampaignChoiceOut, choice),
             planned=_planned_out(passes),
             passes=passes,
         )
@@ -135,8 +135,8 @@ def _pass_out(part: Job) -> CampaignPassOut:
         state=part.state,
         start=facts["start"],
         stop=facts["stop"],
-        looks=[CampaignLookOut(**look) for look in facts["looks"]],
-        left_out=[LookLeftOut(**look) for look in facts["left_out"]],
+        looks=[from_store(CampaignLookOut, look) for look in facts["looks"]],
+        left_out=[from_store(LookLeftOut, look) for look in facts["left_out"]],
         problem=job_out(part).problem,
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields
 from datetime import datetime
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from pydantic import TypeAdapter
@@ -58,6 +58,12 @@ def to_json(answer: object) -> bytes:
     """UTF-8, by the members as the answer's class declares them."""
     kind: type = type(answer)
     return _adapter(kind).dump_json(answer)
+
+
+def from_store(kind: type[Answer], members: object) -> Answer:
+    """What was stored; members that only other versions know are passed over."""
+    plain: type = kind
+    return cast(Answer, _adapter(plain).validate_python(members))
 
 
 @cache

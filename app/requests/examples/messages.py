@@ -1,128 +1,15 @@
-"""The orbit and attitude messages of the example requests.
+"""The orbit and attitude messages of the example requests, all of the pass of `LAS_VEGAS`.
 
-All of the pass of `LAS_VEGAS`: the OEM, OMM and OPM hold the orbit of its TLE.
+The OEM, OMM and OPM hold the orbit of its TLE: by SGP4, rotated to EME2000 and GCRF.  In the AEMs
+the carrier swings about LVLH once an orbit, as the ISS does.
 """
 
-import json
-import math
-from datetime import datetime, timedelta
+from pathlib import Path
 
-from scipy.spatial.transform import Rotation
+_DATA = Path(__file__).parent / "data"
 
-# The same elements by SGP4, rotated to EME2000.
-OEM = """\
-CCSDS_OEM_VERS = 2.0
-CREATION_DATE = 2015-02-27T12:00:00
-ORIGINATOR = EXAMPLE
-META_START
-OBJECT_NAME = ISS
-OBJECT_ID = 1998-067-A
-CENTER_NAME = EARTH
-REF_FRAME = EME2000
-TIME_SYSTEM = UTC
-START_TIME = 2015-02-27T17:28:00
-STOP_TIME = 2015-02-27T17:44:00
-META_STOP
-2015-02-27T17:28:00 925.780574 -6623.959487 1086.910448 4.651735117 1.627633291 5.884549990
-2015-02-27T17:29:00 1202.533148 -6511.086799 1437.194233 4.569792423 2.133345345 5.787089464
-2015-02-27T17:30:00 1473.733697 -6368.152922 1780.823463 4.466737619 2.629282605 5.662817258
-2015-02-27T17:31:00 1738.129218 -6195.813966 2116.206003 4.343045130 3.113133056 5.512306750
-2015-02-27T17:32:00 1994.498115 -5994.863102 2441.787873 4.199287037 3.582641895 5.336255826
-2015-02-27T17:33:00 2241.655979 -5766.226805 2756.060613 4.036130130 4.035622610 5.135483262
-2015-02-27T17:34:00 2478.461164 -5510.960422 3057.568413 3.854332464 4.469967629 4.910924488
-2015-02-27T17:35:00 2703.820153 -5230.243138 3344.914973 3.654739448 4.883658459 4.663626734
-2015-02-27T17:36:00 2916.692669 -4925.372335 3616.770049 3.438279501 5.274775263 4.394743638
-2015-02-27T17:37:00 3116.096516 -4597.757401 3871.875664 3.205959326 5.641505833 4.105529336
-2015-02-27T17:38:00 3301.112127 -4248.913015 4109.051953 2.958858824 5.982153916 3.797332119
-2015-02-27T17:39:00 3470.886792 -3880.451958 4327.202605 2.698125712 6.295146864 3.471587674
-2015-02-27T17:40:00 3624.638562 -3494.077482 4525.319903 2.424969868 6.579042596 3.129811985
-2015-02-27T17:41:00 3761.659799 -3091.575285 4702.489313 2.140657451 6.832535853 2.773593942
-2015-02-27T17:42:00 3881.320376 -2674.805129 4857.893634 1.846504832 7.054463743 2.404587690
-2015-02-27T17:43:00 3983.070496 -2245.692148 4990.816675 1.543872366 7.243810582 2.024504777
-2015-02-27T17:44:00 4066.443148 -1806.217893 5100.646459 1.234158045 7.399712032 1.635106139
-"""
-
-OMM = json.dumps(
-    [
-        {
-            "OBJECT_NAME": "ISS (ZARYA)",
-            "OBJECT_ID": "1998-067A",
-            "EPOCH": "2015-02-27T11:33:31.612032",
-            "MEAN_MOTION": 15.54887163,
-            "ECCENTRICITY": 0.0008043,
-            "INCLINATION": 51.6478,
-            "RA_OF_ASC_NODE": 271.961,
-            "ARG_OF_PERICENTER": 54.4849,
-            "MEAN_ANOMALY": 18.6646,
-            "BSTAR": 0.00035618,
-            "MEAN_MOTION_DOT": 0.00023857,
-            "MEAN_MOTION_DDOT": 0,
-        }
-    ]
-)
-
-OPM = """\
-CCSDS_OPM_VERS = 2.0
-CREATION_DATE = 2015-02-27T12:00:00
-ORIGINATOR = EXAMPLE
-OBJECT_NAME = ISS
-OBJECT_ID = 1998-067-A
-CENTER_NAME = EARTH
-REF_FRAME = GCRF
-TIME_SYSTEM = UTC
-EPOCH = 2015-02-27T17:34:00
-X = 2478.460528 [km]
-Y = -5510.960698 [km]
-Z = 3057.568431 [km]
-X_DOT = 3.854332385 [km/s]
-Y_DOT = 4.469967194 [km/s]
-Z_DOT = 4.910924946 [km/s]
-MASS = 410000 [kg]
-DRAG_AREA = 1600 [m**2]
-DRAG_COEFF = 2.1
-"""
-
-
-def aem(start_utc: datetime, step_s: float, rows: int) -> str:
-    """A carrier that swings about LVLH once an orbit, as the ISS does; rows step_s apart."""
-    text = f"""\
-CCSDS_AEM_VERS = 1.0
-CREATION_DATE = 2015-02-27T12:00:00
-ORIGINATOR = EXAMPLE
-META_START
-OBJECT_NAME = ISS
-OBJECT_ID = 1998-067-A
-REF_FRAME_A = LVLH
-REF_FRAME_B = SC_BODY_1
-ATTITUDE_DIR = A2B
-TIME_SYSTEM = UTC
-START_TIME = {_ccsds(start_utc)}
-STOP_TIME = {_ccsds(start_utc + timedelta(seconds=step_s * (rows - 1)))}
-ATTITUDE_TYPE = QUATERNION
-QUATERNION_TYPE = LAST
-META_STOP
-DATA_START
-"""
-    for row in range(rows):
-        at_utc = start_utc + timedelta(seconds=step_s * row)
-        phase_rad = math.tau * (at_utc - _ORIGIN_UTC).total_seconds() / _ORBIT_S
-        turns_deg = [
-            0.4 + 0.2 * math.sin(phase_rad),
-            -0.8 + 0.6 * math.sin(phase_rad + 1.0),
-            0.3 * math.cos(phase_rad),
-        ]
-        q_xyzw = Rotation.from_euler("ZYX", turns_deg, degrees=True).as_quat()
-        text += " ".join([_ccsds(at_utc), *(f"{part:.9f}" for part in q_xyzw)]) + "\n"
-    return text + "DATA_STOP\n"
-
-
-_ORIGIN_UTC = datetime.fromisoformat("2015-02-27T12:00:00Z")
-_ORBIT_S = 5560.0
-
-
-def _ccsds(at_utc: datetime) -> str:
-    return at_utc.strftime("%Y-%m-%dT%H:%M:%S")
-
-
-ATTITUDE = aem(datetime.fromisoformat("2015-02-27T17:30:00Z"), 60.0, 15)
-ATTITUDE_HISTORY = aem(datetime.fromisoformat("2015-02-27T12:33:00Z"), 180.0, 100)
+OEM = (_DATA / "orbit.oem").read_text("utf-8")
+OMM = (_DATA / "elements.json").read_text("utf-8")
+OPM = (_DATA / "state.opm").read_text("utf-8")
+ATTITUDE = (_DATA / "attitude.aem").read_text("utf-8")
+ATTITUDE_HISTORY = (_DATA / "attitude_history.aem").read_text("utf-8")

@@ -156,9 +156,9 @@ def steer(
 
     d' = D^T (D D^T)^-1 M/h + rho (E - D^T (D D^T)^-1 D) dPsi/dd, all rates scaled down
     together to gyros.rate_max_rad_s; rho is null_gain_rad_s.  Psi = det(D D^T) grows away from
-    singularity; the paper's (m1 x m2)^2 + (m3 x m4)^2 is its part for parallel pairs.  The sign is the one that leaves singularities: taken literally, the printed
-    xi = -dPhi/dd under its projector drives into them.  Near one (det below the guard) the
-    inverse is damped.
+    singularity; the paper's (m1 x m2)^2 + (m3 x m4)^2 is its part for parallel pairs.  The sign
+    is the one that leaves singularities: taken literally, the printed xi = -dPhi/dd under its
+    projector drives into them.  Near one (det below the guard) the inverse is damped.
     """
     rotor, torque = gyros.rotor_axes_body, gyros.torque_axes_body
     d, d_turned = np.empty((3, 4)), np.empty((3, 4))
