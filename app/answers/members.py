@@ -2,8 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Callable
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, fields
 from datetime import datetime
 from functools import cache
 from typing import Any, TypeVar, cast
@@ -16,7 +15,6 @@ from app.versions import versions
 from planner.arrays import Array
 from planner.frames.time_scales import utc_text
 
-ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what a table promises
 Answer = TypeVar("Answer")
 
@@ -27,31 +25,27 @@ def fill(
     """A dataclass of an answer; the members that aren't given are those of our values.
 
     Each is what the first of the values that knows it has under the same name, a tuple as a
-    list; `x_deg` is its `x_rad` in degrees, rounded to so many decimals, `x_arcsec` too,
-    `x_km` its `x_m`, and `x` or `x_at` its `x_utc` as text.  What none knows has its default.
+    list; `x_deg` is its `x_rad` in degrees, rounded to so many decimals, and `x` its `x_utc`
+    as text.
     """
     for field in fields(kind):  # type: ignore[arg-type]
         if field.name not in members:
-            member = _member(field.name, values, decimals)
-            if member is not MISSING:
-                members[field.name] = member
+            members[field.name] = _member(field.name, values, decimals)
     return kind(**members)
 
 
 def _member(name: str, values: tuple[object, ...], decimals: int | None) -> object:
-    forms: tuple[tuple[str, Callable[[Any], object]], ...] = (
-        (name, lambda member: list(member) if isinstance(member, tuple) else member),
-        (name.replace("_deg", "_rad"), lambda angle_rad: degrees(angle_rad, decimals)),
-        (name.replace("_arcsec", "_rad"), lambda angle_rad: angle_rad * ARCSEC_PER_RAD),
-        (name.replace("_km", "_m"), lambda length_m: length_m / 1e3),
-        (f"{name.removesuffix('_at')}_utc", utc_text),
-    )
+    in_rad = name.replace("_deg", "_rad")
     for value in values:
-        for known, form in forms:
-            if hasattr(value, known):
-                member = getattr(value, known)
-                return None if member is None else form(member)
-    return MISSING
+        if hasattr(value, name):
+            member = getattr(value, name)
+            return list(member) if isinstance(member, tuple) else member
+        if hasattr(value, in_rad):
+            angle_rad = getattr(value, in_rad)
+            return None if angle_rad is None else degrees(angle_rad, decimals)
+        if hasattr(value, f"{name}_utc"):
+            return utc_or_none(getattr(value, f"{name}_utc"))
+    raise AttributeError(f"none of the values has what {name} is filled with")
 
 
 def to_json(answer: object) -> bytes:

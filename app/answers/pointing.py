@@ -1,12 +1,15 @@
 """How well each session's target is held, in what view, and the pointing budget, as answered."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
-from app.answers.members import ARCSEC_PER_RAD, fill
+from app.answers.members import fill
 from planner.frames.time_scales import utc_text
 from planner.sessions.uncertainty import Contribution
-from planner.verification import EarthFixedView, SessionReport
+from planner.verification import EarthFixedView, SessionReport, SkyView
+
+ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,26 +69,46 @@ class PointingOut:
 
 def pointing_out(session: SessionReport) -> PointingOut:
     """One session's error and geometry."""
-    view = session.view
-    on_earth: dict[str, Any] = {}
-    if isinstance(view, EarthFixedView):
-        on_earth = {
-            "ground_max_m": view.miss_on_ground_max_m,
-            "across_max_m": view.miss_across_max_m,
-            "closest_at": utc_text(view.range_min_utc),
-        }
-    return fill(
-        PointingOut,
-        session,
-        session.overall,
-        view,
+    return PointingOut(
         session=session.number,
+        start=utc_text(session.start_utc),
+        stop=utc_text(session.stop_utc),
+        max_arcsec=session.overall.max_rad * ARCSEC_PER_RAD,
+        max_at=utc_text(session.overall.max_utc),
+        rms_arcsec=session.overall.rms_rad * ARCSEC_PER_RAD,
         rows_max_arcsec=session.at_rows.max_rad * ARCSEC_PER_RAD,
         between_rows_max_arcsec=session.between_rows.max_rad * ARCSEC_PER_RAD,
-        **on_earth,
-        off_target=[fill(OffTargetOut, stretch) for stretch in session.off_target],
+        **_view(session.view),
+        allowed_arcsec=session.allowed_rad * ARCSEC_PER_RAD,
+        off_target=[
+            fill(OffTargetOut, stretch, max_arcsec=stretch.max_rad * ARCSEC_PER_RAD)
+            for stretch in session.off_target
+        ],
         slow_stretches=[fill(SlowStretchOut, slow) for slow in session.slow_stretches],
     )
+
+
+def _view(view: EarthFixedView | SkyView | None) -> dict[str, Any]:
+    match view:
+        case EarthFixedView():
+            return {
+                "ground_max_m": view.miss_on_ground_max_m,
+                "across_max_m": view.miss_across_max_m,
+                "elevation_min_deg": math.degrees(view.elevation_min_rad),
+                "range_min_km": view.range_min_m / 1e3,
+                "closest_at": utc_text(view.range_min_utc),
+                "range_max_km": view.range_max_m / 1e3,
+            }
+        case SkyView():
+            far_m = view.range_min_m
+            return {
+                "range_min_km": None if far_m is None else far_m / 1e3,
+                "limb_clearance_min_deg": math.degrees(view.limb_clearance_min_rad),
+                "limb_clearance_min_at": utc_text(view.limb_clearance_min_utc),
+                "refraction_max_arcsec": view.refraction_max_rad * ARCSEC_PER_RAD,
+            }
+        case None:
+            return {}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,9 +5,8 @@ from rich.table import Table
 from rich.text import Text
 
 from app.answers.comparison import comparison_out
-from app.answers.members import ARCSEC_PER_RAD
 from app.answers.plan import keep_out_margin_out, margins_out
-from app.answers.pointing import PointingOut, pointing_out
+from app.answers.pointing import ARCSEC_PER_RAD, PointingOut, pointing_out
 from app.cli.report_parts import or_dash, print_warnings, report_table
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.sessions.plan import Plan
