@@ -366,9 +366,11 @@ class Trials:
     def pytest_runtestloop(self, session: Any) -> bool:  # noqa: ANN401 (pytest's)
         """Each mutant in a fork that has all modules and tests loaded.
 
-        Of one file's tests the first is run before, so that its module's fixtures are made once.
+        Of one file's tests the first is run before, so that its module's fixtures are made once;
+        not where they are of threads and children, which a fork doesn't have.
         """
-        if len({item.path for item in session.items}) == 1:
+        of_jobs = self._mutants[0].file.startswith("app/jobs/")
+        if len({item.path for item in session.items}) == 1 and not of_jobs:
             first, *session.items = session.items
             first.config.hook.pytest_runtest_protocol(item=first, nextitem=session.items[0])
         for number, mutant in enumerate(self._mutants, start=1):
@@ -482,6 +484,7 @@ def _outcome(all_pass: Callable[[], bool], limit_s: float) -> tuple[str, str]:
             exit_code = 1
             try:
                 os.setsid()
+                signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in background
                 os.environ["TMPDIR"], tempfile.tempdir = scratch, None
                 out = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
                 for descriptor in (1, 2):

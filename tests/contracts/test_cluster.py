@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -119,8 +120,10 @@ def test_work_is_done_in_a_child_of_the_worker(executor, a_worker, tmp_path):
 def test_how_far_work_is_comes_back(executor, a_worker, tmp_path):
     heard = []
     future = submitted(executor, "tell", tmp_path / "notes", on_progress=heard.append)
-    eventually(lambda: len(heard) > 1)
-    let_go(tmp_path / "notes")
+    try:
+        eventually(lambda: len(heard) > 1)
+    finally:
+        let_go(tmp_path / "notes")
     assert future.result(WITHIN_S).state == "done"
     assert heard[:2] == [Progress(stage="telling", done=1), Progress(stage="telling", done=2)]
 
@@ -136,8 +139,8 @@ def test_errors_come_back_as_they_were(executor, a_worker, tmp_path):
 
 
 def test_stopped_work_frees_the_worker(executor, a_worker, tmp_path):
-    stop = Stop()
-    future = submitted(executor, "hang", tmp_path / "notes", stop)
+    stop, an_hour = Stop(), Bounds(deadline_s=3600.0, memory_mib=200)  # nothing else ends it
+    future = submitted(executor, "hang", tmp_path / "notes", stop, an_hour)
     (pid,) = eventually(lambda: pids(tmp_path / "notes"))
     stop.request()
     with pytest.raises(Stopped):
@@ -169,6 +172,36 @@ def test_looking_for_a_scheduler_in_vain_leaves_no_descriptors(monkeypatch, tmp_
         future.result(WITHIN_S)
     executor.close()
     assert tries[5] <= tries[0]
+
+
+class LosingClient:
+    """Loses the first task it is given, and never ends another."""
+
+    status = "closed"
+
+    def __init__(self):
+        self.futures = []
+
+    def submit(self, *_, **__):
+        self.futures.append(Future())
+        if len(self.futures) == 1:
+            self.futures[0].cancel()
+        return self.futures[-1]
+
+
+def test_work_taken_up_again_after_a_loss_can_be_stopped(monkeypatch, tmp_path):
+    monkeypatch.setattr(dask_executor, "_PAUSE_S", 0.0)
+    executor, client, stop = DaskExecutor("tcp://127.0.0.1:1", 1), LosingClient(), Stop()
+    monkeypatch.setattr(executor, "_connect", lambda: client)
+    future = submitted(executor, "note", tmp_path / "notes", stop)
+    eventually(lambda: len(client.futures) == 2)
+    stop.request()
+    try:
+        with pytest.raises(Stopped):
+            future.result(WITHIN_S)
+    finally:
+        client.futures[1].cancel()
+        executor.close()
 
 
 def descriptors():

@@ -9,7 +9,7 @@ import pytest
 from databases import fresh_database
 from job_cases import KINDS, Notes, let_go, new_job
 from sqlalchemy import select, update
-from waiting import alive, eventually
+from waiting import PATIENCE_S, alive, eventually
 
 from app.jobs import dispatcher as dispatcher_module
 from app.jobs.dispatcher import Dispatcher
@@ -19,6 +19,7 @@ from app.jobs.refusals import QueueFull
 from app.settings import Settings
 from app.store import audit, events, jobs, plans
 from app.store.database import Database
+from app.store.failures import StoreUnavailable
 from app.store.models import JobRow
 
 RULES = {"lease_s": 120.0, "job_attempts": 3, "queue_max": 100, "retention_days": None}
@@ -135,9 +136,11 @@ def test_cancelling_kills_what_runs(database, tmp_path):
     with dispatching(database) as dispatcher:
         job = dispatcher.submit(new_job("hang", notes.file))
         [pid] = eventually(notes.pids)
-        dispatcher.cancel(job.id, "key")
+        with dispatcher.watching(job.id) as (work_ended, _):
+            dispatcher.cancel(job.id, "key")
+            assert work_ended.result(PATIENCE_S)
+        assert job_of(database, job.id).state == "cancelled"  # stored when that is told
         eventually(lambda: not alive(pid))
-        assert ended(database, job.id).state == "cancelled"
         again = dispatcher.submit(new_job("note", notes.file))
         assert ended(database, again.id).state == "done"  # its place is free
 
@@ -218,6 +221,25 @@ def test_a_result_no_database_takes_ends_its_job(database, tmp_path, caplog):
     with database.reading() as connection:
         assert plans.get(connection, job.id) is None
     assert any("can't be stored" in str(record.__dict__) for record in caplog.records)
+
+
+def test_a_result_that_the_database_did_not_take_before_the_service_ended_is_in_the_log(
+    database, tmp_path, monkeypatch, caplog
+):
+    def logged(message):
+        return any(message in str(record.__dict__) for record in caplog.records)
+
+    def fail():
+        raise StoreUnavailable("away")
+
+    notes = Notes(tmp_path / "notes")
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("linger", notes.file))
+        monkeypatch.setattr(dispatcher._database, "writing", fail)
+        let_go(notes.file)
+        eventually(lambda: logged("can't be stored yet"))
+    assert logged("the end couldn't be stored")
+    assert job_of(database, job.id).state == "running"  # for the next, when its lease has ended
 
 
 @pytest.mark.usefixtures("patient_store")
@@ -325,6 +347,18 @@ def test_the_same_key_at_the_same_time_is_one_job(database, tmp_path):
     assert len(notes.pids()) == 1
 
 
+def test_a_key_that_another_writes_after_it_was_looked_for_is_one_job(
+    database, tmp_path, monkeypatch
+):
+    """PostgreSQL lets that happen."""
+    looks = iter((lambda *_: None, jobs.find_idempotent))
+    with dispatching(database) as dispatcher:
+        first = dispatcher.submit(new_job("note", tmp_path / "notes", idempotency="the key"))
+        monkeypatch.setattr(jobs, "find_idempotent", lambda *given: next(looks)(*given))
+        again = dispatcher.submit(new_job("note", tmp_path / "notes", idempotency="the key"))
+    assert again.id == first.id
+
+
 def test_what_is_not_kept_is_deleted(database, tmp_path):
     with dispatching(database) as dispatcher:
         job = dispatcher.submit(new_job("note", tmp_path / "notes"))
@@ -353,4 +387,5 @@ def test_work_accepted_while_the_service_stops_is_given_back(database, tmp_path)
             threads.submit(dispatcher.close)
             time.sleep(0.5)  # for it to have looked what there is to stop
         job = accepting.result()
-        assert eventually(lambda: states(database, job.id)[-1] == "queued")
+        eventually(lambda: job_of(database, job.id).state != "running")
+    assert states(database, job.id)[-1] == "queued"  # and not refused at its deadline
