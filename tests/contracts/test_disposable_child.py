@@ -228,6 +228,12 @@ def test_a_service_ends_whatever_its_child_is_at(ends):
     assert done.returncode == 0, done.stderr
 
 
+def test_a_service_that_needed_no_child_ends_without_complaint():
+    command = [sys.executable, "-c", "import app.jobs.disposable"]
+    done = subprocess.run(command, capture_output=True, check=True)
+    assert done.stderr == b""
+
+
 def die_within_a_word():
     def send_half(line, _):
         os.write(line.fileno(), struct.pack("!i", 1000) + b"half")
@@ -277,13 +283,28 @@ def test_a_fork_that_fails_leaves_nothing_open(monkeypatch):
         raise EOFError
 
     run_disposable(BOUNDS, os.getpid)
-    eventually(lambda: not any(isinstance(thread, Timer) for thread in threading.enumerate()))
-    before = set(os.listdir("/proc/self/fd"))
+    before = open_when_idle()
     monkeypatch.setattr(forkserver, "read_signed", fail)
     with pytest.raises(EOFError) as kept:
         run_disposable(BOUNDS, os.getpid)
     assert kept.value
-    assert set(os.listdir("/proc/self/fd")) <= before  # others' may be collected meanwhile
+    assert open_when_idle() <= before  # others' may be collected meanwhile
+
+
+def test_a_child_that_died_leaves_nothing_open():
+    """Whoever keeps the error keeps what it refers to."""
+    run_disposable(BOUNDS, os.getpid)
+    before = open_when_idle()
+    with pytest.raises(ChildDied) as kept:
+        run_disposable(BOUNDS, os.abort)
+    assert kept.value
+    assert open_when_idle() <= before
+
+
+def open_when_idle():
+    """The descriptors, when no child is to be thrown away any more."""
+    eventually(lambda: not any(isinstance(thread, Timer) for thread in threading.enumerate()))
+    return set(os.listdir("/proc/self/fd"))
 
 
 def look_after_parent_is_gone():
