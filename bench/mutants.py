@@ -373,14 +373,24 @@ class Trials:
         if len({item.path for item in session.items}) == 1 and not of_jobs:
             first, *session.items = session.items
             first.config.hook.pytest_runtest_protocol(item=first, nextitem=session.items[0])
+        fork_passes: dict[str, bool] = {}
         for number, mutant in enumerate(self._mutants, start=1):
-            with _written(mutant):
-                began_s = time.monotonic()
-                run = functools.partial(_run_tests, session, mutant)
-                outcome, by = _outcome(run, self._limit_s)
-                trial = Trial(mutant, outcome, by, round(time.monotonic() - began_s, 1))
+            unchanged = Mutant(mutant.file, 0, 0, 0, "", "")
+            if mutant.file not in fork_passes:
+                trial = self._try_in_fork(session, unchanged)
+                fork_passes[mutant.file] = trial.outcome == "survived"
+            if fork_passes[mutant.file]:
+                trial = self._try_in_fork(session, mutant)
+            else:  # what fails without a change says nothing of one
+                trial = _try_afresh(mutant, self._limit_s)
             _note(trial, self._results, f"{number}/{len(self._mutants)}")
         return True
+
+    def _try_in_fork(self, session: Any, mutant: Mutant) -> Trial:  # noqa: ANN401 (pytest's)
+        with _written(mutant):
+            began_s = time.monotonic()
+            outcome, by = _outcome(functools.partial(_run_tests, session, mutant), self._limit_s)
+            return Trial(mutant, outcome, by, round(time.monotonic() - began_s, 1))
 
 
 def _run_tests(session: Any, mutant: Mutant) -> bool:  # noqa: ANN401 (pytest's)
