@@ -3,17 +3,19 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 
-from planner.platforms import ISS_HRC
+from planner.platforms import ISS_HRC, AxisLimits
 from planner.pointing.hermite import cubic_range, quintic_motion
 from planner.scenario import SlewOptions
+from planner.slew.closed_forms import least_jerk_profile
 from planner.slew.compare import compare_with_spline
 from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.solution import AxisProfile
+from planner.slew.solution import AxisProfile, obeys
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -44,6 +46,30 @@ def test_values_and_extremes_agree_with_scipy(seed):
         assert extreme.greatest <= expected.max() + 1e-4 * scale
         assert extreme.least <= expected.min() + 1e-12 * scale
         assert extreme.least >= expected.min() - 1e-4 * scale
+
+
+@pytest.mark.parametrize("limit", ["angle", "rate", "acceleration", "jerk"])
+@pytest.mark.parametrize(("share", "keeps"), [(1.0 + 1e-8, True), (1.0 - 1e-8, False)])
+def test_a_limit_is_kept_to_a_hundred_millionth_of_it(limit, share, keeps):
+    """A quintic of 2 D from rest to rest: rate 3.75 D/T, acceleration 20 D/(sqrt(3) T^2) and
+    jerk 120 D/T^3 at most."""
+    D, T = 0.4, 50.0
+    start, end = AxisState(angle_rad=-D), AxisState(angle_rad=D)
+    peaks = {
+        "angle": D,
+        "rate": 3.75 * D / T,
+        "acceleration": 20.0 * D / math.sqrt(3.0) / T**2,
+        "jerk": 120.0 * D / T**3,
+    }
+    bounds = {name: peak * (share if name == limit else 2.0) for name, peak in peaks.items()}
+    limits = AxisLimits(
+        angle_min_rad=-bounds["angle"],
+        angle_max_rad=bounds["angle"],
+        rate_max_rad_s=bounds["rate"],
+        acceleration_max_rad_s2=bounds["acceleration"],
+        jerk_max_rad_s3=bounds["jerk"],
+    )
+    assert obeys(least_jerk_profile(start, end, T), start, end, limits) is keeps
 
 
 @given(seed=SEEDS)
