@@ -90,6 +90,7 @@ FIRST = {
     "properties/test_slew_near_rate_limit::test_braking_on_rows_is_what_stepping_it_shows "
     "properties/test_slew_near_rate_limit::test_a_stop_forbids_what_meets_it_braked_hardest "
     "properties/test_slew_join oracles/test_vibration oracles/test_schedule_slew_time "
+    "properties/test_slews::test_an_axis_that_takes_hours_takes_its_least_time_and_no_less "
     "properties/test_slews::test_with_hours_to_spare_an_axis_rests_where_it_began "
     "properties/test_slews::test_a_slew_proven_to_exist_is_made_although_the_solver_fails "
     "properties/test_slews::test_too_short_a_time_is_refused_and_the_named_time_works "

@@ -114,7 +114,7 @@ def test_certificate_is_exact_where_jerk_and_stops_are_none():
         most = np.minimum(v, np.minimum(before + a * t_s, after + a * left_s))
         least = np.maximum(-v, np.maximum(before - a * t_s, after - a * left_s))
         start = AxisState(angle_rad=rng.uniform(-1.0, 1.0), rate_rad_s=before)
-        for rates, outwards in ((most, 1e-6), (least, -1e-6)):  # trapezia, a h^2 per kink
+        for rates, outwards in ((most, 2e-8), (least, -2e-8)):  # trapezia, a h^2 / 8 a kink
             way_rad = cumulative_trapezoid(rates, t_s)[-1]
             for beyond in (-outwards, outwards):
                 end = AxisState(angle_rad=start.angle_rad + way_rad + beyond, rate_rad_s=after)

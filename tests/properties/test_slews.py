@@ -93,6 +93,21 @@ def test_with_hours_to_spare_an_axis_rests_where_it_began():
     assert rate[0] == 0.0
 
 
+def test_an_axis_that_takes_hours_takes_its_least_time_and_no_less():
+    """Ruckig counts no more than 7600 s in seconds.  A trapezium of rates takes D/v + v/a + a/j."""
+    limits = replace(
+        LIMITS,
+        rate_min_rad_s=0.0,
+        rate_max_rad_s=1e-4,
+        acceleration_max_rad_s2=1e-6,
+        jerk_max_rad_s3=1e-7,
+    )
+    start, end = AxisState(angle_rad=0.0), AxisState(angle_rad=1.0)
+    for at_least_s in (0.0, 1000.0):
+        least_s = next_duration_s(start, end, limits, at_least_s)
+        assert least_s == pytest.approx(1e4 + 100.0 + 10.0, rel=1e-9)
+
+
 def test_too_short_a_time_is_refused_and_the_named_time_works():
     for number, case in enumerate(draw_cases(seed=7, count=90)):
         least_s = least_shared_s(case)
