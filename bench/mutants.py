@@ -81,17 +81,27 @@ FIRST = {
     "planner/verification/structure.py": "oracles/test_verification_structure "
     "oracles/test_verification_bench_motion",
     "planner/spacecraft/verification.py": "end_to_end/test_spacecraft_plan",
-    "planner/slew/": "contracts/test_slew_methods properties/test_slews::test_too_short_a_time_is_"
-    "refused_and_the_named_time_works properties/test_slews::test_rows_carry_the_slew_within_limits"
-    "_and_to_a_tenth_of_an_arcsecond properties/test_slew_near_rate_limit",
-    "planner/slew/spline_ocp.py": "contracts/test_slew_methods "
-    "properties/test_keep_out_slews oracles/test_vibration",
-    "planner/slew/paper_cubic.py": "published/test_paper_spline contracts/test_slew_methods "
-    "oracles/test_slew_optimum::test_cubic_is_the_unlimited_least_squared_acceleration",
-    "planner/slew/compare.py": "oracles/test_slew_profiles oracles/test_vibration",
-    "planner/slew/closed_forms.py": "oracles/test_schedule_slew_time contracts/test_slew_methods",
-    "planner/slew/solution.py": "oracles/test_slew_profiles contracts/test_slew_methods",
-    "planner/slew/vibration.py": "oracles/test_vibration",
+    "planner/slew/": "contracts/test_slew_methods oracles/test_slew_profiles "
+    "published/test_paper_spline properties/test_slew_near_rate_limit::test_found_at_either_end "
+    "properties/test_slew_near_rate_limit::"
+    "test_what_cannot_be_braked_is_refused_before_anything_else "
+    "properties/test_slew_near_rate_limit::"
+    "test_a_refused_slew_says_which_of_its_ends_can_not_be_braked "
+    "properties/test_slew_near_rate_limit::test_braking_on_rows_is_what_stepping_it_shows "
+    "properties/test_slew_near_rate_limit::test_a_stop_forbids_what_meets_it_braked_hardest "
+    "properties/test_slew_join oracles/test_vibration oracles/test_schedule_slew_time "
+    "properties/test_slews::test_an_axis_that_takes_hours_takes_its_least_time_and_no_less "
+    "properties/test_slews::test_with_hours_to_spare_an_axis_rests_where_it_began "
+    "properties/test_slews::test_a_slew_proven_to_exist_is_made_although_the_solver_fails "
+    "properties/test_slews::test_too_short_a_time_is_refused_and_the_named_time_works "
+    "properties/test_slews::test_rows_carry_a_short_slew_whose_jerk_changes_much_from_row_to_row "
+    "properties/test_slews::test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond "
+    "properties/test_slew_near_rate_limit::test_where_rows_are_too_few_one_more_is_enough "
+    "oracles/test_slew_optimum",
+    "planner/slew/spline_": "oracles/test_vibration contracts/test_slew_methods "
+    "oracles/test_slew_optimum::test_far_from_limits_the_solver_finds_the_quintic_itself "
+    "properties/test_slews::test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond "
+    "properties/test_slew_near_rate_limit::test_found_at_either_end properties/test_keep_out_slews",
     "app/jobs/": "contracts/test_jobs contracts/test_disposable_child",
     "app/jobs/child.py": "contracts/test_disposable_child",
     "app/jobs/dask_": "contracts/test_cluster",
@@ -108,8 +118,8 @@ FIRST = {
 THEN = {
     "planner/verification/": "oracles/test_keyhole end_to_end/test_every_target",
     "planner/spacecraft/verification.py": "contracts/test_http_spacecraft",
-    "planner/slew/": "properties/test_slew_join end_to_end/test_effort end_to_end/test_planning "
-    "properties/test_slews",
+    "planner/slew/": "properties/test_slew_near_rate_limit properties/test_slews "
+    "end_to_end/test_effort end_to_end/test_planning",
     "app/jobs/": "contracts/test_http_in_child contracts/test_stopping end_to_end/test_crashes",
     "app/requests/": "contracts/test_keep_out_request contracts/test_http_openapi "
     "contracts/test_http_plans contracts/test_http_opportunities contracts/test_http_spacecraft "

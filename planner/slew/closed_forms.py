@@ -70,8 +70,7 @@ def _by_ruckig(
     request.max_velocity = [rate_max * rate]
     request.max_acceleration = [1.0]
     request.max_jerk = [limits.jerk_max_rad_s3 * jerk]
-    if at_least_s > 0.0:
-        request.minimum_duration = at_least_s / unit_s
+    request.minimum_duration = at_least_s / unit_s
     trajectory = ruckig.Trajectory(1)
     try:
         if ruckig.Ruckig(1).calculate(request, trajectory) not in _SUCCESS:

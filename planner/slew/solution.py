@@ -41,8 +41,8 @@ class LimitViolation(NamedTuple):
 class AxisProfile:
     """Motion of one axis: on [breakpoints_s[k], breakpoints_s[k+1]] a polynomial.
 
-    breakpoints_s: (k+1,), the first 0.  coefficients: (k, degree+1), ascending powers of the
-    time since the piece's own breakpoint, rad/s^j.
+    breakpoints_s: (k+1,), the first 0.  coefficients: (k, degree+1), a cubic's at least,
+    ascending powers of the time since the piece's own breakpoint, rad/s^j.
     """
 
     breakpoints_s: Array
@@ -129,7 +129,7 @@ class AxisProfile:
         c = self.coefficients
         chain = [c]
         for _ in range(3):
-            c = c[:, 1:] * np.arange(1, c.shape[1]) if c.shape[1] > 1 else np.zeros((len(c), 1))
+            c = c[:, 1:] * np.arange(1, c.shape[1])
             chain.append(c)
         return tuple(chain)
 

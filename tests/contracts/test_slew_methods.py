@@ -1,6 +1,7 @@
 """Does each method of slewing keep the promises both make?"""
 
 import math
+import time
 
 import numpy as np
 import pytest
@@ -54,6 +55,15 @@ def test_violations_are_never_hidden(method, duration_s):
     if SlewOptions(method=method).keeps_limits:
         assert found == ()
         assert max(map(abs, solution.end_error_rad)) < math.radians(0.1 / 3600)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_solution_tells_how_long_it_took(method):
+    began_s = time.perf_counter()
+    solution = METHODS[method](problem())
+    assert 0.0 < solution.wall_s <= time.perf_counter() - began_s
+    if method == "spline":
+        assert solution.iterations == 0  # a cubic needs no solver
 
 
 @pytest.mark.parametrize(

@@ -101,6 +101,31 @@ def test_certificate_never_denies_what_is_feasible(name):
     assert not passes_certificate(start, end, LIMITS, 0.02 * least_s)
 
 
+def test_certificate_is_exact_where_jerk_and_stops_are_none():
+    """Against the ways that the greatest and the least rate at every instant add up to."""
+    rng = np.random.default_rng(8)
+    v, a = LIMITS.rate_max_rad_s, LIMITS.acceleration_max_rad_s2
+    for _ in range(100):
+        before, after = rng.uniform(-v, v, 2)
+        ramp_s = abs(after - before) / a
+        duration_s = ramp_s + rng.uniform(0.5, 20.0)
+        t_s = np.linspace(0.0, duration_s, 20_001)
+        left_s = duration_s - t_s
+        most = np.minimum(v, np.minimum(before + a * t_s, after + a * left_s))
+        least = np.maximum(-v, np.maximum(before - a * t_s, after - a * left_s))
+        start = AxisState(angle_rad=rng.uniform(-1.0, 1.0), rate_rad_s=before)
+        for rates, outwards in ((most, 2e-8), (least, -2e-8)):  # trapezia, a h^2 / 8 a kink
+            way_rad = cumulative_trapezoid(rates, t_s)[-1]
+            for beyond in (-outwards, outwards):
+                end = AxisState(angle_rad=start.angle_rad + way_rad + beyond, rate_rad_s=after)
+                fits = passes_certificate(start, end, LIMITS, duration_s)
+                assert fits is (beyond == -outwards)
+        middle = AxisState(
+            angle_rad=start.angle_rad + (before + after) / 2.0 * 0.99 * ramp_s, rate_rad_s=after
+        )
+        assert not passes_certificate(start, middle, LIMITS, 0.99 * ramp_s)
+
+
 def shooting_cost(start, end, duration_s, nodes):
     """Least integral of squared jerk by multiple shooting on a grid, CasADi Opti."""
     opti = casadi.Opti()
@@ -147,6 +172,17 @@ def test_optimum_costs_no_more_than_a_fine_grid(name, slack):
     tolerance = 7e-4 if slack > 1.1 else 1e-2
     assert result.profile.jerk_squared_integral <= grid * (1.0 + tolerance)
     assert result.profile.jerk_squared_integral >= grid * (1.0 - 6e-4)
+
+
+@pytest.mark.parametrize("duration_s", [60.0, 140.0])
+def test_a_slew_that_must_brake_at_once_costs_hardly_more_than_a_fine_grid(duration_s):
+    """2.5 + 1^2 / 2 deg/s is the rate's limit: only the greatest jerk keeps it."""
+    start, end = deg_state(-20, 2.5, 1.0), deg_state(35)
+    problem = SlewProblem(
+        axis_names=("alpha",), limits=(LIMITS,), start=(start,), end=(end,), duration_s=duration_s
+    )
+    grid = shooting_cost(start, end, duration_s, nodes=500)
+    assert optimal_slew(problem).jerk_squared_integral <= 1.05 * grid
 
 
 def test_far_from_limits_the_solver_finds_the_quintic_itself():

@@ -3,17 +3,19 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import BPoly, CubicHermiteSpline, PPoly
 
-from planner.platforms import ISS_HRC
+from planner.platforms import ISS_HRC, AxisLimits
 from planner.pointing.hermite import cubic_range, quintic_motion
 from planner.scenario import SlewOptions
+from planner.slew.closed_forms import JerkPhase, least_jerk_profile, profile_from_jerk
 from planner.slew.compare import compare_with_spline
 from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem
-from planner.slew.solution import AxisProfile
+from planner.slew.solution import AxisProfile, obeys
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -44,6 +46,41 @@ def test_values_and_extremes_agree_with_scipy(seed):
         assert extreme.greatest <= expected.max() + 1e-4 * scale
         assert extreme.least <= expected.min() + 1e-12 * scale
         assert extreme.least >= expected.min() - 1e-4 * scale
+
+
+D, T = 0.4, 50.0
+START, END = AxisState(angle_rad=-D), AxisState(angle_rad=D)
+BANG = 64.0 * D / T**3
+# 2 D from rest to rest, and the greatest rate, acceleration and jerk on the way: of a quintic in
+# the middle of its one piece, of a jerk switched every T/4 where pieces meet.
+MOTIONS = {
+    "quintic": (
+        least_jerk_profile(START, END, T),
+        (3.75 * D / T, 20.0 * D / math.sqrt(3.0) / T**2, 120.0 * D / T**3),
+    ),
+    "bang-bang": (
+        profile_from_jerk(START, [JerkPhase(T / 4.0, sign * BANG) for sign in (1, -1, -1, 1)]),
+        (BANG * (T / 4.0) ** 2, BANG * T / 4.0, BANG),
+    ),
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("order", range(4))
+@pytest.mark.parametrize(("share", "keeps"), [(1.0 + 1e-8, True), (1.0 - 1e-8, False)])
+def test_a_limit_is_kept_to_a_hundred_millionth_of_it(motion, order, share, keeps):
+    profile, peaks = MOTIONS[motion]
+    bounds = 2.0 * np.array([D, *peaks])
+    bounds[order] *= share / 2.0
+    angle, rate, acceleration, jerk = bounds.tolist()
+    limits = AxisLimits(
+        angle_min_rad=-angle,
+        angle_max_rad=angle,
+        rate_max_rad_s=rate,
+        acceleration_max_rad_s2=acceleration,
+        jerk_max_rad_s3=jerk,
+    )
+    assert obeys(profile, START, END, limits) is keeps
 
 
 @given(seed=SEEDS)

@@ -1,5 +1,7 @@
 """Are slews found whose acceleration must be taken back at once, lest the rate pass its limit?"""
 
+import contextlib
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +9,14 @@ import pytest
 from slew_cases import LIMITS, deg_state, sampled
 
 from planner.errors import InfeasibleSlew
-from planner.slew import SlewProblem, fit_to_rows, optimal_slew, require_brakable
+from planner.slew import (
+    SlewProblem,
+    fit_to_rows,
+    next_duration_s,
+    optimal_slew,
+    require_brakable,
+    verdict,
+)
 from planner.slew.stops import margins_on_rows
 
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
@@ -36,7 +45,9 @@ def test_found_at_either_end(spare_deg_s, jerk_deg_s3, acceleration_deg_s2, dura
     problem = SlewProblem(
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=duration_s
     )
-    [profile] = fit_to_rows(optimal_slew(problem)).profiles
+    solution = fit_to_rows(optimal_slew(problem))
+    [profile], [status] = solution.profiles, solution.status
+    assert len(set(status.split(", "))) == len(status.split(", "))  # no method twice
     for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
         assert values.min() >= low - ROUNDING * (high - low)
         assert values.max() <= high + ROUNDING * (high - low)
@@ -104,17 +115,70 @@ def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, l
         assert values.max() <= high + ROUNDING * (high - low)
 
 
-def stepped_deg(state, limits):
-    """The greatest angle and rate upwards, from samples of 0.1 ms of each row."""
+def test_where_rows_are_too_few_one_more_is_enough():
+    """Slews that must brake at once, in their least time and up to a tenth of a row more."""
+    rng = np.random.default_rng(3)
+    refused = tried = 0
+    while tried < 12:
+        jerk_deg_s3, acceleration = 10.0 ** rng.uniform(-0.3, 1.0), rng.uniform(0.3, 1.0)
+        limits = replace(LIMITS, jerk_max_rad_s3=np.radians(jerk_deg_s3))
+        start = critical_state(jerk_deg_s3, rng.choice([-1.0, 1.0]) * acceleration, 1e-3)
+        end = deg_state(rng.uniform(-150.0, 150.0))
+        least_rows = next_duration_s(start, end, limits, 0.0) * 5.0
+        rows = math.ceil(least_rows)
+        _, spare_rad_s = margins_on_rows(start, limits)
+        if rows - least_rows > 0.1 or spare_rad_s < 0.0:
+            continue
+        tried += 1
+        problem = SlewProblem(
+            axis_names=("alpha",),
+            limits=(limits,),
+            start=(start,),
+            end=(end,),
+            duration_s=rows / 5.0,
+        )
+        slew = optimal_slew(problem)
+        with contextlib.suppress(InfeasibleSlew):
+            assert fit_to_rows(slew).violations == ()
+            continue
+        refused += 1
+        with pytest.raises(InfeasibleSlew, match="one row more is enough"):
+            fit_to_rows(slew)
+        longer = replace(problem, duration_s=(rows + 1) / 5.0)
+        assert fit_to_rows(optimal_slew(longer)).violations == ()
+    assert 0 < refused < tried
+
+
+def test_a_stop_forbids_what_meets_it_braked_hardest():
+    rng = np.random.default_rng(12)
+    tried = 0
+    while tried < 40:
+        limits = replace(LIMITS, jerk_max_rad_s3=np.radians(10.0 ** rng.uniform(-1.0, 1.2)))
+        rate, acceleration, sign = rng.uniform(0, 3), rng.uniform(-1, 1), rng.choice([-1.0, 1.0])
+        way_deg, fastest = stepped_deg(deg_state(0.0, rate, acceleration), limits, 0.01)
+        _, back = stepped_deg(deg_state(0.0, -rate, -acceleration), limits, 0.01)
+        if max(fastest, back) > 2.99:  # it is the rate's limit that forbids it
+            continue
+        tried += 1
+        for spare_deg, limit in ((0.01, None), (-0.01, "angle")):
+            angle_deg = 175.0 - way_deg - spare_deg
+            moving = deg_state(*(sign * np.array([angle_deg, rate, acceleration])))
+            assert verdict(moving, deg_state(0.0), limits, 600.0).limit == limit
+            assert verdict(deg_state(0.0), moving.backwards(), limits, 600.0).limit == limit
+
+
+def stepped_deg(state, limits, step_s=0.2):
+    """The greatest angle and rate upwards, from samples every 0.1 ms; the jerk is chosen anew
+    each step_s."""
     jerk_max = np.degrees(limits.jerk_max_rad_s3)
     q, v, a = np.degrees([state.angle_rad, state.rate_rad_s, state.acceleration_rad_s2])
-    farthest, fastest, t = q, v, np.linspace(0.0, 0.2, 2001)
+    farthest, fastest, t = q, v, np.linspace(0.0, step_s, round(step_s * 1e4) + 1)
     while v > 0.0 or a > 0.0:
-        jerk = max(-jerk_max, (-1.0 - a) / 0.2)
+        jerk = max(-jerk_max, (-1.0 - a) / step_s)
         angle = q + v * t + a * t**2 / 2 + jerk * t**3 / 6
         rate = v + a * t + jerk * t**2 / 2
         farthest, fastest = max(farthest, angle.max()), max(fastest, rate.max())
-        q, v, a = angle[-1], rate[-1], a + 0.2 * jerk
+        q, v, a = angle[-1], rate[-1], a + step_s * jerk
     return farthest, fastest
 
 
