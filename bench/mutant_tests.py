@@ -18,6 +18,9 @@ FIRST = {
     "properties/test_verification_pieces oracles/test_verification_refraction",
     "planner/verification/hermite.py": "oracles/test_verification_limits "
     "properties/test_verification_pieces",
+    "planner/verification/judge.py": "oracles/test_verification_bench_motion "
+    "oracles/test_verification_structure oracles/test_verification_sky "
+    "oracles/test_verification_pointing",
     "planner/verification/keep_out.py": "end_to_end/test_keep_out_plans",
     "planner/verification/light.py": "properties/test_verification_pieces "
     "properties/test_verification_sky_pieces oracles/test_verification_pointing",

@@ -56,6 +56,13 @@ def test_a_table_that_ends_too_early_is_found(scenario, table):
     assert report.sessions == ()
 
 
+def test_two_rows_are_a_table(scenario, table):
+    two = dataclasses.replace(table, angle_rad=table.angle_rad[:2], rate_rad_s=table.rate_rad_s[:2])
+    report = verify(two, scenario)
+    only(report, "coverage")
+    assert report.limits != ()  # one cell is judged
+
+
 def test_a_table_that_begins_too_late_is_found(scenario, table):
     late = dataclasses.replace(table, epoch_utc=EPOCH_UTC + timedelta(seconds=80))
     report = verify(late, scenario)
