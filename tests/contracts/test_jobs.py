@@ -107,6 +107,8 @@ def test_no_more_is_worked_on_than_there_is_room_for(database, tmp_path):
     with dispatching(database) as dispatcher:
         dispatcher.submit(new_job("linger", first))
         waiting = dispatcher.submit(new_job("linger", second))
+        time.sleep(4.0 * dispatcher_module.POLL_S)  # it is looked for what waits
+        assert job_of(database, waiting.id).state == "queued"
         let_go(first)
         eventually(lambda: job_of(database, waiting.id).state == "running")
         assert dispatcher.submit(new_job("note", tmp_path / "third")).state == "queued"
