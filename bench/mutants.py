@@ -140,12 +140,12 @@ class Trials:
         if len({item.path for item in session.items}) == 1 and not of_jobs:
             first, *session.items = session.items
             first.config.hook.pytest_runtest_protocol(item=first, nextitem=session.items[0])
-        fork_passes: dict[str, bool] = {}
+        unchanged = {one.file: Mutant(one.file, 0, 0, 0, "", "") for one in self._mutants}
+        fork_passes = {
+            file: self._try_in_fork(session, same).outcome == "survived"
+            for file, same in unchanged.items()
+        }
         for number, mutant in enumerate(self._mutants, start=1):
-            unchanged = Mutant(mutant.file, 0, 0, 0, "", "")
-            if mutant.file not in fork_passes:
-                trial = self._try_in_fork(session, unchanged)
-                fork_passes[mutant.file] = trial.outcome == "survived"
             if fork_passes[mutant.file]:
                 trial = self._try_in_fork(session, mutant)
             else:  # what fails without a change says nothing of one
