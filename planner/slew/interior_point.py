@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.arrays import Array, Mask
 from planner.compiled import compiled
-from planner.slew.jerk_spans import reach
+from planner.slew.jerk_spans import reach, solved
 
 ROWS = 11  # bounded in a span, see `bounded_rows`
 GIVEN_BY_START, GIVEN_BY_END = (0, 1, 2, 5, 6, 8), (6, 7, 9)  # and not to be chosen
@@ -122,7 +122,10 @@ def least_jerk(
                 broken = max(broken, abs(1.0 - value[k, row] - above[k, row]))
         missed = 0.0
         for order in range(3):
-            missed = max(missed, abs(ends[1, order] - z[n, order]) * 2.0 / (limits[order, 1] - limits[order, 0]))
+            missed = max(
+                missed,
+                abs(ends[1, order] - z[n, order]) * 2.0 / (limits[order, 1] - limits[order, 0]),
+            )
         state = max(mu, broken, missed, dual_left)
         if state <= CONVERGED:
             converged = True
@@ -211,7 +214,9 @@ def least_jerk(
                 ll, lu = push_down[k, row], push_up[k, row]
                 dsl = dvalue[k, row] + 1.0 + value[k, row] - sl
                 dsu = -dvalue[k, row] + 1.0 - value[k, row] - su
-                push_down[k, row] = ll + step * ((centring - fix_below[k, row] - ll * dsl) / sl - ll)
+                push_down[k, row] = ll + step * (
+                    (centring - fix_below[k, row] - ll * dsl) / sl - ll
+                )
                 push_up[k, row] = lu + step * ((centring - fix_above[k, row] - lu * dsu) / su - lu)
                 below[k, row] = sl + step * dsl
                 above[k, row] = su + step * dsu
@@ -359,16 +364,5 @@ def _price(
             system[row, c] = np.sum(echo * djerk[1 + c])
         system[row, row] -= 1.0 / (scale * echo_weights[row - 3])
         wanted[row] = -np.sum(echo * (jerk + djerk[0]))
-    factor = np.empty(count)
-    for c in range(count):
-        factor[c] = np.sqrt(abs(system[c, c]))
-        if not factor[c] > 0.0:
-            return False
-    for row in range(count):
-        wanted[row] /= factor[row]
-        for c in range(count):
-            system[row, c] /= factor[row] * factor[c]
-    solved = np.linalg.solve(system, wanted)
-    for c in range(count):
-        prices[c] = solved[c] / factor[c]
+    prices[:] = solved(system, wanted)
     return bool(np.all(np.isfinite(prices)))

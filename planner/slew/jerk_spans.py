@@ -66,11 +66,38 @@ def meet_end(widths: Array, flat: Mask, ends: Array, jerk_max: float, jerks: Arr
         for i in range(3):
             for j in range(3):
                 system[i, j] = np.sum(moves[i] * ease * moves[j])
-        size = np.sqrt(np.diag(system))
-        if not np.all(size > 0.0):
-            break
         missed = ends[1] - trajectory(widths, flat, ends[0], found)[n]
-        prices = np.linalg.solve(system / np.outer(size, size), missed / size) / size
+        prices = solved(system, missed)
+        if not np.all(np.isfinite(prices)):
+            break
         for i in range(3):
             found += prices[i] * ease * moves[i]
     return found
+
+
+@compiled
+def solved(system: Array, wanted: Array) -> Array:
+    """The solution (n,) of a small linear system, scaled rows and columns first; NaN where none.
+
+    A symmetric system with a diagonal that isn't zero.
+    """
+    n = len(wanted)
+    size = np.sqrt(np.abs(np.diag(system)))
+    left, right = system / np.outer(size, size), wanted / size
+    for i in range(n):
+        pivot = i + np.argmax(np.abs(left[i:, i]))
+        if not 1e-300 < abs(left[pivot, i]) < 1e300:
+            return np.full(n, np.nan)
+        for j in range(n):
+            left[i, j], left[pivot, j] = left[pivot, j], left[i, j]
+        right[i], right[pivot] = right[pivot], right[i]
+        for row in range(i + 1, n):
+            share = left[row, i] / left[i, i]
+            right[row] -= share * right[i]
+            for j in range(i, n):
+                left[row, j] -= share * left[i, j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            right[i] -= left[i, j] * right[j]
+        right[i] /= left[i, i]
+    return right / size

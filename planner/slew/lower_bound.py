@@ -15,6 +15,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.compiled import compiled
+from planner.slew.jerk_spans import solved
 
 NEWTON_STEPS = 40
 CONVERGED = 1e-12  # of the bound
@@ -43,6 +44,8 @@ def lower_bound(
     best, step = -np.inf, np.zeros(3)
     kept = prices.copy()
     for _ in range(NEWTON_STEPS):
+        if not np.all(np.isfinite(prices)):
+            break
         value, slope, curvature = _dual(prices, costate, grid, jerk_max, wanted)
         value += owed
         if value > best:
@@ -50,7 +53,7 @@ def lower_bound(
             for i in range(3):
                 curvature[i, i] *= 1.0 + 1e-12
                 curvature[i, i] += 1e-300
-            step = np.linalg.solve(curvature, slope)
+            step = solved(curvature, slope)
             if not abs(np.dot(step, slope)) > CONVERGED * abs(best):
                 break
         else:
@@ -148,7 +151,7 @@ def _first_prices(
             wanted[i] += weight * basis[i] * (own - costate[k, 0])
             for j in range(3):
                 system[i, j] += weight * basis[i] * basis[j]
-    return np.linalg.solve(system, wanted)
+    return solved(system, wanted)
 
 
 @compiled

@@ -13,22 +13,30 @@ import numpy as np
 
 from planner import effort
 from planner.arrays import Array, Mask
+from planner.slew.flown import cells_that_break, cells_that_leave
 from planner.slew.interior_point import ORDERS, ROWS, least_jerk
 from planner.slew.jerk_spans import meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import NormalisedSlew, normalised
 from planner.slew.problem import AxisSlew
 from planner.slew.solution import AxisProfile, obeys
+from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_residuals
 
 GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
 FIRST_SPANS = 24
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
 ROUNDS = 14
+ROWS_AROUND = 6
 NARROWEST = 1e-6
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
 LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
 GUESS_INSIDE = 0.9  # of the jerk's limit
+MODE_SPANS = 48
+WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
+RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
+WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
+HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
 SOLVE, ITERATION_SPAN = 20, 0.02  # of `planner.effort`
 # Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
 # place (Greville abscissa).
@@ -62,21 +70,43 @@ def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Sm
     known: any motion with these ends; near the least time its breakpoints tell where the jerk
     must change.  rows: in how many equal steps the jerk may change only between them, on spans
     of one step not at all within; a cubic Hermite through the rows then flies the motion.
+    avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
     problem = normalised(slew)
-    found = _solve(problem, _first_knots(problem, known, rows), rows)
+    knots = _first_knots(problem, known, rows)
+    found = _solve(problem, knots, rows)
+    if found is None and known is not None and rows is not None:
+        found = _solve(problem, _with_rows_around(knots, known, rows), rows)
     if found is None:
         return None
     motion, bound = found
-    profile = problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
+    if slew.avoid_modes:
+        motion = _calmest(problem, slew, motion, rows) or motion
+    if rows is not None:
+        carried = _carried(problem, slew, motion, rows)
+        if carried is None:
+            return None
+        motion = carried
+    profile = _profile(problem, motion)
     if not obeys(profile, slew.start, slew.end, slew.limits):
         return None
     return Smoothest(profile, bound * problem.cost_unit_rad2_s5, motion.iterations)
 
 
-def _solve(
-    problem: NormalisedSlew, knots: Array, rows: int | None
-) -> tuple[_Motion, float] | None:
+def bound_without_contacts(slew: AxisSlew) -> float:
+    """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
+    problem = normalised(slew)
+    knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
+    jerks = _free_jerks(problem, knots)
+    bound, _ = lower_bound(problem.ends, problem.limits, np.zeros((0, 3)), knots, jerks)
+    return bound * problem.cost_unit_rad2_s5
+
+
+def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
+    return problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
+
+
+def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
     """The motion and its lower bound, on knots that are added to until the gap is closed."""
     best: _Motion | None = None
     bound, iterations = 0.0, 0
@@ -109,9 +139,18 @@ def _first_knots(problem: NormalisedSlew, known: AxisProfile | None, rows: int |
     return _spaced(np.unique(knots), rows)
 
 
+def _with_rows_around(knots: Array, known: AxisProfile, rows: int) -> Array:
+    """Near the least time the jerk must change within a few rows of where it would at any time."""
+    around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
+    changes = known.breakpoints_s[:, None] / known.duration_s + around
+    return _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
+
+
 def _first_span(problem: NormalisedSlew, end: int) -> float:
     """How long the Bernstein coefficients that an end alone determines keep the limits."""
-    angle, rate, acceleration = problem.ends[end] * ((1.0, 1.0, 1.0) if end == 0 else (1.0, -1.0, 1.0))
+    angle, rate, acceleration = problem.ends[end] * (
+        (1.0, 1.0, 1.0) if end == 0 else (1.0, -1.0, 1.0)
+    )
     width = 1.0 / FIRST_SPANS
     for value, slope, (low, high), share in (
         (angle, rate, problem.limits[0], 0.25),
@@ -168,7 +207,9 @@ def _on_knots(
 ) -> _Motion | None:
     widths = np.diff(knots)
     flat = np.zeros(len(widths), dtype=bool) if rows is None else widths * rows < 1.5
-    inner = problem.limits + INSIDE * np.ptp(problem.limits, axis=1)[:, None] * np.array([1.0, -1.0])
+    inner = problem.limits + INSIDE * np.ptp(problem.limits, axis=1)[:, None] * np.array(
+        [1.0, -1.0]
+    )
     if echoes is None:
         echoes = np.zeros((0, len(widths), 2))
     jerks, pushes, iterations, converged = least_jerk(
@@ -203,7 +244,8 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     angle, rate, acceleration = (motion.states[:-1, order, None] for order in range(3))
     values = np.where(
         ORDERS == 0,
-        angle + after * (rate + after * (acceleration / 2 + after * (early / 6 + after * slope / 24))),
+        angle
+        + after * (rate + after * (acceleration / 2 + after * (early / 6 + after * slope / 24))),
         np.where(
             ORDERS == 1,
             rate + after * (acceleration + after * (early / 2 + after * slope / 6)),
@@ -233,3 +275,56 @@ def _cuts(motion: _Motion) -> Array:
         share = before / np.where(turns, before - after, 1.0)
         at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
     return motion.knots[:-1] + at * np.diff(motion.knots)
+
+
+def _carried(problem: NormalisedSlew, slew: AxisSlew, motion: _Motion, rows: int) -> _Motion | None:
+    """With spans of single rows where the Hermite through the rows of longer ones goes astray."""
+    for _ in range(ROUNDS):
+        profile = _profile(problem, motion)
+        astray = np.union1d(
+            cells_that_break(profile, rows, slew.limits), cells_that_leave(profile, rows)
+        )
+        if not astray.size:
+            return motion
+        span = np.searchsorted(motion.knots, (astray + 0.5) / rows) - 1
+        begin, end = (np.rint(motion.knots[span + late] * rows).astype(int) for late in (0, 1))
+        every = [np.arange(first, last) / rows for first, last in zip(begin, end, strict=True)]
+        knots = _spaced(np.concatenate([motion.knots, *every]), rows)
+        if len(knots) == len(motion.knots):
+            return None
+        finer = _on_knots(problem, knots, rows, _guess(problem, motion, knots))
+        if finer is None:
+            return None
+        motion = finer._replace(iterations=motion.iterations + finer.iterations)
+    return None
+
+
+def _calmest(
+    problem: NormalisedSlew, slew: AxisSlew, plain: _Motion, rows: int | None
+) -> _Motion | None:
+    """What leaves the modes calmest, with weights shifted towards those that ring too much.
+
+    None where no motion is found.
+    Source: Lawson 1961, the least greatest residual by least squares weighed anew.
+    """
+    knots = _spaced(np.union1d(plain.knots, np.linspace(0.0, 1.0, MODE_SPANS + 1)), rows)
+    guess = _guess(problem, plain, knots)
+    echoes = modal_echoes(knots, slew.duration_s, slew.avoid_modes)
+    real = np.concatenate([echoes.real, echoes.imag])
+    wanted = wanted_residuals(problem.ends, slew.duration_s, slew.avoid_modes)
+    weights = np.resize(WEIGHTS, len(echoes)) * JERK_COST
+    best, least_share = None, np.inf
+    for _ in range(WEIGHINGS):
+        motion = _on_knots(problem, knots, rows, guess, real, np.tile(weights, 2))
+        if motion is None or not obeys(
+            _profile(problem, motion), slew.start, slew.end, slew.limits
+        ):
+            break
+        left = np.abs(np.einsum("enu,nu->e", echoes, motion.jerks))
+        shares = left / (RESIDUAL_SHARE * wanted)
+        if shares.max() < least_share:
+            best, least_share = motion, float(shares.max())
+        if not 1.0 < shares.max() < HOPELESS:
+            break
+        weights = weights * np.clip(shares, *WEIGHT_CHANGES)
+    return best
