@@ -17,7 +17,7 @@ from planner.slew.jerk_spans import reach, solved
 ROWS = 11  # bounded in a span, see `bounded_rows`
 GIVEN_BY_START, GIVEN_BY_END = (0, 1, 2, 5, 6, 8), (6, 7, 9)  # and not to be chosen
 ORDERS = np.array([0, 1, 2, 3, 3, 0, 0, 0, 1, 1, 2])
-ITERATIONS_MAX = 60
+ITERATIONS_MAX = 80
 CENTRED = 0.995  # of the way to the nearest bound
 SHORT_STEP, STALLS_BORNE = 0.1, 3  # then all pairs are centred anew
 START_COMPLEMENTARITY = 0.3
@@ -94,13 +94,17 @@ def least_jerk(
     for k in range(n):
         scale += widths[k] * (jerk[k, 0] ** 2 + jerk[k, 0] * jerk[k, 1] + jerk[k, 1] ** 2) / 3.0
     scale = 1.0 / max(scale, 1e-12)
+    begin = 1.0
+    for echo in range(m):
+        begin += scale * echo_weights[echo] * np.sum(echoes[echo] * jerk) ** 2
+    begin *= START_COMPLEMENTARITY / n
     _values(rows, 1.0, z, jerk, value)
     for k in range(n):
         for row in range(ROWS):
             below[k, row] = max(1.0 + value[k, row], START_SLACK)
             above[k, row] = max(1.0 - value[k, row], START_SLACK)
-            push_down[k, row] = START_COMPLEMENTARITY / n / below[k, row]
-            push_up[k, row] = START_COMPLEMENTARITY / n / above[k, row]
+            push_down[k, row] = begin / below[k, row]
+            push_up[k, row] = begin / above[k, row]
     pairs = 2.0 * n * ROWS
 
     gradient = np.empty((n, 5))

@@ -7,6 +7,8 @@ the solver finds give a lower bound for every motion; the gap to it is the sum o
 loses, so the spans that lose most are cut, until the gap is closed.
 """
 
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -27,12 +29,13 @@ FIRST_SPANS = 24
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
 ROUNDS = 14
 ROWS_AROUND = 6
+ALL_ROWS_MAX = 700  # 140 s: more than any platform's least time
 NARROWEST = 1e-6
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
 LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
 GUESS_INSIDE = 0.9  # of the jerk's limit
-MODE_SPANS = 48
+MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
 WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
 WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
@@ -73,17 +76,29 @@ def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Sm
     avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
     problem = normalised(slew)
-    knots = _first_knots(problem, known, rows)
+    for knots in _ways_to_begin(problem, known, rows):
+        found = _from_knots(problem, slew, knots, rows)
+        if found is not None:
+            return found
+    return None
+
+
+def _from_knots(
+    problem: NormalisedSlew, slew: AxisSlew, knots: Array, rows: int | None
+) -> Smoothest | None:
     found = _solve(problem, knots, rows)
-    if found is None and known is not None and rows is not None:
-        found = _solve(problem, _with_rows_around(knots, known, rows), rows)
     if found is None:
         return None
     motion, bound = found
+    solve = _on_knots
     if slew.avoid_modes:
-        motion = _calmest(problem, slew, motion, rows) or motion
+        spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
+        knots = _spaced(np.union1d(motion.knots, np.linspace(0.0, 1.0, spans + 1)), rows)
+        calm = _calmest(problem, knots, rows, _guess(problem, motion, knots), slew)
+        if calm is not None:
+            motion, solve = calm, partial(_calmest, slew=slew)
     if rows is not None:
-        carried = _carried(problem, slew, motion, rows)
+        carried = _carried(problem, slew, motion, rows, solve)
         if carried is None:
             return None
         motion = carried
@@ -139,11 +154,22 @@ def _first_knots(problem: NormalisedSlew, known: AxisProfile | None, rows: int |
     return _spaced(np.unique(knots), rows)
 
 
-def _with_rows_around(knots: Array, known: AxisProfile, rows: int) -> Array:
-    """Near the least time the jerk must change within a few rows of where it would at any time."""
-    around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
-    changes = known.breakpoints_s[:, None] / known.duration_s + around
-    return _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
+def _ways_to_begin(
+    problem: NormalisedSlew, known: AxisProfile | None, rows: int | None
+) -> Iterator[Array]:
+    """Knots to begin with, more where those before don't lead to a motion.
+
+    Within a row or so of the least time the jerk must change on the right rows: near those where
+    it would at any time, or on any of them.
+    """
+    knots = _first_knots(problem, known, rows)
+    yield knots
+    if rows is not None and known is not None:
+        around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
+        changes = known.breakpoints_s[:, None] / known.duration_s + around
+        yield _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
+    if rows is not None and rows <= ALL_ROWS_MAX:
+        yield np.arange(rows + 1) / rows
 
 
 def _first_span(problem: NormalisedSlew, end: int) -> float:
@@ -206,7 +232,7 @@ def _on_knots(
     weights: Array = _NO_ECHOES,
 ) -> _Motion | None:
     widths = np.diff(knots)
-    flat = np.zeros(len(widths), dtype=bool) if rows is None else widths * rows < 1.5
+    flat = _flat(knots, rows)
     inner = problem.limits + INSIDE * np.ptp(problem.limits, axis=1)[:, None] * np.array(
         [1.0, -1.0]
     )
@@ -225,6 +251,11 @@ def _on_knots(
         jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
     states = trajectory(widths, flat, problem.ends[0], jerks)
     return _Motion(knots, flat, states, jerks, pushes, iterations)
+
+
+def _flat(knots: Array, rows: int | None) -> Mask:
+    """Which spans are single rows, on which the jerk is constant."""
+    return np.asarray(np.diff(knots) * (rows or 0) < 1.5) & (rows is not None)
 
 
 def _cost(motion: _Motion) -> float:
@@ -277,7 +308,13 @@ def _cuts(motion: _Motion) -> Array:
     return motion.knots[:-1] + at * np.diff(motion.knots)
 
 
-def _carried(problem: NormalisedSlew, slew: AxisSlew, motion: _Motion, rows: int) -> _Motion | None:
+def _carried(
+    problem: NormalisedSlew,
+    slew: AxisSlew,
+    motion: _Motion,
+    rows: int,
+    solve: Callable[[NormalisedSlew, Array, int | None, Array], _Motion | None],
+) -> _Motion | None:
     """With spans of single rows where the Hermite through the rows of longer ones goes astray."""
     for _ in range(ROUNDS):
         profile = _profile(problem, motion)
@@ -292,7 +329,7 @@ def _carried(problem: NormalisedSlew, slew: AxisSlew, motion: _Motion, rows: int
         knots = _spaced(np.concatenate([motion.knots, *every]), rows)
         if len(knots) == len(motion.knots):
             return None
-        finer = _on_knots(problem, knots, rows, _guess(problem, motion, knots))
+        finer = solve(problem, knots, rows, _guess(problem, motion, knots))
         if finer is None:
             return None
         motion = finer._replace(iterations=motion.iterations + finer.iterations)
@@ -300,16 +337,16 @@ def _carried(problem: NormalisedSlew, slew: AxisSlew, motion: _Motion, rows: int
 
 
 def _calmest(
-    problem: NormalisedSlew, slew: AxisSlew, plain: _Motion, rows: int | None
+    problem: NormalisedSlew, knots: Array, rows: int | None, guess: Array, slew: AxisSlew
 ) -> _Motion | None:
     """What leaves the modes calmest, with weights shifted towards those that ring too much.
 
     None where no motion is found.
     Source: Lawson 1961, the least greatest residual by least squares weighed anew.
     """
-    knots = _spaced(np.union1d(plain.knots, np.linspace(0.0, 1.0, MODE_SPANS + 1)), rows)
-    guess = _guess(problem, plain, knots)
     echoes = modal_echoes(knots, slew.duration_s, slew.avoid_modes)
+    flat = _flat(knots, rows)
+    echoes[:, flat] = echoes[:, flat].mean(axis=2, keepdims=True)
     real = np.concatenate([echoes.real, echoes.imag])
     wanted = wanted_residuals(problem.ends, slew.duration_s, slew.avoid_modes)
     weights = np.resize(WEIGHTS, len(echoes)) * JERK_COST
