@@ -90,10 +90,7 @@ def least_jerk(
     value = np.empty((n, ROWS))
     z[0] = ends[0]
     _roll_out(steps, z, jerk)
-    scale = 0.0
-    for k in range(n):
-        scale += widths[k] * (jerk[k, 0] ** 2 + jerk[k, 0] * jerk[k, 1] + jerk[k, 1] ** 2) / 3.0
-    scale = 1.0 / max(scale, 1e-12)
+    scale = 1.0 / max(_jerk_cost(widths, jerk), 1e-12)
     begin = 1.0
     for echo in range(m):
         begin += scale * echo_weights[echo] * np.sum(echoes[echo] * jerk) ** 2
@@ -115,8 +112,8 @@ def least_jerk(
     dvalue = np.empty((n, ROWS))
     fix_below, fix_above = np.zeros((n, ROWS)), np.zeros((n, ROWS))
     prices = np.empty(columns - 1)
-    iterations, dual_left, converged = 0, 1.0, False
-    best, stalls = 1e300, 0
+    iterations, dual_left, stalls = 0, 1.0, 0
+    best, found, pushes = 1e300, jerk.copy(), push_up - push_down
     for iterations in range(1, ITERATIONS_MAX + 1):
         mu, broken = 0.0, 0.0
         for k in range(n):
@@ -130,13 +127,16 @@ def least_jerk(
                 missed,
                 abs(ends[1, order] - z[n, order]) * 2.0 / (limits[order, 1] - limits[order, 0]),
             )
-        state = max(mu, broken, missed, dual_left)
-        if state <= CONVERGED:
-            converged = True
+        cost = scale * _jerk_cost(widths, jerk)
+        for echo in range(m):
+            cost += scale * echo_weights[echo] * np.sum(echoes[echo] * jerk) ** 2
+        left = max(mu / cost, broken, missed, dual_left)
+        if left < best:
+            best, found, pushes = left, jerk.copy(), push_up - push_down
+        if left <= CONVERGED:
             break
-        if state < best:
-            best = state
         mu /= pairs
+        solvable = True
         for corrector in range(2):
             if corrector == 0:
                 centring = 0.0
@@ -173,8 +173,9 @@ def least_jerk(
                                 hessian[k, i, j] += stiff * g * rows[k, row, j]
             _backward(steps, hessian, gradient, echoes, corrector, gains, offsets, inverse)
             _forward(steps, gains, offsets, corrector, dz, djerk)
-            if not _price(ends, z, jerk, echoes, echo_weights, scale, dz, djerk, prices):
-                return jerk, push_up, iterations, False
+            solvable = _price(ends, z, jerk, echoes, echo_weights, scale, dz, djerk, prices)
+            if not solvable:
+                break
             for c in range(1, columns):
                 dz[0] += prices[c - 1] * dz[c]
                 djerk[0] += prices[c - 1] * djerk[c]
@@ -212,6 +213,8 @@ def least_jerk(
                         fix_above[k, row] = dsu * dlu
                 after /= pairs
                 centring = mu * (after / mu) ** 3
+        if not solvable:
+            break
         for k in range(n):
             for row in range(ROWS):
                 sl, su = below[k, row], above[k, row]
@@ -235,11 +238,16 @@ def least_jerk(
                 for row in range(ROWS):
                     push_down[k, row] = mu / below[k, row]
                     push_up[k, row] = mu / above[k, row]
-    pushes = push_up - push_down
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         pushes[:, row] *= 2.0 / (high - low) / scale
-    return jerk, pushes, iterations, converged or best < STALLED
+    return found, pushes, iterations, best <= STALLED
+
+
+@compiled
+def _jerk_cost(widths: Array, jerk: Array) -> float:
+    early, late = jerk[:, 0], jerk[:, 1]
+    return np.sum(widths * (early * early + early * late + late * late)) / 3.0
 
 
 @compiled
