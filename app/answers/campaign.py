@@ -8,6 +8,42 @@ from app.answers.job import JobProblem, JobResponse, job_out, page
 from app.answers.members import fill, from_store, to_json
 from app.store.ids import JobState
 from app.store.jobs import Job
+from planner.campaigns import Closing
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenTarget:
+    """A target that can't be looked at for as long as it must, and why.
+
+    closed_by: the condition that leaves nothing of its windows: elevation, sun_elevation,
+    off_nadir, sun_keep_out, moon_keep_out, reach (no angles within the stops), duration (no
+    window lasts long enough), rest (none does beside the time to and from rest) or motion (the
+    axes can't follow).  best_elevation_deg, best_time: the carrier's highest in the target's sky
+    at any time, whatever the conditions; for a target in space, above the limb.
+    """
+
+    target: str
+    closed_by: Closing
+    because: str
+    best_elevation_deg: float
+    best_time: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TargetLeftOut:
+    """A target that could be looked at, and what stood in its way.
+
+    start, stop, value: of the look it came nearest to.  displaced_by: the targets whose looks
+    can't be flown beside that one, together worth displaced_value.
+    """
+
+    target: str
+    because: str
+    start: str
+    stop: str
+    value: float
+    displaced_by: list[str]
+    displaced_value: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,19 +65,32 @@ class CampaignChoiceOut:
     windows: int
     looks: int
     passes: int
-    unseen: list[str]
-    left_out: list[str]
+    unseen: list[UnseenTarget]
+    left_out: list[TargetLeftOut]
     warnings: list[str]
 
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignLookOut:
-    """A look at a target as it was chosen; its plan tells what a slew took from it."""
+    """A look at a target as it was chosen; its plan tells what a slew took from it.
+
+    quality: of the view, a mean over the look, between 0 and 1; `value` holds it.  The others at
+    the middle of the look: elevation_deg of the carrier in the target's sky (for a target in
+    space, above the limb), ground_sample_m the longer side of a pixel on the ground,
+    probability_in_frame at that instant (over all of a look it is less: see its plan).  null
+    where there is no ground, or the campaign was chosen by a version that didn't tell.
+    """
 
     target: str
     start: str
     stop: str
     value: float
+    quality: float | None = None
+    elevation_deg: float | None = None
+    off_nadir_deg: float | None = None
+    ground_sample_m: float | None = None
+    sun_elevation_deg: float | None = None
+    probability_in_frame: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

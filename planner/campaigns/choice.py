@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from planner.arrays import Array, Indices
 from planner.campaigns.network import Network
-from planner.campaigns.path import Look, best_path, path_bound
+from planner.campaigns.path import Look, Worth, best_path, path_bound
 
 Passes = list[tuple[Look, ...]]
 Proposal = tuple[int, tuple[Look, ...]]
@@ -50,23 +50,26 @@ class Looking:
     """What looks at each target may be.
 
     length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
-    it is worth; 0 for lengths there are not.  look_limit: (targets,).
+    it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
     """
 
     length_steps: Indices
     look_value: Array
     look_limit: Array
 
-    def worth_of(self, passes: Iterable[Sequence[Look]]) -> float:
-        """Of all looks together."""
-        return float(
-            sum(self.look_value[one.target, one.length] for looks in passes for one in looks)
-        )
+    def at(self, price: Array) -> Worth:
+        """Less a price for each look, (targets,)."""
+        return Worth(self.length_steps, self.look_value, price)
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many looks each target gets, (targets,)."""
         target = [one.target for looks in passes for one in looks]
         return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
+
+
+def worth_of(passes: Iterable[Sequence[Look]]) -> float:
+    """Of all looks together."""
+    return sum(one.worth for looks in passes for one in looks)
 
 
 def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
@@ -85,7 +88,7 @@ def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> Cam
     return CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
-        greedy_value=looking.worth_of(greedy),
+        greedy_value=worth_of(greedy),
         price=price,
     )
 
@@ -131,9 +134,8 @@ class _Search:
 
     def _answers(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
-        gain = self._looking.look_value - price[:, None]
-        steps = self._looking.length_steps
-        paths = [best_path(one, steps, gain) for one in self._networks]
+        worth = self._looking.at(price)
+        paths = [best_path(one, worth) for one in self._networks]
         lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
         self._propose([path.looks for path in paths])
         return lagrangian, [path.looks for path in paths]
@@ -148,9 +150,9 @@ class _Search:
         left = looking.look_limit - looking.looks_of(passes)
         for number, network in enumerate(self._networks):
             left += looking.looks_of([passes[number]])
-            gain = np.where((left > 0.0)[:, None], looking.look_value - price[:, None], 0.0)
-            path = best_path(network, looking.length_steps, gain)
-            own = sum(gain[look.target, look.length] for look in passes[number])
+            charged = np.where(left > 0.0, price, np.inf)
+            path = best_path(network, looking.at(charged))
+            own = sum(look.worth - price[look.target] for look in passes[number])
             if path.value > own + WORTHLESS:
                 passes[number] = path.looks
             left -= looking.looks_of([passes[number]])
@@ -159,10 +161,10 @@ class _Search:
     def improve(self, passes: Passes) -> None:
         """Refill without prices until nothing is gained; the best choice is kept."""
         free = np.zeros(len(self._looking.look_limit))
-        value = self._looking.worth_of(passes)
+        value = worth_of(passes)
         for _ in range(SWEEPS_MAX):
             better = self.fill_passes(passes, free)
-            gained = self._looking.worth_of(better) - value
+            gained = worth_of(better) - value
             if gained <= WORTHLESS:
                 break
             passes, value = better, value + gained
@@ -177,7 +179,7 @@ class _Search:
         latest = list(self._proposed)[-PROPOSALS_MAX:]
         own = [(n, looks) for n, looks in enumerate(self.best) if looks]
         proposals = list(dict.fromkeys([*own, *latest]))
-        proposal_value = [self._looking.worth_of([looks]) for _, looks in proposals]
+        proposal_value = [worth_of([looks]) for _, looks in proposals]
         passes: Passes = [()] * len(self._networks)
         for number, looks in _best_together(
             proposals, proposal_value, len(passes), self._looking.look_limit, COMBINE_S
@@ -226,8 +228,7 @@ def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> flo
 
     Lagrangian relaxation of "no more looks than look_limit".
     """
-    gain = looking.look_value - price[:, None]
     labels_max = BOUND_LABELS_MAX // max(len(networks), 8)
     return float(looking.look_limit @ price) + sum(
-        path_bound(one, looking.length_steps, gain, labels_max) for one in networks
+        path_bound(one, looking.at(price), labels_max) for one in networks
     )

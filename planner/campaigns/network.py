@@ -33,6 +33,7 @@ class Network(NamedTuple):
     last: Indices
     offset: Indices
     size: int
+    quality_sum: Array
     stop_step: int
     edge_from: Indices
     edge_to: Indices
@@ -70,6 +71,7 @@ def network_of(
         last=last,
         offset=offset,
         size=int(ways.steps[rows].sum()),
+        quality_sum=_quality_sum(ways, rows, offset),
         stop_step=int(last.max()) + 1,
         edge_from=edge_from,
         edge_to=edge_to,
@@ -88,6 +90,16 @@ def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> 
     states = _states(ways, network.way)
     _fill(states, network, usable_to, ways.step_s, limits, NECESSARY, arrival)
     return network._replace(arrival=arrival)
+
+
+def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:
+    """Means of neighbouring steps added up."""
+    begin = int(ways.offset[rows[0]])
+    quality = ways.quality[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+    between = np.append(0.0, 0.5 * (quality[1:] + quality[:-1]))
+    between[offset] = 0.0
+    total = np.cumsum(between)
+    return np.asarray(total - np.repeat(total[offset], ways.steps[rows]))
 
 
 def _states(ways: Ways, rows: Indices) -> Array:

@@ -9,10 +9,11 @@ from pydantic import FailFast, Field
 
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
+from planner.campaigns.view import ViewWeights
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
-from planner.opportunities.request import TARGETS_MAX
+from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, TARGETS_MAX
 from planner.orbits import Orbit
 from planner.platforms import AngleDeg, Platform
 from planner.scenario import SlewOptions
@@ -32,7 +33,8 @@ class CampaignTarget:
     """A target, the look it is to get, and what that is worth.
 
     A look that lasts from min_session_s (session_s unless given) to session_s is worth its
-    share of session_s times `priority`.  looks: no more than so many, and one in a pass.
+    share of session_s times `priority`, times the quality of its view.  looks: no more than so
+    many, and one in a pass.
     """
 
     id: str
@@ -57,7 +59,7 @@ class CampaignTarget:
         return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
 
     def worth_value(self, length_s: float) -> float:
-        """Of a look that lasts so long."""
+        """Of a look that lasts so long at the best view."""
         return self.priority * min(length_s / self.session_s, 1.0)
 
 
@@ -66,6 +68,8 @@ class CampaignRequest:
     """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
 
     platform: a registered name, or a two-axis platform written out in degrees.
+    view: by how much the quality of the view counts in what a look is worth.
+    pixel_arcsec: angle a pixel sees, for the ground samples told.
     rest_angles_deg: where the axes rest before, between and after passes; 0 unless given.
     step_s: looks begin on whole multiples of it after `start`, which is rounded up to a
     command row; finer finds more and takes longer.
@@ -80,6 +84,8 @@ class CampaignRequest:
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
+    view: ViewWeights = ViewWeights()
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
     slew: SlewOptions = SlewOptions()
     step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
 
@@ -142,6 +148,7 @@ class CampaignRequest:
             stop=self.stop,
             conditions=self.conditions,
             samples=2,
+            pixel_arcsec=self.pixel_arcsec,
         )
 
     @property

@@ -26,6 +26,8 @@ from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
 DRAWS = 1 << 14
+COARSE = 16  # one of so many draws, where instants are many
+BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
 OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
 LIKELY = 0.9  # of staying in the frame; below, a plan warns
@@ -113,13 +115,8 @@ def pointing_budget(
     a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
-    scene = _Scene(los, ephemeris, attitude, target, platform, angle_rad)
-    biases = [
-        *_orbit_offsets(scene, ephemeris),
-        *_attitude_offsets(scene, attitude),
-        _earth_offsets(scene),
-        _clock_offsets(scene, los, clock_s),
-    ]
+    scene = _Scene(los, ephemeris, attitude, target, platform, angle_rad, SAMPLES)
+    biases = _biases(scene, los, ephemeris, attitude, clock_s)
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
@@ -127,7 +124,6 @@ def pointing_budget(
         cause: float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause)))
         for cause in dict.fromkeys(bias.cause for bias in biases)
     } | {_DRIVES: DRIVE_RAD}
-    half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
     return PointingBudget(
         contributions=tuple(
             Contribution(
@@ -142,7 +138,7 @@ def pointing_budget(
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability_inside(
             np.stack([bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]),
-            half_rad,
+            _half_rad(platform),
             scene.off_rad,
             [
                 np.stack([bias.offsets_rad, bias.quarter_later_rad])
@@ -151,6 +147,49 @@ def pointing_budget(
             ],
         ),
     )
+
+
+def probabilities_at(
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    attitude: AttitudeLaw,
+    target: VisibleTarget,
+    platform: TwoAxisPlatform,
+    angle_rad: Array,
+    *,
+    clock_s: float = CLOCK_S,
+) -> Array:
+    """That the target is in the frame at each instant by itself, (n,); as `pointing_budget`.
+
+    By every 16th point of the budget's, good to 0.01.
+    """
+    scene = _Scene(los, ephemeris, attitude, target, platform, angle_rad, len(los.instants))
+    half_rad = _half_rad(platform)
+    if not (half_rad > 0.0).all():
+        return np.zeros(len(los.instants))
+    biases = _biases(scene, los, ephemeris, attitude, clock_s)
+    constant = [bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]
+    swings = [
+        part
+        for bias in biases
+        if bias.quarter_later_rad is not None
+        for part in (bias.offsets_rad, bias.quarter_later_rad)
+    ]
+    points = _points(len(constant), len(swings) // 2)[::COARSE]
+    offsets = np.stack([*constant, *swings]) / half_rad
+    parts = []
+    for first in range(0, len(los.instants), BATCH):
+        part = offsets[:, first : first + BATCH]
+        farthest = np.abs(
+            scene.off_rad[first : first + BATCH] / half_rad
+            + np.einsum("pk,knj->pnj", points, part, optimize=True)
+        ).max(axis=2)
+        parts.append(np.mean(farthest <= 1.0, axis=0))
+    return np.concatenate(parts)
+
+
+def _half_rad(platform: TwoAxisPlatform) -> Array:
+    return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
 
 
 def probability_inside(
@@ -209,9 +248,10 @@ class _Scene:
         target: VisibleTarget,
         platform: TwoAxisPlatform,
         angle_rad: Array,
+        samples: int,
     ) -> None:
         n = len(los.instants)
-        self.rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).round().astype(np.intp))
+        self.rows = np.unique(np.linspace(0, n - 1, min(n, samples)).round().astype(np.intp))
         image = _image_axes(platform, angle_rad)
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
@@ -276,6 +316,17 @@ class _Bias(NamedTuple):
         if self.quarter_later_rad is not None:
             squares = squares + np.sum(self.quarter_later_rad**2, axis=-1)
         return np.asarray(np.sqrt(0.5 * squares))
+
+
+def _biases(
+    scene: _Scene, los: LineOfSight, ephemeris: Ephemeris, attitude: AttitudeLaw, clock_s: float
+) -> list[_Bias]:
+    return [
+        *_orbit_offsets(scene, ephemeris),
+        *_attitude_offsets(scene, attitude),
+        _earth_offsets(scene),
+        _clock_offsets(scene, los, clock_s),
+    ]
 
 
 def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[_Bias]:

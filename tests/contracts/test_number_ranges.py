@@ -132,7 +132,8 @@ def _kinds() -> tuple[Asked, ...]:
         Asked("plan", read_plan_request, plan_request_json_schema(template),
               (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
         Asked("campaign", read_campaign_request, campaign_request_json_schema(template),
-              tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {}}
+              tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
+                         "view": {}}
                     for d in _shown(CAMPAIGN_EXAMPLES))),
         Asked("opportunities", read_opportunity_request,
               opportunity_request_json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
