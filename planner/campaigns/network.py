@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array, Indices
-from planner.campaigns.slew_time import slew_time_s
+from planner.campaigns.slew_time import slew_fits
 from planner.campaigns.ways import Ways
 from planner.compiled import compiled
 
@@ -162,7 +162,7 @@ def _first_arrival(
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
         there = axis_states[offset + step - first]
-        if slew_time_s(axis_state, there, limits, sign) > (step - leave) * step_s + 1e-9:
+        if not slew_fits(axis_state, there, limits, sign, (step - leave) * step_s + 1e-9):
             break
         found = step
         step -= 1
