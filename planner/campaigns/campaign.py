@@ -2,6 +2,8 @@
 
 import itertools
 import math
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -134,7 +136,9 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     choice = choose(networks, looking, tell)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
-    optimistic = [relax(network, ways, shortest, limit_table(limits)) for network in networks]
+    table = limit_table(limits)
+    with _threads() as threads:
+        optimistic = list(threads.map(lambda one: relax(one, ways, shortest, table), networks))
     bound = bound_at(optimistic, looking, choice.price)
     seen = set(np.unique(ways.target).tolist())
     unseen = [row for row in range(len(request.targets)) if row not in seen]
@@ -238,14 +242,23 @@ def _networks(
     ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
 ) -> list[Network]:
     numbers = np.unique(ways.pass_number)
-    networks = []
-    for done, number in enumerate(numbers):
-        tell("slews", done, len(numbers))
+    table, longest_s = limit_table(limits), longest_slew_s(limits)
+
+    def network(number: int) -> Network:
         rows = np.flatnonzero(ways.pass_number == number)
-        networks.append(
-            network_of(ways, rows, shortest, limit_table(limits), longest_slew_s(limits))
-        )
+        return network_of(ways, rows, shortest, table, longest_s)
+
+    networks: list[Network] = []
+    with _threads() as threads:
+        for one in threads.map(network, numbers.tolist()):
+            tell("slews", len(networks), len(numbers))
+            networks.append(one)
     return networks
+
+
+def _threads() -> ThreadPoolExecutor:
+    """As many as there are cores: slew times are compiled, free of the interpreter's lock."""
+    return ThreadPoolExecutor(os.cpu_count())
 
 
 def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> LeftOut:

@@ -22,13 +22,14 @@ STEPS_MAX = 200
 STEP_SHRINKS = 0.98  # of Polyak's, from one to the next
 FILL_EVERY = 25
 MIXTURES_MAX = 12
-MIXTURE_ENOUGH = 5e-4
+MIXTURE_ENOUGH = 1e-3
 PROPOSALS_A_PASS = 25  # the latest, made at the best prices
 PROPOSALS_LEAST = 2000
 FIXED_SHARE = 8  # of the passes open, one in so many is fixed at a time
 PART_PASSES = 40  # chosen anew together; of many more the programmes take seconds
 PARTS_MAX = 60
 PART_MIXTURES = 6
+PART_PATIENCE = 20  # parts chosen anew without a gain
 SWEEPS_MAX = 10
 # Of a pass, and of all: some seconds.  A quarter as many of a pass left the bound 0.4 % higher.
 PASS_LABELS_MAX = 100_000
@@ -192,12 +193,15 @@ class _Search:
         """Some passes at a time, whatever the others leave; by mixtures, then made whole."""
         random = np.random.default_rng(SEED)
         size = min(PART_PASSES, len(self._networks))
+        waited = 0
         for done in range(PARTS_MAX):
-            if self._is_near():
+            if self._is_near() or waited == PART_PATIENCE:
                 return
             tell("exchanging", done, PARTS_MAX)
             part = np.sort(random.choice(len(self._networks), size, replace=False))
+            value = self.value
             self.improve(self._part_anew(part))
+            waited = 0 if self.value > value + WORTHLESS else waited + 1
             if size == len(self._networks):
                 return
 
