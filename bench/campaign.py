@@ -23,13 +23,15 @@ from pathlib import Path
 import numpy as np
 
 from planner.campaigns import (
+    Campaign,
     CampaignRequest,
     CampaignTarget,
     ViewWeights,
     choose_campaign,
     scenario_of,
 )
-from planner.opportunities import OpportunityConditions
+from planner.frames.time_scales import elapsed_s
+from planner.opportunities import OpportunityConditions, find_opportunities
 from planner.orbits import TleOrbit
 from planner.platforms import PLATFORMS
 from planner.targets import GroundTarget
@@ -81,6 +83,7 @@ def main() -> None:
         f"{len(campaign.left_out)} left out, unseen by "
         f"{dict(Counter(one.closed_by for one in campaign.unseen))}"
     )
+    print(f"  {single_looks(request, campaign)}")
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
     if asked.plan:
         from planner.sessions.pipeline import make_plan
@@ -94,6 +97,25 @@ def main() -> None:
             f"  pass {number}: {len(flight.looks)} looks planned in "
             f"{time.process_time() - began_s:.2f} s, {losses}"
         )
+
+
+def single_looks(request: CampaignRequest, campaign: Campaign) -> str:
+    """Where in their windows the looks are that have a pass to themselves."""
+    windows = find_opportunities(request.opportunities()).windows
+    single = [flight.looks[0] for flight in campaign.passes if len(flight.looks) == 1]
+    late_s, off_s = [], []
+    for look in single:
+        begins_s = elapsed_s(look.start_utc, request.start)
+        middle_s = begins_s + 0.5 * elapsed_s(look.stop_utc, look.start_utc)
+        holds = (windows.rise_s <= middle_s) & (middle_s <= windows.set_s)
+        [row] = np.flatnonzero(holds & (windows.target == look.target))
+        late_s.append(begins_s - windows.rise_s[row])
+        off_s.append(abs(middle_s - windows.highest_s[row]))
+    return (
+        f"of {len(single)} looks alone in their passes {np.sum(np.array(late_s) < 2.0)} begin "
+        f"within 2 s of rising, {np.sum(np.array(off_s) <= 2.5)} are centred within 2.5 s on the highest "
+        "elevation"
+    )
 
 
 def campaign_request(targets: int, days: float, step_s: float, looks: int = 1) -> CampaignRequest:
