@@ -113,8 +113,8 @@ def single_looks(request: CampaignRequest, campaign: Campaign) -> str:
         off_s.append(abs(middle_s - windows.highest_s[row]))
     return (
         f"of {len(single)} looks alone in their passes {np.sum(np.array(late_s) < 2.0)} begin "
-        f"within 2 s of rising, {np.sum(np.array(off_s) <= 2.5)} are centred within 2.5 s on the highest "
-        "elevation"
+        f"within 2 s of rising, {np.sum(np.array(off_s) <= 2.5)} are centred within 2.5 s on "
+        "the highest elevation"
     )
 
 

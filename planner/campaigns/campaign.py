@@ -267,9 +267,9 @@ def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> LeftOu
         target=one.target,
         start_utc=start_utc,
         stop_utc=shifted_utc(start_utc, request.targets[one.target].lengths_s[one.length]),
-        value=one.worth,
+        value=one.value,
         displaced_by=tuple(look.target for look in one.by),
-        displaced_value=sum(look.worth for look in one.by),
+        displaced_value=sum(look.value for look in one.by),
     )
 
 
@@ -292,8 +292,8 @@ def _in_utc(
             target=look.target,
             start_utc=shifted_utc(request.start, begin_s),
             stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
-            value=look.worth,
-            quality=look.worth / request.targets[look.target].worth_value(lasts_s),
+            value=look.value,
+            quality=look.value / request.targets[look.target].worth_value(lasts_s),
             seen=seen,
         )
         for look, begin_s, lasts_s, seen in zip(

@@ -77,7 +77,7 @@ class Looking:
 
 def worth_of(passes: Iterable[Sequence[Look]]) -> float:
     """Of all looks together."""
-    return sum(one.worth for looks in passes for one in looks)
+    return sum(one.value for looks in passes for one in looks)
 
 
 def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
@@ -224,9 +224,9 @@ class _Search:
                 passes[number] = looks
         return passes
 
-    def _wanted(self, part: Indices, price: Array, left: Array) -> list[Proposal]:
+    def _wanted(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
         """What passes would take at these prices of the looks that are left."""
-        worth = self._looking.at(np.where(left > 0.0, price, np.inf))
+        worth = self._looking.at(np.where(left_limit > 0.0, price, np.inf))
         paths = [(number, best_path(self._networks[number], worth)) for number in part.tolist()]
         return [(number, path.looks) for number, path in paths if path.looks]
 
@@ -259,7 +259,7 @@ class _Search:
             left += looking.looks_of([passes[number]])
             charged = np.where(left > 0.0, price, np.inf)
             path = best_path(network, looking.at(charged))
-            own = sum(look.worth - price[look.target] for look in passes[number])
+            own = sum(look.value - price[look.target] for look in passes[number])
             if path.value > own + WORTHLESS:
                 passes[number] = path.looks
             left -= looking.looks_of([passes[number]])

@@ -17,12 +17,12 @@ from planner.compiled import compiled
 class Displaced:
     """The look a target (row of the request's) lost least by, had the others stayed as they are.
 
-    worth: of it.  pass_number: of the networks.  first_step, length: as in `Look`.
+    value: of it.  pass_number: of the networks.  first_step, length: as in `Look`.
     by: the looks of that pass which can't be flown beside it.
     """
 
     target: int
-    worth: float
+    value: float
     pass_number: int
     first_step: int
     length: int
@@ -50,7 +50,7 @@ def displaced_by(
             step = network.first_step + int(network.first[way]) + start - int(network.offset[way])
             found = Displaced(
                 target=target,
-                worth=look_worth(network, worth, cell, target, length),
+                value=look_worth(network, worth, cell, target, length),
                 pass_number=number,
                 first_step=step,
                 length=length,
@@ -61,12 +61,12 @@ def displaced_by(
 
 
 class _Places(NamedTuple):
-    """Looks of one pass: the way, the cells it begins and ends at, and its worth, (looks,)."""
+    """Looks of one pass: the way, the cells it begins and ends at, and its value, (looks,)."""
 
     way: Indices
     start: Indices
     stop: Indices
-    worth: Array
+    value: Array
 
 
 def _places(network: Network, looks: Sequence[Look], worth: Worth) -> _Places:
@@ -75,7 +75,7 @@ def _places(network: Network, looks: Sequence[Look], worth: Worth) -> _Places:
     first = np.array([look.first_step for look in looks], np.intp) - network.first_step
     start = network.offset[way] + first - network.first[way]
     takes = np.array([worth.steps[look.target, look.length] for look in looks], np.intp)
-    return _Places(way, start, start + takes, np.array([look.worth for look in looks]))
+    return _Places(way, start, start + takes, np.array([look.value for look in looks]))
 
 
 @compiled
@@ -98,7 +98,7 @@ def _best_exchange(
             blocked = _blocked(network, way, cell - takes, cell, places)
             for n in range(len(blocked)):
                 if blocked[n]:
-                    gain -= places.worth[n]
+                    gain -= places.value[n]
             if gain > best:
                 best, best_cell, best_length = gain, cell, length
     return best, best_cell, best_length

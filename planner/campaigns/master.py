@@ -61,7 +61,7 @@ def best_together(proposals: Sequence[Proposal], passes: int, look_limit: Array)
 
 
 def _worths(proposals: Sequence[Proposal]) -> Array:
-    return np.array([sum(look.worth for look in looks) for _, looks in proposals])
+    return np.array([sum(look.value for look in looks) for _, looks in proposals])
 
 
 def _uses(proposals: Sequence[Proposal], passes: int, look_limit: Array) -> csr_array:

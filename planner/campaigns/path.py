@@ -30,14 +30,14 @@ from planner.label_search import (
 class Look:
     """A target looked at: by which way (row in `Ways`), from which step on the grid.
 
-    length: which of the target's lengths.  worth: without a price.
+    length: which of the target's lengths.  value: without a price.
     """
 
     target: int
     way: int
     first_step: int
     length: int
-    worth: float
+    value: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ def best_path(network: Network, worth: Worth) -> Path:
                 way=int(network.way[way]),
                 first_step=int(network.first_step + step),
                 length=length,
-                worth=look_worth(network, worth, cell, target, length),
+                value=look_worth(network, worth, cell, target, length),
             )
         )
     return Path(value=value, looks=tuple(looks))

@@ -55,18 +55,18 @@ def slew_fits(
 
 @compiled
 def _axis_time_s(
-    start: Array, end: Array, axis_limits: Array, sign: float, available_s: float
+    start_state: Array, end_state: Array, axis_limits: Array, sign: float, available_s: float
 ) -> float:
     """One axis; only as exactly as tells on which side of available_s it is, unless that is NaN."""
     v, a, j = axis_limits
-    a0, a1 = start[2], end[2]
+    a0, a1 = start_state[2], end_state[2]
     ramp0_s, ramp1_s = abs(a0) / j, abs(a1) / j
     # A ramp to no acceleration after the start (sign 1), or from none before it (-1).
-    v0 = start[1] + sign * a0 * ramp0_s / 2.0
-    v1 = end[1] - sign * a1 * ramp1_s / 2.0
-    moved0 = ramp0_s * (start[1] + sign * a0 * ramp0_s / 3.0)
-    moved1 = ramp1_s * (end[1] - sign * a1 * ramp1_s / 3.0)
-    delta_rad = end[0] - start[0] - sign * (moved0 + moved1)
+    v0 = start_state[1] + sign * a0 * ramp0_s / 2.0
+    v1 = end_state[1] - sign * a1 * ramp1_s / 2.0
+    moved0 = ramp0_s * (start_state[1] + sign * a0 * ramp0_s / 3.0)
+    moved1 = ramp1_s * (end_state[1] - sign * a1 * ramp1_s / 3.0)
+    delta_rad = end_state[0] - start_state[0] - sign * (moved0 + moved1)
     v0, v1 = min(max(v0, -v), v), min(max(v1, -v), v)
     # What lies behind is as far as what lies ahead, seen the other way round.
     if delta_rad < 0.5 * (v0 + v1) * _change_s(v1 - v0, a, j):

@@ -52,14 +52,14 @@ class View:
     """What is seen at n instants, each (n,).
 
     elevation_rad: of the carrier in the target's sky, above the limb for a target in space.
-    plumb_m: the carrier's height over the target.  stretch: the longer side of a pixel on the
+    plumb_m: the carrier's height over the target.  stretch_ratio: the longer side of a pixel on the
     ground over that straight below.  These two and sun_elevation_rad are NaN in space.
     """
 
     elevation_rad: Array
     off_nadir_rad: Array
     plumb_m: Array
-    stretch: Array
+    stretch_ratio: Array
     sun_elevation_rad: Array
 
 
@@ -92,14 +92,14 @@ class Viewing:
         """Of the view of targets `which` (n,) at t_s (n,), between 0 and 1.
 
         breaks: the rows at which another target or pass begins.  The probability is found for
-        some samples of each stretch, and linear between them.
+        some samples of each stretch_ratio, and linear between them.
         """
         weights = self.weights
         quality = np.ones(len(t_s))
         if isinstance(sight, EarthSight):
             view = view_of(sight, which, t_s)
             sun = np.maximum(np.sin(view.sun_elevation_rad), 0.0)
-            quality *= np.minimum(1.0 / view.stretch, 1.0) ** weights.ground_sample
+            quality *= np.minimum(1.0 / view.stretch_ratio, 1.0) ** weights.ground_sample
             quality *= np.maximum(np.cos(view.off_nadir_rad), 0.0) ** weights.off_nadir
             quality *= sun**weights.sun
         if weights.probability > 0.0:
@@ -153,7 +153,7 @@ class Viewing:
         for rows, sight, which in in_sights(target, targets, carrier):
             view = view_of(sight, which, t_s[rows])
             probability = self.probability(sight, which, t_s[rows])
-            pixel_m = math.radians(pixel_arcsec / 3600.0) * view.plumb_m * view.stretch
+            pixel_m = math.radians(pixel_arcsec / 3600.0) * view.plumb_m * view.stretch_ratio
             on_earth = isinstance(sight, EarthSight)
             for n, row in enumerate(rows.tolist()):
                 seen[row] = Seen(
@@ -177,7 +177,7 @@ def view_of(sight: Sight, which: Indices, t_s: Array) -> View:
         elevation_rad=seen.elevation_rad,
         off_nadir_rad=off_nadir_rad(seen.direction_itrf, sight.carrier, t_s),
         plumb_m=plumb_m,
-        stretch=seen.range_m / (plumb_m * np.maximum(np.sin(seen.elevation_rad), 1e-6)),
+        stretch_ratio=seen.range_m / (plumb_m * np.maximum(np.sin(seen.elevation_rad), 1e-6)),
         sun_elevation_rad=sight.sun_elevation_rad(which, t_s),
     )
 
