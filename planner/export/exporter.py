@@ -9,7 +9,7 @@ from planner.commands import CommandTable
 from planner.scenario import Scenario
 
 P = TypeVar("P")
-SegmentKind = Literal["wait", "slew", "track"]
+SegmentKind = Literal["wait", "slew", "track", "brake"]
 KINDS: tuple[SegmentKind, ...] = get_args(SegmentKind)
 
 
@@ -31,6 +31,8 @@ class Exporter(Generic[P]):
 @dataclass(frozen=True, kw_only=True)
 class Segment:
     """A stretch of the table, on its grid: at rest, on the way to the target, or holding it.
+
+    A "brake" brings moving axes to rest, so that they can wait.
 
     session: index into the scenario's sessions.
     """

@@ -18,7 +18,8 @@ from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session, SlewOptions
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
 from planner.sessions.holding import ephemeris_over, session_rows, sight
-from planner.sessions.joining import Join, least_slew_s
+from planner.sessions.joining import Join
+from planner.sessions.lead import least_slew_s
 from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import PointingBudget, pointing_budget
@@ -113,8 +114,8 @@ def _slew_run(options: SlewOptions, number: int, join: Join) -> SlewRun:
         session=number,
         backend=options.method,
         status="; ".join(dict.fromkeys(slew.status)),
-        iterations=slew.iterations,
-        wall_s=slew.wall_s,
+        iterations=sum(part.iterations for part in (join.brake, slew) if part),
+        wall_s=sum(part.wall_s for part in (join.brake, slew) if part),
         duration_s=slew.duration_s,
         minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
         comparison=compare_with_spline(slew, options) if options.keeps_limits else None,
@@ -122,13 +123,19 @@ def _slew_run(options: SlewOptions, number: int, join: Join) -> SlewRun:
 
 
 def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
-    kinds: tuple[SegmentKind, ...] = ("wait", "slew", "track")
+    kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
     segments = []
     from_row = 0
     for number, join in enumerate(joins):
         ends = [
             shifted_utc(epoch_utc, row / ROWS_PER_S)
-            for row in (from_row, join.slew_row, join.join_row, join.stop_row)
+            for row in (
+                from_row,
+                from_row + join.brake_rows,
+                join.slew_row,
+                join.join_row,
+                join.stop_row,
+            )
         ]
         segments += [
             Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)
