@@ -34,11 +34,11 @@ class Segment:
 
     A "brake" brings moving axes to rest, so that they can wait.
 
-    session: index into the scenario's sessions.
+    session: index into the scenario's sessions; None: to the final state.
     """
 
     kind: SegmentKind
-    session: int
+    session: int | None
     start_utc: datetime
     stop_utc: datetime
 

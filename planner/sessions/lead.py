@@ -105,20 +105,22 @@ def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> 
     return max(next_duration_s(*axis, 0.0) or 0.0 for axis in axes)
 
 
-def rest_ahead(
-    state: States, limits: tuple[AxisLimits, ...], options: SlewOptions
-) -> tuple[States, float]:
-    """Where the axes come to rest, and how long that takes at least jerk; 0 s where they are.
+def brake_enough_s(state: States, limits: tuple[AxisLimits, ...], options: SlewOptions) -> float:
+    """The time in which the axes come to rest smoothly, wherever; 0 where they are at rest."""
+    least_s = max(_stopping_s(*axis) for axis in zip(state, limits, strict=True))
+    return max(ENOUGH * least_s, _spared_s(options.avoid_modes)) if least_s else 0.0
+
+
+def at_rest_after(state: States, limits: tuple[AxisLimits, ...], brake_s: float) -> States:
+    """Where the axes come to rest in that time at least jerk.
 
     The smoothest motion to rest anywhere has a rate cubic in time, which sets how far it goes;
     near a stop at most half the way is taken that the hardest braking would leave.
     Source: Euler-Lagrange equation of the integral of squared jerk with a free end angle.
     """
-    least_s = max(_stopping_s(*axis) for axis in zip(state, limits, strict=True))
-    if least_s == 0.0:
-        return state, 0.0
-    brake_s = max(ENOUGH * least_s, _spared_s(options.avoid_modes))
-    return _at_rest_after(state, limits, brake_s), brake_s
+    return tuple(
+        _rest_of_axis(axis, limit, brake_s) for axis, limit in zip(state, limits, strict=True)
+    )
 
 
 def _bounded(
@@ -127,9 +129,9 @@ def _bounded(
     """None where the slew takes all the rows there are."""
     if not isinstance(options.lead, BoundedLead) or rows <= _most_rows(start, end, limits, options):
         return None
-    _, brake_s = rest_ahead(start, limits, options)
+    brake_s = brake_enough_s(start, limits, options)
     brake_rows = min(math.ceil(brake_s * ROWS_PER_S), rows // 2)
-    rest = _at_rest_after(start, limits, brake_rows / ROWS_PER_S)
+    rest = at_rest_after(start, limits, brake_rows / ROWS_PER_S)
     most_rows = _most_rows(rest, end, limits, options)
     return _Bounded(brake_rows=brake_rows, rest=rest, slew_rows=min(most_rows, rows - brake_rows))
 
@@ -218,12 +220,6 @@ def _stopping_s(state: AxisState, limits: AxisLimits) -> float:
         return ramp_s + 2.0 * math.sqrt(rate_rad_s / limits.jerk_max_rad_s3)
     ramps_s = limits.acceleration_max_rad_s2 / limits.jerk_max_rad_s3
     return ramp_s + rate_rad_s / limits.acceleration_max_rad_s2 + ramps_s
-
-
-def _at_rest_after(state: States, limits: tuple[AxisLimits, ...], brake_s: float) -> States:
-    return tuple(
-        _rest_of_axis(axis, limit, brake_s) for axis, limit in zip(state, limits, strict=True)
-    )
 
 
 def _rest_of_axis(state: AxisState, limits: AxisLimits, brake_s: float) -> AxisState:
