@@ -95,13 +95,8 @@ def _longest_s(scenario: Scenario) -> float:
 def _too_far(scenario: Scenario, least_s: float, longest_s: float) -> InfeasibleSlew:
     bounded = longest_s < LONGEST_S
     return InfeasibleSlew(
-        f"final_state: the axes need {least_s:.1f} s to come to rest there, more than "
-        + (
-            f"the {longest_s:g} s of slew.lead.max_duration_s; allow a longer slew, or name "
-            if bounded
-            else f"the {longest_s:g} s that a final slew may take; name "
-        )
-        + "a nearer state",
+        f"the axes need {least_s:.1f} s to come to rest where final_state asks, and a slew may "
+        f"last {longest_s:g} s; {'allow a longer one, or ' if bounded else ''}name a nearer state",
         field="slew.lead.max_duration_s" if bounded else "final_state",
         limit="duration",
     )

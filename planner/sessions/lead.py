@@ -199,8 +199,8 @@ def _require_out_of_cones(
 def _too_bounded(refusal: InfeasibleSlew, most_s: float) -> InfeasibleSlew:
     reason = refusal.detail.partition(";")[0]
     return InfeasibleSlew(
-        f"slew.lead.max_duration_s is {most_s:g}: {reason}; allow a longer slew, or all the "
-        'time there is ("lead": "all")',
+        f"{reason}; allow a slew of more than {most_s:g} s, or all the time there is "
+        '("lead": "all")',
         field="slew.lead.max_duration_s",
         axis=refusal.axis,
         limit=refusal.limit,
