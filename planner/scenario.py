@@ -94,7 +94,7 @@ class BoundedLead:
     waits for its target; unless given, ten times the least time that the limits allow.
     """
 
-    max_duration_s: Annotated[float, Within(COMMAND_STEP_S, 86400.0)] | None = None
+    max_duration_s: Annotated[float, Within(2.0, 86400.0)] | None = None
 
 
 def _word_or_object(value: object) -> str:

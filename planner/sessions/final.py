@@ -15,7 +15,14 @@ from planner.scenario import BoundedLead, Scenario
 from planner.sessions.earliest_join import track_states
 from planner.sessions.holding import Rows, Way
 from planner.sessions.joining import Join, slew_onto
-from planner.sessions.lead import States, at_rest_after, brake_enough_s, enough_s, least_slew_s
+from planner.sessions.lead import (
+    FEWEST_ROWS,
+    States,
+    at_rest_after,
+    brake_enough_s,
+    enough_s,
+    least_slew_s,
+)
 from planner.slew import AxisState, SlewProblem
 from planner.slew.paper_cubic import paper_duration_s
 
@@ -50,7 +57,8 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
     if least_s > longest_s:
         raise _too_far(scenario, least_s, longest_s)
     for times in CONES_TIMES:
-        rows = max(math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6), 1)
+        rows = math.ceil(min(times * wanted_s, longest_s) * ROWS_PER_S - 1e-6)
+        rows = max(rows, FEWEST_ROWS)
         there = rest or at_rest_after(state, scenario.axis_limits, rows / ROWS_PER_S)
         way = _rest_way(scenario, ephemeris, there, last.stop_row, rows)
         try:
@@ -120,6 +128,6 @@ def _rest_way(
             axis_states=np.stack([angle_rad, np.zeros((2, 2)), np.zeros((2, 2))]),
         ),
         rows=Rows(start=from_row + rows, stop=from_row + rows),
-        seen_from_s=float(t_s[0]),
+        seen_from_s=(from_row + FEWEST_ROWS) / ROWS_PER_S,
         ephemeris=ephemeris,
     )

@@ -28,6 +28,7 @@ from planner.slew.stops import stop_margin_rad
 # 0.014 of the acceleration limit and 0.002 of the jerk limit: as gentle as following a target
 # (0.012 deg/s2 at most on real passes), so that more time makes the flight no smoother.
 ENOUGH = 10.0
+FEWEST_ROWS = 4  # jerk from row to row meets an angle, a rate and an acceleration in three
 MODE_PERIODS = 4.0  # of a mode to spare: twice what sparing it takes
 CONE_ROW = 0.3  # of `planner.effort`: to look whether a cone meets a row of a wait
 
@@ -131,6 +132,8 @@ def _bounded(
         return None
     brake_s = brake_enough_s(start, limits, options)
     brake_rows = min(math.ceil(brake_s * ROWS_PER_S), rows // 2)
+    if brake_rows:
+        brake_rows = max(brake_rows, FEWEST_ROWS)
     rest = at_rest_after(start, limits, brake_rows / ROWS_PER_S)
     most_rows = _most_rows(rest, end, limits, options)
     return _Bounded(brake_rows=brake_rows, rest=rest, slew_rows=min(most_rows, rows - brake_rows))
@@ -145,8 +148,9 @@ def _most_rows(
 ) -> int:
     most_s = _most_asked_s(options)
     if most_s is not None:
-        return max(math.floor(most_s * ROWS_PER_S + 1e-6), 1)
-    return max(math.ceil(enough_s(start, end, limits, options.avoid_modes) * ROWS_PER_S), 1)
+        return math.floor(most_s * ROWS_PER_S + 1e-6)
+    enough_rows = math.ceil(enough_s(start, end, limits, options.avoid_modes) * ROWS_PER_S)
+    return max(enough_rows, 2 * FEWEST_ROWS)
 
 
 def _after_wait(
@@ -199,9 +203,8 @@ def _require_out_of_cones(
 def _too_bounded(refusal: InfeasibleSlew, most_s: float) -> InfeasibleSlew:
     reason = refusal.detail.partition(";")[0]
     return InfeasibleSlew(
-        f"{reason}; allow a slew of more than {most_s:g} s, or all the time there is "
-        '("lead": "all")',
-        field="slew.lead.max_duration_s",
+        f"{reason}; allow more than the {most_s:g} s of slew.lead.max_duration_s, or all the time "
+        'there is ("lead": "all")',
         axis=refusal.axis,
         limit=refusal.limit,
     )

@@ -270,6 +270,8 @@ def _fits(schema: Document, choice: Document, value: Any) -> bool:
     """Whether a union's choice is the one the value takes; a number where there is none."""
     if "$ref" in choice:
         choice = schema["$defs"][choice["$ref"].removeprefix(REFERENCE)]
+    if "oneOf" in choice:
+        return any(_fits(schema, one, value) for one in choice["oneOf"])
     if isinstance(value, dict):
         tags = {k: p["const"] for k, p in choice.get("properties", {}).items() if "const" in p}
         return choice.get("type") == "object" and tags.items() <= value.items()
