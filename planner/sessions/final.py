@@ -27,6 +27,7 @@ from planner.slew import AxisState, SlewProblem
 from planner.slew.paper_cubic import paper_duration_s
 
 LONGEST_S = 3600.0  # what has no end of its own must have one
+ROUNDING = 1e-12  # rad, rad/s, rad/s2: below what a table's rows can tell
 QUICKLY = 0.2  # of the time in which braking is smooth: within 3/4 of the limits
 CONES_TIMES = (1.0, 4.0)  # the way around a cone may be several times as long
 
@@ -52,7 +53,7 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         rest = tuple(AxisState(angle_rad=angle_rad) for angle_rad in asked)
         least_s = least_slew_s(state, rest, scenario.axis_limits)
         wanted_s = _wanted_s(scenario, state, rest)
-    if wanted_s == 0.0:
+    if _is_at_rest(state, rest or state):
         return joins
     if least_s > longest_s:
         raise _too_far(scenario, least_s, longest_s)
@@ -75,6 +76,16 @@ def with_final_slew(scenario: Scenario, ephemeris: Ephemeris, joins: list[Join])
         axis=failed.axis,
         limit=failed.limit,
         at_utc=shifted_utc(scenario.initial_state.epoch, last.stop_row / ROWS_PER_S),
+    )
+
+
+def _is_at_rest(state: States, there: States) -> bool:
+    """To rounding."""
+    return all(
+        abs(here.angle_rad - wanted.angle_rad) < ROUNDING
+        and abs(here.rate_rad_s) < ROUNDING
+        and abs(here.acceleration_rad_s2) < ROUNDING
+        for here, wanted in zip(state, there, strict=True)
     )
 
 

@@ -311,3 +311,19 @@ def test_bounds_hold_for_axes_that_share_no_least_time():
         acceleration_max_rad_s2=0.001, jerk_max_rad_s3=0.001,
     )  # fmt: skip
     assert least_slew_s(start, end, (LIMITS[0], slow)) == pytest.approx(0.1 / 0.001 + 2.0, rel=1e-9)
+
+
+def test_axes_that_cannot_be_brought_to_rest_are_refused_as_such():
+    """A test motion ends 0.05 deg before the stop, at 1 deg/s: braking takes a degree."""
+    motion = BenchMotionTarget(
+        axes={
+            "alpha": ConstantRate(angle_deg=174.95 - 10.0, rate_deg_s=1.0),
+            "beta": standing(0.0),
+        }
+    )
+    asked = scenario(session(motion, 200.0, 210.0))
+    assert make_plan(asked).verification.passed
+    for final in ("rest", FinalAngles(park="zero")):
+        with pytest.raises(InfeasibleSlew, match="after the last session") as refused:
+            make_plan(replace(asked, final_state=final))
+        assert (refused.value.field, refused.value.axis) == ("final_state", "alpha")
