@@ -38,7 +38,7 @@ _NEW = insert(PlanRow)
 
 def store(
     connection: Connection, job_id: str, kind: str, revises: str | None, new: NewPlan
-) -> None:
+) -> StoredPlan:
     """The plan of a job, as the latest revision of the series of the plan it revises."""
     series, last = None, 0
     if revises is not None:
@@ -50,6 +50,8 @@ def store(
     columns = {name: value for name, value in vars(new).items() if name != "iterations"}
     place = {"series": series or job_id, "revision": last + 1, "revises": revises}
     connection.execute(_NEW, {"id": job_id, "kind": kind, **columns, **place})
+    known = columns | place | {"id": job_id, "document": zlib.decompress(new.document)}
+    return StoredPlan(**{name: known[name] for name in StoredPlan.__dataclass_fields__})
 
 
 def get(connection: Connection, plan_id: str) -> StoredPlan | None:
