@@ -288,7 +288,8 @@ class Dispatcher:
         pauses_s = chain(_STORE_PAUSES_S, repeat(_STORE_PAUSES_S[-1]))
         while True:
             try:
-                with self._database.writing() as connection:
+                # What has no parts is made again from its request, were this lost.
+                with self._database.writing(lasting=running.kind.has_parts) as connection:
                     job = jobs.job_of_lease(connection, running.token)
                     if job is None:
                         log.warning("a lease was lost", job=running.job_id)

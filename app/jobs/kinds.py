@@ -43,6 +43,7 @@ class JobKind:
     store: puts that into the database, in the transaction that finishes the job, whose row it
     holds.
     iterations: of a solver, counted in the metrics.
+    has_parts: jobs of their own, which the result names.
     """
 
     name: str
@@ -50,6 +51,7 @@ class JobKind:
     work: Callable[[bytes, Any], Any]
     store: Callable[[Connection, Job, Any], Settled]
     iterations: Callable[[Any], int | None] = lambda _: None
+    has_parts: bool = False
 
 
 def _store_plan(connection: Connection, job: Job, new: NewPlan) -> Settled:
@@ -92,6 +94,7 @@ CAMPAIGN = JobKind(
     bounds=Bounds(deadline_s=600.0, memory_mib=4000),
     work=choose,
     store=_store_campaign,
+    has_parts=True,
 )
 
 JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN)}

@@ -114,13 +114,8 @@ def pointing_budget(
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
     scene = _Scene(los, attitude, target, platform, angle_rad)
-    orbits = _disturbed_orbits(scene.states)
-    cases = [
-        *((states, 0.0) for states in orbits),
-        (scene.states, _PROBE_S),
-        (scene.states, -_PROBE_S),
-    ]
-    *moved, late, early = scene.directions_platform(cases)
+    orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
+    *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
     biases = [
         *_orbit_offsets(scene, ephemeris, moved),
         *_attitude_offsets(scene, attitude),
@@ -243,24 +238,23 @@ class _Scene:
         axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
         return self.in_image(np.cross(self.los_platform, axis_platform))
 
-    def directions_platform(self, cases: Sequence[tuple[OrbitStates, float]]) -> Array:
-        """With another orbit and the target as it will be (the Earth turned on) so much later.
+    def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
+        """With other orbits, and the target as it will be (the Earth turned on) late_s later.
 
-        cases: the orbit's states and seconds; all at once, as a few instants cost what many do.
-        Shape (len(cases), n, 3).
+        All m cases at once, as a few instants cost what many do.  Shape (m, n, 3).
         """
         epoch_utc, t_s = self.instants.epoch_utc, self.instants.t_s
         states = OrbitStates(
-            np.concatenate([orbit.r_sat_eci_m for orbit, _ in cases]),
-            np.concatenate([orbit.v_sat_eci_m_s for orbit, _ in cases]),
+            np.concatenate([orbit.r_sat_eci_m for orbit in orbits]),
+            np.concatenate([orbit.v_sat_eci_m_s for orbit in orbits]),
         )
-        late = Instants(epoch_utc, np.concatenate([t_s + late_s for _, late_s in cases]))
+        late = Instants(epoch_utc, np.add.outer(late_s, t_s).ravel())
         seen = self._target.apparent(late, states).direction_eci
         q_body_from_eci = self._attitude.q_body_from_eci(
-            Instants(epoch_utc, np.tile(t_s, len(cases))), states
+            Instants(epoch_utc, np.tile(t_s, len(orbits))), states
         )
         seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
-        return np.asarray(seen_platform.reshape(len(cases), len(t_s), 3))
+        return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
 
 
 def _image_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
