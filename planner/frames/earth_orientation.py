@@ -36,7 +36,7 @@ def c_itrf_from_eci(instants: Instants) -> Array:
     Raises OutsideCoverage before 1973; past the end of the IERS data see
     `earth_orientation_warnings`.  Source: IERS Conventions 2010, 5.4-5.5 (CIO based).
     """
-    return _celestial_to_terrestrial(instants)[0]
+    return _celestial_to_terrestrial(instants, _interpolate(instants))[0]
 
 
 def c_itrf_from_teme(instants: Instants) -> Array:
@@ -44,7 +44,10 @@ def c_itrf_from_teme(instants: Instants) -> Array:
 
     Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
     """
-    at = _interpolate(instants)
+    return _teme_to_terrestrial(instants, _interpolate(instants))
+
+
+def _teme_to_terrestrial(instants: Instants, at: Array) -> Array:
     jd1, jd2 = instants.tai_jd()
     theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
     return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*at[:, 4:7].T)))
@@ -55,7 +58,10 @@ def c_frame_from_eci(frame: str, instants: Instants) -> Array:
     if frame == "ITRF":
         return c_itrf_from_eci(instants)
     if frame == "TEME":
-        return np.asarray(np.swapaxes(c_itrf_from_teme(instants), 1, 2) @ c_itrf_from_eci(instants))
+        at = _interpolate(instants)
+        c_itrf_from_teme_ = _teme_to_terrestrial(instants, at)
+        c_itrf_from_eci_, _ = _celestial_to_terrestrial(instants, at)
+        return np.asarray(np.swapaxes(c_itrf_from_teme_, 1, 2) @ c_itrf_from_eci_)
     c = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
     return np.broadcast_to(c, (len(instants), 3, 3))
 
@@ -67,7 +73,7 @@ def itrf_from_eci_state(
 
     Leaves out the motion of the Earth's axis itself (2e-5 m/s in low orbit).
     """
-    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
     r_itrf_m = np.einsum("nij,nj->ni", c, r_eci_m)
     v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - np.cross(omega_itrf_rad_s, r_itrf_m)
     return r_itrf_m, v_itrf_m_s
@@ -77,7 +83,7 @@ def eci_from_itrf_state(
     r_itrf_m: Array, v_itrf_m_s: Array, instants: Instants
 ) -> tuple[Array, Array]:
     """Inverse of `itrf_from_eci_state`."""
-    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
     v_inertial_itrf_m_s = v_itrf_m_s + np.cross(omega_itrf_rad_s, r_itrf_m)
     return np.einsum("nji,nj->ni", c, r_itrf_m), np.einsum("nji,nj->ni", c, v_inertial_itrf_m_s)
 
@@ -114,9 +120,11 @@ def earth_orientation_warnings(instants: Instants) -> tuple[str, ...]:
     )
 
 
-def _celestial_to_terrestrial(instants: Instants) -> tuple[Array, Array]:
-    """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s."""
-    at = _interpolate(instants)
+def _celestial_to_terrestrial(instants: Instants, at: Array) -> tuple[Array, Array]:
+    """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s.
+
+    at: as of `_interpolate`.
+    """
     jd1, jd2 = instants.tai_jd()
     era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
     c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
