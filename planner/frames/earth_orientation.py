@@ -12,7 +12,7 @@ from functools import lru_cache
 import erfa
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, cross
 from planner.errors import OutsideCoverage
 from planner.frames.iers import earth_orientation_table
 from planner.frames.time_scales import DAY_S, MJD_JD, TT_MINUS_TAI_S, Instants
@@ -75,7 +75,7 @@ def itrf_from_eci_state(
     """
     c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
     r_itrf_m = np.einsum("nij,nj->ni", c, r_eci_m)
-    v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - np.cross(omega_itrf_rad_s, r_itrf_m)
+    v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - cross(omega_itrf_rad_s, r_itrf_m)
     return r_itrf_m, v_itrf_m_s
 
 
@@ -84,7 +84,7 @@ def eci_from_itrf_state(
 ) -> tuple[Array, Array]:
     """Inverse of `itrf_from_eci_state`."""
     c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
-    v_inertial_itrf_m_s = v_itrf_m_s + np.cross(omega_itrf_rad_s, r_itrf_m)
+    v_inertial_itrf_m_s = v_itrf_m_s + cross(omega_itrf_rad_s, r_itrf_m)
     return np.einsum("nji,nj->ni", c, r_itrf_m), np.einsum("nji,nj->ni", c, v_inertial_itrf_m_s)
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array, Indices
+from planner.arrays import Array, Indices, cross
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
@@ -236,7 +236,7 @@ class _Scene:
     def turned_about_body(self, axis: int) -> Array:
         """Where the target goes, per radian by which the carrier turns about a body axis."""
         axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
-        return self.in_image(np.cross(self.los_platform, axis_platform))
+        return self.in_image(cross(self.los_platform, axis_platform))
 
     def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
         """With other orbits, and the target as it will be (the Earth turned on) late_s later.
@@ -264,8 +264,8 @@ def _image_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
-    first = c * along + s * np.cross(boresight, along)
-    return np.stack([first, np.cross(boresight, first)], axis=1)
+    first = c * along + s * cross(boresight, along)
+    return np.stack([first, cross(boresight, first)], axis=1)
 
 
 def _farthest(shares: Array, rows: Indices) -> Indices:
@@ -297,13 +297,13 @@ def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
     """`_PROBE_M` out, ahead and across."""
     r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
     radius = np.linalg.norm(r, axis=1, keepdims=True)
-    normal = np.cross(r, v)
+    normal = cross(r, v)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     turn = _PROBE_M / radius
     return (
         OrbitStates(r * (1.0 + turn), v),
         # Position and velocity both turned about the orbit's normal.
-        OrbitStates(r + turn * np.cross(normal, r), v + turn * np.cross(normal, v)),
+        OrbitStates(r + turn * cross(normal, r), v + turn * cross(normal, v)),
         OrbitStates(r + _PROBE_M * normal, v),
     )
 
@@ -331,7 +331,7 @@ def _attitude_offsets(scene: _Scene, attitude: AttitudeLaw) -> list[_Bias]:
     errors = attitude.errors(scene.instants)
     sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
     r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
-    rate_rad_s = np.linalg.norm(np.cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
+    rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
     phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
     cause = _Cause("attitude", errors.basis, errors.better)
     biases = []
