@@ -47,10 +47,10 @@ def c_itrf_from_teme(instants: Instants) -> Array:
     return _teme_to_terrestrial(instants, _interpolate(instants))
 
 
-def _teme_to_terrestrial(instants: Instants, at: Array) -> Array:
+def _teme_to_terrestrial(instants: Instants, parameters: Array) -> Array:
     jd1, jd2 = instants.tai_jd()
-    theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
-    return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*at[:, 4:7].T)))
+    theta = erfa.gmst82(jd1, jd2 + parameters[:, 3] / DAY_S)
+    return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*parameters[:, 4:7].T)))
 
 
 def c_frame_from_eci(frame: str, instants: Instants) -> Array:
@@ -58,9 +58,9 @@ def c_frame_from_eci(frame: str, instants: Instants) -> Array:
     if frame == "ITRF":
         return c_itrf_from_eci(instants)
     if frame == "TEME":
-        at = _interpolate(instants)
-        c_itrf_from_teme_ = _teme_to_terrestrial(instants, at)
-        c_itrf_from_eci_, _ = _celestial_to_terrestrial(instants, at)
+        parameters = _interpolate(instants)
+        c_itrf_from_teme_ = _teme_to_terrestrial(instants, parameters)
+        c_itrf_from_eci_, _ = _celestial_to_terrestrial(instants, parameters)
         return np.asarray(np.swapaxes(c_itrf_from_teme_, 1, 2) @ c_itrf_from_eci_)
     c = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
     return np.broadcast_to(c, (len(instants), 3, 3))
@@ -120,16 +120,16 @@ def earth_orientation_warnings(instants: Instants) -> tuple[str, ...]:
     )
 
 
-def _celestial_to_terrestrial(instants: Instants, at: Array) -> tuple[Array, Array]:
+def _celestial_to_terrestrial(instants: Instants, parameters: Array) -> tuple[Array, Array]:
     """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s.
 
-    at: as of `_interpolate`.
+    parameters: as of `_interpolate`.
     """
     jd1, jd2 = instants.tai_jd()
-    era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
-    c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
-    c_itrf_from_tirs = erfa.pom00(*at[:, 4:7].T)
-    rate_rad_s = OMEGA_EARTH_RAD_S * (1.0 + at[:, 7])
+    era = erfa.era00(jd1, jd2 + parameters[:, 3] / DAY_S)
+    c_cirs_from_eci = erfa.c2ixys(parameters[:, 0], parameters[:, 1], parameters[:, 2])
+    c_itrf_from_tirs = erfa.pom00(*parameters[:, 4:7].T)
+    rate_rad_s = OMEGA_EARTH_RAD_S * (1.0 + parameters[:, 7])
     c_itrf_from_eci = erfa.c2tcio(c_cirs_from_eci, era, c_itrf_from_tirs)
     return np.asarray(c_itrf_from_eci), c_itrf_from_tirs[:, :, 2] * rate_rad_s[:, None]
 
