@@ -121,8 +121,10 @@ class Viewing:
         if not len(rows):
             return np.zeros(len(t_s))
         los_rate_per_s = (after - before) / (2.0 * _DELTA_S)
+        instants = Instants(carrier.start_utc, t_s[rows])
         los = LineOfSight(
-            instants=Instants(carrier.start_utc, t_s[rows]),
+            instants=instants,
+            states=self.ephemeris.states(instants),
             los_platform=los_platform[rows],
             los_rate_platform_per_s=los_rate_per_s[rows],
             los_acceleration_platform_per_s2=np.full((len(rows), 3), math.nan),
@@ -192,7 +194,7 @@ def _target_of(sight: Sight, which: Indices) -> VisibleTarget:
 
 
 class _Places(EarthFixedTarget):
-    """A place at rest for each instant."""
+    """A place at rest for each instant, whose number may be asked for several times over."""
 
     min_elevation_deg = 0.0
     refraction = "none"
@@ -202,4 +204,4 @@ class _Places(EarthFixedTarget):
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3)."""
-        return self._r_itrf_m
+        return np.tile(self._r_itrf_m, (len(instants) // len(self._r_itrf_m), 1))
