@@ -85,7 +85,12 @@ class InvalidInput(Refusal):
 
 @dataclass(frozen=True, kw_only=True)
 class FieldError:
-    """One field at fault: its dotted name, what is wrong and the way out, its value if scalar."""
+    """One field at fault.
+
+    field: its dotted name.
+    detail: what is wrong and the way out.
+    value: what it holds, if that is no object or list.
+    """
 
     field: str
     detail: str
@@ -144,7 +149,13 @@ class TrackBreaksLimit(Refusal):
 
 @dataclass(frozen=True, kw_only=True)
 class GiveUp:
-    """What one session would lose if the plan's `on_conflict` were set so."""
+    """What one session would lose if the plan's `on_conflict` were set so.
+
+    on_conflict: the way out.
+    session: number of the session that loses, from 0.
+    start_later_s: by how much it would begin later.
+    stop_earlier_s: by how much it would end earlier.
+    """
 
     on_conflict: str
     session: int

@@ -24,9 +24,12 @@ PIXEL_DECIMALS = 2
 class CheckOut:
     """The measured nadir against the predicted one.
 
-    angle_deg: between them; along_deg, across_deg: its parts on the two `axes_body`, from the
-    prediction to the measurement.  probability: that errors of the stated sizes differ by as
-    much or more.  The turn about nadir is not measured.
+    The turn about nadir is not measured.
+
+    angle_deg: between them.
+    along_deg: its part on the first of `axes_body`, from the prediction to the measurement.
+    across_deg: its part on the second of `axes_body`, from the prediction to the measurement.
+    probability: that errors of the stated sizes differ by as much or more.
     """
 
     angle_deg: float
@@ -39,10 +42,15 @@ class CheckOut:
 class CameraOut:
     """One camera's part in the estimate.
 
-    reason: why its frame was not used, as a word; explanation: in full.  arc_deg: limb found,
-    as azimuth about nadir; residual_px: rms distance of the limb points from the fit.
-    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb
-    points used in green, the predicted limb in orange.
+    name: the camera's.
+    used: whether its frame was.
+    reason: why not, as a word; null when it was used. E.g. `"too_dark"`.
+    explanation: the reason in full; null when it was used. E.g. `"the frame is too dark to show a
+    limb"`.
+    arc_deg: limb found, as azimuth about nadir.
+    residual_px: rms distance of the limb points from the fit; null without one.
+    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb points
+    used in green, the predicted limb in orange. E.g. `"iVBORw0KGgo="`.
     """
 
     name: str
@@ -58,10 +66,24 @@ class CameraOut:
 class EstimateResponse:
     """The local vertical in body axes.
 
-    nadir_body: geocentric, nadir_geodetic_body: normal to the ellipsoid; both null when the
-    verdict is `not_observable`, for `reason`.  covariance_deg2: of geocentric nadir on the
-    two unit vectors `axes_body` across it; sigma_deg: rms of its angle to the true one; the
-    same of geodetic nadir under `geodetic_...`.  check: null without a prediction.
+    verdict: what the images say of the attitude.
+    reason: why nothing could be measured, as a word; null when it was. E.g. `"no_limb"`.
+    explanation: the reason in full; null when it was measured. E.g. `"no frame shows a horizon"`.
+    nadir_body: geocentric, a unit vector; null when the verdict is `not_observable`.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
+    `not_observable`.
+    axes_body: two unit vectors across geocentric nadir, on which its errors are told.
+    covariance_deg2: of geocentric nadir on `axes_body`.
+    sigma_deg: rms of geocentric nadir's angle to the true one.
+    geodetic_axes_body: two unit vectors across geodetic nadir, on which its errors are told.
+    geodetic_covariance_deg2: of geodetic nadir on `geodetic_axes_body`.
+    geodetic_sigma_deg: rms of geodetic nadir's angle to the true one.
+    limb_height_km: height of the limb above the ellipsoid that was reckoned with.
+    limb_height_sigma_km: its 1-sigma.
+    check: the measured nadir against the predicted one; null without a prediction.
+    cameras: each one's part, in the request's order.
+    warnings: what one should know before relying on it. E.g. `["one camera only: the nadir is known
+    along its arc alone"]`.
     """
 
     verdict: Verdict
@@ -85,7 +107,12 @@ class EstimateResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class PredictionResponse:
-    """One view per instant and camera, instants in the order asked for."""
+    """One view per instant and camera.
+
+    views: instants in the order asked for, cameras within each.
+    warnings: what one should know before relying on it. E.g. `["the TLE is 9 days old at the
+    end"]`.
+    """
 
     views: list[ViewOut]
     warnings: list[str]

@@ -20,8 +20,17 @@ class JobProblem(Problem):
 class JobResponse:
     """Where the work on a plan stands.
 
-    attempts: how often it was begun; more than once when a process died at it.  problem: why
-    it was refused or failed.  revises: the plan it replaces.
+    id: `GET` what comes of it under this.
+    state: where it stands.
+    name: the request's.
+    revises: id of the plan it replaces; null for none. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    input_sha256: of the request's bytes.
+    created: when the request came; UTC.
+    started: when the work began; UTC, null before.
+    finished: when it ended; UTC, null before.
+    attempts: how often it was begun; more than once when a process died at it.
+    problem: why it was refused or failed; null otherwise.
     """
 
     id: str
@@ -38,7 +47,12 @@ class JobResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanList:
-    """The latest first; `next` is the `cursor` of what comes after, null at the end."""
+    """Plans, the latest first.
+
+    plans: those of this page.
+    next: `cursor` of what comes after, null at the end. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
 
     plans: list[JobResponse]
     next: str | None

@@ -83,7 +83,12 @@ def utc_or_none(moment_utc: datetime | None) -> str | None:
 
 @dataclass(frozen=True, kw_only=True)
 class ProvenanceOut:
-    """SHA-256 of the request's bytes, when it was worked on, versions at work."""
+    """What an answer rests on.
+
+    input_sha256: of the request's bytes.
+    planned_at: when it was worked on; UTC.
+    versions: of slewtrack and of what it computes with.
+    """
 
     input_sha256: str
     planned_at: str
@@ -104,7 +109,14 @@ def provenance(planned_at_utc: datetime, *parts: bytes) -> ProvenanceOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanHead:
-    """revision: from 1, one more for each plan that replaces another; `revises` names that."""
+    """How a plan is found again.
+
+    id: `GET` it under this.
+    state: `done` once verified.
+    revision: from 1, one more for each plan that replaces another.
+    revises: id of the plan it replaces; null for none. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
 
     id: str
     state: JobState

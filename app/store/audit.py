@@ -12,7 +12,16 @@ from planner.frames.time_scales import utc_text
 
 @dataclass(frozen=True, kw_only=True)
 class AuditEntry:
-    """One deed: `key_id` did `action` to `subject`; null without a key."""
+    """One deed.
+
+    id: greater than those before.
+    at: when; UTC.
+    key_id: id of the API key it was done with; null without one. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    action: what was done.
+    subject: id of what it was done to.
+    detail: more about it, if there is.
+    """
 
     id: int
     at: str

@@ -35,8 +35,12 @@ PIXELS_MAX = 25_000_000
 class PictureOut:
     """A rendered picture and its truth.
 
-    image_png: base64.  position_itrf_km, q_body_from_eci_xyzw: as an estimate's request takes
-    them; nadir_body geocentric, nadir_geodetic_body normal to the ellipsoid.
+    image_png: the picture, a PNG in base64.
+    at: when it is taken; UTC.
+    position_itrf_km: of the camera, as an estimate's request takes it.
+    q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
+    nadir_body: geocentric, a unit vector.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector.
     """
 
     image_png: str

@@ -52,9 +52,12 @@ _DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless state
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
-    ground_m: across the line of sight at the target, none for a target in the sky.
-    basis: whether measured or assumed, and on what.  better: what would make it smaller.
+    cause: what errs.
+    sigma_arcsec: its 1-sigma.
+    ground_m: across the line of sight at the target, null for a target in the sky.
     is_bias: constant over the session, or a swing as slow as the orbit.
+    basis: whether measured or assumed, and on what.
+    better: what would make it smaller.
     """
 
     cause: str
