@@ -8,7 +8,9 @@ facts for programs.  Bugs are not refusals: they are left to crash.
 import re
 from dataclasses import dataclass
 from datetime import datetime
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
 
 VALUE_CHARACTERS_MAX = 200  # of what was sent, in what is said of it
 _LONG_WORD = re.compile(rf"(\S{{{VALUE_CHARACTERS_MAX}}})\S+")
@@ -87,9 +89,9 @@ class InvalidInput(Refusal):
 class FieldError:
     """One field at fault.
 
-    field: its dotted name.
-    detail: what is wrong and the way out.
-    value: what it holds, if that is no object or list.
+    field: its dotted name. E.g. `"sessions.0.target.latitude_deg"`.
+    detail: what is wrong and the way out. E.g. `"must lie in -90..90, not 91"`.
+    value: what it holds, if that is no object or list. E.g. `91`.
     """
 
     field: str
@@ -151,16 +153,16 @@ class TrackBreaksLimit(Refusal):
 class GiveUp:
     """What one session would lose if the plan's `on_conflict` were set so.
 
-    on_conflict: the way out.
-    session: number of the session that loses, from 0.
-    start_later_s: by how much it would begin later.
-    stop_earlier_s: by how much it would end earlier.
+    on_conflict: the way out. E.g. `"shorten_later"`.
+    session: number of the session that loses, from 0. E.g. `1`.
+    start_later_s: by how much it would begin later. E.g. `12.4`.
+    stop_earlier_s: by how much it would end earlier. E.g. `0.0`.
     """
 
     on_conflict: str
-    session: int
-    start_later_s: float
-    stop_earlier_s: float
+    session: Annotated[int, Field(ge=0)]
+    start_later_s: Annotated[float, Field(ge=0.0)]
+    stop_earlier_s: Annotated[float, Field(ge=0.0)]
 
 
 class InfeasibleSlew(Refusal):

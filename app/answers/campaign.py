@@ -4,8 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from app.answers.job import JobProblem, JobResponse, job_out, page
+from app.answers.job import JobResponse, job_out, page
 from app.answers.members import fill, from_store, to_json
+from app.answers.problem import Problem
+from app.answers.ranges import Count, NotNegative, Share
 from app.store.ids import JobState
 from app.store.jobs import Job
 
@@ -28,13 +30,13 @@ class CampaignChoiceOut:
     end"]`.
     """
 
-    value: float
-    bound: float
-    gap_share: float
-    greedy_value: float
-    windows: int
-    looks: int
-    passes: int
+    value: NotNegative
+    bound: NotNegative
+    gap_share: Share
+    greedy_value: NotNegative
+    windows: Count
+    looks: Count
+    passes: Count
     unseen: list[str]
     left_out: list[str]
     warnings: list[str]
@@ -53,7 +55,7 @@ class CampaignLookOut:
     target: str
     start: str
     stop: str
-    value: float
+    value: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,14 +85,14 @@ class CampaignPassOut:
     problem: why there is no plan; null when there is one or may be.
     """
 
-    number: int
+    number: Count
     plan: str
     state: JobState
     start: str
     stop: str
     looks: list[CampaignLookOut]
     left_out: list[LookLeftOut]
-    problem: JobProblem | None
+    problem: Problem | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,13 +108,13 @@ class PlannedOut:
     value: of the looks in plans that are made.
     """
 
-    done: int
-    open: int
-    refused: int
-    failed: int
-    cancelled: int
-    looks: int
-    value: float
+    done: Count
+    open: Count
+    refused: Count
+    failed: Count
+    cancelled: Count
+    looks: Count
+    value: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,7 +155,7 @@ class CampaignDryRun:
 
     valid: bool
     name: str
-    targets: int
+    targets: Count
 
 
 def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Job]) -> bytes:

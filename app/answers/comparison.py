@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from app.answers.members import DECIMALS, fill
+from app.answers.ranges import Count, NotNegative, Share
 from planner.slew.compare import SlewComparison, SlewFigures
 
 
@@ -19,12 +20,12 @@ class AxisFigures:
     end_error_arcsec: distance from the angle wanted at the end.
     """
 
-    peak_rate_deg_s: float
-    peak_acceleration_deg_s2: float
-    peak_jerk_deg_s3: float | None
-    jerk_squared_integral_deg2_s5: float | None
+    peak_rate_deg_s: NotNegative
+    peak_acceleration_deg_s2: NotNegative
+    peak_jerk_deg_s3: NotNegative | None
+    jerk_squared_integral_deg2_s5: NotNegative | None
     limits_broken: list[str]
-    end_error_arcsec: float
+    end_error_arcsec: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,10 +40,10 @@ class ModeResidualOut:
     spline_arcsec: after the paper's spline. E.g. `{"alpha": 42.0, "beta": 1.3}`.
     """
 
-    frequency_hz: float
-    damping: float
-    ocp_arcsec: dict[str, float]
-    spline_arcsec: dict[str, float]
+    frequency_hz: NotNegative
+    damping: Share
+    ocp_arcsec: dict[str, NotNegative]
+    spline_arcsec: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,10 +59,10 @@ class SlewComparisonOut:
     residual_vibration: one entry for each mode to spare.
     """
 
-    session: int
-    duration_s: float
-    least_s: float | None
-    paper_s: float
+    session: Count
+    duration_s: NotNegative
+    least_s: NotNegative | None
+    paper_s: NotNegative
     ocp: dict[str, AxisFigures]
     spline: dict[str, AxisFigures]
     residual_vibration: list[ModeResidualOut]

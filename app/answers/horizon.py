@@ -11,6 +11,7 @@ import numpy as np
 
 from app.answers.horizon_view import ViewOut
 from app.answers.members import DECIMALS, ProvenanceOut, degrees, fill
+from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
 from estimator.check import Verdict
 from estimator.errors import Reason
 from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
@@ -32,10 +33,10 @@ class CheckOut:
     probability: that errors of the stated sizes differ by as much or more.
     """
 
-    angle_deg: float
-    along_deg: float
-    across_deg: float
-    probability: float
+    angle_deg: HalfTurnDeg
+    along_deg: Signed
+    across_deg: Signed
+    probability: Share
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +58,8 @@ class CameraOut:
     used: bool
     reason: str | None
     explanation: str | None
-    arc_deg: float
-    residual_px: float | None
+    arc_deg: TurnDeg
+    residual_px: NotNegative | None
     overlay_png: str | None
 
 
@@ -89,16 +90,16 @@ class EstimateResponse:
     verdict: Verdict
     reason: str | None
     explanation: str | None
-    nadir_body: list[float] | None
-    nadir_geodetic_body: list[float] | None
-    axes_body: list[list[float]] | None
-    covariance_deg2: list[list[float]] | None
-    sigma_deg: float | None
-    geodetic_axes_body: list[list[float]] | None
-    geodetic_covariance_deg2: list[list[float]] | None
-    geodetic_sigma_deg: float | None
-    limb_height_km: float | None
-    limb_height_sigma_km: float | None
+    nadir_body: list[DirectionPart] | None
+    nadir_geodetic_body: list[DirectionPart] | None
+    axes_body: list[list[DirectionPart]] | None
+    covariance_deg2: list[list[Signed]] | None
+    sigma_deg: NotNegative | None
+    geodetic_axes_body: list[list[DirectionPart]] | None
+    geodetic_covariance_deg2: list[list[Signed]] | None
+    geodetic_sigma_deg: NotNegative | None
+    limb_height_km: Signed | None
+    limb_height_sigma_km: NotNegative | None
     check: CheckOut | None
     cameras: list[CameraOut]
     warnings: list[str]

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed, TurnDeg
+
 
 @dataclass(frozen=True, kw_only=True)
 class ViewOut:
@@ -29,13 +31,13 @@ class ViewOut:
     reason: str | None
     explanation: str | None
     limb_in_frame: bool
-    arc_deg: float
-    lit_arc_deg: float
+    arc_deg: TurnDeg
+    lit_arc_deg: TurnDeg
     lit: bool
-    sun_angle_deg: float
+    sun_angle_deg: HalfTurnDeg
     sun_in_frame: bool
-    sigma_deg: float | None
-    limb_px: list[list[float]]
+    sigma_deg: NotNegative | None
+    limb_px: list[list[Signed]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,13 +46,13 @@ class HorizonCheckOut:
 
     session: its number, from 0. E.g. `0`.
     camera: its name. E.g. `"ahead"`.
-    usable: in all three.
+    usable: in all three. E.g. `true`.
     reason: of the first that is not usable, as a word; null when all are. E.g. `"sun_in_frame"`.
     explanation: the reason in full; null when all are usable. E.g. `"the Sun is in the frame"`.
     views: at the three instants.
     """
 
-    session: int
+    session: Count
     camera: str
     usable: bool
     reason: str | None

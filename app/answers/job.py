@@ -7,13 +7,9 @@ from pydantic import TypeAdapter
 
 from app.answers.members import fill, to_json
 from app.answers.problem import Problem
+from app.answers.ranges import Count
 from app.store.ids import JobState
 from app.store.jobs import Job
-
-
-@dataclass(frozen=True, kw_only=True)
-class JobProblem(Problem):
-    """Why there is no plan; `instance` is the job's."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +26,7 @@ class JobResponse:
     started: when the work began; UTC, null before.
     finished: when it ended; UTC, null before.
     attempts: how often it was begun; more than once when a process died at it.
-    problem: why it was refused or failed; null otherwise.
+    problem: why it was refused or failed, `instance` being the job; null otherwise.
     """
 
     id: str
@@ -41,8 +37,8 @@ class JobResponse:
     created: str
     started: str | None
     finished: str | None
-    attempts: int
-    problem: JobProblem | None
+    attempts: Count
+    problem: Problem | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +54,7 @@ class PlanList:
     next: str | None
 
 
-_PROBLEM = TypeAdapter(JobProblem)
+_PROBLEM = TypeAdapter(Problem)
 
 
 def job_out(job: Job) -> JobResponse:

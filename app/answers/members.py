@@ -5,10 +5,10 @@ import math
 from dataclasses import dataclass, fields
 from datetime import datetime
 from functools import cache
-from typing import Any, TypeVar, cast
+from typing import Annotated, Any, TypeVar, cast
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import Field, TypeAdapter
 
 from app.store.ids import JobState, new_id
 from app.versions import versions
@@ -120,7 +120,7 @@ class PlanHead:
 
     id: str
     state: JobState
-    revision: int
+    revision: Annotated[int, Field(ge=1)]
     revises: str | None
 
 

@@ -2,18 +2,20 @@
 
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from app.answers.members import ProvenanceOut, to_json
+from app.answers.ranges import ElevationDeg, ElevationOrLimbDeg, HalfTurnDeg, NotNegative, Signed
 from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
 
-Number = float | None
+Branch = Annotated[int, Field(ge=0, le=1)]
 Column = list[Any]
 
 
@@ -42,16 +44,16 @@ class SightingOut(_Sighting):
     """A target seen at an instant; null where a number has no meaning or no end."""
 
     at: str
-    elevation_deg: float
-    range_km: Number
-    off_nadir_deg: float
-    ground_sample_across_m: Number
-    ground_sample_along_m: Number
-    sun_elevation_deg: Number
-    sun_separation_deg: float
-    moon_separation_deg: float
-    angles_deg: dict[str, Number]
-    rates_deg_s: dict[str, Number]
+    elevation_deg: ElevationOrLimbDeg
+    range_km: NotNegative | None
+    off_nadir_deg: HalfTurnDeg
+    ground_sample_across_m: NotNegative | None
+    ground_sample_along_m: NotNegative | None
+    sun_elevation_deg: ElevationDeg | None
+    sun_separation_deg: HalfTurnDeg
+    moon_separation_deg: HalfTurnDeg
+    angles_deg: dict[str, Signed | None]
+    rates_deg_s: dict[str, Signed | None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,16 +61,16 @@ class SightingsOut(_Sighting):
     """The members of a sighting as arrays, at instants spread evenly from rise to set."""
 
     at: list[str]
-    elevation_deg: list[float]
-    range_km: list[Number]
-    off_nadir_deg: list[float]
-    ground_sample_across_m: list[Number]
-    ground_sample_along_m: list[Number]
-    sun_elevation_deg: list[Number]
-    sun_separation_deg: list[float]
-    moon_separation_deg: list[float]
-    angles_deg: dict[str, list[Number]]
-    rates_deg_s: dict[str, list[Number]]
+    elevation_deg: list[ElevationOrLimbDeg]
+    range_km: list[NotNegative | None]
+    off_nadir_deg: list[HalfTurnDeg]
+    ground_sample_across_m: list[NotNegative | None]
+    ground_sample_along_m: list[NotNegative | None]
+    sun_elevation_deg: list[ElevationDeg | None]
+    sun_separation_deg: list[HalfTurnDeg]
+    moon_separation_deg: list[HalfTurnDeg]
+    angles_deg: dict[str, list[Signed | None]]
+    rates_deg_s: dict[str, list[Signed | None]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,16 +110,16 @@ class WindowOut:
     target: str
     rise: str
     set: str
-    duration_s: float
+    duration_s: NotNegative
     session: SessionTimesOut | None
     opened_by: str
     closed_by: str
     highest_at: str
-    highest_deg: float
+    highest_deg: ElevationOrLimbDeg
     closest: SightingOut
     through: SightingsOut
-    branch: int
-    branches: list[int]
+    branch: Branch
+    branches: list[Branch]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,6 +19,7 @@ from app.answers.members import (
     whole_answer,
 )
 from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
@@ -48,7 +49,7 @@ class SegmentOut:
     """
 
     kind: SegmentKind
-    session: int
+    session: Count
     start: str
     stop: str
 
@@ -69,8 +70,8 @@ class TableOut(BaseModel):
     __pydantic_extra__: dict[str, list[float]]
 
     epoch: str
-    step_s: float
-    t_s: list[float]
+    step_s: NotNegative
+    t_s: list[NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,11 +86,11 @@ class MarginOut:
     at: the same instant; UTC.
     """
 
-    limit: float
-    extreme: float
-    margin: float
+    limit: Signed
+    extreme: Signed
+    margin: Signed
     unit: str
-    t_s: float
+    t_s: NotNegative
     at: str
 
 
@@ -107,11 +108,11 @@ class KeepOutMarginOut:
     at: when it is so near; UTC, null when the cone never counts. E.g. `"2015-02-27T17:36:10.000Z"`.
     """
 
-    number: int
+    number: Count
     about: str
-    half_angle_deg: float
-    away_min_deg: float | None
-    margin_deg: float | None
+    half_angle_deg: HalfTurnDeg
+    away_min_deg: HalfTurnDeg | None
+    margin_deg: Signed | None
     at: str | None
 
 
@@ -160,13 +161,13 @@ class SlewRunOut:
     minimum_s: the least time the limits allow.
     """
 
-    session: int
+    session: Count
     backend: str
     status: str
-    iterations: int
-    wall_s: float
-    duration_s: float
-    minimum_s: float
+    iterations: Count
+    wall_s: NotNegative
+    duration_s: NotNegative
+    minimum_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,10 +184,10 @@ class SolverOut:
 
     backend: str
     status: str
-    iterations: int
-    wall_s: float
+    iterations: Count
+    wall_s: NotNegative
     slews: list[SlewRunOut]
-    stages_wall_s: dict[str, float]
+    stages_wall_s: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -246,7 +247,7 @@ class DryRunResponse:
     valid: Literal[True]
     name: str
     platform: str
-    sessions: int
+    sessions: Count
     provenance: ProvenanceOut
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.answers.members import fill
+from app.answers.ranges import Count, ElevationDeg, NotNegative, Share, Signed
 from planner.frames.time_scales import utc_text
 from planner.sessions.uncertainty import Contribution
 from planner.verification import EarthFixedView, SessionReport, SkyView
@@ -37,7 +38,7 @@ class OffTargetOut:
 
     start: str
     stop: str
-    max_arcsec: float
+    max_arcsec: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,24 +75,24 @@ class PointingOut:
     slow_stretches: where an axis moves slower than its drive runs smoothly.
     """
 
-    session: int
+    session: Count
     start: str
     stop: str
-    max_arcsec: float
+    max_arcsec: NotNegative
     max_at: str
-    rms_arcsec: float
-    rows_max_arcsec: float
-    between_rows_max_arcsec: float
-    ground_max_m: float | None = None
-    across_max_m: float | None = None
-    elevation_min_deg: float | None = None
-    range_min_km: float | None = None
+    rms_arcsec: NotNegative
+    rows_max_arcsec: NotNegative
+    between_rows_max_arcsec: NotNegative
+    ground_max_m: NotNegative | None = None
+    across_max_m: NotNegative | None = None
+    elevation_min_deg: ElevationDeg | None = None
+    range_min_km: NotNegative | None = None
     closest_at: str | None = None
-    range_max_km: float | None = None
-    limb_clearance_min_deg: float | None = None
+    range_max_km: NotNegative | None = None
+    limb_clearance_min_deg: Signed | None = None
     limb_clearance_min_at: str | None = None
-    refraction_max_arcsec: float | None = None
-    allowed_arcsec: float
+    refraction_max_arcsec: NotNegative | None = None
+    allowed_arcsec: NotNegative
     off_target: list[OffTargetOut]
     slow_stretches: list[SlowStretchOut]
 
@@ -154,8 +155,8 @@ class UncertaintyOut:
     contributions: one by one, the largest first.
     """
 
-    session: int
-    sigma_arcsec: float
-    ground_m: float | None
-    probability_in_frame: float
+    session: Count
+    sigma_arcsec: NotNegative
+    ground_m: NotNegative | None
+    probability_in_frame: Share
     contributions: list[Contribution]

@@ -2,9 +2,12 @@
 
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from app.answers.members import utc_or_none
+from app.answers.ranges import Count
 from planner.errors import FieldError, GiveUp, Refusal
 
 TYPE_PREFIX = "urn:slewtrack:problem:"
@@ -41,7 +44,7 @@ class Problem:
 
     type: str
     title: str
-    status: int
+    status: Annotated[int, Field(ge=400, le=599)]
     detail: str
     instance: str
     field: str | None = None
@@ -50,7 +53,7 @@ class Problem:
     at: str | None = None
     earliest_feasible_start: str | None = None
     feasible_stop: str | None = None
-    costs_sessions: tuple[int, ...] = ()
+    costs_sessions: tuple[Count, ...] = ()
     give_up: tuple[GiveUp, ...] = ()
     errors: tuple[FieldError, ...] = ()
 

@@ -15,6 +15,7 @@ from app.answers.members import (
     to_json,
     whole_answer,
 )
+from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Share, Signed
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
@@ -46,13 +47,13 @@ class AttitudeTableOut:
     """
 
     epoch: str
-    step_s: float
-    t_s: list[float]
-    q_body_from_eci_xyzw: list[list[float]]
-    omega_body_deg_s: list[list[float]]
-    alpha_body_deg_s2: list[list[float]]
-    gimbal_deg: list[list[float]]
-    gimbal_rate_deg_s: list[list[float]]
+    step_s: NotNegative
+    t_s: list[NotNegative]
+    q_body_from_eci_xyzw: list[list[DirectionPart]]
+    omega_body_deg_s: list[list[Signed]]
+    alpha_body_deg_s2: list[list[Signed]]
+    gimbal_deg: list[list[Signed]]
+    gimbal_rate_deg_s: list[list[Signed]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,17 +75,17 @@ class ImagingWindowOut:
     """
 
     request: str
-    look: int
+    look: Count
     start: str
     stop: str
-    first_row: int
-    last_row: int
-    scan_speed_m_s: float
-    speed_spread: float
-    drift_deg: float
-    miss_m: float
-    along_deg: float
-    across_deg: float
+    first_row: Count
+    last_row: Count
+    scan_speed_m_s: NotNegative
+    speed_spread: NotNegative
+    drift_deg: HalfTurnDeg
+    miss_m: NotNegative
+    along_deg: Signed
+    across_deg: Signed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,16 +108,16 @@ class TurnOut:
 
     start: str
     stop: str
-    onto: int | None
-    angle_deg: float
-    duration_s: float
-    eigenaxis_s: float
-    bang_coast_bang_s: float
-    torque_rate_peak_n_m_s: float
-    eigenaxis_torque_rate_peak_n_m_s: float
+    onto: Count | None
+    angle_deg: HalfTurnDeg
+    duration_s: NotNegative
+    eigenaxis_s: NotNegative
+    bang_coast_bang_s: NotNegative
+    torque_rate_peak_n_m_s: NotNegative
+    eigenaxis_torque_rate_peak_n_m_s: NotNegative
     method: str
     status: str
-    solve_s: float
+    solve_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,10 +130,10 @@ class ImagingChoiceOut:
     greedy_value: what taking the most valuable that fits, one after another, is worth.
     """
 
-    value: float
-    bound: float
+    value: NotNegative
+    bound: NotNegative
     proven_optimal: bool
-    greedy_value: float
+    greedy_value: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,12 +154,12 @@ class SpacecraftVerificationOut:
 
     passed: bool
     findings: list[str]
-    rate_max_deg_s: list[float]
-    torque_max_n_m: float
-    momentum_max_n_m_s: float
-    gimbal_rate_max_deg_s: float
-    gimbal_margin: float
-    momentum_mismatch_n_m_s: float
+    rate_max_deg_s: list[NotNegative]
+    torque_max_n_m: NotNegative
+    momentum_max_n_m_s: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
+    gimbal_margin: NotNegative
+    momentum_mismatch_n_m_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,17 +183,17 @@ class SteadinessOut:
     """
 
     request: str
-    look: int
+    look: Count
     steady: bool
-    rate_error_deg_s: list[float]
-    rate_error_rms_deg_s: float
-    pointing_error_deg: float
-    settled_s: float
-    spare_s: float
-    smear_px: float
-    momentum_margin_n_m_s: float
-    gimbal_margin: float
-    gimbal_rate_max_deg_s: float
+    rate_error_deg_s: list[NotNegative]
+    rate_error_rms_deg_s: NotNegative
+    pointing_error_deg: HalfTurnDeg
+    settled_s: NotNegative
+    spare_s: Signed
+    smear_px: NotNegative
+    momentum_margin_n_m_s: Signed
+    gimbal_margin: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,9 +206,9 @@ class StabilisationOut:
     windows: each interval over all runs.
     """
 
-    runs: int
-    share_steady: float | None
-    worst_deg_s: float | None
+    runs: Count
+    share_steady: Share | None
+    worst_deg_s: NotNegative | None
     windows: list[SteadinessOut]
 
 
@@ -261,7 +262,7 @@ class SpacecraftDryRunResponse:
     valid: Literal[True]
     name: str
     spacecraft: str
-    requests: int
+    requests: Count
     provenance: ProvenanceOut
 
 

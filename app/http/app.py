@@ -77,6 +77,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redirect_slashes=False,
         lifespan=_ready_for_children,
         separate_input_output_schemas=False,
+        generate_unique_id_function=_operation_id,
         openapi_tags=_TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
@@ -183,3 +184,9 @@ def _answers() -> Iterator[object]:
             if isinstance(route, APIRoute):
                 yield route.response_model
                 yield from (answer.get("model") for answer in route.responses.values())
+
+
+def _operation_id(route: APIRoute) -> str:
+    """Method and path in words, such as get_plan_table: names of functions in generated clients."""
+    words = route.path.removeprefix("/v1").replace("s/{id}", "").split("/")
+    return "_".join((*(route.methods or ()), *words[1:])).lower()

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Annotated
 
+from pydantic import Field
 from sqlalchemy import Connection, insert, select
 
 from app.store.database import Database
@@ -23,7 +25,7 @@ class AuditEntry:
     detail: more about it, if there is.
     """
 
-    id: int
+    id: Annotated[int, Field(ge=1)]
     at: str
     key_id: str | None
     action: str

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import estimate_out, numbers_of
 from app.answers.members import ProvenanceOut, to_json
+from app.answers.ranges import DirectionPart, Signed
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
@@ -45,10 +46,10 @@ class PictureOut:
 
     image_png: str
     at: str
-    position_itrf_km: list[float]
-    q_body_from_eci_xyzw: list[float]
-    nadir_body: list[float]
-    nadir_geodetic_body: list[float]
+    position_itrf_km: list[Signed]
+    q_body_from_eci_xyzw: list[DirectionPart]
+    nadir_body: list[DirectionPart]
+    nadir_geodetic_body: list[DirectionPart]
 
 
 @contextmanager

@@ -8,9 +8,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
 from planner.arrays import Array, Indices
 from planner.attitude import AttitudeLaw
@@ -61,8 +62,8 @@ class Contribution:
     """
 
     cause: str
-    sigma_arcsec: float
-    ground_m: float | None
+    sigma_arcsec: Annotated[float, Field(ge=0.0)]
+    ground_m: Annotated[float, Field(ge=0.0)] | None
     is_bias: bool
     basis: str
     better: str

@@ -1,5 +1,6 @@
 """Gives each field of the schema an example: what it holds in the worked requests and answers."""
 
+import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -52,8 +53,8 @@ def _show(schema: Schema, value: Any, schemas: Mapping[str, Schema]) -> None:  #
             field = fields.get(name, others)
             if isinstance(field, dict):
                 _show(field, part, schemas)
-                if name in fields and "examples" not in field and _is_plain(part):
-                    field["examples"] = [_short(part)]
+                if name in fields and part not in (None, [], {}) and not _has_fields(field):
+                    field.setdefault("examples", [_short(part)])
     elif isinstance(value, list) and isinstance(schema.get("items"), dict):
         for part in value:
             _show(schema["items"], part, schemas)
@@ -83,25 +84,24 @@ def _fits(schema: Schema, value: Any) -> bool:  # noqa: ANN401
     )
 
 
-def _is_plain(value: object) -> bool:
-    """No object, nor a list or mapping of any, nor nothing."""
-    if isinstance(value, list):
-        return bool(value) and all(map(_is_plain, value))
-    if isinstance(value, dict):
-        return bool(value) and all(isinstance(part, int | float | str) for part in value.values())
-    return value is not None
+def _has_fields(field: Schema) -> bool:
+    """Whether it holds objects, which have fields with examples of their own."""
+    return "$ref" in json.dumps(field)
 
 
 def _short(value: Any) -> Any:  # noqa: ANN401
     if isinstance(value, str):
         return value[:_CHARACTERS_SHOWN]
+    if isinstance(value, dict):
+        return {name: _short(part) for name, part in value.items()}
     return value[:_ENTRIES_SHOWN] if isinstance(value, list) else value
 
 
 def _by_itself(field: Schema) -> object:
     """Its first choice or default; None where it holds objects or says neither."""
+    if _has_fields(field):
+        return None
     for part in (field, *field.get("anyOf", ())):
         if "const" in part or "enum" in part:
-            return part.get("const", part.get("enum", [None])[0])
-    default = field.get("default")
-    return default if _is_plain(default) else None
+            return part.get("const") or part["enum"][0]
+    return field.get("default")

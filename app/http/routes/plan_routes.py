@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
 from app.answers.members import provenance, to_json
+from app.answers.ranges import NotNegative
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -109,13 +110,13 @@ class TableAlone(BaseModel, extra="allow"):
     epoch: of row 0; UTC.
     step_s: from row to row.
     t_s: of each row, since the epoch.
-    description: what the columns mean.
+    description: frames, units and the interpolation.
     """
 
     name: str
     epoch: str
-    step_s: float
-    t_s: list[float]
+    step_s: NotNegative
+    t_s: list[NotNegative]
     description: dict[str, Any]
 
 
