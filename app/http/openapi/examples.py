@@ -6,7 +6,7 @@ from typing import Any
 
 from app.http.openapi.fields import Schema
 
-_ENTRIES_SHOWN = 3
+_ENTRIES_SHOWN = 5  # no list of fixed length has more
 _CHARACTERS_SHOWN = 300  # of a text; whole messages are in the worked examples
 
 
@@ -64,7 +64,9 @@ def _meant(schema: Schema, value: Any, schemas: Mapping[str, Schema]) -> Schema:
     """What a value is, where the schema refers to another or leaves a choice."""
     if "$ref" in schema:
         return schemas[schema["$ref"].rsplit("/", 1)[1]]
-    choices = [_meant(one, value, schemas) for one in schema.get("oneOf", schema.get("anyOf", ()))]
+    choices = [
+        _meant(one, value, schemas) for part in ("oneOf", "anyOf") for one in schema.get(part, ())
+    ]
     return next((one for one in choices if _fits(one, value)), schema)
 
 
