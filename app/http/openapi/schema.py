@@ -103,8 +103,21 @@ def complete(document: dict[str, Any], answers: Iterable[object]) -> dict[str, A
     }
     for stock in ("HTTPValidationError", "ValidationError"):
         schemas.pop(stock, None)
+    _document_parameters(document)
     show_examples(document)
     return document
+
+
+def _document_parameters(document: dict[str, Any]) -> None:
+    """A parameter is left out, never null, and needs no title that repeats its name."""
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            for parameter in operation.get("parameters", ()):
+                schema = parameter["schema"]
+                schema.pop("title", None)
+                if "anyOf" in schema:
+                    [given] = [one for one in schema.pop("anyOf") if one != {"type": "null"}]
+                    schema |= given
 
 
 def _document_answers(document: dict[str, Any]) -> None:
