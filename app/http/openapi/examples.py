@@ -42,6 +42,8 @@ def _of_content(content: Mapping[str, Schema]) -> Iterator[tuple[Schema, Any]]:
             values = [example["value"] for example in media.get("examples", {}).values()]
             values += [media["example"]] if "example" in media else []
             yield from ((media["schema"], value) for value in values)
+            for part in media["schema"].get("properties", {}).values():  # of a form
+                yield from ((part, value) for value in part.get("examples", ()))
 
 
 def _show(schema: Schema, value: Any, schemas: Mapping[str, Schema]) -> None:  # noqa: ANN401
