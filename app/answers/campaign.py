@@ -26,8 +26,8 @@ class CampaignChoiceOut:
     passes: how many there are looks in.
     unseen: ids of targets that can't be looked at for as long as they must. E.g. `["Reykjavik"]`.
     left_out: ids of targets that can, but others are worth more. E.g. `["Denver"]`.
-    warnings: what one should know before relying on it. E.g. `["the TLE is 9 days old at the
-    end"]`.
+    warnings: what one should know before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
     value: NotNegative

@@ -45,9 +45,8 @@ class CameraOut:
 
     name: the camera's.
     used: whether its frame was.
-    reason: why not, as a word; null when it was used. E.g. `"too_dark"`.
-    explanation: the reason in full; null when it was used. E.g. `"the frame is too dark to show a
-    limb"`.
+    reason: why not, as a word; null when it was used. E.g. `"all_black"`.
+    explanation: the reason in full; null when it was used. E.g. `"the frame is black"`.
     arc_deg: limb found, as azimuth about nadir.
     residual_px: rms distance of the limb points from the fit; null without one.
     overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb points
@@ -68,8 +67,9 @@ class EstimateResponse:
     """The local vertical in body axes.
 
     verdict: what the images say of the attitude.
-    reason: why nothing could be measured, as a word; null when it was. E.g. `"no_limb"`.
-    explanation: the reason in full; null when it was measured. E.g. `"no frame shows a horizon"`.
+    reason: why nothing could be measured, as a word; null when it was. E.g. `"no_horizon"`.
+    explanation: the reason in full; null when it was measured. E.g.
+    `"too little of the limb was found"`.
     nadir_body: geocentric, a unit vector; null when the verdict is `not_observable`.
     nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
     `not_observable`.
@@ -83,8 +83,8 @@ class EstimateResponse:
     limb_height_sigma_km: its 1-sigma.
     check: the measured nadir against the predicted one; null without a prediction.
     cameras: each one's part, in the request's order.
-    warnings: what one should know before relying on it. E.g. `["one camera only: the nadir is known
-    along its arc alone"]`.
+    warnings: what one should know before relying on it. E.g.
+    `["cameras left out: right"]`.
     """
 
     verdict: Verdict
@@ -111,8 +111,8 @@ class PredictionResponse:
     """One view per instant and camera.
 
     views: instants in the order asked for, cameras within each.
-    warnings: what one should know before relying on it. E.g. `["the TLE is 9 days old at the
-    end"]`.
+    warnings: what one should know before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
     views: list[ViewOut]

@@ -17,7 +17,7 @@ class ViewOut:
     limb_in_frame: whether any of the limb is.
     arc_deg: limb in frame, as azimuth about nadir.
     lit_arc_deg: what of it stands in daylight and away from the Sun.
-    lit: whether enough of it does.
+    lit: whether any of it does.
     sun_angle_deg: of the Sun from the boresight.
     sun_in_frame: whether the Sun's disk is in the frame.
     sigma_deg: expected 1-sigma of geocentric nadir by this camera alone; null when it is not
@@ -47,8 +47,9 @@ class HorizonCheckOut:
     session: its number, from 0. E.g. `0`.
     camera: its name. E.g. `"ahead"`.
     usable: in all three. E.g. `true`.
-    reason: of the first that is not usable, as a word; null when all are. E.g. `"sun_in_frame"`.
-    explanation: the reason in full; null when all are usable. E.g. `"the Sun is in the frame"`.
+    reason: of the first that is not usable, as a word; null when all are. E.g. `"low_sun"`.
+    explanation: the reason in full; null when all are usable. E.g.
+    `"the Sun is too low at the craft"`.
     views: at the three instants.
     """
 

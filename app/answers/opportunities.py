@@ -130,8 +130,8 @@ class OpportunitiesResponse:
     stop: of the time searched; UTC.
     windows: all there are.
     unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
-    warnings: what one should know before relying on it. E.g. `["the TLE is 9 days old at the
-    end"]`.
+    warnings: what one should know before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
     start: str

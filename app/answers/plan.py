@@ -99,7 +99,7 @@ class KeepOutMarginOut:
     """How near the boresight comes to the axis of one cone of `slew.keep_out`.
 
     number: of the cone in the request, from 0. E.g. `0`.
-    about: what the cone is about. E.g. `"sun"`.
+    about: what the cone is about. E.g. `"the Sun"`.
     half_angle_deg: of the cone. E.g. `25.0`.
     away_min_deg: least angle between boresight and the cone's axis; null when the cone never counts
     (the Earth hides its body). E.g. `31.2`.
@@ -124,7 +124,7 @@ class FindingOut:
     limit: what was looked at. E.g. `"rate"`.
     axis: its name; null when it is no single axis's. E.g. `"alpha"`.
     at: when; UTC, null when it has no time. E.g. `"2015-02-27T17:36:10.000Z"`.
-    detail: what was found. E.g. `"alpha turns at 3.1 deg/s, more than 3 deg/s"`.
+    detail: what was found. E.g. `"alpha reaches 3.1 deg/s, 0.1 deg/s past its limit of 3 deg/s"`.
     """
 
     severity: Literal["error", "warning"]

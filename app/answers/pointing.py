@@ -152,7 +152,7 @@ class UncertaintyOut:
     ground_m: the same across the line of sight at the target; null for a target in the sky.
     probability_in_frame: that the target stays inside the camera's frame over the whole session,
     from where the table holds it.
-    contributions: one by one, the largest first.
+    contributions: cause by cause.
     """
 
     session: Count

@@ -106,3 +106,26 @@ def test_no_default_is_an_object():
     assert [(s, n) for s, n, field in fields if isinstance(field.get("default"), dict)] == []
     conditions = SCHEMAS["OpportunityRequest"]["properties"]["conditions"]
     assert "Left out: `" in conditions["description"]
+
+
+def test_every_parameter_is_told_and_never_null():
+    parameters = [
+        (operation["operationId"], parameter)
+        for path in DOCUMENT["paths"].values()
+        for operation in path.values()
+        for parameter in operation.get("parameters", ())
+    ]
+    for operation, parameter in parameters:
+        where = f"{parameter['name']} of {operation}"
+        assert parameter.get("description"), f"{where}: give it Field(description=...)"
+        assert "null" not in json.dumps(parameter["schema"]), where
+
+
+def test_pages_offer_files_for_horizon_frames_and_show_pictures():
+    """A file chooser needs `binary`; the first kind of answer is the one that pages ask for."""
+    horizon = DOCUMENT["paths"]["/v1/horizon/estimates"]["post"]["requestBody"]["content"]
+    parts = horizon["multipart/form-data"]["schema"]["properties"]
+    assert parts["images"]["items"] == {"type": "string", "format": "binary"}
+    assert parts["request"]["examples"]
+    picture = DOCUMENT["paths"]["/v1/horizon/images"]["post"]["responses"]["200"]["content"]
+    assert list(picture) == ["image/png", "application/json"]

@@ -57,6 +57,8 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
     described = schemas[ref.rsplit("/", 1)[1]]
     assert described["properties"][member]["const"] == kind
     assert member in described["required"]
+    assert "default" not in described["properties"][member]
+    assert list(union["discriminator"]["mapping"]) == list(REGISTERED[schema, field])  # as told
     assert described["additionalProperties"] is False
     assert set(described["properties"]) == {field.name for field in dataclasses.fields(cls)}
     assert described["description"]

@@ -124,9 +124,7 @@ def _describe(field: Schema, name: str, text: str, schemas: Mapping[str, Schema]
     for choice in (field, field.get("items", {}), field.get("additionalProperties", {})):
         if kinds := isinstance(choice, dict) and choice.get("discriminator"):
             choice["type"] = "object"  # which pages name
-            text += (
-                f" `{kinds['propertyName']}` is one of {', '.join(map(repr, kinds['mapping']))}."
-            )
+            text += f" `{kinds['propertyName']}` is one of `{'`, `'.join(kinds['mapping'])}`."
     default = field.get("default")
     if default and ("$ref" in field or "oneOf" in field or isinstance(default, dict)):
         # Generators of clients know no defaults that are objects.
