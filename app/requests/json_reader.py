@@ -86,7 +86,7 @@ class _JsonSchema(GenerateJsonSchema):
     def field_title_should_be_set(self, schema: Any) -> bool:  # noqa: ANN401 (pydantic's)
         return False
 
-    def sort(self, value: dict[str, Any], parent_key: str | None = None) -> dict[str, Any]:
+    def sort(self, value: dict[str, Any], *_: object, **__: object) -> dict[str, Any]:
         return value
 
 
