@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from app.answers.members import DECIMALS, fill
-from app.answers.ranges import Count, NotNegative, Share
+from app.answers.ranges import Count, NotNegative, Share, Signed
 from planner.slew.compare import SlewComparison, SlewFigures
 
 
@@ -17,7 +17,7 @@ class AxisFigures:
     peak_jerk_deg_s3: largest jerk.
     jerk_squared_integral_deg2_s5: the cost the objective `smooth` makes least.
     limits_broken: limits the axis breaks. E.g. `["rate"]`.
-    end_error_arcsec: distance from the angle wanted at the end.
+    end_error_arcsec: the angle reached at the end less the one wanted.
     """
 
     peak_rate_deg_s: NotNegative
@@ -25,7 +25,7 @@ class AxisFigures:
     peak_jerk_deg_s3: NotNegative | None
     jerk_squared_integral_deg2_s5: NotNegative | None
     limits_broken: list[str]
-    end_error_arcsec: NotNegative
+    end_error_arcsec: Signed
 
 
 @dataclass(frozen=True, kw_only=True)
