@@ -153,7 +153,7 @@ class TrackBreaksLimit(Refusal):
 class GiveUp:
     """What one session would lose if the plan's `on_conflict` were set so.
 
-    on_conflict: the way out. E.g. `"shorten_later"`.
+    on_conflict: the setting that would lose this. E.g. `"shorten_later"`.
     session: number of the session that loses, from 0. E.g. `1`.
     start_later_s: by how much it would begin later. E.g. `12.4`.
     stop_earlier_s: by how much it would end earlier. E.g. `0.0`.

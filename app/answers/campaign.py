@@ -46,7 +46,7 @@ class CampaignChoiceOut:
 class CampaignLookOut:
     """A look at a target as it was chosen; its plan tells what a slew took from it.
 
-    target: its id.
+    target: id of the target, as the request gives it.
     start: from when; UTC.
     stop: until when; UTC.
     value: what it is worth.
@@ -62,7 +62,7 @@ class CampaignLookOut:
 class LookLeftOut:
     """A look that planning refused, and why.
 
-    target: its id. E.g. `"Denver"`.
+    target: id of the target, as the request gives it. E.g. `"Denver"`.
     because: the refusal's reason. E.g. `"alpha needs 2.500 s to slew but only 1.000 s remain"`.
     """
 
@@ -76,10 +76,10 @@ class CampaignPassOut:
 
     number: from 0, in order of time.
     plan: id of its plan, GET /v1/plans/{id}.
-    state: of that plan.
+    state: where that plan stands.
     start: row 0 of its table; UTC.
     stop: last row of its table; UTC.
-    looks: those chosen.
+    looks: those chosen for this pass.
     left_out: looks that could not be flown; a plan without them took the place of the one that was
     refused.
     problem: why there is no plan; null when there is one or may be.

@@ -43,7 +43,7 @@ class CheckOut:
 class CameraOut:
     """One camera's part in the estimate.
 
-    name: the camera's.
+    name: the camera's, as the request gives it.
     used: whether its frame was.
     reason: why not, as a word; null when it was used. E.g. `"all_black"`.
     explanation: the reason in full; null when it was used. E.g. `"the frame is black"`.

@@ -10,7 +10,7 @@ class ViewOut:
     """What one camera will see at one instant.
 
     at: the instant; UTC.
-    camera: its name.
+    camera: the camera's name.
     usable: whether an estimate from its frame will be of use.
     reason: why not, as a word; null when it is usable.
     explanation: the reason in full; null when it is usable.
@@ -45,8 +45,8 @@ class HorizonCheckOut:
     """One camera's use in one session, seen at its start, middle and stop.
 
     session: its number, from 0. E.g. `0`.
-    camera: its name. E.g. `"ahead"`.
-    usable: in all three. E.g. `true`.
+    camera: the camera's name. E.g. `"ahead"`.
+    usable: whether its frames will be of use at all three. E.g. `true`.
     reason: of the first that is not usable, as a word; null when all are. E.g. `"low_sun"`.
     explanation: the reason in full; null when all are usable. E.g.
     `"the Sun is too low at the craft"`.

@@ -16,9 +16,9 @@ from app.store.jobs import Job
 class JobResponse:
     """Where the work on a plan stands.
 
-    id: `GET` what comes of it under this.
+    id: of what is made, as its address names it.
     state: where it stands.
-    name: the request's.
+    name: as the request gives it.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     input_sha256: of the request's bytes.

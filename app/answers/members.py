@@ -111,7 +111,7 @@ def provenance(planned_at_utc: datetime, *parts: bytes) -> ProvenanceOut:
 class PlanHead:
     """How a plan is found again.
 
-    id: `GET` it under this.
+    id: of the plan, as its address names it.
     state: `done` once verified.
     revision: from 1, one more for each plan that replaces another.
     revises: id of the plan it replaces; null for none. E.g.

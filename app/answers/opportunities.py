@@ -22,7 +22,7 @@ Column = list[Any]
 class _Sighting:
     """How a target is seen; null where a number has no meaning or no end.
 
-    at: when; UTC.
+    at: when it is seen so; UTC.
     elevation_deg: of the carrier in the target's sky; of a target in space its height above the
     raised limb.
     range_km: distance; null for a star.
@@ -89,7 +89,7 @@ class SessionTimesOut:
 class WindowOut:
     """One stretch in which all conditions hold for a target.
 
-    target: its id.
+    target: id of the target, as the request gives it.
     rise: when it begins; UTC.
     set: when it ends; UTC.
     duration_s: from rise to set.

@@ -81,7 +81,7 @@ class MarginOut:
     limit: the most the axis may. [see `unit`]
     extreme: the nearest to it that the axis comes. [see `unit`]
     margin: what is left; negative when the limit is broken. [see `unit`]
-    unit: of the three.
+    unit: of limit, extreme and margin.
     t_s: when it comes so near, since the table's epoch.
     at: the same instant; UTC.
     """
@@ -153,7 +153,7 @@ class SlewRunOut:
     """How one slew was solved.
 
     session: number of the session it leads to, from 0.
-    backend: the method.
+    backend: the method, as `slew.method` names it.
     status: how the solver ended.
     iterations: of the solver.
     wall_s: time it took to solve.
@@ -174,11 +174,11 @@ class SlewRunOut:
 class SolverOut:
     """How the slews were solved, all together and one by one.
 
-    backend: the methods.
+    backend: the methods, as `slew.method` names them.
     status: how the solver ended.
     iterations: of the solver.
     wall_s: time it took to solve all slews.
-    slews: one by one.
+    slews: how each one was solved.
     stages_wall_s: time of each stage of the whole plan.
     """
 
@@ -194,8 +194,8 @@ class SolverOut:
 class PlanDocument:
     """What is known of a plan beside its table.
 
-    name: the request's.
-    platform: its name.
+    name: as the request gives it.
+    platform: the platform's name.
     segments: what the table does, in order of time.
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
@@ -239,8 +239,8 @@ class DryRunResponse:
     """The request can be read; nothing was planned.
 
     valid: always true; what isn't is refused.
-    name: the request's.
-    platform: its name.
+    name: as the request gives it.
+    platform: the platform's name.
     sessions: how many there are.
     """
 

@@ -17,7 +17,7 @@ ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 class SlowStretchOut:
     """An axis commanded below its least smooth drive rate, where friction may shake it.
 
-    axis: its name.
+    axis: name of the axis.
     start: from when; UTC.
     stop: until when; UTC.
     """

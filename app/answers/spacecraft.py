@@ -60,7 +60,7 @@ class AttitudeTableOut:
 class ImagingWindowOut:
     """One stretch with the camera on, as the judge finds it on the ground.
 
-    request: its name.
+    request: name of the request it belongs to.
     look: which strip, look or leg of the request, from 0.
     start: first row; UTC.
     stop: last row; UTC.
@@ -167,7 +167,7 @@ class SpacecraftVerificationOut:
 class SteadinessOut:
     """One imaging interval over all dispersed closed-loop runs.
 
-    request: its name.
+    request: name of the request it belongs to.
     look: which strip, look or leg of the request, from 0.
     steady: within 0.001 deg/s on every axis in every run.
     rate_error_deg_s: largest per body axis.
@@ -217,8 +217,8 @@ class StabilisationOut:
 class SpacecraftPlanDocument:
     """What is known of a session beside its table.
 
-    name: the request's.
-    spacecraft: its name.
+    name: as the request gives it.
+    spacecraft: the spacecraft's name.
     windows: what is imaged, in order of time.
     left_out: requests that don't fit, and why.
     choice: how good it is.
@@ -255,8 +255,8 @@ class SpacecraftDryRunResponse:
     """The request can be read; nothing was planned.
 
     valid: always true; what isn't is refused.
-    name: the request's.
-    spacecraft: its name.
+    name: as the request gives it.
+    spacecraft: the spacecraft's name.
     requests: how many there are.
     """
 

@@ -31,7 +31,7 @@ IERS_WARNING_DAYS = 30.0
 class ReadinessCheckOut:
     """One thing the service depends on.
 
-    name: what it is.
+    name: what is depended on.
     state: `degraded` still works, and `detail` says how well.
     detail: what was found.
     """

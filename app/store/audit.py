@@ -17,7 +17,7 @@ class AuditEntry:
     """One deed.
 
     id: greater than those before.
-    at: when; UTC.
+    at: when it was done; UTC.
     key_id: id of the API key it was done with; null without one. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     action: what was done.

@@ -53,7 +53,7 @@ _DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless state
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
-    cause: what errs.
+    cause: what is not known exactly.
     sigma_arcsec: its 1-sigma.
     ground_m: across the line of sight at the target, null for a target in the sky.
     is_bias: constant over the session, or a swing as slow as the orbit.

@@ -56,7 +56,7 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
 
     points: two or more, in the order in which they are passed; heights change linearly between.
     speed_m_s: over the ellipsoid's surface, constant on the legs.
-    start: when the first point is passed; UTC, the session's start unless given (`starting`). E.g.
+    start: when the first point is passed; UTC, the session's start unless given. E.g.
     `"2015-02-27T17:36:20Z"`.
     corner_s: how long the turn from one leg to the next lasts. The velocity turns over with
     continuous jerk, the timetable stays: halfway the speed has dropped to cos(turn/2) of itself and

@@ -106,7 +106,7 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
 class TableAlone(BaseModel, extra="allow"):
     """The table by itself, as `format=json` asks: a list per column, and what they mean.
 
-    name: of the plan.
+    name: of the plan, as its request gives it.
     epoch: of row 0; UTC.
     step_s: from row to row.
     t_s: of each row, since the epoch.

@@ -31,8 +31,8 @@ _NOT_READY: dict[int | str, dict[str, Any]] = {
 class Health:
     """The process answers.
 
-    status: always ok.
-    version: of slewtrack.
+    status: ok, as long as there is an answer.
+    version: of slewtrack, as installed.
     """
 
     status: Literal["ok"]
@@ -44,7 +44,7 @@ class ReadinessResponse:
     """What the service depends on.
 
     status: `degraded` when a check is, which plans then warn of.
-    checks: one by one.
+    checks: what was looked at, one by one.
     """
 
     status: Literal["ready", "degraded"]
