@@ -19,25 +19,8 @@ FIELDS = [
 ]
 
 # Of names in the project, none of them of a field of the schema yet.
-UNITS_NOT_WRITTEN = [
-    "rad",
-    "rad2",
-    "mm",
-    "um",
-    "nm",
-    "us",
-    "ms",
-    "day",
-    "days",
-    "orbits",
-    "k",
-    "pa",
-    "bytes",
-    "mib",
-    "m3",
-    "m2",
-    "percent",
-]
+UNITS_NOT_WRITTEN = {"rad", "rad2", "mm", "um", "nm", "us", "ms", "day", "days", "orbits", "k", "pa"}
+UNITS_NOT_WRITTEN |= {"bytes", "mib", "m3", "percent"}
 
 
 def declared(name):
