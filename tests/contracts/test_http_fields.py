@@ -19,8 +19,8 @@ FIELDS = [
 ]
 
 # Of names in the project, none of them of a field of the schema yet.
-UNITS_NOT_WRITTEN = {"rad", "rad2", "mm", "um", "nm", "us", "ms", "day", "days", "orbits", "k", "pa"}
-UNITS_NOT_WRITTEN |= {"bytes", "mib", "m3", "percent"}
+UNITS_NOT_WRITTEN = {"rad", "rad2", "mm", "um", "nm", "us", "ms", "day", "days", "k", "pa"}
+UNITS_NOT_WRITTEN |= {"orbits", "bytes", "mib", "m3", "percent"}
 
 
 def declared(name):
