@@ -34,10 +34,13 @@ class ViewWeights:
 
     Qualities lie between 0 and 1; a look is worth their product, each to the power of its
     weight, as a mean over the look.  A weight of 0 leaves one out, 1 counts it in proportion.
-    ground_sample: the ground sample straight below the carrier over that at the target (the
-    longer side of a pixel).  off_nadir: cosine of the angle from the geocentric nadir.  sun: sine
-    of the Sun's elevation at the target, 0 by night.  These are 1 for a target in space.
-    probability: that the target is in the frame at an instant, by the pointing budget; that it
+    All but the last are 1 for a target in space.
+
+    ground_sample: weight of the ground sample straight below the carrier over that at the target
+    (longer side of a pixel).
+    off_nadir: weight of the cosine of the angle from the geocentric nadir.
+    sun: weight of the sine of the Sun's elevation at the target, 0 by night.
+    probability: weight of the probability that the target is in the frame at an instant; that it
     stays there for the whole look, which a plan tells, is less by 0.1 or so.
     """
 
