@@ -4,6 +4,7 @@ import base64
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import zip_longest
 from typing import Any
 
@@ -16,6 +17,7 @@ from estimator.errors import Reason
 from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
 from estimator.prediction import HorizonPrediction
 from planner.arrays import Array
+from planner.frames.time_scales import utc_text
 
 PIXEL_DECIMALS = 2
 
@@ -33,6 +35,19 @@ class CheckOut:
     along_deg: float
     across_deg: float
     probability: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorrectionOut:
+    """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
+    takes it where the attitude predicted is that of its law.
+
+    turn_body_deg: rotation vector; covariance_deg2: of its components, 180 deg about nadir.
+    """
+
+    epoch: str
+    turn_body_deg: list[float]
+    covariance_deg2: list[list[float]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +76,7 @@ class EstimateResponse:
     nadir_body: geocentric, nadir_geodetic_body: normal to the ellipsoid; both null when the
     verdict is `not_observable`, for `reason`.  covariance_deg2: of geocentric nadir on the
     two unit vectors `axes_body` across it; sigma_deg: rms of its angle to the true one; the
-    same of geodetic nadir under `geodetic_...`.  check: null without a prediction.
+    same of geodetic nadir under `geodetic_...`.  check, correction: null without a prediction.
     """
 
     verdict: Verdict
@@ -78,6 +93,7 @@ class EstimateResponse:
     limb_height_km: float | None
     limb_height_sigma_km: float | None
     check: CheckOut | None
+    correction: CorrectionOut | None
     cameras: list[CameraOut]
     warnings: list[str]
     provenance: ProvenanceOut
@@ -93,9 +109,12 @@ class PredictionResponse:
 
 
 def estimate_out(
-    estimate: VerticalEstimate, overlays: Sequence[bytes], provenance: ProvenanceOut
+    estimate: VerticalEstimate,
+    epoch_utc: datetime,
+    overlays: Sequence[bytes],
+    provenance: ProvenanceOut,
 ) -> EstimateResponse:
-    """overlays: PNG files, one per camera, or none at all."""
+    """epoch_utc: of the images.  overlays: PNG files, one per camera, or none at all."""
     geocentric, geodetic, check = estimate.geocentric, estimate.geodetic, estimate.check
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
     return fill(
@@ -109,6 +128,12 @@ def estimate_out(
         limb_height_km=_kilometres(estimate.limb_height_m),
         limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
         check=check and fill(CheckOut, check, decimals=DECIMALS),
+        correction=check
+        and CorrectionOut(
+            epoch=utc_text(epoch_utc),
+            turn_body_deg=numbers_of(np.rad2deg(check.turn_body_rad)),
+            covariance_deg2=covariance_deg2(check.turn_covariance_rad2),
+        ),
         cameras=[
             _camera(report, overlay_png)
             for report, overlay_png in zip_longest(estimate.cameras, pictures)

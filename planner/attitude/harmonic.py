@@ -2,7 +2,7 @@
 
 from datetime import datetime
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -10,27 +10,27 @@ from scipy.spatial.transform import Rotation
 from planner.arrays import Array, Indices
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
 from planner.attitude.blend import Blend, blend
-from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
+from planner.attitude.correctable import CorrectableAttitude
+from planner.attitude.errors import AttitudeErrors, known_errors
 from planner.attitude.extrapolation import OFFSET_TAIL_S
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import Orbit, OrbitStates
-from planner.spec import Within, spec
+from planner.spec import spec
 
 HISTORY_ORBITS = 5.0
 ROW_STEP_S = 10.0
 LEAD_MAX_S = 6.0 * 3600.0
-PERIOD_RANGE_S = (5000.0, 90000.0)  # from the lowest orbit to beyond the geostationary
 
 
 @spec
-class HarmonicAttitude:
+class HarmonicAttitude(CorrectableAttitude):
     """An attitude history (CCSDS AEM, KVN or XML) carried on beyond its end.
 
     history_orbit: where the carrier was during the history; needed unless the message is
-    against a local orbital frame.  orbital_period_s: the default is the ISS's; 1 % off takes
+    against a local orbital frame.  orbital_period_s: 1 % off takes
     0.022 deg after 900 s to 0.030.
     The history is described by orbital harmonics of its attitude to LVLH and the present
     offset from them, and by the present attitude or rate alone; at each lead each counts by how
@@ -41,8 +41,6 @@ class HarmonicAttitude:
     law: Literal["harmonic"] = "harmonic"
     content: str
     history_orbit: Orbit | None = None
-    orbital_period_s: Annotated[float, Within(*PERIOD_RANGE_S)] = 5560.0
-    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -83,7 +81,7 @@ class HarmonicAttitude:
             + "parts of its own history it had not seen"
         )
 
-    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+    def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """The choice: it may be a poor one, and its rms says so; a manoeuvre in the history."""
         lead_s = max(0.0, float(instants.since_s(self._end_utc)[-1]))
         if not self.carried_on.first_row:
@@ -96,16 +94,16 @@ class HarmonicAttitude:
             "what is older is not used",
         )
 
-    def errors(self, instants: Instants) -> AttitudeErrors:
+    def law_errors(self, instants: Instants) -> AttitudeErrors:
         """From the held-out tail, so long after it as the instants are."""
         lead_s = np.maximum(instants.since_s(self._end_utc), 0.0)
         return known_errors(
             self.carried_on.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit",
             "a history that ends nearer to the session",
-        ).unless_stated(self.uncertainty)
+        )
 
-    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+    def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""
         since_end_s = instants.since_s(self._end_utc)
         for wrong, why in (
