@@ -91,7 +91,7 @@ def main() -> None:
         told.append(after)
         kept.append(stays(truth, corrected, *flown))
         middle = Instants(START_UTC, SESSION_S[5:6])
-        error = truth.turn_rad(SESSION_S[5:6]) - corrected._correction.turn_rad(middle)
+        error = truth.turn_rad(SESSION_S[5:6]) - corrected.turn_rad(middle)
         errors_deg.append(np.rad2deg(error[0]))
     plain = [stays(Truth(rng), LAW, *flown) for _ in range(2000)]
     print(f"{arguments.truths} truths, {time.perf_counter() - began_s:.0f} s")
@@ -188,9 +188,7 @@ def frame_of(size: float) -> TwoAxisPlatform:
 
 def stays(truth: Truth, law: LvlhAttitude, sight: np.ndarray, sides: np.ndarray) -> list[bool]:
     """Whether the target stays in each of SIZES where the table follows the law."""
-    left_rad = truth.turn_rad(SESSION_S)
-    if law.corrections:
-        left_rad = left_rad - law._correction.turn_rad(Instants(START_UTC, SESSION_S))
+    left_rad = truth.turn_rad(SESSION_S) - law.turn_rad(Instants(START_UTC, SESSION_S))
     moved = np.cross(left_rad, sight)
     off_rad = np.abs(np.einsum("nij,nj->ni", sides, moved)).max(axis=0)
     return [bool((off_rad <= frame_of(size).frame_half_rad).all()) for size in SIZES]

@@ -4,8 +4,10 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import Annotated
 
+import numpy as np
 from scipy.spatial.transform import Rotation
 
+from planner.arrays import Array
 from planner.attitude.corrections import Correction, Corrections
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty
 from planner.frames.time_scales import Instants
@@ -30,10 +32,14 @@ class CorrectableAttitude(ABC):
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants of `states`, as far as it is known."""
-        q_law_body_from_eci = self.q_law_body_from_eci(instants, states)
+        law = self.q_law_body_from_eci(instants, states)
+        return Rotation.from_rotvec(self.turn_rad(instants)) * law if self.corrections else law
+
+    def turn_rad(self, instants: Instants) -> Array:
+        """Rotation vectors by which corrections turn the body from its law's, (n, 3)."""
         if not self.corrections:
-            return q_law_body_from_eci
-        return Rotation.from_rotvec(self._correction.turn_rad(instants)) * q_law_body_from_eci
+            return np.zeros((len(instants), 3))
+        return self._correction.turn_rad(instants)
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """How far the carrier may be off that."""
