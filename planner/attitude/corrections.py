@@ -21,13 +21,14 @@ from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 from planner.spec import Within, spec
 
-CORRECTIONS_MAX = 200
+CORRECTIONS_MAX = 100
 # What is left of the ISS's motion beside mean and swing, about each axis (bench/truth.py).
 REST_RAD = np.deg2rad(0.01)
 # After an orbit a swing foretold on ISS telemetry is off by a tenth of itself (bench/attitude.py).
 FORGOTTEN_S = 40_000.0
 CONTRADICTS_SIGMA = 5.0
 _MODES = 6
+_AT_A_TIME = 4096  # instants, for the memory they take
 _VARIANCE_MAX_DEG2 = 1e5  # of a direction that wasn't measured
 
 _TurnDeg = Annotated[float, Within(-20.0, 20.0)]
@@ -80,8 +81,9 @@ class Correction:
 
     def turn_rad(self, instants: Instants) -> Array:
         """Expected rotation vectors from the law's body to the true one, (n, 3)."""
-        turn_rad = self._known.to(instants) @ self._known.weights
-        return np.asarray(turn_rad).reshape(-1, 3)
+        t_s = instants.since_s(self._known.instants.epoch_utc)
+        parts = np.array_split(t_s, len(t_s) // _AT_A_TIME + 1)
+        return np.concatenate([self._known.expected_rad(part_s) for part_s in parts])
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """What the law's errors are then, given the measurements."""
@@ -127,8 +129,8 @@ class _Measurements:
         epoch_utc = min((one.epoch for one in measured), key=tai_us)
         order = sorted(measured, key=lambda one: tai_us(one.epoch))
         t_s = np.array([elapsed_s(one.epoch, epoch_utc) for one in order])
-        self._instants = Instants(epoch_utc, t_s)
-        told = correction.told(self._instants)
+        self.instants = Instants(epoch_utc, t_s)
+        told = correction.told(self.instants)
         sigma_rad = np.broadcast_to(told.sigma_body_rad, (len(order), 3))
         self.bias_rad = sigma_rad.min(axis=0)
         self._swing_rad = told.swing_rms_body_rad
@@ -136,27 +138,38 @@ class _Measurements:
         own = np.diag((sigma_rad**2 - self.bias_rad**2 + REST_RAD**2).ravel())
         for k, one in enumerate(order):
             own[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += np.deg2rad(np.deg2rad(one.covariance_deg2))
-        self.covariance_rad2 = self.prior(self._instants) + own
+        self.covariance_rad2 = self.prior(self.instants) + own
         turn_rad = np.deg2rad([one.turn_body_deg for one in order]).ravel()
         self._refuse_contradiction(order, turn_rad)
         self.weights = np.linalg.solve(self.covariance_rad2, turn_rad)
 
+    def expected_rad(self, t_s: Array) -> Array:
+        """The error expected at n times of their clock, (n, 3)."""
+        swing = self._swing_memory(t_s, self.instants.t_s)
+        weights = self.weights.reshape(-1, 3)
+        constant_rad = self.bias_rad**2 * weights.sum(axis=0)
+        return np.asarray(constant_rad + self._swing_rad**2 * (swing @ weights))
+
     def to(self, instants: Instants) -> Array:
         """Covariance (rad2) of the error then with that at the measurements, (3 n, 3 k)."""
-        return self._between(instants.since_s(self._instants.epoch_utc), self._instants.t_s)
+        return self._between(instants.since_s(self.instants.epoch_utc), self.instants.t_s)
 
     def prior(self, instants: Instants) -> Array:
         """Covariance (rad2) of constant turn and swing before anything was measured, (3 n, 3 n)."""
         return self._between(instants.t_s, instants.t_s)
 
     def _between(self, t_s: Array, other_s: Array) -> Array:
-        apart_s = t_s[:, None] - other_s
-        swing = np.cos(self._rate_rad_s * apart_s) * np.exp(-0.5 * (apart_s / FORGOTTEN_S) ** 2)
+        swing = self._swing_memory(t_s, other_s)
         covariance_rad2 = np.zeros((3 * len(t_s), 3 * len(other_s)))
         for axis in range(3):
             bias, swing_rad = self.bias_rad[axis], self._swing_rad[axis]
             covariance_rad2[axis::3, axis::3] = bias**2 + swing_rad**2 * swing
         return covariance_rad2
+
+    def _swing_memory(self, t_s: Array, other_s: Array) -> Array:
+        apart_s = t_s[:, None] - other_s
+        forgotten = np.exp(-0.5 * (apart_s / FORGOTTEN_S) ** 2)
+        return np.asarray(np.cos(self._rate_rad_s * apart_s) * forgotten)
 
     def _refuse_contradiction(self, order: list[AttitudeCorrection], turn_rad: Array) -> None:
         """Each against the law and all that came before it."""
