@@ -21,9 +21,10 @@ PERIOD_RANGE_S = (5000.0, 90000.0)  # from the lowest orbit to beyond the geosta
 class CorrectableAttitude(ABC):
     """A law that measured rotations correct.
 
-    uncertainty: how far the carrier may be off the law.  corrections: measured differences from
-    it, which condition that; one 5 sigma off is refused with InvalidInput.  orbital_period_s: of
-    the carrier's swing; the default is the ISS's.
+    orbital_period_s: of the carrier's swing; the default is the ISS's.
+    uncertainty: how far the carrier may be off the law.
+    corrections: measured differences from the law, which condition that; one 5 sigma off is
+    refused.
     """
 
     orbital_period_s: Annotated[float, Within(*PERIOD_RANGE_S)] = 5560.0

@@ -40,9 +40,13 @@ _Row = tuple[_VarianceDeg2, _VarianceDeg2, _VarianceDeg2]
 class AttitudeCorrection:
     """A measured difference of the body's attitude from the law's, the law without corrections.
 
-    turn_body_deg: rotation vector in body axes that carries the law's body onto the true one:
-    q_body_from_eci = Rotation.from_rotvec(turn) * the law's.  covariance_deg2: of its components,
-    symmetric; 32,400 deg2 along a direction that was not measured, as the vertical of a horizon.
+    q_body_from_eci is Rotation.from_rotvec(turn) * the law's.
+
+    epoch: when it was measured; UTC. E.g. `"2015-02-27T17:28:20Z"`.
+    turn_body_deg: rotation vector in body axes that carries the law's body onto the true one. E.g.
+    `[0.25, 0.05, 0.0]`.
+    covariance_deg2: of its components, symmetric; 32,400 along a direction that was not measured,
+    as the vertical of a horizon. E.g. `[[4e-4, 0.0, 0.0], [0.0, 4e-4, 0.0], [0.0, 0.0, 32400.0]]`.
     """
 
     epoch: datetime

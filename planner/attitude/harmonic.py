@@ -29,13 +29,15 @@ LEAD_MAX_S = 6.0 * 3600.0
 class HarmonicAttitude(CorrectableAttitude):
     """An attitude history (CCSDS AEM, KVN or XML) carried on beyond its end.
 
-    history_orbit: where the carrier was during the history; needed unless the message is
-    against a local orbital frame.  orbital_period_s: 1 % off takes
-    0.022 deg after 900 s to 0.030.
-    The history is described by orbital harmonics of its attitude to LVLH and the present
-    offset from them, and by the present attitude or rate alone; at each lead each counts by how
-    well it predicts the history's own tail so far ahead.  What is older than a manoeuvre isn't
-    used.  On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+    The history is described by orbital harmonics of its attitude to LVLH and the present offset
+    from them, and by the present attitude or rate alone; at each lead each counts by how well it
+    predicts the history's own tail so far ahead.  What is older than a manoeuvre isn't used.  On
+    ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+
+    content: the whole message, line breaks included.
+    history_orbit: where the carrier was during the history; needed unless the message is against a
+    local orbital frame.
+    orbital_period_s: the default is the ISS's; 1 % off takes 0.022 deg after 900 s to 0.030.
     """
 
     law: Literal["harmonic"] = "harmonic"

@@ -30,7 +30,10 @@ def _check_positions(positions: tuple[Position, ...]) -> None:
 
 @spec
 class GeoLineString:
-    """A GeoJSON line: positions [longitude, latitude], degrees."""
+    """A GeoJSON line.
+
+    coordinates: positions [longitude, latitude], WGS84, east and north positive [deg]
+    """
 
     type: Literal["LineString"] = "LineString"
     coordinates: tuple[Position, ...]
@@ -94,7 +97,11 @@ def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
 
 @spec
 class GeoPolygon:
-    """A GeoJSON polygon without holes: one closed ring of positions, degrees."""
+    """A GeoJSON polygon without holes.
+
+    coordinates: one closed ring of positions [longitude, latitude], WGS84, east and north positive
+    [deg]
+    """
 
     type: Literal["Polygon"] = "Polygon"
     coordinates: tuple[tuple[Position, ...], ...]
