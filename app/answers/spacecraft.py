@@ -74,7 +74,9 @@ class TurnOut:
 
     onto: number of the window it leads to, null for orbital orientation.  eigenaxis_s: least
     time about the Euler axis with the same torque and torque rate; bang_coast_bang_s: the
-    paper's, with any torque rate.
+    paper's, with any torque rate.  time_from: of a `minimum_time` turn, what found the least time
+    it was given: `ocp`, or `eigenaxis` where no shorter turn than that was found; null for turns
+    that take the time there is.
     """
 
     start: str
@@ -87,6 +89,7 @@ class TurnOut:
     torque_rate_peak_n_m_s: float
     eigenaxis_torque_rate_peak_n_m_s: float
     method: str
+    time_from: Literal["ocp", "eigenaxis"] | None
     status: str
     solve_s: float
 

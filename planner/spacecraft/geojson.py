@@ -30,7 +30,13 @@ def _check_positions(positions: tuple[Position, ...]) -> None:
 
 @spec
 class GeoLineString:
-    """A GeoJSON line: positions [longitude, latitude], degrees."""
+    """A GeoJSON line: positions [longitude, latitude], degrees.
+
+    Between two positions it lies in the plane through both and the Earth's centre, as it is
+    scanned, not straight in longitude and latitude as RFC 7946 has it: at 45 deg of latitude and
+    at right angles to the meridian 70 m poleward of that in the middle of 60 km, 4 times as much
+    of 120 km; put positions between where that matters.
+    """
 
     type: Literal["LineString"] = "LineString"
     coordinates: tuple[Position, ...]
