@@ -87,8 +87,8 @@ class StereoRequest(ImagingRequest):
         _two_positions(self.geometry)
         if self.look_angle_deg is not None and self.gap_s is not None:
             raise ValueError(
-                f"look_angle_deg ({self.look_angle_deg:g}) and gap_s ({self.gap_s:g}) both say when "
-                "the looks are: leave one out"
+                f"look_angle_deg ({self.look_angle_deg:g}) and gap_s ({self.gap_s:g}) both say "
+                "when the looks are: leave one out"
             )
 
 

@@ -63,7 +63,7 @@ def test_bad_values_are_refused_by_name(path, value, message):
 def test_a_stereo_pair_has_one_measure_of_its_two_moments():
     document = example()
     document["requests"][1].update({"gap_s": 100.0, "look_angle_deg": 24.0})
-    with pytest.raises(ValidationError, match="look_angle_deg .* and gap_s .* leave one out"):
+    with pytest.raises(ValidationError, match=r"look_angle_deg .* and gap_s .* leave one out"):
         SCHEMA.validate_json(json.dumps(document))
 
 

@@ -1,4 +1,4 @@
-"""Are the sessions of Platonov, Sumarokov 2019 planned at the paper's moments and flown steadily?"""
+"""Are the third paper's sessions planned at its moments and flown steadily?"""
 
 import json
 from pathlib import Path
@@ -18,7 +18,9 @@ def fly(name):
     plan = plan_imaging(read_spacecraft_request(json.dumps(document).encode()))
     assert plan.left_out == ()
     assert plan.verification.passed
-    assert plan.stabilisation.share_steady == 1.0  # 0.001 deg/s on every axis, Figs. 4, 6, 8, 9
+    assert (
+        plan.stabilisation.share_steady == 1.0
+    )  # 0.001 deg/s on every axis: Platonov, Sumarokov 2019, Figs. 4, 6, 8, 9
     return plan, [(w.first_row / 5.0, w.last_row / 5.0) for w in plan.table.windows]
 
 
