@@ -1,10 +1,10 @@
 """Whether the measured vertical agrees with the planned attitude."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from scipy.stats import chi2
 
 from planner.arrays import Array
 
@@ -73,4 +73,4 @@ def chance_of(offset_rad: Array, covariance_rad2: Array, sigma_rad: float) -> fl
     """Probability of an offset (2,) as large or larger by errors of these sizes."""
     combined_rad2 = covariance_rad2 + sigma_rad**2 * np.eye(2)
     distance2 = float(offset_rad @ np.linalg.solve(combined_rad2, offset_rad))
-    return float(chi2.sf(distance2, 2))
+    return math.exp(-distance2 / 2.0)  # chi-square, two degrees of freedom

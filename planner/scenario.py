@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Discriminator, Tag
 
 from planner.arrays import Array
 from planner.attitude import Attitude
@@ -86,8 +87,50 @@ class Session:
 
 
 @spec
+class BoundedLead:
+    """Slews no longer than they need be; the axes rest before them.
+
+    max_duration_s: the longest that a slew with the objective "smooth" may last, and any that
+    waits for its target; unless given, ten times the least time that the limits allow.
+    """
+
+    max_duration_s: Annotated[float, Within(2.0, 86400.0)] | None = None
+
+
+def _word_or_object(value: object) -> str:
+    return "word" if isinstance(value, str) else "object"
+
+
+Lead = Annotated[
+    Annotated[Literal["all"], Tag("word")] | Annotated[BoundedLead, Tag("object")],
+    Discriminator(_word_or_object),
+]
+
+
+@spec
+class FinalAngles:
+    """Where the axes are to rest: `angles_deg` by axis, or `park`, a position of the platform."""
+
+    angles_deg: Mapping[str, AngleDeg] | None = None
+    park: str | None = None
+
+    def __post_init__(self) -> None:
+        if (self.angles_deg is None) == (self.park is None):
+            raise ValueError('give either angles_deg or park; for rest anywhere, "rest" instead')
+
+
+FinalState = Annotated[
+    Annotated[Literal["rest"], Tag("word")] | Annotated[FinalAngles, Tag("object")],
+    Discriminator(_word_or_object),
+]
+
+
+@spec
 class SlewOptions:
     """How the platform gets onto the track.
+
+    lead: how much of the time before a session its slew takes: "all", or what is bounded;
+    before it the axes are brought to rest, if they move, and wait.
 
     jerk_max_deg_s3: replaces the platform's own jerk limit on both axes.
     filter_*: the spline's first-order low-pass (Sumarokov 2016, p. 91), None for none;
@@ -100,6 +143,7 @@ class SlewOptions:
 
     method: Literal["ocp", "spline"] = "ocp"
     objective: Literal["smooth", "minimum_time"] = "smooth"
+    lead: Lead = BoundedLead()
     jerk_max_deg_s3: JerkDegS3 | None = None
     filter_cutoff_hz: Annotated[float, Within(1e-3, 1e3)] | None = 2.0
     filter_lag_compensation: bool = True
@@ -133,6 +177,8 @@ class Scenario:
 
     on_conflict: what to do when a slew doesn't fit between two sessions: refuse, or let the
     later, the earlier, or whichever gives the least loss be shortened.
+    final_state: where the axes are brought to rest when the last session is over; unless given,
+    the table ends with that session, however the axes move.
     """
 
     name: str = ""
@@ -143,6 +189,7 @@ class Scenario:
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()
     on_conflict: OnConflict = "refuse"
+    final_state: FinalState | None = None
 
     def __post_init__(self) -> None:
         if not self.sessions:
@@ -156,6 +203,8 @@ class Scenario:
                 )
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
         self._check_initial_state()
+        if isinstance(self.final_state, FinalAngles):
+            self._check_final_state(self.final_state)
 
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
@@ -177,6 +226,45 @@ class Scenario:
                         f"{figures(*np.rad2deg([value, low, high]).tolist())}, outside its limits "
                         f"{math.degrees(low):.6g}..{math.degrees(high):.6g}"
                     )
+
+    def _check_final_state(self, final: FinalAngles) -> None:
+        if final.park is not None:
+            known = [position.name for position in self.platform.park_positions]
+            if final.park not in known:
+                raise ValueError(
+                    f"final_state.park must be a position of {self.platform.name} "
+                    f"({', '.join(known) or 'it has none'}), not {final.park!r}; or give angles_deg"
+                )
+            return
+        names, angles_deg = self.platform.axis_names, final.angles_deg or {}
+        if set(angles_deg) != set(names):
+            raise ValueError(
+                f"final_state.angles_deg must name the axes {', '.join(names)} of "
+                f"{self.platform.name}, not {', '.join(angles_deg) or 'none'}"
+            )
+        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+            low_deg = math.degrees(limits.angle_min_rad)
+            high_deg = math.degrees(limits.angle_max_rad)
+            if not limits.angle_min_rad <= math.radians(angles_deg[axis]) <= limits.angle_max_rad:
+                raise ValueError(
+                    f"final_state.angles_deg.{axis} is "
+                    f"{figures(angles_deg[axis], low_deg, high_deg)}, outside its limits "
+                    f"{low_deg:.6g}..{high_deg:.6g}"
+                )
+
+    @property
+    def final_angle_rad(self) -> tuple[float, ...] | None:
+        """Where the axes are to rest in the end, in their order; None: anywhere, or unasked."""
+        final = self.final_state
+        if not isinstance(final, FinalAngles):
+            return None
+        if final.angles_deg is not None:
+            return tuple(math.radians(final.angles_deg[axis]) for axis in self.platform.axis_names)
+        return next(
+            position.angle_rad
+            for position in self.platform.park_positions
+            if position.name == final.park
+        )
 
     @property
     def axis_limits(self) -> tuple[AxisLimits, ...]:

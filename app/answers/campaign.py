@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.answers.job import JobProblem, JobResponse, job_out, page
 from app.answers.members import fill, from_store, to_json
 from app.store.ids import JobState
-from app.store.jobs import Job
+
+if TYPE_CHECKING:  # children answer without a database
+    from app.store.jobs import Job
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +114,7 @@ class CampaignDryRun:
     targets: int
 
 
-def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Job]) -> bytes:
+def campaign_json(job: "Job", choice: Mapping[str, Any] | None, parts: "Sequence[Job]") -> bytes:
     """A CampaignResponse as UTF-8 JSON; parts: all plans of its passes, the oldest first."""
     latest = {part.options["campaign"]["pass"]: part for part in parts}
     passes = [_pass_out(latest[number]) for number in sorted(latest)]
@@ -127,7 +129,7 @@ def campaign_json(job: Job, choice: Mapping[str, Any] | None, parts: Sequence[Jo
     )
 
 
-def _pass_out(part: Job) -> CampaignPassOut:
+def _pass_out(part: "Job") -> CampaignPassOut:
     facts = part.options["campaign"]
     return CampaignPassOut(
         number=facts["pass"],
@@ -155,7 +157,7 @@ def _planned_out(passes: Sequence[CampaignPassOut]) -> PlannedOut:
     )
 
 
-def campaign_list_json(jobs: Sequence[Job], limit: int) -> bytes:
+def campaign_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
     """A CampaignList."""
     campaigns, after = page(jobs, limit)
     return to_json(CampaignList(campaigns=campaigns, next=after))

@@ -41,11 +41,12 @@ class ModeResidualOut:
 class SlewComparisonOut:
     """Both ways over the same time between the same states, by axis.
 
+    session: null for the slew to the final state.
     least_s: the least time the limits allow; paper_s: the time the paper's estimate asks for
     (Sumarokov 2016, eq. 12-13).  residual_vibration: one entry for each mode to spare.
     """
 
-    session: int
+    session: int | None
     duration_s: float
     least_s: float | None
     paper_s: float
@@ -54,7 +55,7 @@ class SlewComparisonOut:
     residual_vibration: list[ModeResidualOut]
 
 
-def comparison_out(session: int, comparison: SlewComparison) -> SlewComparisonOut:
+def comparison_out(session: int | None, comparison: SlewComparison) -> SlewComparisonOut:
     """In degrees."""
     names = comparison.axis_names
     return SlewComparisonOut(

@@ -2,13 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from pydantic import TypeAdapter
 
 from app.answers.members import fill, to_json
 from app.answers.problem import Problem
 from app.store.ids import JobState
-from app.store.jobs import Job
+
+if TYPE_CHECKING:  # children answer without a database
+    from app.store.jobs import Job
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +50,7 @@ class PlanList:
 _PROBLEM = TypeAdapter(JobProblem)
 
 
-def job_out(job: Job) -> JobResponse:
+def job_out(job: "Job") -> JobResponse:
     """As it stands."""
     problem = job.problem
     return fill(
@@ -61,18 +64,18 @@ def job_out(job: Job) -> JobResponse:
     )
 
 
-def job_json(job: Job) -> bytes:
+def job_json(job: "Job") -> bytes:
     """A JobResponse as UTF-8 JSON."""
     return to_json(job_out(job))
 
 
-def page(jobs: Sequence[Job], limit: int) -> tuple[list[JobResponse], str | None]:
+def page(jobs: "Sequence[Job]", limit: int) -> tuple[list[JobResponse], str | None]:
     """Of jobs of which one more than the limit was asked for; the id to go on from, if any."""
     shown = jobs[:limit]
     return [job_out(job) for job in shown], shown[-1].id if len(jobs) > limit else None
 
 
-def list_json(jobs: Sequence[Job], limit: int) -> bytes:
+def list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
     """A PlanList."""
     plans, after = page(jobs, limit)
     return to_json(PlanList(plans=plans, next=after))

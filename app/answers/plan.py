@@ -18,7 +18,7 @@ from app.answers.members import (
     to_json,
     whole_answer,
 )
-from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out
+from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
@@ -39,10 +39,13 @@ _UNITS = {
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentOut:
-    """A stretch of the table: at rest, on the way to a session's target, or tracking it."""
+    """A stretch of the table: at rest, on the way to a session's target, or tracking it.
+
+    brake: moving axes are brought to rest, to wait.  session: null on the way to the final state.
+    """
 
     kind: SegmentKind
-    session: int
+    session: int | None
     start: str
     stop: str
 
@@ -115,9 +118,12 @@ class VerificationOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SlewRunOut:
-    """How one slew was solved; minimum_s is the least time the limits allow."""
+    """How one slew was solved; minimum_s is the least time the limits allow.
 
-    session: int
+    session: null for the slew to the final state.
+    """
+
+    session: int | None
     backend: str
     status: str
     iterations: int
@@ -140,7 +146,10 @@ class SolverOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanDocument:
-    """What is known of a plan beside its table."""
+    """What is known of a plan beside its table.
+
+    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
+    """
 
     name: str
     platform: str
@@ -148,6 +157,7 @@ class PlanDocument:
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
+    slow_stretches: list[SlowStretchOut]
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]
@@ -225,6 +235,7 @@ def plan_document(
             margins=margins_out(report.limits),
             keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
             pointing=[pointing_out(session) for session in report.sessions],
+            slow_stretches=[fill(SlowStretchOut, slow) for slow in report.slow_stretches],
             uncertainty=[
                 fill(UncertaintyOut, budget, session=session)
                 for session, budget in enumerate(plan.budgets)

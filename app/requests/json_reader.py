@@ -9,11 +9,12 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
+from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
-from pydantic_core import SchemaValidator, core_schema
+from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
 from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain
 from planner.errors import FieldError, InvalidRequest, with_short_values
@@ -49,9 +50,16 @@ class JsonReader(Generic[T]):
     def __init__(
         self, cls: type[T], plain: Callable[[object], object] = lambda document: document
     ) -> None:
-        self._plain = plain
-        self._schema = TypeAdapter(cls).core_schema
-        self._validator = SchemaValidator(_with_our_text(self._schema))
+        self._class, self._plain = cls, plain
+
+    @cached_property
+    def _schema(self) -> CoreSchema:
+        return TypeAdapter(self._class).core_schema
+
+    @cached_property
+    def _validator(self) -> SchemaValidator:
+        """When it is first needed: it takes 10 ms and more."""
+        return SchemaValidator(_with_our_text(self._schema))
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""

@@ -23,6 +23,8 @@ class PlanRequest(Scenario):
     platform: a registered name, or a two-axis platform written out in degrees.
     on_conflict: when a slew doesn't fit between two sessions, refuse, or begin the later
     one late, end the earlier one early, or whatever of both loses the least time.
+    final_state: "rest", wherever the axes come to rest after the last session, or where they are
+    to; unless given, the table ends with that session.
     horizon_cameras: the carrier's; `horizon_checks` says what they will see.
     """
 

@@ -22,6 +22,7 @@ class AuditEntry:
     detail: str
 
 
+_NEW = insert(AuditRow)
 _ENTRIES = select(
     AuditRow.at_utc.label("at"),
     *(getattr(AuditRow, name) for name in AuditEntry.__dataclass_fields__ if name != "at"),
@@ -33,7 +34,7 @@ def record(
 ) -> None:
     """In the transaction of the deed itself, so that there is neither without the other."""
     row = {"key_id": key_id, "action": action, "subject": subject, "detail": detail}
-    connection.execute(insert(AuditRow), row | {"at_utc": datetime.now(UTC)})
+    connection.execute(_NEW, row | {"at_utc": datetime.now(UTC)})
 
 
 def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:

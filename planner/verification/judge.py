@@ -18,7 +18,7 @@ from planner.targets import (
 from planner.verification.bench_motion import bench_session
 from planner.verification.carrier import DERIVED_LAWS
 from planner.verification.keep_out import keep_out_findings, keep_out_margins
-from planner.verification.limits import limit_findings, limit_margins
+from planner.verification.limits import limit_findings, limit_margins, slow_outside_sessions
 from planner.verification.pointing import pointing_session
 from planner.verification.report import Finding, Given, SessionReport, VerificationReport
 from planner.verification.session import table_session
@@ -68,6 +68,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         limits=margins,
         taken_as_given=given,
         keep_out=keep_out,
+        slow_stretches=tuple(slow_outside_sessions(table, scenario)),
     )
 
 

@@ -57,7 +57,7 @@ def ended_with(database, kind, token, result):
     done = Future()
     done.set_exception(result) if isinstance(result, Exception) else done.set_result(result)
     with database.writing() as connection:
-        return settle(connection, jobs.job_of_lease(connection, token), kind, done, 3)
+        return settle(connection, jobs.job_of_lease(connection, token), kind, done, 3).state
 
 
 def claimed(database):

@@ -69,6 +69,7 @@ FRAGMENTS = [
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
     _with(initial_state=LAS_VEGAS["initial_state"] | {
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
+    _with(final_state={"angles_deg": {"alpha": 0.0, "beta": 0.0}}),
     _with(attitude={"law": "lvlh", "uncertainty": {
         "sigma_body_deg": [0.1, 0.1, 0.1], "swing_rms_body_deg": [0.2, 0.0, 0.0]}}),
     _with(platform={
@@ -77,7 +78,8 @@ FRAGMENTS = [
         "inner": _AXIS | {"name": "beta", "axis_platform": [1.0, 0.0, 0.0]},
         "zero_direction_platform": [0.0, 0.0, 1.0],
         "q_platform_from_body_xyzw": [0.0, 0.0, 0.0, 1.0],
-        "field_of_view_deg": [0.9, 0.6]}),
+        "field_of_view_deg": [0.9, 0.6],
+        "park_positions_deg": {"stowed": {"alpha": 0.0, "beta": 90.0}}}),
     _aimed(mode="ground_moving", epoch="2015-02-27T17:36:00Z", course_deg=0.0, speed_m_s=5.0,
            **_PLACE),
     _aimed(mode="star", hip=91262),
@@ -268,6 +270,8 @@ def _fits(schema: Document, choice: Document, value: Any) -> bool:
     """Whether a union's choice is the one the value takes; a number where there is none."""
     if "$ref" in choice:
         choice = schema["$defs"][choice["$ref"].removeprefix(REFERENCE)]
+    if "oneOf" in choice:
+        return any(_fits(schema, one, value) for one in choice["oneOf"])
     if isinstance(value, dict):
         tags = {k: p["const"] for k, p in choice.get("properties", {}).items() if "const" in p}
         return choice.get("type") == "object" and tags.items() <= value.items()

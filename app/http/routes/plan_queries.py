@@ -80,7 +80,7 @@ def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQ
     )
 
 
-def idempotency_key(
+async def idempotency_key(
     key: Annotated[
         str | None,
         Header(

@@ -40,6 +40,13 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
             degrees(2.0 * platform.frame_half_rad[1], _DECIMALS),
         ),
         frame_turn_deg=degrees(platform.frame_turn_rad, _DECIMALS),
+        park_positions_deg={
+            position.name: {
+                axis: degrees(angle_rad, _DECIMALS)
+                for axis, angle_rad in zip(platform.axis_names, position.angle_rad, strict=True)
+            }
+            for position in platform.park_positions
+        },
     )
 
 
