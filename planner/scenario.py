@@ -37,9 +37,12 @@ _MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate o
 class InitialState:
     """Where the platform is, and how it moves, when the table begins.
 
-    One entry per axis of the platform, by the axis's name; no rates or accelerations mean
-    zero.  `epoch` becomes row 0 and so
-    must be a whole multiple of 0.2 s after its UTC second.
+    One entry per axis of the platform, by the axis's name.
+
+    epoch: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
+    angles_deg: of the axes.
+    rates_deg_s: of the axes; none are zero.
+    accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     """
 
     epoch: datetime
@@ -61,8 +64,11 @@ class InitialState:
 class Session:
     """One target held from `start` to `stop`.
 
-    keyhole: what to do where following the target exactly would break a limit, as it does
-    near the outer axis: refuse, or follow as near as the limits allow, in the frame.
+    target: what is looked at.
+    start: from when on the target is held; UTC.
+    stop: until when it is held; UTC.
+    keyhole: what to do where following the target exactly would break a limit, as it does near the
+    outer axis: refuse, or follow as near as the limits allow, in the frame.
     """
 
     target: Target
@@ -109,7 +115,11 @@ Lead = Annotated[
 
 @spec
 class FinalAngles:
-    """Where the axes are to rest: `angles_deg` by axis, or `park`, a position of the platform."""
+    """Where the axes are to rest.
+
+    angles_deg: of each axis, by its name. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    park: name of a park position of the platform. E.g. `"zero"`.
+    """
 
     angles_deg: Mapping[str, AngleDeg] | None = None
     park: str | None = None
@@ -129,16 +139,20 @@ FinalState = Annotated[
 class SlewOptions:
     """How the platform gets onto the track.
 
-    lead: how much of the time before a session its slew takes: "all", or what is bounded;
-    before it the axes are brought to rest, if they move, and wait.
+    The spline knows neither `keep_out` nor `avoid_modes`; the judge says what it enters, the
+    comparison what it excites.
 
-    jerk_max_deg_s3: replaces the platform's own jerk limit on both axes.
-    filter_*: the spline's first-order low-pass (Sumarokov 2016, p. 91), None for none;
-    with compensation the join is aimed ahead by the filter's lag.
+    method: `ocp` keeps every limit; `spline` is the paper's baseline, for comparison only.
+    objective: of `ocp`: `smooth` takes all the time there is and spends the least jerk;
+    `minimum_time` is on the target as early as its limits and the target's visibility allow.
+    jerk_max_deg_s3: replaces the platform's own jerk limit on both axes. E.g. `0.5`.
+    filter_cutoff_hz: of the spline's first-order low-pass (Sumarokov 2016, p. 91); null for none.
+    filter_lag_compensation: whether the spline's join is aimed ahead by the filter's lag.
+    lead: how much of the time before a session its slew takes: "all", or what is bounded; before it
+    the axes are brought to rest, if they move, and wait.
     keep_out: cones the boresight must not enter, on the way or on a target.
-    avoid_modes: structural modes that slews leave at rest as well as their time allows: it
-    takes two periods or so, and more than the least time.
-    The spline knows neither; the judge says what it enters, the comparison what it excites.
+    avoid_modes: structural modes that slews leave at rest as well as their time allows: it takes
+    two periods or so, and more than the least time.
     """
 
     method: Literal["ocp", "spline"] = "ocp"
@@ -175,8 +189,12 @@ class SlewOptions:
 class Scenario:
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
-    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, or let the
-    later, the earlier, or whichever gives the least loss be shortened.
+    name: yours, told in the plan and its files.
+    initial_state: where the platform is when the table begins.
+    sessions: what to look at, in order of time.
+    slew: how the platform gets from target to target.
+    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, begin the later
+    one late, end the earlier one early, or whatever of both loses the least time.
     final_state: where the axes are brought to rest when the last session is over; unless given,
     the table ends with that session, however the axes move.
     """

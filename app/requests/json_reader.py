@@ -81,16 +81,21 @@ class JsonReader(Generic[T]):
         definitions = schema.get("$defs", {})
         for definition in definitions.values():
             # A kind has a default for Python's sake; in a request it must be given.
-            kinds = [name for name, field in definition["properties"].items() if "const" in field]
-            definition["required"] = kinds + definition.get("required", [])
+            kinds = {n: field for n, field in definition["properties"].items() if "const" in field}
+            definition["required"] = [*kinds, *definition.get("required", [])]
+            for field in kinds.values():
+                field.pop("default", None)
         return schema
 
 
 class _JsonSchema(GenerateJsonSchema):
-    """Without titles, which only repeat the names of the fields."""
+    """Without titles, which only repeat the names of the fields; kinds as they are registered."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:  # noqa: ANN401 (pydantic's)
         return False
+
+    def sort(self, value: dict[str, Any], *_: object, **__: object) -> dict[str, Any]:
+        return value
 
 
 def field_errors(errors: Sequence[Mapping[str, Any]], document: object) -> list[FieldError]:

@@ -31,10 +31,15 @@ _OPAQUE = 60.0
 class Atmosphere:
     """What the air holds; the defaults are a clear day.
 
-    air_scale_m: scale height of the air.  dust_optical_depth: vertical, of the dust near the
-    ground, whose scale height is dust_scale_m.  haze_optical_depth: vertical, of a layer in
-    the stratosphere at 18 km.  diffuse_share: of sunlight, scattered more than once.  airglow:
-    brightness along the limb as a fraction of white.
+    air_scale_m: scale height of the air.
+    air_density: at sea level, against the usual.
+    dust_optical_depth: vertical, of the dust near the ground.
+    dust_scale_m: scale height of that dust.
+    haze_optical_depth: vertical, of a layer in the stratosphere at 18 km.
+    ozone: against the usual amount.
+    diffuse_share: of sunlight, scattered more than once.
+    airglow: brightness along the limb as a fraction of white.
+    airglow_height_m: of the airglow's layer above the ellipsoid.
     """
 
     air_scale_m: Annotated[float, Within(1e3, 20e3)] = 7.6e3

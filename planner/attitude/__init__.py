@@ -12,6 +12,7 @@ from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.spec import About
 
 
 class AttitudeLaw(Protocol):
@@ -31,7 +32,9 @@ class AttitudeLaw(Protocol):
 
 
 Attitude = Annotated[
-    LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude, Field(discriminator="law")
+    LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude,
+    Field(discriminator="law"),
+    About("How the carrier's body is turned, by any of these laws."),
 ]
 ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(get_args(Attitude)[0])}
 

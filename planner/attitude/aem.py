@@ -67,8 +67,10 @@ class AttitudeArc:
 class AemAttitude:
     """The text of a CCSDS AEM, KVN or XML, as published.
 
-    The curve is smooth: see `rotation_curve`.  It is never carried beyond a segment's useable
-    times, nor from one segment into the next.
+    The curve through its rows is smooth. It is never carried beyond a segment's useable times,
+    nor from one segment into the next.
+
+    content: the whole message, line breaks included.
     """
 
     law: Literal["aem"] = "aem"

@@ -18,10 +18,12 @@ _TurnDeg = Annotated[float, Within(0.0, 180.0)]
 class AttitudeUncertainty:
     """How far the carrier may be off the attitude of its law, instead of slewtrack's own figures.
 
-    sigma_body_deg: 1-sigma of a turn about each body axis, constant over a session.
+    The law's own figures where one is not given. Only the pointing budget of a plan rests on them.
+
+    sigma_body_deg: 1-sigma of a turn about each body axis, constant over a session. E.g. `[0.1,
+    0.1, 0.2]`.
     swing_rms_body_deg: rms about each body axis of a sinusoid at the orbital rate, its phase
-    unknown.  The law's own figures where one is not given.  Only the pointing budget of a plan
-    rests on them.
+    unknown. E.g. `[0.2, 0.0, 0.0]`.
     """
 
     sigma_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] | None = None

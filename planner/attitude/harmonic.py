@@ -28,12 +28,15 @@ PERIOD_RANGE_S = (5000.0, 90000.0)  # from the lowest orbit to beyond the geosta
 class HarmonicAttitude:
     """An attitude history (CCSDS AEM, KVN or XML) carried on beyond its end.
 
-    history_orbit: where the carrier was during the history; needed unless the message is
-    against a local orbital frame.  orbital_period_s: the default is the ISS's; 1 % off takes
-    0.022 deg after 900 s to 0.030.  lead_s: how far ahead the ways to carry it on are compared.
-    The history is described by orbital harmonics of its attitude to LVLH and the present
-    offset from them, or by the present attitude or rate alone: whichever predicts the
-    history's own tail best.  On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+    The history is described by orbital harmonics of its attitude to LVLH and the present offset
+    from them, or by the present attitude or rate alone: whichever predicts the history's own tail
+    best. On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+
+    content: the whole message, line breaks included.
+    history_orbit: where the carrier was during the history; needed unless the message is against a
+    local orbital frame.
+    orbital_period_s: the default is the ISS's; 1 % off takes 0.022 deg after 900 s to 0.030.
+    lead_s: how far ahead the ways to carry it on are compared.
     """
 
     law: Literal["harmonic"] = "harmonic"

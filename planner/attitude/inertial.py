@@ -33,12 +33,13 @@ REFUSE_AGE_S = 7200.0  # 12 deg
 class InertialAttitude:
     """Attitude and body rate known at an epoch, the rate constant in body axes.
 
+    The closed form of q' = q/2 o omega; the paper's 0.1 s recursion with norm correction approaches
+    it with an error of (omega tau)^3/24 per step. It is refused 2 h and more from the
+    epoch: the rate of no carrier stays that long. Source: Sumarokov 2016, eq. 1-2.
+
+    epoch: when the attitude was so; UTC.
     q_body_from_eci_xyzw: scalar last, `Rotation.from_quat(q).apply(v_eci)` gives `v_body`.
     omega_body_deg_s: body relative to ECI, in body axes.
-    The closed form of q' = q/2 o omega; the paper's 0.1 s recursion with norm correction
-    approaches it with an error of (omega tau)^3/24 per step.
-    Raises OutsideCoverage 2 h and more from the epoch: the rate of no carrier stays that long.
-    Source: Sumarokov 2016, eq. 1-2.
     """
 
     law: Literal["inertial"] = "inertial"

@@ -25,10 +25,14 @@ SWING_RMS_BODY_RAD = np.deg2rad([0.236, 0.021, 0.008])
 class LvlhAttitude:
     """Constant yaw, pitch and roll to LVLH (+Z geocentric nadir, +Y against the orbit normal).
 
-    The rotations carry LVLH onto the body in the order yaw (Z), pitch (Y), roll (X), each
-    about the axis already turned: NASA's 3-2-1 sequence.  They are the mean attitude, about which
-    the carrier swings: on the ISS in torque equilibrium not 0/0/0 but -4/-2/1 deg or so, 177 for
-    -4 when it flies backwards.  Each tenth of a degree by which it is wrong costs 0.7 km at 400 km.
+    The rotations carry LVLH onto the body in the order yaw (Z), pitch (Y), roll (X), each about the
+    axis already turned: NASA's 3-2-1 sequence.  They are the mean attitude, about which the carrier
+    swings; on the ISS in torque equilibrium not 0/0/0 but -4/-2/1 deg or so, 177 for -4 when it
+    flies backwards.  Each tenth of a degree by which it is wrong costs 0.7 km at 400 km.
+
+    yaw_deg: first turn, about +Z.
+    pitch_deg: second turn, about +Y as the first left it.
+    roll_deg: third turn, about +X as the others left it.
     """
 
     law: Literal["lvlh"] = "lvlh"

@@ -31,8 +31,15 @@ MOVING_COUNTS = 100  # what is not fixed to the Earth is looked at one by one
 class CampaignTarget:
     """A target, the look it is to get, and what that is worth.
 
-    A look that lasts from min_session_s (session_s unless given) to session_s is worth its
-    share of session_s times `priority`.  looks: no more than so many, and one in a pass.
+    A look that lasts from min_session_s to session_s is worth its share of session_s times
+    `priority`.
+
+    id: your name for it, different from the others'.
+    target: what is to be looked at.
+    priority: worth of one whole look.
+    session_s: how long a look is to last.
+    min_session_s: how long it must last at least; `session_s` unless given.
+    looks: no more than so many, and one in a pass.
     """
 
     id: str
@@ -65,10 +72,13 @@ class CampaignTarget:
 class CampaignRequest:
     """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
 
-    platform: a registered name, or a two-axis platform written out in degrees.
-    rest_angles_deg: where the axes rest before, between and after passes; 0 unless given.
-    step_s: looks begin on whole multiples of it after `start`, which is rounded up to a
-    command row; finer finds more and takes longer.
+    name: yours, told in lists.
+    rest_angles_deg: where the axes rest before, between and after passes, by axis; 0 unless given.
+    E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    targets: what is to be looked at.
+    start: when the campaign begins; UTC, rounded up to a command row.
+    stop: when it ends; UTC.
+    step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
     """
 
     name: str = ""

@@ -28,7 +28,18 @@ _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
 @spec
 class AxisDefinition:
-    """One gimbal axis as its data sheet gives it; the fields of `AxisLimits` in degrees."""
+    """One gimbal axis as its data sheet gives it.
+
+    name: what columns and messages call it.
+    axis_platform: unit vector of the axis in the platform frame, at zero angles.
+    angle_min_deg: lower hard stop; zero is the axis's index mark.
+    angle_max_deg: upper hard stop.
+    rate_max_deg_s: largest rate, either way.
+    acceleration_max_deg_s2: largest acceleration, either way.
+    jerk_max_deg_s3: largest jerk, either way.
+    rate_min_deg_s: below this commanded rate friction makes the drive oscillate; it is reported,
+    not forbidden.
+    """
 
     name: str
     axis_platform: UnitVector
@@ -68,11 +79,17 @@ class AxisDefinition:
 
 @spec
 class PlatformDefinition:
-    """A `TwoAxisPlatform`: `outer` is fixed to the base and carries `inner`.
+    """A two-axis platform: `outer` is fixed to the base and carries `inner`.
 
+    name: what plans call it.
+    outer: the axis fixed to the base.
+    inner: the axis that the outer one carries.
+    zero_direction_platform: unit vector of the boresight in the platform frame, both axes at zero.
+    q_platform_from_body_xyzw: the mount, scalar last: carries body axes onto the platform's.
     field_of_view_deg: the camera's, along the frame's first side and its second; the HRC's unless
-    given.  frame_turn_deg: how far the first side is turned from the inner axis, right-handed about
-    the boresight; how the HRC's frame lies isn't published, 0 is assumed.
+    given.
+    frame_turn_deg: how far the first side is turned from the inner axis, right-handed about the
+    boresight; how the HRC's frame lies isn't published, 0 is assumed.
     park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
     name one.
     """

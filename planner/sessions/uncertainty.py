@@ -8,9 +8,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
 from planner.arrays import Array, Indices, cross
 from planner.attitude import AttitudeLaw
@@ -52,14 +53,17 @@ _DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless state
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
-    ground_m: across the line of sight at the target, none for a target in the sky.
-    basis: whether measured or assumed, and on what.  better: what would make it smaller.
+    cause: what is not known exactly.
+    sigma_arcsec: its 1-sigma.
+    ground_m: across the line of sight at the target, null for a target in the sky.
     is_bias: constant over the session, or a swing as slow as the orbit.
+    basis: whether measured or assumed, and on what.
+    better: what would make it smaller.
     """
 
     cause: str
-    sigma_arcsec: float
-    ground_m: float | None
+    sigma_arcsec: Annotated[float, Field(ge=0.0)]
+    ground_m: Annotated[float, Field(ge=0.0)] | None
     is_bias: bool
     basis: str
     better: str

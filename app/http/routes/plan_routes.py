@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
 from app.answers.members import provenance, to_json
+from app.answers.ranges import NotNegative
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -102,12 +103,19 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
 
 
 class TableAlone(BaseModel, extra="allow"):
-    """The table by itself, as `format=json` asks: a list per column, and what they mean."""
+    """The table by itself, as `format=json` asks: a list per column, and what they mean.
+
+    name: of the plan, as its request gives it.
+    epoch: of row 0; UTC.
+    step_s: from row to row.
+    t_s: of each row, since the epoch.
+    description: frames, units and the interpolation.
+    """
 
     name: str
     epoch: str
-    step_s: float
-    t_s: list[float]
+    step_s: NotNegative
+    t_s: list[NotNegative]
     description: dict[str, Any]
 
 

@@ -16,7 +16,10 @@ _DECIMALS = 12  # 3 deg/s, not 3.0000000000000004
 
 @dataclass(frozen=True, kw_only=True)
 class PlatformList:
-    """Every registered platform, written as a request may write out its own."""
+    """Every registered platform, written as a request may write out its own.
+
+    platforms: all there are.
+    """
 
     platforms: list[PlatformDefinition]
 
