@@ -77,9 +77,9 @@ class StereoRequest(ImagingRequest):
     """Two looks at one strip, from ahead and behind.
 
     look_angle_deg: from nadir along the track, ahead in the first look and behind in the second;
-        24 where gap_s isn't given either.
+        24 where gap_s isn't given either.  E.g. `24.0`.
     gap_s: from the first look's start to the second's, to the nearest 0.2 s; half of it before and
-        half after the strip is passed, or all of it from `start` on.
+        half after the strip is passed, or all of it from `start` on.  E.g. `110.0`.
     """
 
     mode: Literal["stereo"] = "stereo"
