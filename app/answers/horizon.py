@@ -4,6 +4,7 @@ import base64
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import zip_longest
 from typing import Any
 
@@ -17,6 +18,7 @@ from estimator.errors import Reason
 from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
 from estimator.prediction import HorizonPrediction
 from planner.arrays import Array
+from planner.frames.time_scales import utc_text
 
 PIXEL_DECIMALS = 2
 
@@ -37,6 +39,21 @@ class CheckOut:
     along_deg: Signed
     across_deg: Signed
     probability: Share
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorrectionOut:
+    """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
+    takes it where the attitude predicted is that of its law.
+
+    epoch: when it was measured; UTC.
+    turn_body_deg: the rotation vector from the predicted body to the measured one, body axes.
+    covariance_deg2: of its components; 180 deg about nadir, which was not measured.
+    """
+
+    epoch: str
+    turn_body_deg: list[Signed]
+    covariance_deg2: list[list[Signed]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +99,7 @@ class EstimateResponse:
     limb_height_km: height of the limb above the ellipsoid that was reckoned with.
     limb_height_sigma_km: its 1-sigma.
     check: the measured nadir against the predicted one; null without a prediction.
+    correction: the same as `attitude.corrections` of a plan takes it; null without a prediction.
     cameras: each one's part, in the request's order.
     warnings: what one should know before relying on it. E.g.
     `["cameras left out: right"]`.
@@ -101,6 +119,7 @@ class EstimateResponse:
     limb_height_km: Signed | None
     limb_height_sigma_km: NotNegative | None
     check: CheckOut | None
+    correction: CorrectionOut | None
     cameras: list[CameraOut]
     warnings: list[str]
     provenance: ProvenanceOut
@@ -121,9 +140,12 @@ class PredictionResponse:
 
 
 def estimate_out(
-    estimate: VerticalEstimate, overlays: Sequence[bytes], provenance: ProvenanceOut
+    estimate: VerticalEstimate,
+    epoch_utc: datetime,
+    overlays: Sequence[bytes],
+    provenance: ProvenanceOut,
 ) -> EstimateResponse:
-    """overlays: PNG files, one per camera, or none at all."""
+    """epoch_utc: of the images.  overlays: PNG files, one per camera, or none at all."""
     geocentric, geodetic, check = estimate.geocentric, estimate.geodetic, estimate.check
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
     return fill(
@@ -137,6 +159,12 @@ def estimate_out(
         limb_height_km=_kilometres(estimate.limb_height_m),
         limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
         check=check and fill(CheckOut, check, decimals=DECIMALS),
+        correction=check
+        and CorrectionOut(
+            epoch=utc_text(epoch_utc),
+            turn_body_deg=numbers_of(np.rad2deg(check.turn_body_rad)),
+            covariance_deg2=covariance_deg2(check.turn_covariance_rad2),
+        ),
         cameras=[
             _camera(report, overlay_png)
             for report, overlay_png in zip_longest(estimate.cameras, pictures)

@@ -97,7 +97,7 @@ def estimate_json(
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
     estimate, overlays = measure(request, images, draw=request.overlay)
-    return to_json(estimate_out(estimate, overlays, provenance))
+    return to_json(estimate_out(estimate, request.epoch, overlays, provenance))
 
 
 @_report_out_of_memory()

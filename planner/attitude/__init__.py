@@ -6,6 +6,7 @@ from pydantic import Field
 from scipy.spatial.transform import Rotation
 
 from planner.attitude.aem import AemAttitude
+from planner.attitude.corrections import AttitudeCorrection
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty
 from planner.attitude.harmonic import HarmonicAttitude
 from planner.attitude.inertial import InertialAttitude
@@ -42,6 +43,7 @@ __all__ = [
     "ATTITUDES",
     "AemAttitude",
     "Attitude",
+    "AttitudeCorrection",
     "AttitudeErrors",
     "AttitudeLaw",
     "AttitudeUncertainty",

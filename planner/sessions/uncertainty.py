@@ -387,10 +387,14 @@ def _attitude_offsets(scene: _Scene, attitude: AttitudeLaw) -> list[_Bias]:
     rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
     phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
     cause = _Cause("attitude", errors.basis, errors.better)
-    biases = []
+    about = np.stack([scene.turned_about_body(axis) for axis in range(3)])
+    biases = [
+        _Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
+    ]
     for axis, swing_rms_rad in enumerate(errors.swing_rms_body_rad):
-        turned = scene.turned_about_body(axis)
-        biases.append(_Bias(cause, sigma_body_rad[:, axis, None] * turned))
+        turned = about[axis]
+        if not len(errors.modes_body_rad):
+            biases.append(_Bias(cause, sigma_body_rad[:, axis, None] * turned))
         if swing_rms_rad > 0.0:
             swing = swing_rms_rad * turned
             biases.append(_Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))

@@ -30,9 +30,14 @@ def _check_positions(positions: tuple[Position, ...]) -> None:
 
 @spec
 class GeoLineString:
-    """A GeoJSON line.
+    """A GeoJSON line, in the plane through each two positions and the Earth's centre.
 
-    coordinates: positions [longitude, latitude], WGS84, east and north positive [deg]
+    So it is scanned, not straight in longitude and latitude as RFC 7946 has it: at 45 deg of
+    latitude and at right angles to the meridian 70 m poleward of that in the middle of 60 km, 4
+    times as much of 120 km.
+
+    coordinates: positions [longitude, latitude], WGS84, east and north positive; between two
+        the line lies in the plane through both and the Earth's centre [deg]
     """
 
     type: Literal["LineString"] = "LineString"

@@ -23,6 +23,7 @@ from planner.spec import UnitPart, Within, spec
 
 _MomentumPart = Annotated[float, Within(-240.0, 240.0)]  # four gyros of 60 in one direction
 SESSION_MAX_S = 3600.0
+LOOK_ANGLE_DEG = 24.0  # of a stereo pair, unless it says otherwise
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
 
 
@@ -75,16 +76,25 @@ class StripRequest(ImagingRequest):
 class StereoRequest(ImagingRequest):
     """Two looks at one strip, from ahead and behind.
 
-    look_angle_deg: from nadir along the track, ahead in the first look and behind in the second.
+    look_angle_deg: from nadir along the track, ahead in the first look and behind in the second;
+        24 where gap_s isn't given either.  E.g. `24.0`.
+    gap_s: from the first look's start to the second's, to the nearest 0.2 s; half of it before and
+        half after the strip is passed, or all of it from `start` on.  E.g. `110.0`.
     """
 
     mode: Literal["stereo"] = "stereo"
     geometry: GeoLineString
-    look_angle_deg: Annotated[float, Within(2.0, 45.0)] = 24.0
+    look_angle_deg: Annotated[float, Within(2.0, 45.0)] | None = None
+    gap_s: Annotated[float, Within(1.0, 600.0)] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _two_positions(self.geometry)
+        if self.look_angle_deg is not None and self.gap_s is not None:
+            raise ValueError(
+                f"look_angle_deg ({self.look_angle_deg:g}) and gap_s ({self.gap_s:g}) both say "
+                "when the looks are: leave one out"
+            )
 
 
 @spec

@@ -110,9 +110,12 @@ def _assumptions(scenario: Scenario) -> tuple[Given, ...]:
     targets = [session.target for session in scenario.sessions]
     is_motion = [isinstance(target, BenchMotionTarget) for target in targets]
     is_derived = [isinstance(target, (*DERIVED_TARGETS, BenchMotionTarget)) for target in targets]
+    attitude = scenario.attitude
+    # How far measurements turn it from its law is taken as given.
+    is_law = isinstance(attitude, DERIVED_LAWS) and not attitude.corrections
     given: dict[Given, bool] = {
         "orbit": not all(is_motion),
-        "attitude": not all(is_motion) and not isinstance(scenario.attitude, DERIVED_LAWS),
+        "attitude": not all(is_motion) and not is_law,
         "target": not all(is_derived),
         "motion": any(is_motion),
     }

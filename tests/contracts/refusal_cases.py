@@ -56,6 +56,13 @@ def _stiff_platform() -> Any:
     return platform
 
 
+def _corrected(turn_y_deg: float, variance_deg2: float) -> Any:
+    rows = [[variance_deg2 if i == k else 0.0 for i in range(3)] for k in range(3)]
+    return {"law": "lvlh", "corrections": [{
+        "epoch": "2015-02-27T17:30:00Z", "turn_body_deg": [0.0, turn_y_deg, 0.0],
+        "covariance_deg2": rows}]}  # fmt: skip
+
+
 TARGET = "sessions.0.target"
 _CHECKSUM_OFF = LAS_VEGAS["orbit"]["line1"][:-1] + "2"
 _READ, _UNCOVERED = "invalid-request", "outside-coverage"
@@ -116,6 +123,10 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "attitude.content", "line 1"),
     ("no history", lambda: request(("attitude", {"law": "harmonic", "content": "x"})), _READ,
      "attitude.content", "line 1"),
+    ("a correction beyond belief", lambda: request(("attitude", _corrected(0.5, 1e-4))),
+     "invalid-input", "attitude.corrections", "sigma from the law"),
+    ("an exact correction", lambda: request(("attitude", _corrected(0.0, 0.0))), _READ,
+     "attitude.corrections.0.covariance_deg2", "no measurement is exact"),
     ("OMM of nothing", lambda: request(("orbit", {"source": "omm", "content": "x"})), _READ,
      "orbit.content", "OMM"),
     ("OPM of nothing", lambda: request(("orbit", {"source": "opm", "content": "x"})), _READ,

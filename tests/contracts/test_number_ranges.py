@@ -71,7 +71,10 @@ FRAGMENTS = [
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
     _with(final_state={"angles_deg": {"alpha": 0.0, "beta": 0.0}}),
     _with(attitude={"law": "lvlh", "uncertainty": {
-        "sigma_body_deg": [0.1, 0.1, 0.1], "swing_rms_body_deg": [0.2, 0.0, 0.0]}}),
+        "sigma_body_deg": [0.1, 0.1, 0.1], "swing_rms_body_deg": [0.2, 0.0, 0.0]},
+        "corrections": [{
+            "epoch": "2015-02-27T17:30:00Z", "turn_body_deg": [0.1, 0.0, 0.0],
+            "covariance_deg2": [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]}]}),
     _with(platform={
         "name": "written out",
         "outer": _AXIS | {"name": "alpha", "axis_platform": [0.0, 1.0, 0.0]},
