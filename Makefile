@@ -8,7 +8,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan serve quick test test-postgres lint check format answers oracles bench requirements clean
+.PHONY: setup plan serve quick test test-postgres test-client lint check format answers oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -41,6 +41,10 @@ quick: setup
 test-postgres: setup
 	.ci/with-postgresql $(BIN)/pytest -n 2 $(STORING)
 
+# A client generated from the schema, which needs an environment of its own.
+test-client: setup
+	PYTHON=$(PYTHON) .ci/with-client-generator $(BIN)/pytest tests/end_to_end/test_generated_client.py
+
 lint: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -71,6 +75,7 @@ bench: setup
 requirements: setup
 	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml
 	$(LOCK) -o requirements-dev.txt --extra dev pyproject.toml
+	echo openapi-python-client | $(LOCK) -o requirements-client.txt -
 
 clean:
 	rm -rf .venv out build *.egg-info

@@ -1,15 +1,16 @@
 """How well is the ISS's attitude foretold?  Rms error by lead, for each law, on telemetry.
 
-    python bench/attitude.py TELEMETRY_FOLDER TLE_FILE [--from HOURS] [--to HOURS]
+    python bench/attitude.py TELEMETRY_FOLDER TLE_FILE
 
 TELEMETRY_FOLDER holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body rates,
 deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
-Every 5 minutes the history of the last 3.3 orbits is cut off and what came after is foretold.
+Every 5 minutes the history so far is cut off and what came after is foretold.  Parts of the day
+apart: the constants of `planner.attitude.blend` and `.manoeuvre` were chosen on those that say so.
 """
 
 import argparse
 import gzip
-from collections import Counter, defaultdict
+from collections import defaultdict
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -17,18 +18,33 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from planner.attitude.extrapolation import DESCRIPTIONS, Extrapolation, choose, fit_extrapolation
+from planner.attitude.blend import Blend, blend
+from planner.attitude.errors import KNOWLEDGE_RAD
+from planner.attitude.extrapolation import DESCRIPTIONS, Extrapolation, fit_extrapolation
+from planner.attitude.harmonic import HISTORY_ORBITS
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import TleOrbit
 
 YEAR_UTC = datetime(2017, 12, 31, tzinfo=UTC)  # day 1 of the telemetry's hours is 1 January
 PERIOD_S = 5560.0
-HISTORY_S = 3.3 * PERIOD_S
-LEADS_S = (60, 120, 300, 600, 900, 1200, 1800)
+HISTORY_S = HISTORY_ORBITS * PERIOD_S
+PLAIN_HISTORY_S = 3.3 * PERIOD_S  # of the descriptions by themselves
+LEADS_S = (60, 300, 900, 1800, 5400)
+GOAL = 1.1
+BLEND = "what the law harmonic does"
 STEP_S = 10.0
 HELD_MAX_S = 1.5
 CUT_EVERY_S = 300.0
+# Hours since the recording's begin; in torque equilibrium what is foretold lies within them, too.
+PARTS_H = {
+    "torque equilibrium, tuned on": (2.0, 8.0),
+    "torque equilibrium": (8.0, 16.7),
+    "in the yaw manoeuvre (nothing foretells its begin and end)": (16.75, 19.5),
+    "its first 45 minutes after": (19.5, 20.25),
+    "after it, tuned on": (20.25, 21.75),
+    "after it": (21.75, 24.0),
+}
 
 
 def channel(folder: Path, number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -51,8 +67,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("telemetry", type=Path)
     parser.add_argument("tles", type=Path)
-    parser.add_argument("--from", dest="first_h", type=float, default=5.0)
-    parser.add_argument("--to", dest="last_h", type=float, default=24.0)
     arguments = parser.parse_args()
     channels = {n: channel(arguments.telemetry, n) for n in (18, 19, 20, 21, 25, 26, 27)}
     start_s = channels[21][0][0]
@@ -63,49 +77,92 @@ def main() -> None:
     q_xyzw = np.stack([held(channels, n, t_s) for n in (19, 20, 21, 18)], axis=1)
     q_body_from_lvlh = Rotation.from_quat(q_xyzw).inv()
     q_lvlh = lvlh(arguments.tles, t_s)
-
-    cuts_s = start_s + np.arange(arguments.first_h * 3600.0, arguments.last_h * 3600.0, CUT_EVERY_S)
-    errors: dict[str, dict[int, list[float]]] = defaultdict(lambda: defaultdict(list))
-    choices: Counter[str] = Counter()
-    for cut_s in cuts_s[cuts_s < t_s[-1] - LEADS_S[-1]]:
-        known = np.flatnonzero((t_s <= cut_s) & (t_s > cut_s - HISTORY_S))
-        if len(known) < HISTORY_S / STEP_S / 2 or cut_s - t_s[known[-1]] > 2.0 * STEP_S:
-            continue
-        now = known[-1]
-        choice = choose(t_s[known], q_body_from_lvlh[known], PERIOD_S, 900.0).extrapolation
-        choices[str(choice.description)] += 1
-        laws: dict[str, Extrapolation | None] = {"chosen by hold-out": choice}
-        for description in DESCRIPTIONS:
-            laws[str(description)] = fit_extrapolation(
-                description, t_s[known], q_body_from_lvlh[known], PERIOD_S
-            )
-        omegas_rad_s = {
-            f"the paper's constant body rate, of {span_s} s": np.deg2rad(
-                [
-                    np.mean(held(channels, n, t_s[now] - np.arange(float(span_s))))
-                    for n in (25, 26, 27)
-                ]
-            )
-            for span_s in (1, 10)
-        }
-        for lead_s in LEADS_S:
-            then = int(np.searchsorted(t_s, t_s[now] + lead_s - 0.5 * STEP_S))
-            if then >= len(t_s) or abs(t_s[then] - t_s[now] - lead_s) > STEP_S:
+    for part, (first_h, last_h) in PARTS_H.items():
+        quiet = part.startswith("torque")
+        until_s = start_s + last_h * 3600.0 if quiet else np.inf
+        errors: dict[str, dict[int, list]] = defaultdict(lambda: defaultdict(list))
+        told: dict[int, list] = defaultdict(list)
+        for cut_s in start_s + np.arange(first_h * 3600.0, last_h * 3600.0, CUT_EVERY_S):
+            known = np.flatnonzero((t_s <= cut_s) & (t_s > cut_s - HISTORY_S))
+            if not len(known) or cut_s - t_s[known[-1]] > 2.0 * STEP_S:
                 continue
-            truth = q_body_from_lvlh[then]
-            for name, law in laws.items():
-                if law is not None:
+            now = known[-1]
+            laws = _laws(t_s[known], q_body_from_lvlh[known])
+            body_rate_rad_s = np.deg2rad(
+                [np.mean(held(channels, n, t_s[now] - np.arange(10.0))) for n in (25, 26, 27)]
+            )
+            for lead_s in LEADS_S:
+                then = int(np.searchsorted(t_s, t_s[now] + lead_s - 0.5 * STEP_S))
+                if (
+                    then >= len(t_s)
+                    or abs(t_s[then] - t_s[now] - lead_s) > STEP_S
+                    or t_s[then] > until_s
+                ):
+                    continue
+                truth = q_body_from_lvlh[then]
+                for name, law in laws.items():
                     foretold = law.at(t_s[then : then + 1])[0]
-                    errors[name][lead_s].append((foretold * truth.inv()).magnitude())
-            for name, omega_rad_s in omegas_rad_s.items():
-                turned = Rotation.from_rotvec(-omega_rad_s * (t_s[then] - t_s[now]))
+                    errors[name][lead_s].append((foretold * truth.inv()).as_rotvec())
+                turned = Rotation.from_rotvec(-body_rate_rad_s * (t_s[then] - t_s[now]))
                 foretold = turned * q_body_from_lvlh[now] * q_lvlh[now] * q_lvlh[then].inv()
-                errors[name][lead_s].append((foretold * truth.inv()).magnitude())
-    print("rms error (deg) by lead (s)\n" + " " * 46 + "".join(f"{lead:>9}" for lead in LEADS_S))
-    for name, by_lead in errors.items():
-        rms = [np.rad2deg(np.sqrt(np.mean(np.square(by_lead[lead])))) for lead in LEADS_S]
-        print(f"{name:46}" + "".join(f"{value:9.4f}" for value in rms), len(by_lead[900]))
-    print("chosen:", ", ".join(f"{name} {count}x" for name, count in choices.most_common()))
+                errors["the paper's constant body rate, of 10 s"][lead_s].append(
+                    (foretold * truth.inv()).as_rotvec()
+                )
+                told[lead_s].append(laws[BLEND].error_rms_at(np.array([float(lead_s)]))[0])
+        if told:
+            _print_part(part, errors, told)
+
+
+def _laws(t_s: NDArray[np.float64], q_body_from_lvlh: Rotation) -> dict[str, Extrapolation | Blend]:
+    """By name; a description whose history is too short is left out."""
+    recent = t_s > t_s[-1] - PLAIN_HISTORY_S
+    fits = {
+        str(d): fit_extrapolation(d, t_s[recent], q_body_from_lvlh[recent], PERIOD_S)
+        for d in DESCRIPTIONS
+    }
+    known = {name: fit for name, fit in fits.items() if fit is not None}
+    return {BLEND: blend(t_s, q_body_from_lvlh, PERIOD_S), **known}
+
+
+def _print_part(part: str, errors: dict[str, dict[int, list]], told: dict[int, list]) -> None:
+    print(f"\n{part}: rms error (deg) by lead (s)\n{'':48}", end="")
+    leads_s = sorted(told)
+    print("".join(f"{lead_s:>9}" for lead_s in leads_s), "  forecasts")
+    rms = {
+        name: {lead_s: np.rad2deg(_rms(found)) for lead_s, found in by_lead.items()}
+        for name, by_lead in errors.items()
+    }
+    for name, by_lead in rms.items():
+        # where a law had history enough for most of the forecasts
+        full = [len(errors[name][k]) > 0.7 * len(told[k]) for k in leads_s]
+        line = [
+            f"{by_lead[k]:9.4f}" if ok else " " * 9 for k, ok in zip(leads_s, full, strict=True)
+        ]
+        print(f"{name:48}{''.join(line)}", len(errors[name][leads_s[0]]))
+    rows = {f"of the best law below: goal <= {GOAL:g}": [], "seen of told": [], "NEES": []}
+    rows["NEES, the vehicle's knowledge told, too"] = []
+    for k in leads_s:
+        others = [
+            by_lead[k]
+            for name, by_lead in rms.items()
+            if name != BLEND and len(errors[name][k]) > 0.7 * len(told[k])
+        ]
+        miss, sigma = np.array(errors[BLEND][k]), np.array(told[k])
+        with_knowledge = np.hypot(sigma, KNOWLEDGE_RAD)
+        values = (
+            rms[BLEND][k] / min(others),
+            _rms(miss) / _rms(sigma),
+            np.mean((miss / sigma) ** 2),
+            np.mean((miss / with_knowledge) ** 2),
+        )
+        for row, value in zip(rows.values(), values, strict=True):
+            row.append(f"{value:9.2f}")
+    for name, row in rows.items():
+        print(f"{name:48}{''.join(row)}")
+
+
+def _rms(turns: list) -> float:
+    return float(np.sqrt(np.mean(np.sum(np.square(turns), axis=1))))
 
 
 def lvlh(tles: Path, t_s: NDArray[np.float64]) -> Rotation:

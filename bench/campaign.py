@@ -5,20 +5,33 @@ Real OCO-3 targets and seeded ones beyond 559, the ISS, elevation of 30 deg, loo
 best there (greedy), and what planners do by hand: by priority, the first window that is left.
 
     OMP_NUM_THREADS=1 python bench/campaign.py [--targets 200] [--days 1] [--step 2] [--plan 3]
+        [--sun 10] [--ground-sample 0]
 
-Times are of the processor.
+--sun: least elevation of the Sun.  --ground-sample: its weight in what a look is worth; without
+it all views are worth the same, and the choice is hardest.  Times are of the processor.
 """
 
 import argparse
 import json
+import os
 import time
+from collections import Counter
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 
-from planner.campaigns import CampaignRequest, CampaignTarget, choose_campaign, scenario_of
-from planner.opportunities import OpportunityConditions
+from planner.campaigns import (
+    Campaign,
+    CampaignRequest,
+    CampaignTarget,
+    ViewWeights,
+    choose_campaign,
+    scenario_of,
+)
+from planner.frames.time_scales import elapsed_s
+from planner.opportunities import OpportunityConditions, find_opportunities
 from planner.orbits import TleOrbit
 from planner.platforms import PLATFORMS
 from planner.targets import GroundTarget
@@ -34,8 +47,15 @@ def main() -> None:
     parser.add_argument("--step", type=float, default=2.0)
     parser.add_argument("--looks", type=int, default=1)
     parser.add_argument("--plan", type=int, default=0, help="plan so many of the passes")
+    parser.add_argument("--sun", type=float, help="deg, the Sun's least elevation")
+    parser.add_argument("--ground-sample", type=float, default=1.0, help="its weight")
     asked = parser.parse_args()
     request = campaign_request(asked.targets, asked.days, asked.step, asked.looks)
+    request = replace(
+        request,
+        conditions=replace(request.conditions, sun_elevation_min_deg=asked.sun),
+        view=ViewWeights(ground_sample=asked.ground_sample),
+    )
     stages: dict[str, float] = {}
     last = ["", time.process_time()]
 
@@ -44,17 +64,26 @@ def main() -> None:
         stages[str(last[0])] = stages.get(str(last[0]), 0.0) + now_s - float(last[1])
         last[:] = [stage, now_s]
 
-    began_s = time.process_time()
+    began_s, began_wall_s = time.process_time(), time.monotonic()
     campaign = choose_campaign(request, tell)
-    took_s = time.process_time() - began_s
+    took_s, wall_s = time.process_time() - began_s, time.monotonic() - began_wall_s
     tell("", 0, 1)
-    looks = sum(len(flight.looks) for flight in campaign.passes)
+    seen = [look.seen for flight in campaign.passes for look in flight.looks]
+    elevation_deg = np.rad2deg([one.elevation_rad for one in seen])
     print(
-        f"{asked.targets} targets, {asked.days:g} days, {campaign.windows} windows: {looks} looks "
-        f"in {len(campaign.passes)} passes, value {campaign.value:.1f}, bound "
+        f"{asked.targets} targets, {asked.days:g} days, {campaign.windows} windows: "
+        f"{len(seen)} looks in {len(campaign.passes)} passes, value {campaign.value:.1f}, bound "
         f"{campaign.bound:.1f}, gap {campaign.gap_share:.2%}; greedy {campaign.greedy_value:.1f} "
-        f"({campaign.value / campaign.greedy_value - 1.0:+.1%}); {took_s:.1f} s"
+        f"({campaign.value / campaign.greedy_value - 1.0:+.1%}); {took_s:.1f} s of the "
+        f"processor, {wall_s:.1f} s on the clock at a load of {os.getloadavg()[0]:.1f}"
     )
+    print(
+        f"  half of the looks above {np.median(elevation_deg):.1f} deg and below "
+        f"{np.median([one.ground_sample_m or np.nan for one in seen]):.2f} m; "
+        f"{len(campaign.left_out)} left out, unseen by "
+        f"{dict(Counter(one.closed_by for one in campaign.unseen))}"
+    )
+    print(f"  {single_looks(request, campaign)}")
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
     if asked.plan:
         from planner.sessions.pipeline import make_plan
@@ -68,6 +97,25 @@ def main() -> None:
             f"  pass {number}: {len(flight.looks)} looks planned in "
             f"{time.process_time() - began_s:.2f} s, {losses}"
         )
+
+
+def single_looks(request: CampaignRequest, campaign: Campaign) -> str:
+    """Where in their windows the looks are that have a pass to themselves."""
+    windows = find_opportunities(request.opportunities()).windows
+    single = [flight.looks[0] for flight in campaign.passes if len(flight.looks) == 1]
+    late_s, off_s = [], []
+    for look in single:
+        begins_s = elapsed_s(look.start_utc, request.start)
+        middle_s = begins_s + 0.5 * elapsed_s(look.stop_utc, look.start_utc)
+        holds = (windows.rise_s <= middle_s) & (middle_s <= windows.set_s)
+        [row] = np.flatnonzero(holds & (windows.target == look.target))
+        late_s.append(begins_s - windows.rise_s[row])
+        off_s.append(abs(middle_s - windows.highest_s[row]))
+    return (
+        f"of {len(single)} looks alone in their passes {np.sum(np.array(late_s) < 2.0)} begin "
+        f"within 2 s of rising, {np.sum(np.array(off_s) <= 2.5)} are centred within 2.5 s on "
+        "the highest elevation"
+    )
 
 
 def campaign_request(targets: int, days: float, step_s: float, looks: int = 1) -> CampaignRequest:

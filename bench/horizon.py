@@ -21,7 +21,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from horizon_cases import COLOUR, NEGATIVES, Case, case, negative, random_air, ring
+from horizon_cases import COLOUR, NEGATIVES, Case, case, negative, other_air, random_air, ring
 from horizon_paper_method import paper_nadir
 from horizon_photographs import Photograph
 from scipy.spatial.transform import Rotation
@@ -178,6 +178,26 @@ def harder_row(rng: np.random.Generator, name: str, count: int) -> None:
     row.show()
 
 
+def under_other_air(rng: np.random.Generator, count: int) -> None:
+    """With and without a prediction; over a dark sea, whose limb is brighter than what lies
+    behind it."""
+    for name, sensor in (("colour", COLOUR), ("grey", MONO)):
+        rows = Row(f"other air, {name}", ""), Row(f"other air, {name}, no prediction", "")
+        for _ in range(count):
+            one = case(rng, ring(2), scene=other_air(rng), sensor=sensor)
+            rows[0].add(one)
+            rows[1].add(one, replace(one.request, predicted=None))
+        for row in rows:
+            row.show()
+    row = Row("other air without dust, grey, dark sea", "")
+    for _ in range(count):
+        scene = other_air(rng)
+        clean = replace(scene.atmosphere, dust_optical_depth=0.0)
+        sea = replace(scene, atmosphere=clean, cloud_cover=rng.uniform(0.0, 0.05), land=0.0)
+        row.add(case(rng, ring(2), scene=sea, sensor=MONO))
+    row.show()
+
+
 def wrong_intrinsics(rng: np.random.Generator, count: int) -> None:
     """The lens bends by up to 1 % at the corner and nobody knows."""
     row = Row("real, distortion unknown to 1 %", "")
@@ -330,6 +350,7 @@ GROUPS = {
     "photographs": (photographs, 0.5, 4),
     "mirrored": (mirrored, 1.0 / 6.0, 4),
     "negatives": (negatives, 10.0 / 3.0, 12),
+    "air": (under_other_air, 0.5, 4),
 }
 
 

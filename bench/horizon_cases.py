@@ -1,7 +1,7 @@
 """Which images does the horizon benchmark use, and what is their truth?"""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
 import cv2
@@ -74,6 +74,21 @@ def random_air(rng: np.random.Generator) -> Scene:
         cloud_cover=rng.uniform(0.1, 0.8),
         land=rng.uniform(0.0, 0.8),
         roughness_m=800.0,
+    )
+
+
+def other_air(rng: np.random.Generator) -> Scene:
+    """Thinner, denser and cleaner air than the estimator was made with, without ozone."""
+    return replace(
+        random_air(rng),
+        atmosphere=Atmosphere(
+            air_scale_m=rng.uniform(7.0e3, 8.0e3),
+            air_density=rng.uniform(0.6, 1.5),
+            dust_optical_depth=rng.uniform(0.0, 0.1),
+            haze_optical_depth=0.0,
+            ozone=0.0,
+            diffuse_share=rng.uniform(0.0, 0.35),
+        ),
     )
 
 

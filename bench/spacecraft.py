@@ -1,8 +1,8 @@
 """Does the CMG spacecraft hold what is promised?  Prints every figure; run it with python.
 
 python bench/spacecraft.py            everything
-python bench/spacecraft.py timeline   some parts: timeline, settle, areas, turns, choice, physics,
-                                      ground, refusals
+python bench/spacecraft.py timeline   some parts: timeline, settle, areas, many, turns, choice,
+                                      physics, ground, refusals
 
 Times are CPU times: others at work on the machine don't count.
 """
@@ -16,7 +16,7 @@ from datetime import timedelta
 import numpy as np
 from spacecraft_cases import DATA, EPOCH, line, session_request, sun_synchronous
 from spacecraft_choice import bench_choice, bench_turns
-from spacecraft_flight import bench_areas, bench_settle, bench_timeline
+from spacecraft_flight import bench_areas, bench_many, bench_settle, bench_timeline
 
 from planner.errors import Refusal
 from planner.spacecraft.plan import plan_imaging
@@ -130,6 +130,7 @@ PARTS = {
     "timeline": bench_timeline,
     "settle": bench_settle,
     "areas": bench_areas,
+    "many": bench_many,
     "turns": bench_turns,
     "choice": bench_choice,
 }

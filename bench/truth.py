@@ -11,7 +11,7 @@ import argparse
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from attitude import channel, held
 from orbit_age import read_oem_file, read_tles, ric_m
 from scipy.spatial.transform import Rotation, Slerp
 
-from planner.attitude import LvlhAttitude
+from planner.attitude import AttitudeCorrection, LvlhAttitude
 from planner.attitude.errors import MEAN_SIGMA_DEG
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf
@@ -39,6 +39,11 @@ STARTS = 60  # moments of the telemetry for each session
 STALE_S = 2.5  # since a value changed
 STEP_S = 10.0
 BINS = 5
+LOOKS_S = (0.0, 420.0, 840.0)  # a day side's worth of frames
+CORRECTED_LEADS_S = (120.0, 900.0, 2700.0, 5400.0, 10800.0)
+LOOK_SIGMA_DEG = 0.02
+LOOK_TRIALS = 200
+NOON_UTC = datetime(2018, 10, 12, 12, tzinfo=UTC)
 PERIOD_S = 5560.0
 RATE_LEADS_S = (60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0)
 STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
@@ -52,6 +57,7 @@ def main() -> None:
     arguments = parser.parse_args()
     attitude_figures(arguments.data / "attitude")
     reliability(arguments.data, arguments.sessions)
+    corrected(arguments.data / "attitude")
     state_growth(arguments.data)
 
 
@@ -86,6 +92,52 @@ def reliability(data: Path, sessions: int) -> None:
                 f"  {edge:.1f} to {edge + 1.0 / BINS:.1f}: {inside.sum():5d} sessions, "
                 f"told {told[inside].mean():.3f}, kept {kept[inside].mean():.3f}"
             )
+
+
+def corrected(folder: Path) -> None:
+    """What looks at the telemetry's second half, of a horizon's kind, leave of its errors later."""
+    t_s, q_body_from_lvlh = telemetry(folder)
+    middle_s = t_s[len(t_s) // 2]
+    mean = q_body_from_lvlh[t_s < middle_s].mean()
+    swing = Slerp(t_s, q_body_from_lvlh)
+    rng = np.random.default_rng(4)
+    variances = np.diag([LOOK_SIGMA_DEG**2, LOOK_SIGMA_DEG**2, 180.0**2])
+    seen, told = [], []
+    for _ in range(LOOK_TRIALS):
+        wrong = Rotation.from_rotvec(np.deg2rad(rng.normal(0.0, MEAN_SIGMA_DEG, 3)))
+        first_s = rng.uniform(middle_s, t_s[-1] - LOOKS_S[-1] - CORRECTED_LEADS_S[-1])
+        last_s = first_s + LOOKS_S[-1]
+
+        def error_deg(at_s: np.ndarray, wrong: Rotation = wrong) -> np.ndarray:
+            return (swing(at_s) * (wrong * mean).inv()).as_rotvec(degrees=True)
+
+        noise_deg = rng.normal(0.0, LOOK_SIGMA_DEG, (len(LOOKS_S), 3)) * [1.0, 1.0, 0.0]
+        law = LvlhAttitude(
+            corrections=tuple(
+                AttitudeCorrection(
+                    epoch=shifted_utc(NOON_UTC, at_s),
+                    turn_body_deg=tuple(turn_deg.tolist()),
+                    covariance_deg2=tuple(tuple(row) for row in variances.tolist()),
+                )
+                for at_s, turn_deg in zip(
+                    LOOKS_S, error_deg(first_s + np.array(LOOKS_S)) + noise_deg, strict=True
+                )
+            )
+        )
+        at = Instants(NOON_UTC, LOOKS_S[-1] + np.array(CORRECTED_LEADS_S))
+        left_deg = error_deg(last_s + np.array(CORRECTED_LEADS_S)) - np.rad2deg(law.turn_rad(at))
+        seen.append(left_deg)
+        told.append(np.rad2deg(np.sqrt(np.sum(law.errors(at).modes_body_rad ** 2, axis=0))))
+    print(
+        f"looks {LOOKS_S} s with {LOOK_SIGMA_DEG} deg about x and y: rms left about x, y, told, "
+        "NEES (goal 0.8 to 1.3)"
+    )
+    for k, lead_s in enumerate(CORRECTED_LEADS_S):
+        left, sigma = np.array(seen)[:, k, :2], np.array(told)[:, k, :2]
+        print(
+            f"  {lead_s:6.0f} s after: {np.sqrt(np.mean(left**2, axis=0)).round(3)}, "
+            f"{np.sqrt(np.mean(sigma**2, axis=0)).round(3)} deg, {np.mean((left / sigma) ** 2):.2f}"
+        )
 
 
 def attitude_figures(folder: Path) -> None:

@@ -31,10 +31,21 @@ _CONVERGED = 1e-9  # of the focal length: 1e-5 px at most
 class HorizonCamera:
     """One camera as calibrated, and how it sits on the body.
 
-    mask: polygons in pixels that hide the craft's own structure.  lens_sigma: how well the lens is
-    known, the 1-sigma of its focal length, and of its distortion at the image's corner, as
-    fractions.  None: perfectly, but for frames stored as photographs, whose lenses are taken as
-    known to within 1 %.
+    name: yours, different from the other cameras'.
+    width_px: of the image.
+    height_px: of the image.
+    fx_px: focal length along the rows, in pixels' widths.
+    fy_px: focal length along the columns, in pixels' heights.
+    cx_px: principal point, from the left; pixel centres at whole numbers.
+    cy_px: principal point, from the top.
+    distortion: Brown-Conrady coefficients k1, k2, p1, p2, k3, as OpenCV has them.
+    q_camera_from_body_xyzw: scalar last; carries body axes onto the camera's: +Z out of the lens,
+    +X right, +Y down.
+    mask: polygons, corners as [x, y], that hide the craft's own structure. E.g. `[[[0, 900], [640,
+    900], [0, 1023]]]` [pixels]
+    lens_sigma: how well the lens is known, the 1-sigma of its focal length, and of its distortion
+    at the image's corner, as fractions. Null: perfectly, but for frames stored as photographs,
+    whose lenses are taken as known to within 1 %. E.g. `0.002`.
     """
 
     name: str

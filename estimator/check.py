@@ -1,10 +1,10 @@
 """Whether the measured vertical agrees with the planned attitude."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from scipy.stats import chi2
 
 from planner.arrays import Array
 
@@ -20,19 +20,23 @@ class Verdict(StrEnum):
     MEASURED = "measured"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AttitudeCheck:
     """The measured nadir against the predicted one.
 
     angle_rad: between them; along_rad and across_rad: its parts along the two covariance axes.
     probability: that errors of the stated sizes alone would differ by this much or more
     (chi-square, two degrees of freedom).  The turn about nadir is not measured.
+    turn_body_rad: rotation vector from the predicted body to the measured one, none of it about
+    nadir.  turn_covariance_rad2: (3, 3), of the measurement alone, pi about nadir.
     """
 
     angle_rad: float
     along_rad: float
     across_rad: float
     probability: float
+    turn_body_rad: Array
+    turn_covariance_rad2: Array
 
     @property
     def verdict(self) -> Verdict:
@@ -61,11 +65,16 @@ def check_attitude(
     length = float(np.linalg.norm(sideways_rad))
     # From the prediction to the measurement.
     offset_rad = -(sideways_rad * (angle_rad / length) if length > 0.0 else sideways_rad)
+    # Turning the body by w takes a direction n that is fixed in space to n + w x n.
+    turns_body = np.cross(nadir_body, across_axes(nadir_body))
+    about_nadir_rad2 = np.pi**2 * np.outer(nadir_body, nadir_body)
     return AttitudeCheck(
         angle_rad=angle_rad,
         along_rad=float(offset_rad[0]),
         across_rad=float(offset_rad[1]),
         probability=chance_of(offset_rad, covariance_rad2, sigma_rad),
+        turn_body_rad=offset_rad @ turns_body,
+        turn_covariance_rad2=turns_body.T @ covariance_rad2 @ turns_body + about_nadir_rad2,
     )
 
 
@@ -73,4 +82,4 @@ def chance_of(offset_rad: Array, covariance_rad2: Array, sigma_rad: float) -> fl
     """Probability of an offset (2,) as large or larger by errors of these sizes."""
     combined_rad2 = covariance_rad2 + sigma_rad**2 * np.eye(2)
     distance2 = float(offset_rad @ np.linalg.solve(combined_rad2, offset_rad))
-    return float(chi2.sf(distance2, 2))
+    return math.exp(-distance2 / 2.0)  # chi-square, two degrees of freedom

@@ -16,7 +16,11 @@ _PartKm = Annotated[float, Within(-_MAX_RANGE_KM, _MAX_RANGE_KM)]
 
 @spec
 class Position:
-    """Where the craft is at the request's epoch."""
+    """Where the craft is at the request's epoch.
+
+    frame: of the position.
+    position_km: x, y, z from the Earth's centre.
+    """
 
     frame: Literal["ITRF", "EME2000", "GCRF"]
     position_km: tuple[_PartKm, _PartKm, _PartKm]
@@ -26,11 +30,12 @@ class Position:
 class Body:
     """The body whose limb is seen; by default the Earth with its limb in daylight.
 
-    limb_height_km: height of the limb's steepest brightness above the ellipsoid, and its
-    1-sigma scatter.  Left out, it is the daylight limb's, low Sun included, and frames whose
-    limb lies in the dark are refused.  A height stated
-    is that of the edge in the image, however bright that is.  Heights above 60 km mean the
-    airglow layer at night.
+    a_km: equatorial radius of its ellipsoid.
+    b_km: polar radius of its ellipsoid.
+    limb_height_km: height of the limb's steepest brightness above the ellipsoid, however bright
+    that is. Left out, it is the daylight limb's, low Sun included, and frames whose limb lies in
+    the dark are refused. Heights above 60 km mean the airglow layer at night. E.g. `16.0`.
+    limb_height_sigma_km: 1-sigma scatter of that height. E.g. `0.5`.
     """
 
     a_km: Annotated[float, Within(100.0, 1e5)] = WGS84_A_M / 1e3
@@ -56,7 +61,11 @@ class Body:
 
 @spec
 class PredictedAttitude:
-    """The attitude to be checked; sigma_deg is its 1-sigma error about each axis."""
+    """The attitude to be checked.
+
+    q_body_from_eci_xyzw: scalar last, `Rotation.from_quat(q).apply(v_eci)` gives `v_body`.
+    sigma_deg: 1-sigma error about each axis.
+    """
 
     q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
     sigma_deg: Annotated[float, Within(0.0, 180.0)]
@@ -67,7 +76,14 @@ class PredictedAttitude:
 
 @spec
 class HorizonRequest:
-    """Images of one instant, one per camera in the cameras' order, and what is known."""
+    """Images of one instant, one per camera in the cameras' order, and what is known.
+
+    epoch: when the images were taken; UTC.
+    position: where the craft was.
+    cameras: those that took the images, in the images' order.
+    predicted: the attitude to be checked; none is measured against nothing.
+    overlay: whether to answer with the frames annotated, as PNG.
+    """
 
     epoch: datetime
     position: Position

@@ -1,4 +1,4 @@
-"""The arrays of nearly every quantity, row number and answer of yes or no here."""
+"""The arrays of nearly every quantity, row number and answer of yes or no; vector products."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,3 +6,18 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 Mask = NDArray[np.bool_]
+
+
+def cross(left_value: Array, right_value: Array) -> Array:
+    """Vector products left x right of shapes (..., 3) that broadcast, in both units' product.
+
+    NumPy's own, bit for bit, without its search for the axes, which takes longer than a few
+    hundred products.
+    """
+    product = np.empty(np.broadcast_shapes(left_value.shape, right_value.shape))
+    ax, ay, az = (left_value[..., k] for k in range(3))
+    bx, by, bz = (right_value[..., k] for k in range(3))
+    product[..., 0] = ay * bz - az * by
+    product[..., 1] = az * bx - ax * bz
+    product[..., 2] = ax * by - ay * bx
+    return product

@@ -8,7 +8,9 @@ facts for programs.  Bugs are not refusals: they are left to crash.
 import re
 from dataclasses import dataclass
 from datetime import datetime
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
 
 VALUE_CHARACTERS_MAX = 200  # of what was sent, in what is said of it
 _LONG_WORD = re.compile(rf"(\S{{{VALUE_CHARACTERS_MAX}}})\S+")
@@ -85,7 +87,12 @@ class InvalidInput(Refusal):
 
 @dataclass(frozen=True, kw_only=True)
 class FieldError:
-    """One field at fault: its dotted name, what is wrong and the way out, its value if scalar."""
+    """One field at fault.
+
+    field: its dotted name. E.g. `"sessions.0.target.latitude_deg"`.
+    detail: what is wrong and the way out. E.g. `"must lie in -90..90, not 91"`.
+    value: what it holds, if that is no object or list. E.g. `91`.
+    """
 
     field: str
     detail: str
@@ -144,12 +151,18 @@ class TrackBreaksLimit(Refusal):
 
 @dataclass(frozen=True, kw_only=True)
 class GiveUp:
-    """What one session would lose if the plan's `on_conflict` were set so."""
+    """What one session would lose if the plan's `on_conflict` were set so.
+
+    on_conflict: the setting that would lose this. E.g. `"shorten_later"`.
+    session: number of the session that loses, from 0. E.g. `1`.
+    start_later_s: by how much it would begin later. E.g. `12.4`.
+    stop_earlier_s: by how much it would end earlier. E.g. `0.0`.
+    """
 
     on_conflict: str
-    session: int
-    start_later_s: float
-    stop_earlier_s: float
+    session: Annotated[int, Field(ge=0)]
+    start_later_s: Annotated[float, Field(ge=0.0)]
+    stop_earlier_s: Annotated[float, Field(ge=0.0)]
 
 
 class InfeasibleSlew(Refusal):

@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Discriminator, Tag
 
 from planner.arrays import Array
 from planner.attitude import Attitude
@@ -36,9 +37,12 @@ _MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate o
 class InitialState:
     """Where the platform is, and how it moves, when the table begins.
 
-    One entry per axis of the platform, by the axis's name; no rates or accelerations mean
-    zero.  `epoch` becomes row 0 and so
-    must be a whole multiple of 0.2 s after its UTC second.
+    One entry per axis of the platform, by the axis's name.
+
+    epoch: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
+    angles_deg: of the axes.
+    rates_deg_s: of the axes; none are zero.
+    accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
     """
 
     epoch: datetime
@@ -60,8 +64,11 @@ class InitialState:
 class Session:
     """One target held from `start` to `stop`.
 
-    keyhole: what to do where following the target exactly would break a limit, as it does
-    near the outer axis: refuse, or follow as near as the limits allow, in the frame.
+    target: what is looked at.
+    start: from when on the target is held; UTC.
+    stop: until when it is held; UTC.
+    keyhole: what to do where following the target exactly would break a limit, as it does near the
+    outer axis: refuse, or follow as near as the limits allow, in the frame.
     """
 
     target: Target
@@ -86,20 +93,71 @@ class Session:
 
 
 @spec
+class BoundedLead:
+    """Slews no longer than they need be; the axes rest before them.
+
+    max_duration_s: the longest that a slew with the objective "smooth" may last, and any that
+    waits for its target; unless given, ten times the least time that the limits allow.
+    """
+
+    max_duration_s: Annotated[float, Within(2.0, 86400.0)] | None = None
+
+
+def _word_or_object(value: object) -> str:
+    return "word" if isinstance(value, str) else "object"
+
+
+Lead = Annotated[
+    Annotated[Literal["all"], Tag("word")] | Annotated[BoundedLead, Tag("object")],
+    Discriminator(_word_or_object),
+]
+
+
+@spec
+class FinalAngles:
+    """Where the axes are to rest.
+
+    angles_deg: of each axis, by its name. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    park: name of a park position of the platform. E.g. `"zero"`.
+    """
+
+    angles_deg: Mapping[str, AngleDeg] | None = None
+    park: str | None = None
+
+    def __post_init__(self) -> None:
+        if (self.angles_deg is None) == (self.park is None):
+            raise ValueError('give either angles_deg or park; for rest anywhere, "rest" instead')
+
+
+FinalState = Annotated[
+    Annotated[Literal["rest"], Tag("word")] | Annotated[FinalAngles, Tag("object")],
+    Discriminator(_word_or_object),
+]
+
+
+@spec
 class SlewOptions:
     """How the platform gets onto the track.
 
-    jerk_max_deg_s3: replaces the platform's own jerk limit on both axes.
-    filter_*: the spline's first-order low-pass (Sumarokov 2016, p. 91), None for none;
-    with compensation the join is aimed ahead by the filter's lag.
+    The spline knows neither `keep_out` nor `avoid_modes`; the judge says what it enters, the
+    comparison what it excites.
+
+    method: `ocp` keeps every limit; `spline` is the paper's baseline, for comparison only.
+    objective: of `ocp`: `smooth` takes all the time there is and spends the least jerk;
+    `minimum_time` is on the target as early as its limits and the target's visibility allow.
+    jerk_max_deg_s3: replaces the platform's own jerk limit on both axes. E.g. `0.5`.
+    filter_cutoff_hz: of the spline's first-order low-pass (Sumarokov 2016, p. 91); null for none.
+    filter_lag_compensation: whether the spline's join is aimed ahead by the filter's lag.
+    lead: how much of the time before a session its slew takes: "all", or what is bounded; before it
+    the axes are brought to rest, if they move, and wait.
     keep_out: cones the boresight must not enter, on the way or on a target.
-    avoid_modes: structural modes that slews leave at rest as well as their time allows: it
-    takes two periods or so, and more than the least time.
-    The spline knows neither; the judge says what it enters, the comparison what it excites.
+    avoid_modes: structural modes that slews leave at rest as well as their time allows: it takes
+    two periods or so, and more than the least time.
     """
 
     method: Literal["ocp", "spline"] = "ocp"
     objective: Literal["smooth", "minimum_time"] = "smooth"
+    lead: Lead = BoundedLead()
     jerk_max_deg_s3: JerkDegS3 | None = None
     filter_cutoff_hz: Annotated[float, Within(1e-3, 1e3)] | None = 2.0
     filter_lag_compensation: bool = True
@@ -131,8 +189,14 @@ class SlewOptions:
 class Scenario:
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
-    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, or let the
-    later, the earlier, or whichever gives the least loss be shortened.
+    name: yours, told in the plan and its files.
+    initial_state: where the platform is when the table begins.
+    sessions: what to look at, in order of time.
+    slew: how the platform gets from target to target.
+    on_conflict: what to do when a slew doesn't fit between two sessions: refuse, begin the later
+    one late, end the earlier one early, or whatever of both loses the least time.
+    final_state: where the axes are brought to rest when the last session is over; unless given,
+    the table ends with that session, however the axes move.
     """
 
     name: str = ""
@@ -143,6 +207,7 @@ class Scenario:
     sessions: tuple[Session, ...]
     slew: SlewOptions = SlewOptions()
     on_conflict: OnConflict = "refuse"
+    final_state: FinalState | None = None
 
     def __post_init__(self) -> None:
         if not self.sessions:
@@ -156,6 +221,8 @@ class Scenario:
                 )
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
         self._check_initial_state()
+        if isinstance(self.final_state, FinalAngles):
+            self._check_final_state(self.final_state)
 
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
@@ -177,6 +244,45 @@ class Scenario:
                         f"{figures(*np.rad2deg([value, low, high]).tolist())}, outside its limits "
                         f"{math.degrees(low):.6g}..{math.degrees(high):.6g}"
                     )
+
+    def _check_final_state(self, final: FinalAngles) -> None:
+        if final.park is not None:
+            known = [position.name for position in self.platform.park_positions]
+            if final.park not in known:
+                raise ValueError(
+                    f"final_state.park must be a position of {self.platform.name} "
+                    f"({', '.join(known) or 'it has none'}), not {final.park!r}; or give angles_deg"
+                )
+            return
+        names, angles_deg = self.platform.axis_names, final.angles_deg or {}
+        if set(angles_deg) != set(names):
+            raise ValueError(
+                f"final_state.angles_deg must name the axes {', '.join(names)} of "
+                f"{self.platform.name}, not {', '.join(angles_deg) or 'none'}"
+            )
+        for axis, limits in zip(names, self.platform.axis_limits, strict=True):
+            low_deg = math.degrees(limits.angle_min_rad)
+            high_deg = math.degrees(limits.angle_max_rad)
+            if not limits.angle_min_rad <= math.radians(angles_deg[axis]) <= limits.angle_max_rad:
+                raise ValueError(
+                    f"final_state.angles_deg.{axis} is "
+                    f"{figures(angles_deg[axis], low_deg, high_deg)}, outside its limits "
+                    f"{low_deg:.6g}..{high_deg:.6g}"
+                )
+
+    @property
+    def final_angle_rad(self) -> tuple[float, ...] | None:
+        """Where the axes are to rest in the end, in their order; None: anywhere, or unasked."""
+        final = self.final_state
+        if not isinstance(final, FinalAngles):
+            return None
+        if final.angles_deg is not None:
+            return tuple(math.radians(final.angles_deg[axis]) for axis in self.platform.axis_names)
+        return next(
+            position.angle_rad
+            for position in self.platform.park_positions
+            if position.name == final.park
+        )
 
     @property
     def axis_limits(self) -> tuple[AxisLimits, ...]:

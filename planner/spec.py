@@ -35,6 +35,13 @@ class Within:
         return handler(core_schema) | {"minimum": self.least, "maximum": self.greatest}
 
 
+@dataclasses.dataclass(frozen=True)
+class About:
+    """What every field of a type is, in the type's annotation; a class's docstring goes before."""
+
+    text: str
+
+
 # Of a unit vector; wider, so that one not yet divided by its norm is told that.
 UnitPart = Annotated[float, Within(-10.0, 10.0)]
 

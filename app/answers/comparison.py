@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from app.answers.members import DECIMALS, fill
+from app.answers.ranges import Count, NotNegative, Share, Signed
 from planner.slew.compare import SlewComparison, SlewFigures
 
 
@@ -11,17 +12,20 @@ from planner.slew.compare import SlewComparison, SlewFigures
 class AxisFigures:
     """One axis over one slew; null where the acceleration jumps and the jerk has no bound.
 
+    peak_rate_deg_s: largest rate.
+    peak_acceleration_deg_s2: largest acceleration.
+    peak_jerk_deg_s3: largest jerk.
     jerk_squared_integral_deg2_s5: the cost the objective `smooth` makes least.
-    limits_broken: limits the axis breaks, such as "rate"; end_error_arcsec: distance from the
-    angle wanted at the end.
+    limits_broken: limits the axis breaks. E.g. `["rate"]`.
+    end_error_arcsec: the angle reached at the end less the one wanted.
     """
 
-    peak_rate_deg_s: float
-    peak_acceleration_deg_s2: float
-    peak_jerk_deg_s3: float | None
-    jerk_squared_integral_deg2_s5: float | None
+    peak_rate_deg_s: NotNegative
+    peak_acceleration_deg_s2: NotNegative
+    peak_jerk_deg_s3: NotNegative | None
+    jerk_squared_integral_deg2_s5: NotNegative | None
     limits_broken: list[str]
-    end_error_arcsec: float
+    end_error_arcsec: Signed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,32 +33,42 @@ class ModeResidualOut:
     """How far one of `slew.avoid_modes` still swings after the slew, by axis.
 
     The mode's share in the axis's motion is taken as one: deflections scale with it.
+
+    frequency_hz: of the mode. E.g. `0.2`.
+    damping: of the mode, as a share of critical. E.g. `0.005`.
+    ocp_arcsec: after the optimal slew. E.g. `{"alpha": 0.01, "beta": 0.0}`.
+    spline_arcsec: after the paper's spline. E.g. `{"alpha": 42.0, "beta": 1.3}`.
     """
 
-    frequency_hz: float
-    damping: float
-    ocp_arcsec: dict[str, float]
-    spline_arcsec: dict[str, float]
+    frequency_hz: NotNegative
+    damping: Share
+    ocp_arcsec: dict[str, NotNegative]
+    spline_arcsec: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlewComparisonOut:
     """Both ways over the same time between the same states, by axis.
 
-    least_s: the least time the limits allow; paper_s: the time the paper's estimate asks for
-    (Sumarokov 2016, eq. 12-13).  residual_vibration: one entry for each mode to spare.
+    session: number of the session it leads to, from 0; null for the slew to the final state.
+    duration_s: of the slew.
+    least_s: the least time the limits allow.
+    paper_s: the time the paper's estimate asks for (Sumarokov 2016, eq. 12-13).
+    ocp: the optimal slew, by axis.
+    spline: the paper's spline, by axis.
+    residual_vibration: one entry for each mode to spare.
     """
 
-    session: int
-    duration_s: float
-    least_s: float | None
-    paper_s: float
+    session: Count | None
+    duration_s: NotNegative
+    least_s: NotNegative | None
+    paper_s: NotNegative
     ocp: dict[str, AxisFigures]
     spline: dict[str, AxisFigures]
     residual_vibration: list[ModeResidualOut]
 
 
-def comparison_out(session: int, comparison: SlewComparison) -> SlewComparisonOut:
+def comparison_out(session: int | None, comparison: SlewComparison) -> SlewComparisonOut:
     """In degrees."""
     names = comparison.axis_names
     return SlewComparisonOut(

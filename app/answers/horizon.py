@@ -4,6 +4,7 @@ import base64
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import zip_longest
 from typing import Any
 
@@ -11,11 +12,13 @@ import numpy as np
 
 from app.answers.horizon_view import ViewOut
 from app.answers.members import DECIMALS, ProvenanceOut, degrees, fill
+from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
 from estimator.check import Verdict
 from estimator.errors import Reason
 from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
 from estimator.prediction import HorizonPrediction
 from planner.arrays import Array
+from planner.frames.time_scales import utc_text
 
 PIXEL_DECIMALS = 2
 
@@ -24,33 +27,55 @@ PIXEL_DECIMALS = 2
 class CheckOut:
     """The measured nadir against the predicted one.
 
-    angle_deg: between them; along_deg, across_deg: its parts on the two `axes_body`, from the
-    prediction to the measurement.  probability: that errors of the stated sizes differ by as
-    much or more.  The turn about nadir is not measured.
+    The turn about nadir is not measured.
+
+    angle_deg: between them.
+    along_deg: its part on the first of `axes_body`, from the prediction to the measurement.
+    across_deg: its part on the second of `axes_body`, from the prediction to the measurement.
+    probability: that errors of the stated sizes differ by as much or more.
     """
 
-    angle_deg: float
-    along_deg: float
-    across_deg: float
-    probability: float
+    angle_deg: HalfTurnDeg
+    along_deg: Signed
+    across_deg: Signed
+    probability: Share
+
+
+@dataclass(frozen=True, kw_only=True)
+class CorrectionOut:
+    """The measured turn of the body from the predicted one, as `attitude.corrections` of a plan
+    takes it where the attitude predicted is that of its law.
+
+    epoch: when it was measured; UTC.
+    turn_body_deg: the rotation vector from the predicted body to the measured one, body axes.
+    covariance_deg2: of its components; 180 deg about nadir, which was not measured.
+    """
+
+    epoch: str
+    turn_body_deg: list[Signed]
+    covariance_deg2: list[list[Signed]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class CameraOut:
     """One camera's part in the estimate.
 
-    reason: why its frame was not used, as a word; explanation: in full.  arc_deg: limb found,
-    as azimuth about nadir; residual_px: rms distance of the limb points from the fit.
-    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb
-    points used in green, the predicted limb in orange.
+    name: the camera's, as the request gives it.
+    used: whether its frame was.
+    reason: why not, as a word; null when it was used. E.g. `"all_black"`.
+    explanation: the reason in full; null when it was used. E.g. `"the frame is black"`.
+    arc_deg: limb found, as azimuth about nadir.
+    residual_px: rms distance of the limb points from the fit; null without one.
+    overlay_png: the annotated frame as a PNG in base64, when `overlay` was asked for: limb points
+    used in green, the predicted limb in orange. E.g. `"iVBORw0KGgo="`.
     """
 
     name: str
     used: bool
     reason: str | None
     explanation: str | None
-    arc_deg: float
-    residual_px: float | None
+    arc_deg: TurnDeg
+    residual_px: NotNegative | None
     overlay_png: str | None
 
 
@@ -58,26 +83,43 @@ class CameraOut:
 class EstimateResponse:
     """The local vertical in body axes.
 
-    nadir_body: geocentric, nadir_geodetic_body: normal to the ellipsoid; both null when the
-    verdict is `not_observable`, for `reason`.  covariance_deg2: of geocentric nadir on the
-    two unit vectors `axes_body` across it; sigma_deg: rms of its angle to the true one; the
-    same of geodetic nadir under `geodetic_...`.  check: null without a prediction.
+    verdict: what the images say of the attitude.
+    reason: why nothing could be measured, as a word; null when it was. E.g. `"no_horizon"`.
+    explanation: the reason in full; null when it was measured. E.g.
+    `"too little of the limb was found"`.
+    nadir_body: geocentric, a unit vector; null when the verdict is `not_observable`.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector; null when the verdict is
+    `not_observable`.
+    axes_body: two unit vectors across geocentric nadir, on which its errors are told.
+    covariance_deg2: of geocentric nadir on `axes_body`.
+    sigma_deg: rms of geocentric nadir's angle to the true one.
+    geodetic_axes_body: two unit vectors across geodetic nadir, on which its errors are told.
+    geodetic_covariance_deg2: of geodetic nadir on `geodetic_axes_body`.
+    geodetic_sigma_deg: rms of geodetic nadir's angle to the true one.
+    limb_height_km: height of the limb above the ellipsoid that was reckoned with.
+    limb_height_sigma_km: its 1-sigma.
+    check: the measured nadir against the predicted one; null without a prediction.
+    correction: the same as `attitude.corrections` of a plan takes it; null without a prediction.
+    cameras: each one's part, in the request's order.
+    warnings: what one should know before relying on it. E.g.
+    `["cameras left out: right"]`.
     """
 
     verdict: Verdict
     reason: str | None
     explanation: str | None
-    nadir_body: list[float] | None
-    nadir_geodetic_body: list[float] | None
-    axes_body: list[list[float]] | None
-    covariance_deg2: list[list[float]] | None
-    sigma_deg: float | None
-    geodetic_axes_body: list[list[float]] | None
-    geodetic_covariance_deg2: list[list[float]] | None
-    geodetic_sigma_deg: float | None
-    limb_height_km: float | None
-    limb_height_sigma_km: float | None
+    nadir_body: list[DirectionPart] | None
+    nadir_geodetic_body: list[DirectionPart] | None
+    axes_body: list[list[DirectionPart]] | None
+    covariance_deg2: list[list[Signed]] | None
+    sigma_deg: NotNegative | None
+    geodetic_axes_body: list[list[DirectionPart]] | None
+    geodetic_covariance_deg2: list[list[Signed]] | None
+    geodetic_sigma_deg: NotNegative | None
+    limb_height_km: Signed | None
+    limb_height_sigma_km: NotNegative | None
     check: CheckOut | None
+    correction: CorrectionOut | None
     cameras: list[CameraOut]
     warnings: list[str]
     provenance: ProvenanceOut
@@ -85,7 +127,12 @@ class EstimateResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class PredictionResponse:
-    """One view per instant and camera, instants in the order asked for."""
+    """One view per instant and camera.
+
+    views: instants in the order asked for, cameras within each.
+    warnings: what one should know before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
+    """
 
     views: list[ViewOut]
     warnings: list[str]
@@ -93,9 +140,12 @@ class PredictionResponse:
 
 
 def estimate_out(
-    estimate: VerticalEstimate, overlays: Sequence[bytes], provenance: ProvenanceOut
+    estimate: VerticalEstimate,
+    epoch_utc: datetime,
+    overlays: Sequence[bytes],
+    provenance: ProvenanceOut,
 ) -> EstimateResponse:
-    """overlays: PNG files, one per camera, or none at all."""
+    """epoch_utc: of the images.  overlays: PNG files, one per camera, or none at all."""
     geocentric, geodetic, check = estimate.geocentric, estimate.geodetic, estimate.check
     pictures: list[str | None] = [base64.b64encode(png).decode("ascii") for png in overlays]
     return fill(
@@ -109,6 +159,12 @@ def estimate_out(
         limb_height_km=_kilometres(estimate.limb_height_m),
         limb_height_sigma_km=_kilometres(estimate.limb_height_sigma_m),
         check=check and fill(CheckOut, check, decimals=DECIMALS),
+        correction=check
+        and CorrectionOut(
+            epoch=utc_text(epoch_utc),
+            turn_body_deg=numbers_of(np.rad2deg(check.turn_body_rad)),
+            covariance_deg2=covariance_deg2(check.turn_covariance_rad2),
+        ),
         cameras=[
             _camera(report, overlay_png)
             for report, overlay_png in zip_longest(estimate.cameras, pictures)

@@ -2,16 +2,27 @@
 
 from dataclasses import dataclass
 
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed, TurnDeg
+
 
 @dataclass(frozen=True, kw_only=True)
 class ViewOut:
     """What one camera will see at one instant.
 
-    reason: why the frame will be of no use, as a word; explanation: in full.  limb_in_frame,
-    arc_deg: limb in frame, as azimuth about nadir; lit_arc_deg: what of it stands in daylight
-    and away from the Sun.  sun_angle_deg: from the boresight.  limb_px: the limb's line, x
-    right, y down, pixel centres at whole numbers.  sigma_deg: expected 1-sigma of geocentric
-    nadir by this camera alone.
+    at: the instant; UTC.
+    camera: the camera's name.
+    usable: whether an estimate from its frame will be of use.
+    reason: why not, as a word; null when it is usable.
+    explanation: the reason in full; null when it is usable.
+    limb_in_frame: whether any of the limb is.
+    arc_deg: limb in frame, as azimuth about nadir.
+    lit_arc_deg: what of it stands in daylight and away from the Sun.
+    lit: whether any of it does.
+    sun_angle_deg: of the Sun from the boresight.
+    sun_in_frame: whether the Sun's disk is in the frame.
+    sigma_deg: expected 1-sigma of geocentric nadir by this camera alone; null when it is not
+    usable.
+    limb_px: the limb's line, [x, y]: x right, y down, pixel centres at whole numbers.
     """
 
     at: str
@@ -20,23 +31,29 @@ class ViewOut:
     reason: str | None
     explanation: str | None
     limb_in_frame: bool
-    arc_deg: float
-    lit_arc_deg: float
+    arc_deg: TurnDeg
+    lit_arc_deg: TurnDeg
     lit: bool
-    sun_angle_deg: float
+    sun_angle_deg: HalfTurnDeg
     sun_in_frame: bool
-    sigma_deg: float | None
-    limb_px: list[list[float]]
+    sigma_deg: NotNegative | None
+    limb_px: list[list[Signed]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class HorizonCheckOut:
     """One camera's use in one session, seen at its start, middle and stop.
 
-    usable: in all three; else `reason` is that of the first that is not.
+    session: its number, from 0. E.g. `0`.
+    camera: the camera's name. E.g. `"ahead"`.
+    usable: whether its frames will be of use at all three. E.g. `true`.
+    reason: of the first that is not usable, as a word; null when all are. E.g. `"low_sun"`.
+    explanation: the reason in full; null when all are usable. E.g.
+    `"the Sun is too low at the craft"`.
+    views: at the three instants.
     """
 
-    session: int
+    session: Count
     camera: str
     usable: bool
     reason: str | None

@@ -2,26 +2,34 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from pydantic import TypeAdapter
 
 from app.answers.members import fill, to_json
 from app.answers.problem import Problem
+from app.answers.ranges import Count
 from app.store.ids import JobState
-from app.store.jobs import Job
 
-
-@dataclass(frozen=True, kw_only=True)
-class JobProblem(Problem):
-    """Why there is no plan; `instance` is the job's."""
+if TYPE_CHECKING:  # children answer without a database
+    from app.store.jobs import Job
 
 
 @dataclass(frozen=True, kw_only=True)
 class JobResponse:
     """Where the work on a plan stands.
 
-    attempts: how often it was begun; more than once when a process died at it.  problem: why
-    it was refused or failed.  revises: the plan it replaces.
+    id: of what is made, as its address names it.
+    state: where it stands.
+    name: as the request gives it.
+    revises: id of the plan it replaces; null for none. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    input_sha256: of the request's bytes.
+    created: when the request came; UTC.
+    started: when the work began; UTC, null before.
+    finished: when it ended; UTC, null before.
+    attempts: how often it was begun; more than once when a process died at it.
+    problem: why it was refused or failed, `instance` being the job; null otherwise.
     """
 
     id: str
@@ -32,22 +40,27 @@ class JobResponse:
     created: str
     started: str | None
     finished: str | None
-    attempts: int
-    problem: JobProblem | None
+    attempts: Count
+    problem: Problem | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlanList:
-    """The latest first; `next` is the `cursor` of what comes after, null at the end."""
+    """Plans, the latest first.
+
+    plans: those of this page.
+    next: `cursor` of what comes after, null at the end. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
 
     plans: list[JobResponse]
     next: str | None
 
 
-_PROBLEM = TypeAdapter(JobProblem)
+_PROBLEM = TypeAdapter(Problem)
 
 
-def job_out(job: Job) -> JobResponse:
+def job_out(job: "Job") -> JobResponse:
     """As it stands."""
     problem = job.problem
     return fill(
@@ -61,18 +74,18 @@ def job_out(job: Job) -> JobResponse:
     )
 
 
-def job_json(job: Job) -> bytes:
+def job_json(job: "Job") -> bytes:
     """A JobResponse as UTF-8 JSON."""
     return to_json(job_out(job))
 
 
-def page(jobs: Sequence[Job], limit: int) -> tuple[list[JobResponse], str | None]:
+def page(jobs: "Sequence[Job]", limit: int) -> tuple[list[JobResponse], str | None]:
     """Of jobs of which one more than the limit was asked for; the id to go on from, if any."""
     shown = jobs[:limit]
     return [job_out(job) for job in shown], shown[-1].id if len(jobs) > limit else None
 
 
-def list_json(jobs: Sequence[Job], limit: int) -> bytes:
+def list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
     """A PlanList."""
     plans, after = page(jobs, limit)
     return to_json(PlanList(plans=plans, next=after))

@@ -5,10 +5,10 @@ import math
 from dataclasses import dataclass, fields
 from datetime import datetime
 from functools import cache
-from typing import Any, TypeVar, cast
+from typing import Annotated, Any, TypeVar, cast
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import Field, TypeAdapter
 
 from app.store.ids import JobState, new_id
 from app.versions import versions
@@ -83,7 +83,12 @@ def utc_or_none(moment_utc: datetime | None) -> str | None:
 
 @dataclass(frozen=True, kw_only=True)
 class ProvenanceOut:
-    """SHA-256 of the request's bytes, when it was worked on, versions at work."""
+    """What an answer rests on.
+
+    input_sha256: of the request's bytes.
+    planned_at: when it was worked on; UTC.
+    versions: of slewtrack and of what it computes with.
+    """
 
     input_sha256: str
     planned_at: str
@@ -104,11 +109,18 @@ def provenance(planned_at_utc: datetime, *parts: bytes) -> ProvenanceOut:
 
 @dataclass(frozen=True, kw_only=True)
 class PlanHead:
-    """revision: from 1, one more for each plan that replaces another; `revises` names that."""
+    """How a plan is found again.
+
+    id: of the plan, as its address names it.
+    state: `done` once verified.
+    revision: from 1, one more for each plan that replaces another.
+    revises: id of the plan it replaces; null for none. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
 
     id: str
     state: JobState
-    revision: int
+    revision: Annotated[int, Field(ge=1)]
     revises: str | None
 
 

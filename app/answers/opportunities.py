@@ -2,64 +2,84 @@
 
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from app.answers.members import ProvenanceOut, to_json
+from app.answers.ranges import ElevationDeg, ElevationOrLimbDeg, HalfTurnDeg, NotNegative, Signed
 from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec, 1e-6 km a millimetre
 
-Number = float | None
+Branch = Annotated[int, Field(ge=0, le=1)]
 Column = list[Any]
 
 
-@dataclass(frozen=True, kw_only=True)
-class SightingOut:
-    """A target seen at an instant; null where a number has no meaning or no end.
+class _Sighting:
+    """How a target is seen; null where a number has no meaning or no end.
 
-    elevation_deg: of the carrier in the target's sky; of a target in space its height above
-    the raised limb.  range_km, ground_sample_*: null for a star; a pixel on the ground across
-    and along the lean of the line of sight.  sun_elevation_deg: in the target's sky, null for
-    a target in space.  angles_deg, rates_deg_s: by axis.
+    at: when it is seen so; UTC.
+    elevation_deg: of the carrier in the target's sky; of a target in space its height above the
+    raised limb.
+    range_km: distance; null for a star.
+    off_nadir_deg: of the line of sight from the geocentric nadir.
+    ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
+    null for a target in space.
+    ground_sample_along_m: length of a pixel on the ground, along the lean of the line of sight;
+    null for a target in space.
+    sun_elevation_deg: in the target's sky, null for a target in space.
+    sun_separation_deg: of the line of sight from the Sun's centre.
+    moon_separation_deg: of the line of sight from the Moon's centre.
+    angles_deg: of the axes, by name.
+    rates_deg_s: of the axes, by name.
     """
 
+
+@dataclass(frozen=True, kw_only=True)
+class SightingOut(_Sighting):
+    """A target seen at an instant; null where a number has no meaning or no end."""
+
     at: str
-    elevation_deg: float
-    range_km: Number
-    off_nadir_deg: float
-    ground_sample_across_m: Number
-    ground_sample_along_m: Number
-    sun_elevation_deg: Number
-    sun_separation_deg: float
-    moon_separation_deg: float
-    angles_deg: dict[str, Number]
-    rates_deg_s: dict[str, Number]
+    elevation_deg: ElevationOrLimbDeg
+    range_km: NotNegative | None
+    off_nadir_deg: HalfTurnDeg
+    ground_sample_across_m: NotNegative | None
+    ground_sample_along_m: NotNegative | None
+    sun_elevation_deg: ElevationDeg | None
+    sun_separation_deg: HalfTurnDeg
+    moon_separation_deg: HalfTurnDeg
+    angles_deg: dict[str, Signed | None]
+    rates_deg_s: dict[str, Signed | None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SightingsOut:
+class SightingsOut(_Sighting):
     """The members of a sighting as arrays, at instants spread evenly from rise to set."""
 
     at: list[str]
-    elevation_deg: list[float]
-    range_km: list[Number]
-    off_nadir_deg: list[float]
-    ground_sample_across_m: list[Number]
-    ground_sample_along_m: list[Number]
-    sun_elevation_deg: list[Number]
-    sun_separation_deg: list[float]
-    moon_separation_deg: list[float]
-    angles_deg: dict[str, list[Number]]
-    rates_deg_s: dict[str, list[Number]]
+    elevation_deg: list[ElevationOrLimbDeg]
+    range_km: list[NotNegative | None]
+    off_nadir_deg: list[HalfTurnDeg]
+    ground_sample_across_m: list[NotNegative | None]
+    ground_sample_along_m: list[NotNegative | None]
+    sun_elevation_deg: list[ElevationDeg | None]
+    sun_separation_deg: list[HalfTurnDeg]
+    moon_separation_deg: list[HalfTurnDeg]
+    angles_deg: dict[str, list[Signed | None]]
+    rates_deg_s: dict[str, list[Signed | None]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SessionTimesOut:
-    """Times that a plan's session takes as they stand."""
+    """Times that a plan's session takes as they stand.
+
+    start: first row; UTC.
+    stop: last row; UTC.
+    """
 
     start: str
     stop: str
@@ -67,37 +87,51 @@ class SessionTimesOut:
 
 @dataclass(frozen=True, kw_only=True)
 class WindowOut:
-    """One stretch in which all conditions hold for the target with this id.
+    """One stretch in which all conditions hold for a target.
 
-    session: the longest on the rows of a command table, null where the window is too short for
-    one.  opened_by, closed_by: the condition at each edge; "interval" is the request's own start
-    or stop.  highest_*: greatest elevation.  closest: at the least range; of a target in
-    space, at its greatest height above the limb.
-    branch: which of the two pairs of axis angles is told, the one with less turn of the inner
-    axis; branches: which of them keep within the stops through the window (none where the
-    axes would have to change over).
+    target: id of the target, as the request gives it.
+    rise: when it begins; UTC.
+    set: when it ends; UTC.
+    duration_s: from rise to set.
+    session: the longest on the rows of a command table, null where the window is too short for one.
+    opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
+    closed_by: the condition that is met until `set`; "interval" is the request's own stop.
+    highest_at: when the elevation is greatest; UTC.
+    highest_deg: greatest elevation.
+    closest: the view at the least range; of a target in space, at its greatest height above the
+    limb.
+    through: the view at instants spread evenly from rise to set.
+    branch: which of the two pairs of axis angles that point at the target is told, 0 or 1: the one
+    with less turn of the inner axis.
+    branches: which pairs keep within the stops through the window (none where the axes would have
+    to change over).
     """
 
     target: str
     rise: str
     set: str
-    duration_s: float
+    duration_s: NotNegative
     session: SessionTimesOut | None
     opened_by: str
     closed_by: str
     highest_at: str
-    highest_deg: float
+    highest_deg: ElevationOrLimbDeg
     closest: SightingOut
     through: SightingsOut
-    branch: int
-    branches: list[int]
+    branch: Branch
+    branches: list[Branch]
 
 
 @dataclass(frozen=True, kw_only=True)
 class OpportunitiesResponse:
     """Windows in the order of the request's targets, each target's in order of time.
 
-    unseen: ids of the targets without any window.
+    start: of the time searched; UTC.
+    stop: of the time searched; UTC.
+    windows: all there are.
+    unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
+    warnings: what one should know before relying on it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
     start: str

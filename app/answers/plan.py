@@ -18,7 +18,8 @@ from app.answers.members import (
     to_json,
     whole_answer,
 )
-from app.answers.pointing import PointingOut, UncertaintyOut, pointing_out
+from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
@@ -39,10 +40,17 @@ _UNITS = {
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentOut:
-    """A stretch of the table: at rest, on the way to a session's target, or tracking it."""
+    """A stretch of the table.
+
+    kind: at rest, brought to rest in order to wait, on the way to a session's target, or tracking
+    it.
+    session: number of the session it belongs to, from 0; null on the way to the final state.
+    start: its first row; UTC.
+    stop: its last row; UTC.
+    """
 
     kind: SegmentKind
-    session: int
+    session: Count | None
     start: str
     stop: str
 
@@ -51,51 +59,74 @@ class TableOut(BaseModel):
     """The command table, one array per column.
 
     Per axis NAME of the platform two more: `NAME_deg` and `NAME_rate_deg_s` (for `iss-hrc`
-    `alpha_deg`, `beta_deg`, `alpha_rate_deg_s`, `beta_rate_deg_s`).  Between rows the
-    platform flies the cubic Hermite of two rows.
+    `alpha_deg`, `beta_deg`, `alpha_rate_deg_s`, `beta_rate_deg_s`). Between rows the platform flies
+    the cubic Hermite of two rows.
+
+    epoch: of row 0; UTC.
+    step_s: from row to row.
+    t_s: of each row, since the epoch.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True)
     __pydantic_extra__: dict[str, list[float]]
 
     epoch: str
-    step_s: float
-    t_s: list[float]
+    step_s: NotNegative
+    t_s: list[NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MarginOut:
-    """The closest an axis comes to a limit, anywhere on or between rows; negative when broken.
+    """The closest an axis comes to a limit, anywhere on or between rows.
 
-    acceleration_jump: the step of the acceleration from one 0.2 s cell to the next.
+    limit: the most the axis may. [see `unit`]
+    extreme: the nearest to it that the axis comes. [see `unit`]
+    margin: what is left; negative when the limit is broken. [see `unit`]
+    unit: of limit, extreme and margin.
+    t_s: when it comes so near, since the table's epoch.
+    at: the same instant; UTC.
     """
 
-    limit: float
-    extreme: float
-    margin: float
+    limit: Signed
+    extreme: Signed
+    margin: Signed
     unit: str
-    t_s: float
+    t_s: NotNegative
     at: str
 
 
 @dataclass(frozen=True, kw_only=True)
 class KeepOutMarginOut:
-    """How near the boresight comes to the axis of one cone of `slew.keep_out`, by its number.
+    """How near the boresight comes to the axis of one cone of `slew.keep_out`.
 
-    away_min_deg, margin_deg, at: null when the cone never counts (the Earth hides its body).
+    number: of the cone in the request, from 0. E.g. `0`.
+    about: what the cone is about. E.g. `"the Sun"`.
+    half_angle_deg: of the cone. E.g. `25.0`.
+    away_min_deg: least angle between boresight and the cone's axis; null when the cone never counts
+    (the Earth hides its body). E.g. `31.2`.
+    margin_deg: how much that is more than the half angle; null when the cone never counts. E.g.
+    `6.2`.
+    at: when it is so near; UTC, null when the cone never counts. E.g. `"2015-02-27T17:36:10.000Z"`.
     """
 
-    number: int
+    number: Count
     about: str
-    half_angle_deg: float
-    away_min_deg: float | None
-    margin_deg: float | None
+    half_angle_deg: HalfTurnDeg
+    away_min_deg: HalfTurnDeg | None
+    margin_deg: Signed | None
     at: str | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class FindingOut:
-    """One thing the verification found wrong or worth knowing."""
+    """One thing the verification found wrong or worth knowing.
+
+    severity: an error fails the plan.
+    limit: what was looked at. E.g. `"rate"`.
+    axis: its name; null when it is no single axis's. E.g. `"alpha"`.
+    at: when; UTC, null when it has no time. E.g. `"2015-02-27T17:36:10.000Z"`.
+    detail: what was found. E.g. `"alpha reaches 3.1 deg/s, 0.1 deg/s past its limit of 3 deg/s"`.
+    """
 
     severity: Literal["error", "warning"]
     limit: str
@@ -106,7 +137,12 @@ class FindingOut:
 
 @dataclass(frozen=True, kw_only=True)
 class VerificationOut:
-    """The verdict of a judge that shares no code with the planner's geometry and solver."""
+    """The verdict of a judge that shares no code with the planner's geometry and solver.
+
+    passed: whether the table may be flown.
+    findings: what is wrong or worth knowing.
+    taken_as_given: what the judge did not derive for itself.
+    """
 
     passed: bool
     findings: list[FindingOut]
@@ -115,32 +151,64 @@ class VerificationOut:
 
 @dataclass(frozen=True, kw_only=True)
 class SlewRunOut:
-    """How one slew was solved; minimum_s is the least time the limits allow."""
+    """How one slew was solved.
 
-    session: int
+    session: number of the session it leads to, from 0; null for the slew to the final state.
+    backend: the method, as `slew.method` names it.
+    status: how the solver ended.
+    iterations: of the solver.
+    wall_s: time it took to solve.
+    duration_s: of the slew.
+    minimum_s: the least time the limits allow.
+    """
+
+    session: Count | None
     backend: str
     status: str
-    iterations: int
-    wall_s: float
-    duration_s: float
-    minimum_s: float
+    iterations: Count
+    wall_s: NotNegative
+    duration_s: NotNegative
+    minimum_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
 class SolverOut:
-    """All slews together, then one by one; stages_wall_s is the time of the whole plan."""
+    """How the slews were solved, all together and one by one.
+
+    backend: the methods, as `slew.method` names them.
+    status: how the solver ended.
+    iterations: of the solver.
+    wall_s: time it took to solve all slews.
+    slews: how each one was solved.
+    stages_wall_s: time of each stage of the whole plan.
+    """
 
     backend: str
     status: str
-    iterations: int
-    wall_s: float
+    iterations: Count
+    wall_s: NotNegative
     slews: list[SlewRunOut]
-    stages_wall_s: dict[str, float]
+    stages_wall_s: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlanDocument:
-    """What is known of a plan beside its table."""
+    """What is known of a plan beside its table.
+
+    name: as the request gives it.
+    platform: the platform's name.
+    segments: what the table does, in order of time.
+    margins: how near each axis comes to its limits: by axis, then by limit.
+    keep_out: how near the boresight comes to each cone of the request.
+    pointing: how well each session's target is held.
+    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
+    uncertainty: of every session that looks at a target.
+    verification: whether it may be flown, by a judge of its own.
+    comparison: each slew beside the paper's spline.
+    horizon_checks: what the carrier's horizon cameras will see, for each session and camera.
+    solver: how the slews were solved.
+    warnings: what one should know before flying it.
+    """
 
     name: str
     platform: str
@@ -148,6 +216,7 @@ class PlanDocument:
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
+    slow_stretches: list[SlowStretchOut]
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]
@@ -161,9 +230,8 @@ class PlanDocument:
 class PlanResponse(PlanHead, PlanDocument):
     """A plan and the judge's verdict on it.
 
-    state: `done` when the verification passed.  `failed` when it did not, which only the
-    baseline `spline` can answer: its table is for comparison, never for flight.
-    margins: by axis, then by limit.  uncertainty: of every session that looks at a target.
+    state: `done` when the verification passed. `failed` when it did not, which only the baseline
+    `spline` can answer: its table is for comparison, never for flight.
     """
 
     table: TableOut
@@ -171,12 +239,18 @@ class PlanResponse(PlanHead, PlanDocument):
 
 @dataclass(frozen=True, kw_only=True)
 class DryRunResponse:
-    """The request can be read; nothing was planned."""
+    """The request can be read; nothing was planned.
+
+    valid: always true; what isn't is refused.
+    name: as the request gives it.
+    platform: the platform's name.
+    sessions: how many there are.
+    """
 
     valid: Literal[True]
     name: str
     platform: str
-    sessions: int
+    sessions: Count
     provenance: ProvenanceOut
 
 
@@ -225,6 +299,7 @@ def plan_document(
             margins=margins_out(report.limits),
             keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
             pointing=[pointing_out(session) for session in report.sessions],
+            slow_stretches=[fill(SlowStretchOut, slow) for slow in report.slow_stretches],
             uncertainty=[
                 fill(UncertaintyOut, budget, session=session)
                 for session, budget in enumerate(plan.budgets)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.answers.members import fill
+from app.answers.ranges import Count, ElevationDeg, NotNegative, Share, Signed
 from planner.frames.time_scales import utc_text
 from planner.sessions.uncertainty import Contribution
 from planner.verification import EarthFixedView, SessionReport, SkyView
@@ -14,7 +15,12 @@ ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 
 @dataclass(frozen=True, kw_only=True)
 class SlowStretchOut:
-    """An axis commanded below its least smooth drive rate, where friction may shake it."""
+    """An axis commanded below its least smooth drive rate, where friction may shake it.
+
+    axis: name of the axis.
+    start: from when; UTC.
+    stop: until when; UTC.
+    """
 
     axis: str
     start: str
@@ -23,11 +29,16 @@ class SlowStretchOut:
 
 @dataclass(frozen=True, kw_only=True)
 class OffTargetOut:
-    """A stretch over which the boresight is more than 0.1 arcsec off the target."""
+    """A stretch over which the boresight is more than 0.1 arcsec off the target.
+
+    start: from when; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
+    stop: until when; UTC. E.g. `"2015-02-27T17:37:06.000Z"`.
+    max_arcsec: farthest off. E.g. `640.2`.
+    """
 
     start: str
     stop: str
-    max_arcsec: float
+    max_arcsec: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,34 +46,53 @@ class PointingOut:
     """How well one session's target is held, by the independent verification.
 
     Of a test motion: the larger of the axes' deviations from it.
-    allowed_arcsec: 0.1, or with `keyhole` `nearest` the circle inside the frame; off_target:
-    where the session is then tracked only as near as the limits allow.
-    ground_max_m: the error on the target's horizontal plane; null below its horizon.
-    across_max_m: the error at the target across the line of sight.
-    ground_*, across_*, elevation_*, closest_at, range_max_km: null unless the target is on
-    the Earth.  range_min_km: null for a star.  limb_clearance_min_deg: least angle above the
-    limb raised by the target's grazing altitude; it and refraction_max_arcsec are null
-    unless the target is in the sky.
+
+    session: its number, from 0.
+    start: from when on it is held; UTC.
+    stop: until when; UTC.
+    max_arcsec: largest angle between boresight and target.
+    max_at: when that is; UTC.
+    rms_arcsec: of the angle over the session.
+    rows_max_arcsec: largest angle on the table's rows.
+    between_rows_max_arcsec: largest angle between the rows.
+    ground_max_m: largest error on the target's horizontal plane; null below its horizon, and unless
+    the target is on the Earth.
+    across_max_m: largest error at the target across the line of sight; null unless the target is on
+    the Earth.
+    elevation_min_deg: least elevation of the carrier in the target's sky; null unless the target is
+    on the Earth.
+    range_min_km: least distance; null for a star.
+    closest_at: when that is; UTC, null unless the target is on the Earth.
+    range_max_km: greatest distance; null unless the target is on the Earth.
+    limb_clearance_min_deg: least angle above the limb raised by the target's grazing altitude; null
+    unless the target is in the sky. E.g. `12.4`.
+    limb_clearance_min_at: when that is; UTC. E.g. `"2015-02-27T17:37:50.000Z"`.
+    refraction_max_arcsec: largest bending of the ray; null unless the target is in the sky. E.g.
+    `0.1`.
+    allowed_arcsec: 0.1, or with `keyhole` `nearest` the circle inside the frame.
+    off_target: where the session is tracked only as near as the limits allow, with `keyhole`
+    `nearest`.
+    slow_stretches: where an axis moves slower than its drive runs smoothly.
     """
 
-    session: int
+    session: Count
     start: str
     stop: str
-    max_arcsec: float
+    max_arcsec: NotNegative
     max_at: str
-    rms_arcsec: float
-    rows_max_arcsec: float
-    between_rows_max_arcsec: float
-    ground_max_m: float | None = None
-    across_max_m: float | None = None
-    elevation_min_deg: float | None = None
-    range_min_km: float | None = None
+    rms_arcsec: NotNegative
+    rows_max_arcsec: NotNegative
+    between_rows_max_arcsec: NotNegative
+    ground_max_m: NotNegative | None = None
+    across_max_m: NotNegative | None = None
+    elevation_min_deg: ElevationDeg | None = None
+    range_min_km: NotNegative | None = None
     closest_at: str | None = None
-    range_max_km: float | None = None
-    limb_clearance_min_deg: float | None = None
+    range_max_km: NotNegative | None = None
+    limb_clearance_min_deg: Signed | None = None
     limb_clearance_min_at: str | None = None
-    refraction_max_arcsec: float | None = None
-    allowed_arcsec: float
+    refraction_max_arcsec: NotNegative | None = None
+    allowed_arcsec: NotNegative
     off_target: list[OffTargetOut]
     slow_stretches: list[SlowStretchOut]
 
@@ -115,13 +145,18 @@ def _view(view: EarthFixedView | SkyView | None) -> dict[str, Any]:
 class UncertaintyOut:
     """1-sigma pointing error of one session, per image axis at its worst instant.
 
-    What the table can't know: the errors of orbit, attitude, Earth orientation, clock and
-    drives.  probability_in_frame: that the target stays inside the camera's frame over the
-    whole session, from where the table holds it.
+    What the table can't know: the errors of orbit, attitude, Earth orientation, clock and drives.
+
+    session: its number, from 0.
+    sigma_arcsec: all contributions together.
+    ground_m: the same across the line of sight at the target; null for a target in the sky.
+    probability_in_frame: that the target stays inside the camera's frame over the whole session,
+    from where the table holds it.
+    contributions: cause by cause.
     """
 
-    session: int
-    sigma_arcsec: float
-    ground_m: float | None
-    probability_in_frame: float
+    session: Count
+    sigma_arcsec: NotNegative
+    ground_m: NotNegative | None
+    probability_in_frame: Share
     contributions: list[Contribution]

@@ -2,9 +2,12 @@
 
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from app.answers.members import utc_or_none
+from app.answers.ranges import Count
 from planner.errors import FieldError, GiveUp, Refusal
 
 TYPE_PREFIX = "urn:slewtrack:problem:"
@@ -21,18 +24,27 @@ _STATUS = {
 class Problem:
     """RFC 9457 problem details.
 
-    `type` names the kind of refusal; `instance` this request, by the id that the log and the
-    header X-Request-ID name too.
-    `field` is the request field at fault, dotted; `axis`, `limit` and `at` say what breaks
-    and when; `earliest_feasible_start` is the nearest session start that works, for a session
-    that stops at `feasible_stop`, when the sessions in `costs_sessions` are left
-    out; `give_up` says what sessions would lose under each
-    `on_conflict`; `errors` lists every field at fault of a request that can't be read.
+    type: kind of refusal.
+    title: the kind in words.
+    status: the answer's HTTP status.
+    detail: what is wrong and the way out.
+    instance: this request, by the id that the log and the header X-Request-ID name too.
+    field: request field at fault, dotted.
+    axis: name of the axis that can't do it.
+    limit: which limit breaks.
+    at: when it breaks; UTC. E.g. `"2015-02-27T17:36:10.000Z"`.
+    earliest_feasible_start: nearest session start that works, for a session that stops at
+    `feasible_stop`, when the sessions in `costs_sessions` are left out; UTC.
+    feasible_stop: session stop that goes with it; UTC.
+    costs_sessions: numbers of the sessions that can't be flown as asked with that start. E.g.
+    `[2]`.
+    give_up: what sessions would lose under each `on_conflict`.
+    errors: every field at fault of a request that can't be read.
     """
 
     type: str
     title: str
-    status: int
+    status: Annotated[int, Field(ge=400, le=599)]
     detail: str
     instance: str
     field: str | None = None
@@ -41,7 +53,7 @@ class Problem:
     at: str | None = None
     earliest_feasible_start: str | None = None
     feasible_stop: str | None = None
-    costs_sessions: tuple[int, ...] = ()
+    costs_sessions: tuple[Count, ...] = ()
     give_up: tuple[GiveUp, ...] = ()
     errors: tuple[FieldError, ...] = ()
 

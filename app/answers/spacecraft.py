@@ -15,6 +15,7 @@ from app.answers.members import (
     to_json,
     whole_answer,
 )
+from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Share, Signed
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
@@ -31,126 +32,206 @@ QUATERNION_DECIMALS = 13
 class AttitudeTableOut:
     """One row per 0.2 s; vectors as [x, y, z] in body axes, gimbals 1 to 4.
 
-    Between rows the attitude is the quintic Hermite in modified Rodrigues parameters, and
-    gimbal rates are held.
+    Between rows the attitude is the quintic Hermite in modified Rodrigues parameters, and gimbal
+    rates are held.
+
+    epoch: of row 0; UTC.
+    step_s: from row to row.
+    t_s: of each row, since the epoch.
+    q_body_from_eci_xyzw: attitude, scalar last, `Rotation.from_quat(q).apply(v_eci)` gives
+    `v_body`.
+    omega_body_deg_s: body relative to ECI, in body axes.
+    alpha_body_deg_s2: its derivative, in body axes.
+    gimbal_deg: angles of the four gyros' gimbals.
+    gimbal_rate_deg_s: rates of the four gyros' gimbals.
     """
 
     epoch: str
-    step_s: float
-    t_s: list[float]
-    q_body_from_eci_xyzw: list[list[float]]
-    omega_body_deg_s: list[list[float]]
-    alpha_body_deg_s2: list[list[float]]
-    gimbal_deg: list[list[float]]
-    gimbal_rate_deg_s: list[list[float]]
+    step_s: NotNegative
+    t_s: list[NotNegative]
+    q_body_from_eci_xyzw: list[list[DirectionPart]]
+    omega_body_deg_s: list[list[Signed]]
+    alpha_body_deg_s2: list[list[Signed]]
+    gimbal_deg: list[list[Signed]]
+    gimbal_rate_deg_s: list[list[Signed]]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingWindowOut:
     """One stretch with the camera on, as the judge finds it on the ground.
 
-    look: which strip, look or leg of the request, from 0.  speed_spread: largest deviation
-    from the speed asked for, relative.  drift_deg: between the detector's columns and the
-    image's motion.  miss_m: of the scanned line from that asked for.
+    request: name of the request it belongs to.
+    look: which strip, look or leg of the request, from 0.
+    start: first row; UTC.
+    stop: last row; UTC.
+    first_row: its number, from 0.
+    last_row: its number, from 0.
+    scan_speed_m_s: of the scanned line over the ground, mean.
+    speed_spread: largest deviation from the speed asked for, relative.
+    drift_deg: largest angle between the detector's columns and the image's motion.
+    miss_m: of the scanned line from that asked for, at its ends and across.
+    along_deg: farthest the camera looks ahead or behind.
+    across_deg: farthest the camera looks to the side.
     """
 
     request: str
-    look: int
+    look: Count
     start: str
     stop: str
-    first_row: int
-    last_row: int
-    scan_speed_m_s: float
-    speed_spread: float
-    drift_deg: float
-    miss_m: float
-    along_deg: float
-    across_deg: float
+    first_row: Count
+    last_row: Count
+    scan_speed_m_s: NotNegative
+    speed_spread: NotNegative
+    drift_deg: HalfTurnDeg
+    miss_m: NotNegative
+    along_deg: Signed
+    across_deg: Signed
 
 
 @dataclass(frozen=True, kw_only=True)
 class TurnOut:
     """One turn beside its baselines at the same limits.
 
-    onto: number of the window it leads to, null for orbital orientation.  eigenaxis_s: least
-    time about the Euler axis with the same torque and torque rate; bang_coast_bang_s: the
-    paper's, with any torque rate.
+    start: first row; UTC.
+    stop: last row; UTC.
+    onto: number of the window it leads to, null for orbital orientation.
+    angle_deg: between the attitudes at its ends.
+    duration_s: of the turn.
+    eigenaxis_s: least time about the Euler axis with the same torque and torque rate.
+    bang_coast_bang_s: the paper's least time about the Euler axis, with any torque rate.
+    torque_rate_peak_n_m_s: largest torque rate of the turn.
+    eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the turn about the Euler axis.
+    method: how it was solved.
+    time_from: what found the least time a `minimum_time` turn was given: `ocp`, or `eigenaxis`
+        where no shorter turn was found; null for turns that take the time there is.
+    status: how the solver ended.
+    solve_s: time it took to solve.
     """
 
     start: str
     stop: str
-    onto: int | None
-    angle_deg: float
-    duration_s: float
-    eigenaxis_s: float
-    bang_coast_bang_s: float
-    torque_rate_peak_n_m_s: float
-    eigenaxis_torque_rate_peak_n_m_s: float
+    onto: Count | None
+    angle_deg: HalfTurnDeg
+    duration_s: NotNegative
+    eigenaxis_s: NotNegative
+    bang_coast_bang_s: NotNegative
+    torque_rate_peak_n_m_s: NotNegative
+    eigenaxis_torque_rate_peak_n_m_s: NotNegative
     method: str
+    time_from: Literal["ocp", "eigenaxis"] | None
     status: str
-    solve_s: float
+    solve_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
 class ImagingChoiceOut:
-    """How good the choice among the requests is: no choice is worth more than `bound`."""
+    """How good the choice among the requests is.
 
-    value: float
-    bound: float
+    value: of the requests chosen.
+    bound: no choice is worth more.
+    proven_optimal: whether the choice is known to be the best.
+    greedy_value: what taking the most valuable that fits, one after another, is worth.
+    """
+
+    value: NotNegative
+    bound: NotNegative
     proven_optimal: bool
-    greedy_value: float
+    greedy_value: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpacecraftVerificationOut:
-    """The verdict of a judge that sees the table and the request only; extremes between rows."""
+    """The verdict of a judge that sees the table and the request only; extremes between rows.
+
+    passed: whether the table may be flown.
+    findings: what breaks, in words. E.g.
+    `["gimbal rate, deg/s: 58.1 exceeds 57.3"]`.
+    rate_max_deg_s: largest rate about each body axis.
+    torque_max_n_m: largest torque.
+    momentum_max_n_m_s: largest momentum in the gyros.
+    gimbal_rate_max_deg_s: of the fastest gimbal.
+    gimbal_margin: least distance from a singularity of the gyros: the smallest singular value of
+    their torque directions.
+    momentum_mismatch_n_m_s: largest difference between what the gimbal angles hold and what the
+    attitude needs.
+    """
 
     passed: bool
     findings: list[str]
-    rate_max_deg_s: list[float]
-    torque_max_n_m: float
-    momentum_max_n_m_s: float
-    gimbal_rate_max_deg_s: float
-    gimbal_margin: float
-    momentum_mismatch_n_m_s: float
+    rate_max_deg_s: list[NotNegative]
+    torque_max_n_m: NotNegative
+    momentum_max_n_m_s: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
+    gimbal_margin: NotNegative
+    momentum_mismatch_n_m_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
 class SteadinessOut:
     """One imaging interval over all dispersed closed-loop runs.
 
-    rate_error_deg_s: largest per body axis; steady: within 0.001 deg/s on every axis in every
-    run.  settled_s: from the end of the interval before until steady for good; spare_s: from
-    then to the start, negative when the camera starts too early.  smear_px: over one exposure.
+    request: name of the request it belongs to.
+    look: which strip, look or leg of the request, from 0.
+    steady: within 0.001 deg/s on every axis in every run.
+    rate_error_deg_s: largest per body axis.
+    rate_error_rms_deg_s: root mean square of the vector.
+    pointing_error_deg: largest angle between actual and commanded optical axis.
+    settled_s: from the end of the interval before until steady for good.
+    spare_s: from then to the start, negative when the camera starts too early.
+    smear_px: largest over one exposure.
+    momentum_margin_n_m_s: least distance to the sphere of momentum that the gyros can take in every
+    direction, since the interval before.
+    gimbal_margin: least distance from a singularity of the gyros since the interval before: the
+    smallest singular value of their torque directions.
+    gimbal_rate_max_deg_s: of the fastest gimbal.
     """
 
     request: str
-    look: int
+    look: Count
     steady: bool
-    rate_error_deg_s: list[float]
-    rate_error_rms_deg_s: float
-    pointing_error_deg: float
-    settled_s: float
-    spare_s: float
-    smear_px: float
-    momentum_margin_n_m_s: float
-    gimbal_margin: float
-    gimbal_rate_max_deg_s: float
+    rate_error_deg_s: list[NotNegative]
+    rate_error_rms_deg_s: NotNegative
+    pointing_error_deg: HalfTurnDeg
+    settled_s: NotNegative
+    spare_s: Signed
+    smear_px: NotNegative
+    momentum_margin_n_m_s: Signed
+    gimbal_margin: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
 class StabilisationOut:
-    """Closed-loop runs of the table; share_steady: of intervals times runs."""
+    """Closed-loop runs of the table.
 
-    runs: int
-    share_steady: float | None
-    worst_deg_s: float | None
+    runs: how many, dispersed.
+    share_steady: of intervals times runs; null without any.
+    worst_deg_s: largest rate error on any axis; null without any.
+    windows: each interval over all runs.
+    """
+
+    runs: Count
+    share_steady: Share | None
+    worst_deg_s: NotNegative | None
     windows: list[SteadinessOut]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpacecraftPlanDocument:
-    """What is known of a session beside its table."""
+    """What is known of a session beside its table.
+
+    name: as the request gives it.
+    spacecraft: the spacecraft's name.
+    windows: what is imaged, in order of time.
+    left_out: requests that don't fit, and why.
+    choice: how good it is.
+    turns: between the windows, in order of time.
+    verification: whether it may be flown, by a judge of its own.
+    stabilisation: how steady the camera is in closed loop.
+    assumptions: what the numbers rest on that the paper doesn't give.
+    warnings: what one should know before flying it. E.g.
+    `["in 4 dispersed runs 75% of the imaging intervals were steady within 0.001 deg/s"]`.
+    """
 
     name: str
     spacecraft: str
@@ -167,22 +248,25 @@ class SpacecraftPlanDocument:
 
 @dataclass(frozen=True, kw_only=True)
 class SpacecraftPlanResponse(PlanHead, SpacecraftPlanDocument):
-    """A session of the imaging spacecraft and the judge's verdict on it.
-
-    assumptions: what the numbers rest on that the paper doesn't give.
-    """
+    """A session of the imaging spacecraft and the judge's verdict on it."""
 
     table: AttitudeTableOut
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpacecraftDryRunResponse:
-    """The request can be read; nothing was planned."""
+    """The request can be read; nothing was planned.
+
+    valid: always true; what isn't is refused.
+    name: as the request gives it.
+    spacecraft: the spacecraft's name.
+    requests: how many there are.
+    """
 
     valid: Literal[True]
     name: str
     spacecraft: str
-    requests: int
+    requests: Count
     provenance: ProvenanceOut
 
 

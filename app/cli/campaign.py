@@ -5,7 +5,7 @@ import io
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from app.answers.campaign import CampaignLookOut
 from app.cli.report_parts import print_warnings, report_table
 from app.store.packed import NewPlan
 from app.work import progress
@@ -22,6 +23,7 @@ from app.work.plan import plan_and_pack, stored_table_json
 from planner.errors import Refusal
 
 SHOWN_MAX = 100
+_COLUMNS = tuple(field.name for field in fields(CampaignLookOut))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,11 +96,21 @@ def print_campaign(document: dict[str, Any], passes: list[PlannedPass]) -> None:
     if passes:
         console.print(_table(passes))
     for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
-        if ids := document[name]:
-            console.print(Text(f"{meaning}: {', '.join(ids[:SHOWN_MAX])}"))
+        told = document[name]
+        for one in told[:SHOWN_MAX]:
+            console.print(Text(f"{meaning}: {one['target']}, {one['because']}{_highest(one)}"))
+        if len(told) > SHOWN_MAX:
+            console.print(Text(f"and {len(told) - SHOWN_MAX} more: see --json"))
     for one in passes:
         print_warnings(console, _losses(one))
     print_warnings(console, document["warnings"])
+
+
+def _highest(one: dict[str, Any]) -> str:
+    if "best_elevation_deg" not in one:
+        return ""
+    when = one["best_time"][:16].replace("T", " ")
+    return f" (at most {one['best_elevation_deg']:.1f} deg high, {when})"
 
 
 def _losses(one: PlannedPass) -> Iterator[str]:
@@ -112,15 +124,19 @@ def _losses(one: PlannedPass) -> Iterator[str]:
 
 
 def _table(passes: list[PlannedPass]) -> Table:
-    table = report_table(None, "<pass", "<target", "<start", "<stop", "<value")
+    table = report_table(
+        None, "<pass", "<target", "<start", "<stop", "<value", "quality", "elev deg"
+    )
     rows = [(one.part.facts["pass"], look) for one in passes for look in one.part.facts["looks"]]
     for number, look in rows[:SHOWN_MAX]:
         table.add_row(
             str(number),
             Text(look["target"]),
-            look["start"][:10] + " " + look["start"][11:-1],
-            look["stop"][11:-1],
+            look["start"][:10] + " " + look["start"][11:21],
+            look["stop"][11:21],
             f"{look['value']:.4g}",
+            f"{look['quality']:.2f}",
+            f"{look['elevation_deg']:.1f}",
         )
     if len(rows) > SHOWN_MAX:
         table.add_row("", f"and {len(rows) - SHOWN_MAX} more: see --csv or --json")
@@ -131,10 +147,10 @@ def campaign_csv(passes: list[PlannedPass]) -> str:
     """One line per look of the plans made."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["pass", "target", "start", "stop", "value"])
+    writer.writerow(["pass", *_COLUMNS])
     for one in passes:
         for look in one.part.facts["looks"] if one.plan else ():
-            columns = (look[name] for name in ("target", "start", "stop", "value"))
+            columns = (look[name] for name in _COLUMNS)
             writer.writerow([one.part.facts["pass"], *columns])
     return text.getvalue()
 

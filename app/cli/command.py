@@ -270,6 +270,9 @@ def serve(
     port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
     """Serve the HTTP API and its pages (/docs); beyond this machine with API keys only."""
+    from app.jobs.disposable import start_server
+
+    start_server()  # what children need is loaded while the service itself is
     from app.http.serving import serve_on
     from app.settings import settings_of_environment
 

@@ -39,7 +39,9 @@ def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> byt
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(png)
     origin = provenance(datetime.now(UTC), body, *images)
-    return to_json(estimate_out(estimate, overlays if request.overlay else (), origin))
+    return to_json(
+        estimate_out(estimate, request.epoch, overlays if request.overlay else (), origin)
+    )
 
 
 def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:

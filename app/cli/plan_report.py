@@ -49,7 +49,7 @@ def _segments(plan: Plan) -> Table:
     for segment in plan.segments:
         table.add_row(
             segment.kind,
-            str(segment.session),
+            _session(segment.session),
             utc_text(segment.start_utc, 1),
             utc_text(segment.stop_utc, 1),
             f"{elapsed_s(segment.stop_utc, segment.start_utc):.1f}",
@@ -152,7 +152,7 @@ def _comparison(plan: Plan) -> Table:
         for axis in run.comparison.axis_names:
             for method, figures in (("ocp", compared.ocp[axis]), ("spline", compared.spline[axis])):
                 table.add_row(
-                    f"{run.session}",
+                    _session(run.session),
                     axis,
                     method,
                     f"{figures.peak_rate_deg_s:.4f}",
@@ -176,13 +176,17 @@ def _vibration(plan: Plan) -> Table:
             )
             for axis, ocp_rad, spline_rad in per_axis:
                 table.add_row(
-                    f"{run.session}",
+                    _session(run.session),
                     axis,
                     f"{residual.mode.frequency_hz:g}",
                     f"{ocp_rad * ARCSEC_PER_RAD:.2g}",
                     f"{spline_rad * ARCSEC_PER_RAD:.2g}",
                 )
     return table
+
+
+def _session(number: int | None) -> str:
+    return "final" if number is None else str(number)
 
 
 def _or_jump(value: float | None) -> str:

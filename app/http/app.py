@@ -9,6 +9,7 @@ from typing import Any
 import anyio
 import anyio.to_thread
 from fastapi import Depends, FastAPI
+from fastapi.routing import APIRoute
 
 from app.http import pages
 from app.http import problems as errors
@@ -63,6 +64,8 @@ _TAGS = [
     )
 ]
 
+_OF_API = (plans, opportunities, campaigns, horizon, spacecraft, platforms, system)
+
 
 def create_app(settings: Settings | None = None) -> FastAPI:
     """The service; settings default to the environment's."""
@@ -74,6 +77,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redirect_slashes=False,
         lifespan=_ready_for_children,
         separate_input_output_schemas=False,
+        generate_unique_id_function=_operation_id,
         openapi_tags=_TAGS,
         docs_url=None,  # our own work without a CDN
         redoc_url=None,
@@ -83,8 +87,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.settings = settings
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
-    of_api = (plans, opportunities, campaigns, horizon, spacecraft, platforms, system)
-    for resource in (*of_api, pages):
+    for resource in (*_OF_API, pages):
         app.include_router(resource.router)
     pages.serve_files(app)
     errors.install(app)
@@ -168,7 +171,22 @@ def _describe(app: FastAPI) -> None:
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = complete(generate())
+            app.openapi_schema = complete(generate(), _answers())
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's documented way
+
+
+def _answers() -> Iterator[object]:
+    """The classes of all answers."""
+    for resource in _OF_API:
+        for route in resource.router.routes:
+            if isinstance(route, APIRoute):
+                yield route.response_model
+                yield from (answer.get("model") for answer in route.responses.values())
+
+
+def _operation_id(route: APIRoute) -> str:
+    """Method and path in words, such as get_plan_table: names of functions in generated clients."""
+    words = route.path.removeprefix("/v1").replace("s/{id}", "").split("/")
+    return "_".join((*(route.methods or ()), *words[1:])).lower()

@@ -7,7 +7,7 @@ from fastapi import HTTPException, Request
 JSON = "application/json"
 
 
-def accepts_json(request: Request) -> None:
+async def accepts_json(request: Request) -> None:
     """Refuse with 406 a client that wants something else than JSON."""
     preferred_type(request, (JSON,))
 

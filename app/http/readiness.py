@@ -29,7 +29,12 @@ IERS_WARNING_DAYS = 30.0
 
 @dataclass(frozen=True, kw_only=True)
 class ReadinessCheckOut:
-    """One thing the service depends on; `degraded` still works, and says how well."""
+    """One thing the service depends on.
+
+    name: what is depended on.
+    state: `degraded` still works, and `detail` says how well.
+    detail: what was found.
+    """
 
     name: str
     state: State

@@ -14,6 +14,7 @@ from fastapi import Request
 from app.http.blocking import read
 from app.jobs.dispatcher import Dispatcher
 from app.store import jobs
+from app.store.plans import StoredPlan
 
 WAIT_S, WAIT_MAX_S = 30, 60
 _LOOK_S = 1.0  # between looks at a job that another service may work on
@@ -45,10 +46,11 @@ def patience(prefer: str | None, default_s: float) -> Patience:
     return Patience(wait_s=default_s)
 
 
-async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
+async def wait_for_end(request: Request, job_id: str, wait_s: float) -> StoredPlan | None:
     """Until a job has ended, here or with another service on the database, or time is up.
 
-    Or this service is told to stop: the job is kept.
+    Or this service is told to stop: the job is kept.  The plan where it was made here meanwhile;
+    else the database knows more.
     """
     dispatcher: Dispatcher = request.app.state.dispatcher
     clock_s = asyncio.get_running_loop().time
@@ -60,11 +62,12 @@ async def wait_for_end(request: Request, job_id: str, wait_s: float) -> None:
                 if not is_here:
                     job = await read(request, lambda connection: jobs.get(connection, job_id))
                     if job is None or not job.is_open:
-                        return
+                        return None
                     left_s = min(left_s, _LOOK_S)
                 waits: list[asyncio.Future[Any]] = [asyncio.wrap_future(ended), stops]
                 await asyncio.wait(waits, timeout=left_s, return_when=asyncio.FIRST_COMPLETED)
-                if ended.done() and ended.result():
-                    return
+                if ended.done() and (settled := ended.result()) is not None:
+                    return settled.plan
+        return None
     finally:
         stops.cancel()

@@ -20,7 +20,7 @@ from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 from app.jobs.child import Bounds
 from app.jobs.disposable import Stop
 from app.jobs.executors import SolveExecutor, Task
-from app.jobs.kinds import JOB_KINDS, JobKind
+from app.jobs.kinds import JOB_KINDS, JobKind, Settled
 from app.jobs.refusals import QueueFull
 from app.jobs.settling import give_up, settle, take_up_again
 from app.log.logs import log
@@ -70,7 +70,7 @@ class Dispatcher:
         self._lock = Lock()
         self._free = executor.workers
         self._running: dict[str, _Running] = {}
-        self._watchers: dict[str, list[Future[bool]]] = {}
+        self._watchers: dict[str, list[Future[Settled | None]]] = {}
         self._wake = Event()
         self._may_wait = True  # whether a look at the queue could find anything
         self._closing = Event()
@@ -151,17 +151,17 @@ class Dispatcher:
         if running is not None:
             running.stop.request()
         elif not job.is_open:
-            self._tell_watchers(job_id, True)
+            self._tell_watchers(job_id, Settled(job.state))
         return job
 
     @contextmanager
-    def watching(self, job_id: str) -> Iterator[tuple[Future[bool], bool]]:
+    def watching(self, job_id: str) -> Iterator[tuple[Future[Settled | None], bool]]:
         """A future, and whether the job is worked on here now.
 
-        Done when work on the job here has ended and that is stored, whenever it began; True
-        when it is the end of the job, too.
+        Done when work on the job here has ended and that is stored, whenever it began; None
+        unless it is the end of the job, too.
         """
-        ended: Future[bool] = Future()
+        ended: Future[Settled | None] = Future()
         with self._lock:
             self._watchers.setdefault(job_id, []).append(ended)
             is_here = job_id in self._running
@@ -175,11 +175,11 @@ class Dispatcher:
                 if not watchers:
                     self._watchers.pop(job_id, None)
 
-    def _tell_watchers(self, job_id: str, is_end: bool) -> None:
+    def _tell_watchers(self, job_id: str, end: Settled | None) -> None:
         with self._lock:
             watchers = self._watchers.pop(job_id, [])
         for ended in watchers:
-            ended.set_result(is_end)
+            ended.set_result(end)
 
     def _wake_up(self) -> None:
         self._may_wait = True
@@ -242,13 +242,13 @@ class Dispatcher:
 
     def _end(self, running: _Running, done: Future[Any]) -> None:
         took_s = time.monotonic() - running.began_s
-        state = None
+        settled = None
         try:
-            state = self._store_end(running, done)
-            if state is not None:
+            settled = self._store_end(running, done)
+            if settled is not None:
                 result = done.result() if done.exception() is None else None
                 iterations = None if result is None else running.kind.iterations(result)
-                self._on_end(running.kind.name, state, took_s, iterations)
+                self._on_end(running.kind.name, settled.state, took_s, iterations)
         except Exception as error:  # noqa: BLE001 (its lease runs out, and it is taken up again)
             log.error("the end couldn't be stored", job=running.job_id, exc_info=error)
         finally:
@@ -256,14 +256,14 @@ class Dispatcher:
             with self._lock:
                 if self._running.get(running.job_id) is running:
                     del self._running[running.job_id]
-            is_end = state is not None and state not in OPEN_STATES
-            self._tell_watchers(running.job_id, is_end)
+            is_open = settled is not None and settled.state in OPEN_STATES
+            self._tell_watchers(running.job_id, None if is_open else settled)
             # A look that finds nothing would only keep the answer waiting for the interpreter.
-            if self._may_wait or state in OPEN_STATES or running.parent_id is not None:
+            if self._may_wait or is_open or running.parent_id is not None:
                 self._wake_up()
 
-    def _store_end(self, running: _Running, done: Future[Any]) -> JobState | None:
-        """The state the job has now; None when it is no longer ours.
+    def _store_end(self, running: _Running, done: Future[Any]) -> Settled | None:
+        """What the job has become; None when it is no longer ours.
 
         What no database takes would fail again at every attempt: it is given up at once.
         """
@@ -279,8 +279,8 @@ class Dispatcher:
             return self._change(running, give_up)
 
     def _change(
-        self, running: _Running, change: Callable[[Connection, Job], JobState]
-    ) -> JobState | None:
+        self, running: _Running, change: Callable[[Connection, Job], Settled]
+    ) -> Settled | None:
         """What `change` makes of a job that is still ours, when the database is back.
 
         Until then its place is taken, so that no more is begun than can be kept.
@@ -288,7 +288,8 @@ class Dispatcher:
         pauses_s = chain(_STORE_PAUSES_S, repeat(_STORE_PAUSES_S[-1]))
         while True:
             try:
-                with self._database.writing() as connection:
+                # What has no parts is made again from its request, were this lost.
+                with self._database.writing(lasting=running.kind.has_parts) as connection:
                     job = jobs.job_of_lease(connection, running.token)
                     if job is None:
                         log.warning("a lease was lost", job=running.job_id)

@@ -7,7 +7,7 @@ import hashlib
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from sqlalchemy import Connection
 
@@ -16,11 +16,22 @@ from app.store import jobs, plans
 from app.store.ids import JobState, new_id
 from app.store.jobs import Job, NewJob
 from app.store.packed import NewPlan
+from app.store.plans import StoredPlan
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack
 from app.work.spacecraft import plan_and_pack_session
 
 _PART_RANK = 1  # after what somebody waits for
+
+
+class Settled(NamedTuple):
+    """The state a job has when its work has ended, `running` while it waits for parts.
+
+    plan: as it was stored, for who waits for it; None where none was made.
+    """
+
+    state: JobState
+    plan: StoredPlan | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,20 +41,22 @@ class JobKind:
     work: in a child, of a request's bytes and the request as it was read, None where it is to read
     it; what it returns and raises goes through pickle.
     store: puts that into the database, in the transaction that finishes the job, whose row it
-    holds; returns the state the job then has: `running` while it waits for parts.
+    holds.
     iterations: of a solver, counted in the metrics.
+    has_parts: jobs of their own, which the result names.
     """
 
     name: str
     bounds: Bounds
     work: Callable[[bytes, Any], Any]
-    store: Callable[[Connection, Job, Any], JobState]
+    store: Callable[[Connection, Job, Any], Settled]
     iterations: Callable[[Any], int | None] = lambda _: None
+    has_parts: bool = False
 
 
-def _store_plan(connection: Connection, job: Job, new: NewPlan) -> JobState:
-    plans.store(connection, job.id, job.kind, job.options.get("revises"), new)
-    return new.state
+def _store_plan(connection: Connection, job: Job, new: NewPlan) -> Settled:
+    revises = job.options.get("revises")
+    return Settled(new.state, plans.store(connection, job.id, job.kind, revises, new))
 
 
 PLAN = JobKind(
@@ -65,14 +78,14 @@ SPACECRAFT_PLAN = JobKind(
 )
 
 
-def _store_campaign(connection: Connection, job: Job, new: NewCampaign) -> JobState:
+def _store_campaign(connection: Connection, job: Job, new: NewCampaign) -> Settled:
     if job.cancel_requested:
-        return "cancelled"
+        return Settled("cancelled")
     plans.store_choice(connection, job.id, new.document)
     for part in new.parts:
         deadline_s = min(PLAN.bounds.deadline_s, job.deadline_s)
         _accept_part(connection, part, job.id, job.key_id, deadline_s)
-    return "running" if new.parts else "done"
+    return Settled("running" if new.parts else "done")
 
 
 CAMPAIGN = JobKind(
@@ -81,6 +94,7 @@ CAMPAIGN = JobKind(
     bounds=Bounds(deadline_s=600.0, memory_mib=4000),
     work=choose,
     store=_store_campaign,
+    has_parts=True,
 )
 
 JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN)}

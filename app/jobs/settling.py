@@ -8,7 +8,7 @@ from sqlalchemy import Connection
 
 from app.answers.problem import bug, problem_of
 from app.jobs.disposable import ChildFailed, Stopped
-from app.jobs.kinds import JobKind, replace_refused
+from app.jobs.kinds import JobKind, Settled, replace_refused
 from app.jobs.refusals import Interrupted
 from app.log.logs import log
 from app.store import jobs
@@ -19,26 +19,26 @@ from planner.errors import Refusal
 
 def settle(
     connection: Connection, job: Job, kind: JobKind, done: Future[Any], attempts_max: int
-) -> JobState:
-    """Store the result of a job whose row is locked; returns the state it then has."""
+) -> Settled:
+    """Store the result of a job whose row is locked."""
     error = done.exception()
     if error is None:
-        state = kind.store(connection, job, done.result())
-        if state == "running":
+        settled = kind.store(connection, job, done.result())
+        if settled.state == "running":
             jobs.wait_for_parts(connection, job)
         else:
-            jobs.finish(connection, job, state)
-        return state
+            jobs.finish(connection, job, settled.state)
+        return settled
     if isinstance(error, Stopped):
-        return _state_when_stopped(connection, job)
+        return Settled(_state_when_stopped(connection, job))
     problem = _problem(job, error)
     if problem is None:
-        return take_up_again(connection, job, attempts_max)
-    state = "refused" if problem["status"] < 500 else "failed"
+        return Settled(take_up_again(connection, job, attempts_max))
+    state: JobState = "refused" if problem["status"] < 500 else "failed"
     if state == "refused" and job.parent_id is not None and not job.cancel_requested:
         replace_refused(connection, job, problem)
     jobs.finish(connection, job, state, problem)
-    return state
+    return Settled(state)
 
 
 def take_up_again(connection: Connection, job: Job, attempts_max: int) -> JobState:
@@ -56,10 +56,10 @@ def take_up_again(connection: Connection, job: Job, attempts_max: int) -> JobSta
     return "failed"
 
 
-def give_up(connection: Connection, job: Job) -> JobState:
+def give_up(connection: Connection, job: Job) -> Settled:
     """Our failure, which no other attempt would mend."""
     jobs.finish(connection, job, "failed", bug())
-    return "failed"
+    return Settled("failed")
 
 
 def _state_when_stopped(connection: Connection, job: Job) -> JobState:

@@ -27,6 +27,8 @@ class PredictionRequest:
     """A carrier, its attitude, its horizon cameras, and the instants one wants to look ahead to.
 
     attitude_sigma_deg: 1-sigma error of the attitude about each axis.
+    cameras: the carrier's.
+    instants: when each camera's view is told; UTC.
     """
 
     orbit: Orbit
@@ -55,7 +57,8 @@ class PredictionRequest:
 class PictureRequest:
     """One camera's picture of the horizon, to be rendered.
 
-    at: when.  The same seed gives the same clouds and the same noise.
+    at: when it is taken; UTC.
+    seed: of clouds and noise; the same gives the same picture.
     """
 
     orbit: Orbit

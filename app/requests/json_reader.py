@@ -9,11 +9,12 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
+from functools import cached_property
 from typing import Any, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
-from pydantic_core import SchemaValidator, core_schema
+from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
 from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain
 from planner.errors import FieldError, InvalidRequest, with_short_values
@@ -49,9 +50,16 @@ class JsonReader(Generic[T]):
     def __init__(
         self, cls: type[T], plain: Callable[[object], object] = lambda document: document
     ) -> None:
-        self._plain = plain
-        self._schema = TypeAdapter(cls).core_schema
-        self._validator = SchemaValidator(_with_our_text(self._schema))
+        self._class, self._plain = cls, plain
+
+    @cached_property
+    def _schema(self) -> CoreSchema:
+        return TypeAdapter(self._class).core_schema
+
+    @cached_property
+    def _validator(self) -> SchemaValidator:
+        """When it is first needed: it takes 10 ms and more."""
+        return SchemaValidator(_with_our_text(self._schema))
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""
@@ -73,16 +81,21 @@ class JsonReader(Generic[T]):
         definitions = schema.get("$defs", {})
         for definition in definitions.values():
             # A kind has a default for Python's sake; in a request it must be given.
-            kinds = [name for name, field in definition["properties"].items() if "const" in field]
-            definition["required"] = kinds + definition.get("required", [])
+            kinds = {n: field for n, field in definition["properties"].items() if "const" in field}
+            definition["required"] = [*kinds, *definition.get("required", [])]
+            for field in kinds.values():
+                field.pop("default", None)
         return schema
 
 
 class _JsonSchema(GenerateJsonSchema):
-    """Without titles, which only repeat the names of the fields."""
+    """Without titles, which only repeat the names of the fields; kinds as they are registered."""
 
     def field_title_should_be_set(self, schema: Any) -> bool:  # noqa: ANN401 (pydantic's)
         return False
+
+    def sort(self, value: dict[str, Any], *_: object, **__: object) -> dict[str, Any]:
+        return value
 
 
 def field_errors(errors: Sequence[Mapping[str, Any]], document: object) -> list[FieldError]:

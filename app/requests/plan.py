@@ -20,9 +20,6 @@ SPAN_MAX_S = 86400.0  # 432,000 rows, some 30 MB
 class PlanRequest(Scenario):
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
-    platform: a registered name, or a two-axis platform written out in degrees.
-    on_conflict: when a slew doesn't fit between two sessions, refuse, or begin the later
-    one late, end the earlier one early, or whatever of both loses the least time.
     horizon_cameras: the carrier's; `horizon_checks` says what they will see.
     """
 

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Annotated
 
+from pydantic import Field
 from sqlalchemy import Connection, insert, select
 
 from app.store.database import Database
@@ -12,9 +14,18 @@ from planner.frames.time_scales import utc_text
 
 @dataclass(frozen=True, kw_only=True)
 class AuditEntry:
-    """One deed: `key_id` did `action` to `subject`; null without a key."""
+    """One deed.
 
-    id: int
+    id: greater than those before.
+    at: when it was done; UTC.
+    key_id: id of the API key it was done with; null without one. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    action: what was done.
+    subject: id of what it was done to.
+    detail: more about it, if there is.
+    """
+
+    id: Annotated[int, Field(ge=1)]
     at: str
     key_id: str | None
     action: str
@@ -22,6 +33,7 @@ class AuditEntry:
     detail: str
 
 
+_NEW = insert(AuditRow)
 _ENTRIES = select(
     AuditRow.at_utc.label("at"),
     *(getattr(AuditRow, name) for name in AuditEntry.__dataclass_fields__ if name != "at"),
@@ -33,7 +45,7 @@ def record(
 ) -> None:
     """In the transaction of the deed itself, so that there is neither without the other."""
     row = {"key_id": key_id, "action": action, "subject": subject, "detail": detail}
-    connection.execute(insert(AuditRow), row | {"at_utc": datetime.now(UTC)})
+    connection.execute(_NEW, row | {"at_utc": datetime.now(UTC)})
 
 
 def entries(database: Database, *, limit: int, before: int) -> list[AuditEntry]:

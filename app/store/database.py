@@ -3,7 +3,8 @@
 SQLite in the data folder without any set-up, PostgreSQL by SLEWTRACK_DATABASE_URL.
 
 What was accepted outlives a power failure, too: SQLite waits for the disk at every commit, which
-takes some 4 ms twice a plan.
+takes some 4 ms.  It doesn't wait for what would be made again from that: a plan that a power
+failure takes back is made once more when the service is back, under its id, the same.
 """
 
 import os
@@ -35,7 +36,7 @@ from planner.errors import InvalidInput
 FILE = "slewtrack.sqlite3"
 DRIVERS = ("sqlite", "postgresql+psycopg")
 _POOLED, _POOLED_MORE = 5, 20
-_WRITES = "slewtrack_writes"
+_WRITES = "slewtrack_writes"  # how, as SQLite's `synchronous` has it
 # SQLite's own waiting looks ten times a second, and finds no gap between the transactions of
 # another busy service; so often it does.
 _LOOK_S = 0.004
@@ -72,23 +73,32 @@ class Database:
             yield connection
 
     @contextmanager
-    def writing(self) -> Iterator[Connection]:
-        """A transaction that may change data; SQLite lets one in at a time."""
-        with self._writer() as connection, connection.begin():
+    def writing(self, *, lasting: bool = True) -> Iterator[Connection]:
+        """A transaction that may change data; SQLite lets one in at a time.
+
+        lasting: whether it outlives a power failure; one of the service it does either way.
+        """
+        with self._writer(lasting) as connection, connection.begin():
             yield connection
 
     @contextmanager
     def migrating(self) -> Iterator[Connection]:
         """As `writing`, for what may take the database long."""
-        with self._writer() as connection, _as_long_as_it_takes(connection), connection.begin():
+        with (
+            self._writer(lasting=True) as connection,
+            _as_long_as_it_takes(connection),
+            connection.begin(),
+        ):
             yield connection
 
     @contextmanager
-    def _writer(self) -> Iterator[Connection]:
+    def _writer(self, lasting: bool) -> Iterator[Connection]:
         with (
             self._raise_outages(self._writers),
             self._turn(),
-            self._engine.connect().execution_options(**{_WRITES: True}) as connection,
+            self._engine.connect().execution_options(
+                **{_WRITES: "FULL" if lasting else "NORMAL"}
+            ) as connection,
         ):
             yield connection
 
@@ -221,19 +231,21 @@ def _as_long_as_it_takes(connection: Connection) -> AbstractContextManager[None]
 def _set_up_sqlite(connection: DBAPIConnection, _: ConnectionPoolEntry) -> None:
     connection.isolation_level = None  # transactions begin as `_begin_sqlite` says
     cursor = connection.cursor()
-    for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):
+    for pragma in ("journal_mode=WAL", "foreign_keys=ON"):
         cursor.execute(f"PRAGMA {pragma}")
     cursor.close()
 
 
 def _begin_sqlite(connection: Connection) -> None:
-    if not connection.get_execution_options().get(_WRITES):
+    synchronous = connection.get_execution_options().get(_WRITES)
+    if synchronous is None:
         connection.exec_driver_sql("BEGIN")
         return
     # A reader that turns writer can fail at once when another wrote in between.
     driver = connection.connection.driver_connection
     assert isinstance(driver, sqlite3.Connection)
     until_s = time.monotonic() + PATIENCE_S
+    driver.execute(f"PRAGMA synchronous={synchronous}")
     driver.execute("PRAGMA busy_timeout=0")
     try:
         while not _began(driver, until_s):

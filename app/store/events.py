@@ -13,7 +13,8 @@ STATE, PROGRESS = "state", "progress"
 _LAST = select(func.coalesce(func.max(EventRow.seq), 0)).where(
     EventRow.job_id == bindparam("of_job")
 )
-_NEXT = insert(EventRow).values(seq=_LAST.scalar_subquery() + 1)
+_NEW = insert(EventRow)
+_NEXT = _NEW.values(seq=_LAST.scalar_subquery() + 1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +31,7 @@ def begin(connection: Connection, job_id: str, *states: Mapping[str, Any]) -> No
     """The first events of a new job."""
     now_utc = datetime.now(UTC)
     connection.execute(
-        insert(EventRow),
+        _NEW,
         [
             {"job_id": job_id, "seq": seq, "at_utc": now_utc, "kind": STATE, "data": dict(state)}
             for seq, state in enumerate(states, start=1)

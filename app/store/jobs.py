@@ -14,8 +14,10 @@ from typing import Any
 from sqlalchemy import (
     ColumnElement,
     Connection,
+    Float,
     Row,
     Select,
+    bindparam,
     delete,
     exists,
     func,
@@ -97,7 +99,15 @@ _COLUMNS = tuple(
     _UNWANTED.label(name) if name == "cancel_requested" else getattr(JobRow, name)
     for name in Job.__dataclass_fields__
 )
-_JOBS = select(*_COLUMNS)  # built once: that takes longer than SQLite needs to answer it
+# Statements of every plan, built once: that takes longer than SQLite needs to answer them.
+_JOBS = select(*_COLUMNS)
+_JOB = _JOBS.where(JobRow.id == bindparam("of_job"))
+_JOB_OF_LEASE = _JOBS.where(JobRow.lease_token == bindparam("of_token")).with_for_update()
+_JOB_OF_KEY = _JOBS.where(JobRow.idempotency == bindparam("of_key"))
+_NEW = insert(JobRow).values(
+    lease_until_s=database_now_s() + bindparam("lease_s", type_=Float())  # null without a lease
+)
+_CHANGE = update(JobRow).where(JobRow.id == bindparam("of_job"))
 
 
 def accept(connection: Connection, new: NewJob, lease_s: float | None = None) -> str | None:
@@ -109,12 +119,12 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
         "request": zlib.compress(new.request),
         "attempts": 0 if token is None else 1,
         "lease_token": token,
-        "lease_until_s": None if lease_s is None else database_now_s() + lease_s,
+        "lease_s": lease_s,
         "created_utc": now_utc,
         "started_utc": None if token is None else now_utc,
         "cancel_requested": False,
     }
-    connection.execute(insert(JobRow).values(vars(new) | begun))
+    connection.execute(_NEW, vars(new) | begun)
     began = () if token is None else ({"state": "running", "attempt": 1},)
     events.begin(connection, new.id, {"state": "queued"}, *began)
     return token
@@ -122,12 +132,12 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
 
 def get(connection: Connection, job_id: str) -> Job | None:
     """By its id."""
-    return _one(connection, _JOBS.where(JobRow.id == job_id))
+    return _one(connection, _JOB, of_job=job_id)
 
 
 def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
     """The job accepted under this key before."""
-    return _one(connection, _JOBS.where(JobRow.idempotency == idempotency))
+    return _one(connection, _JOB_OF_KEY, of_key=idempotency)
 
 
 def request_of(connection: Connection, job_id: str) -> bytes | None:
@@ -247,7 +257,7 @@ def leases_to_end(connection: Connection, tokens: Collection[str]) -> frozenset[
 
 def job_of_lease(connection: Connection, token: str) -> Job | None:
     """The job of a lease that is still ours, locked until the transaction ends."""
-    return _one(connection, _JOBS.where(JobRow.lease_token == token).with_for_update())
+    return _one(connection, _JOB_OF_LEASE, of_token=token)
 
 
 def finish(
@@ -304,17 +314,14 @@ def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
 def _change(
     connection: Connection, job: Job, state: JobState, data: dict[str, Any], **values: object
 ) -> None:
-    connection.execute(
-        update(JobRow)
-        .where(JobRow.id == job.id)
-        .values(state=state, lease_token=None, lease_until_s=None, **values)
-    )
+    ends_lease = {"lease_token": None, "lease_until_s": None}
+    connection.execute(_CHANGE, {"of_job": job.id, "state": state, **ends_lease, **values})
     events.record(connection, job.id, events.STATE, data)
 
 
 def cancel(connection: Connection, job_id: str) -> Job | None:
     """End a job in the queue; one that runs is marked for whoever works on it."""
-    job = _one(connection, _JOBS.where(JobRow.id == job_id).with_for_update())
+    job = _one(connection, _JOB.with_for_update(), of_job=job_id)
     if job is None:
         return None
     if job.state == "queued":
@@ -343,8 +350,8 @@ def remove_finished(connection: Connection, before_utc: datetime, limit: int) ->
     return list(found)
 
 
-def _one(connection: Connection, query: Select[*tuple[Any, ...]]) -> Job | None:
-    row = connection.execute(query).one_or_none()
+def _one(connection: Connection, query: Select[*tuple[Any, ...]], **parameters: str) -> Job | None:
+    row = connection.execute(query, parameters).one_or_none()
     return None if row is None else _job(row)
 
 

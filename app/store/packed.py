@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from planner.arrays import Array
 
-_LEVEL = 6
+_LEVEL = 3  # 3 % larger than 6 in a third of the time
 _DIFFERENCES = 5  # one more or less takes a byte more a row
 _HEAD = struct.Struct("<I")
 

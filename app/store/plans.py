@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, func, insert, select
+from sqlalchemy import Connection, bindparam, func, insert, select
 
 from app.store.ids import JobState
 from app.store.models import CampaignRow, PlanRow
@@ -29,12 +29,16 @@ class StoredPlan:
     planned_utc: datetime
 
 
-_PLANS = select(*(getattr(PlanRow, name) for name in StoredPlan.__dataclass_fields__))
+# Built once: that takes longer than SQLite needs to answer them.
+_PLAN = select(*(getattr(PlanRow, name) for name in StoredPlan.__dataclass_fields__)).where(
+    PlanRow.id == bindparam("of_job")
+)
+_NEW = insert(PlanRow)
 
 
 def store(
     connection: Connection, job_id: str, kind: str, revises: str | None, new: NewPlan
-) -> None:
+) -> StoredPlan:
     """The plan of a job, as the latest revision of the series of the plan it revises."""
     series, last = None, 0
     if revises is not None:
@@ -45,12 +49,14 @@ def store(
         last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
     columns = {name: value for name, value in vars(new).items() if name != "iterations"}
     place = {"series": series or job_id, "revision": last + 1, "revises": revises}
-    connection.execute(insert(PlanRow).values({"id": job_id, "kind": kind, **columns, **place}))
+    connection.execute(_NEW, {"id": job_id, "kind": kind, **columns, **place})
+    known = columns | place | {"id": job_id, "document": zlib.decompress(new.document)}
+    return StoredPlan(**{name: known[name] for name in StoredPlan.__dataclass_fields__})
 
 
 def get(connection: Connection, plan_id: str) -> StoredPlan | None:
     """By its id."""
-    row = connection.execute(_PLANS.where(PlanRow.id == plan_id)).one_or_none()
+    row = connection.execute(_PLAN, {"of_job": plan_id}).one_or_none()
     if row is None:
         return None
     members = dict(row._mapping)

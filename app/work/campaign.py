@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from app.answers.campaign import CampaignChoiceOut
+from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
 from app.answers.members import ProvenanceOut, fill
 from app.answers.opportunities import opportunities_json
 from app.requests.campaign import read_campaign_request
@@ -17,10 +17,11 @@ from planner.campaigns import (
     CampaignRequest,
     ChosenLook,
     ChosenPass,
+    LeftOut,
     choose_campaign,
     scenario_of,
 )
-from planner.frames.time_scales import elapsed_s, utc_text
+from planner.frames.time_scales import utc_text
 from planner.opportunities import OpportunityRequest, find_opportunities
 from planner.targets import BenchMotionTarget
 
@@ -69,15 +70,36 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
 
 
 def _choice(request: CampaignRequest, campaign: Campaign) -> CampaignChoiceOut:
-    looked_at = [look.target for flight in campaign.passes for look in flight.looks]
-    known = {*looked_at, *campaign.unseen}
     return fill(
         CampaignChoiceOut,
         campaign,
-        looks=len(looked_at),
+        looks=sum(len(flight.looks) for flight in campaign.passes),
         passes=len(campaign.passes),
-        unseen=[request.targets[row].id for row in campaign.unseen],
-        left_out=[target.id for row, target in enumerate(request.targets) if row not in known],
+        unseen=[
+            fill(
+                UnseenTarget,
+                one,
+                target=request.targets[one.target].id,
+                best_time=utc_text(one.best_utc),
+                decimals=3,
+            )
+            for one in campaign.unseen
+        ],
+        left_out=[_left_out(request, one) for one in campaign.left_out],
+    )
+
+
+def _left_out(request: CampaignRequest, one: LeftOut) -> TargetLeftOut:
+    ids = [request.targets[row].id for row in one.displaced_by]
+    look = f"a look from {utc_text(one.start_utc, 1)} would be worth {one.value:.4g}"
+    if ids:
+        because = (
+            f"{look}, and what it displaces, {', '.join(ids)}, is worth {one.displaced_value:.4g}"
+        )
+    else:
+        because = f"{look}, but no sequence with it was found that is worth more"
+    return fill(
+        TargetLeftOut, one, target=request.targets[one.target].id, because=because, displaced_by=ids
     )
 
 
@@ -129,13 +151,8 @@ def _part(
 
 
 def _look(request: CampaignRequest, look: ChosenLook) -> dict[str, Any]:
-    target = request.targets[look.target]
-    return {
-        "target": target.id,
-        "start": utc_text(look.start_utc),
-        "stop": utc_text(look.stop_utc),
-        "value": target.worth_value(elapsed_s(look.stop_utc, look.start_utc)),
-    }
+    target = request.targets[look.target].id
+    return asdict(fill(CampaignLookOut, look, look.seen, target=target, decimals=3))
 
 
 def without_refused(part: Part, field: str | None, detail: str) -> Part | None:

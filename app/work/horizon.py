@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import estimate_out, numbers_of
 from app.answers.members import ProvenanceOut, to_json
+from app.answers.ranges import DirectionPart, Signed
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
@@ -35,16 +36,20 @@ PIXELS_MAX = 25_000_000
 class PictureOut:
     """A rendered picture and its truth.
 
-    image_png: base64.  position_itrf_km, q_body_from_eci_xyzw: as an estimate's request takes
-    them; nadir_body geocentric, nadir_geodetic_body normal to the ellipsoid.
+    image_png: the picture, a PNG in base64.
+    at: when it is taken; UTC.
+    position_itrf_km: of the camera, as an estimate's request takes it.
+    q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
+    nadir_body: geocentric, a unit vector.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector.
     """
 
     image_png: str
     at: str
-    position_itrf_km: list[float]
-    q_body_from_eci_xyzw: list[float]
-    nadir_body: list[float]
-    nadir_geodetic_body: list[float]
+    position_itrf_km: list[Signed]
+    q_body_from_eci_xyzw: list[DirectionPart]
+    nadir_body: list[DirectionPart]
+    nadir_geodetic_body: list[DirectionPart]
 
 
 @contextmanager
@@ -92,7 +97,7 @@ def estimate_json(
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
     estimate, overlays = measure(request, images, draw=request.overlay)
-    return to_json(estimate_out(estimate, overlays, provenance))
+    return to_json(estimate_out(estimate, request.epoch, overlays, provenance))
 
 
 @_report_out_of_memory()

@@ -31,9 +31,15 @@ _OPAQUE = 60.0
 class Atmosphere:
     """What the air holds; the defaults are a clear day.
 
-    air_scale_m: scale height of the air.  dust_optical_depth: vertical, of the dust near the
-    ground, whose scale height is dust_scale_m.  haze_optical_depth: vertical, of a layer in
-    the stratosphere at 18 km.  airglow: brightness along the limb as a fraction of white.
+    air_scale_m: scale height of the air.
+    air_density: at sea level, against the usual.
+    dust_optical_depth: vertical, of the dust near the ground.
+    dust_scale_m: scale height of that dust.
+    haze_optical_depth: vertical, of a layer in the stratosphere at 18 km.
+    ozone: against the usual amount.
+    diffuse_share: of sunlight, scattered more than once.
+    airglow: brightness along the limb as a fraction of white.
+    airglow_height_m: of the airglow's layer above the ellipsoid.
     """
 
     air_scale_m: Annotated[float, Within(1e3, 20e3)] = 7.6e3
@@ -42,6 +48,7 @@ class Atmosphere:
     dust_scale_m: Annotated[float, Within(100.0, 20e3)] = 1.6e3
     haze_optical_depth: Annotated[float, Within(0.0, 1.0)] = 0.0015
     ozone: Annotated[float, Within(0.0, 10.0)] = 1.0
+    diffuse_share: Annotated[float, Within(0.0, 1.0)] = 0.35
     airglow: Annotated[float, Within(0.0, 100.0)] = 0.0
     airglow_height_m: Annotated[float, Within(20e3, 110e3)] = 90.0e3
 
@@ -100,7 +107,7 @@ def limb_radiance(
     lit = np.exp(-_SunDepth(air)(height_m[None], sun_cosine))
     # Light scattered more than once: grey, from a bright ground under the same Sun.
     diffuse = (
-        0.35
+        air.diffuse_share
         * np.clip(sun_cosine + 0.1, 0.0, 1.0)[..., None]
         * np.exp(-height_m / 30e3)[None, ..., None]
     )

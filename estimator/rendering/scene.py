@@ -39,10 +39,15 @@ _STRETCH = np.array([1.0, 1.0, 1.0 / (1.0 - WGS84_F)])  # makes the ellipsoid a 
 class Scene:
     """What there is to be seen besides the air.
 
-    roughness_m: rms of the limb's height along the horizon, correlated over roughness_deg of
-    azimuth.  moonlight: against sunlight.  glare: the veil 1 deg from the Sun, against white.
-    stars: their number in the frame.  constant_limb_m: instead of the physical atmosphere, a
-    textbook limb whose slant depth is 1 at this height, everywhere the same.
+    cloud_cover: share of the Earth under clouds; from 1.12 on they are thick everywhere.
+    land: share of the ground that is land.
+    roughness_m: rms of the limb's height along the horizon.
+    roughness_deg: azimuth over which that height is correlated.
+    moonlight: against sunlight.
+    glare: the veil 1 deg from the Sun, against white.
+    stars: their number in the frame.
+    constant_limb_m: instead of the physical atmosphere, a textbook limb whose slant depth is 1 at
+    this height, everywhere the same. E.g. `16000.0`.
     """
 
     atmosphere: Atmosphere = Atmosphere()

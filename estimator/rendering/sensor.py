@@ -16,9 +16,14 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]
 class Sensor:
     """Lens blur, noise, depth and coding of an image.
 
+    blur_px: 1-sigma of the lens's blur.
     exposure: brightness of the scene's 97th percentile as a fraction of saturation.
-    gamma: 1 for raw data, 2.2 for a camera's JPEG.  full_well_e 0 means no noise at all.
-    jpeg_quality: None for none.
+    full_well_e: electrons of a saturated pixel; 0 means no noise at all.
+    read_noise_e: rms of the read-out's noise.
+    gamma: 1 for raw data, 2.2 for a camera's JPEG.
+    bits: depth of a pixel.
+    colour: three channels instead of one.
+    jpeg_quality: of the JPEG the image has been through; null for none. E.g. `90`.
     """
 
     blur_px: Annotated[float, Within(0.0, 50.0)] = 0.7

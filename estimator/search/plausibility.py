@@ -127,8 +127,8 @@ def _profile_reason(
 def is_glowing_layer(points: LimbPoints) -> bool:
     """Whether what was found is a shell of light with the night behind it.
 
-    points: from a window that reaches 45 km inwards.  The sunlit Earth stays as bright behind
-    its limb (0.85 and more, over dark ocean too); airglow falls to 0.5-0.75.
+    points: from a window that reaches 45 km inwards.  The sunlit Earth stays nearly as bright
+    behind its limb (0.85 and more; 0.7 over a dark sea in thin air); airglow falls to 0.5-0.75.
     """
     if not points.found.any():
         return False

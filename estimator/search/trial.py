@@ -41,6 +41,8 @@ _PROMISING = 0.25
 # Headings tried, and by how much the brightness may speak against one, in chi-square.
 _FIRST_HEADINGS, _HEADINGS = (8, 4.0), (16, 14.0)
 _THINNED = 8
+# Airglow lies at 80 to 100 km; a limb's height is then as good as unknown before its fit.
+_LAYER_LEAST_M, _ANY_HEIGHT_M, _ANY_HEIGHT_SIGMA_M, _SURE_SIGMA = 70e3, 50e3, 50e3, 2.0
 _UNFITTED_COST = 1e12
 
 
@@ -273,7 +275,16 @@ def _night_reason(part: CameraPart, search: Search, rough: Fit) -> Reason | None
         return None
     view, points = part.view, part.points
     dark = is_dark_within(view.frame, view.camera, points, search.around, rough)
-    return Reason.GLOWING_LAYER if dark or is_glowing_layer(points) else None
+    glows = dark or (is_glowing_layer(points) and not _curves_as_low(part, search, rough))
+    return Reason.GLOWING_LAYER if glows else None
+
+
+def _curves_as_low(part: CameraPart, search: Search, rough: Fit) -> bool:
+    """Whether the limb's curvature alone says that it lies lower than any glowing layer."""
+    prior = replace(search.prior, height_m=_ANY_HEIGHT_M, height_sigma_m=_ANY_HEIGHT_SIGMA_M)
+    free = _fit((part,), replace(search, prior=prior), rough.c_body_from_itrf)
+    sigma_m = float(np.sqrt(free.covariance_matrix[3, 3]))
+    return free.height_m + _SURE_SIGMA * sigma_m < _LAYER_LEAST_M
 
 
 def _common_reason(horizon: SearchResult, search: Search) -> Reason | None:

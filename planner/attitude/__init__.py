@@ -6,12 +6,14 @@ from pydantic import Field
 from scipy.spatial.transform import Rotation
 
 from planner.attitude.aem import AemAttitude
+from planner.attitude.corrections import AttitudeCorrection
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty
 from planner.attitude.harmonic import HarmonicAttitude
 from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.spec import About
 
 
 class AttitudeLaw(Protocol):
@@ -31,7 +33,9 @@ class AttitudeLaw(Protocol):
 
 
 Attitude = Annotated[
-    LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude, Field(discriminator="law")
+    LvlhAttitude | InertialAttitude | AemAttitude | HarmonicAttitude,
+    Field(discriminator="law"),
+    About("How the carrier's body is turned, by any of these laws."),
 ]
 ATTITUDES: dict[str, type[AttitudeLaw]] = {law.law: law for law in get_args(get_args(Attitude)[0])}
 
@@ -39,6 +43,7 @@ __all__ = [
     "ATTITUDES",
     "AemAttitude",
     "Attitude",
+    "AttitudeCorrection",
     "AttitudeErrors",
     "AttitudeLaw",
     "AttitudeUncertainty",

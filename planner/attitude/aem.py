@@ -9,7 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
-from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
+from planner.attitude.correctable import CorrectableAttitude
+from planner.attitude.errors import AttitudeErrors, known_errors
 from planner.attitude.rotation_curve import EXACT_RAD, RotationCurve, odd_by_rad, rotation_curve
 from planner.errors import InvalidMessage, OutsideCoverage
 from planner.frames.earth_orientation import c_frame_from_eci
@@ -64,16 +65,17 @@ class AttitudeArc:
 
 
 @spec
-class AemAttitude:
+class AemAttitude(CorrectableAttitude):
     """The text of a CCSDS AEM, KVN or XML, as published.
 
-    The curve is smooth: see `rotation_curve`.  It is never carried beyond a segment's useable
-    times, nor from one segment into the next.
+    The curve through its rows is smooth. It is never carried beyond a segment's useable times,
+    nor from one segment into the next.
+
+    content: the whole message, line breaks included.
     """
 
     law: Literal["aem"] = "aem"
     content: str
-    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -96,7 +98,7 @@ class AemAttitude:
         )
         return tuple(dict.fromkeys(filter(None, warnings)))
 
-    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+    def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """Those of the whole message, and the row there that fits its neighbours worst."""
         arc = self._arc_over(instants)
         at_utc, odd_rad = arc.oddest_near(instants)
@@ -109,16 +111,16 @@ class AemAttitude:
         """Rms distance of the message's attitudes from the curve, of its worst segment."""
         return max(arc.curve.residual_rms_rad for arc in self.arcs)
 
-    def errors(self, instants: Instants) -> AttitudeErrors:
+    def law_errors(self, instants: Instants) -> AttitudeErrors:
         """The noise of the message's worst segment."""
         return known_errors(
             np.full(3, self.residual_rad),
             "the message is assumed true to 56 arcsec an axis, the measured difference of the "
             "ISS's two attitude solutions; its noise is measured",
             "an attitude with less noise",
-        ).unless_stated(self.uncertainty)
+        )
 
-    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+    def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage unless one segment holds them all."""
         arc = self._arc_over(instants)
         at_utc, odd_rad = arc.oddest_near(instants)

@@ -1,6 +1,6 @@
 """How far a carrier may be off its predicted attitude."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
@@ -18,10 +18,12 @@ _TurnDeg = Annotated[float, Within(0.0, 180.0)]
 class AttitudeUncertainty:
     """How far the carrier may be off the attitude of its law, instead of slewtrack's own figures.
 
-    sigma_body_deg: 1-sigma of a turn about each body axis, constant over a session.
+    The law's own figures where one is not given. Only the pointing budget of a plan rests on them.
+
+    sigma_body_deg: 1-sigma of a turn about each body axis, constant over a session. E.g. `[0.1,
+    0.1, 0.2]`.
     swing_rms_body_deg: rms about each body axis of a sinusoid at the orbital rate, its phase
-    unknown.  The law's own figures where one is not given.  Only the pointing budget of a plan
-    rests on them.
+    unknown. E.g. `[0.2, 0.0, 0.0]`.
     """
 
     sigma_body_deg: tuple[_TurnDeg, _TurnDeg, _TurnDeg] | None = None
@@ -34,6 +36,8 @@ class AttitudeErrors:
 
     sigma_body_rad: (n, 3) or (3,), of errors that are constant over a session.
     swing_rms_body_rad: (3,), of sinusoids at the orbital rate whose phases are unknown.
+    modes_body_rad: (m, n, 3), instead of sigma_body_rad where there are any: independent errors,
+    each a turn over the n instants.
     basis: on what evidence.  better: what would make them smaller.
     """
 
@@ -41,6 +45,7 @@ class AttitudeErrors:
     swing_rms_body_rad: Array
     basis: str
     better: str
+    modes_body_rad: Array = field(default_factory=lambda: np.zeros((0, 1, 3)))
 
     def unless_stated(self, uncertainty: AttitudeUncertainty | None) -> "AttitudeErrors":
         """What the request states in their place, where it does."""

@@ -1,11 +1,9 @@
-"""How an attitude to the local vertical goes on after the end of its history.
+"""The ways in which an attitude to the local vertical may go on after the end of its history.
 
 A vehicle in torque equilibrium swings about its mean attitude with the orbit and its
-harmonics; one that has just manoeuvred does not.  Which description foretells best is
-measured on the history's own tail, data that the description has not seen.
+harmonics; one that has just manoeuvred holds its attitude or its rate for a while.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +13,6 @@ from planner.arrays import Array
 
 TAIL_S = 60.0  # the present rate is fitted to this much of the history
 OFFSET_TAIL_S = 120.0
-CUTS = 5
-LEAST_CUTS = 2
 _LEAST_ROWS = 3
 
 
@@ -36,6 +32,16 @@ class Description:
             plural = "" if self.orbits == 1.0 else "s"
             return f"harmonics to order {self.terms} fitted over {self.orbits:g} orbit{plural}"
         return "constant rate relative to LVLH" if self.has_rate else "constant LVLH attitude"
+
+    @property
+    def growth(self) -> float:
+        """By which power of the lead its error is taken to grow beyond what could be tried.
+
+        A rate that changes steadily errs by the square; an attitude held stays within the swing.
+        """
+        if self.terms:
+            return 1.5
+        return 2.0 if self.has_rate else 0.75
 
 
 DESCRIPTIONS = (
@@ -66,87 +72,6 @@ class Extrapolation:
         """Body from LVLH at n instants."""
         basis = _basis(self.description, self.period_s, t_s - self.end_s)
         return Rotation.from_rotvec(basis @ self.coefficients_rad) * self.q_reference
-
-
-@dataclass(frozen=True, eq=False)
-class ChosenExtrapolation:
-    """The extrapolation chosen, and how all did on the held-out tail.
-
-    lead_s: (k,) edges of the leads tried.  error_rms_body_rad: (k, 3), rms of the
-    chosen one's error about each body axis up to each.  rms_by_description_rad: every
-    description tried with its rms over all leads.
-    """
-
-    extrapolation: Extrapolation
-    lead_s: Array
-    error_rms_body_rad: Array
-    rms_by_description_rad: tuple[tuple[Description, float], ...]
-
-
-def choose(
-    t_s: Array, q_body_from_lvlh: Rotation, period_s: float, lead_s: float
-) -> ChosenExtrapolation:
-    """Fit what foretells best over `lead_s` (less when the history is short).
-
-    t_s: shape (n,), increasing.  ValueError when the history is too short to try anything.
-    """
-    lead_s = min(lead_s, (t_s[-1] - t_s[0] - TAIL_S) / 3.0)
-    if lead_s < TAIL_S:
-        raise ValueError(
-            f"the history is only {t_s[-1] - t_s[0]:.0f} s long; at least {4.0 * TAIL_S:.0f} s are "
-            "needed to try an extrapolation on its tail"
-        )
-    cuts_s = [t_s[-1] - lead_s * (1.0 + k / (CUTS - 1)) for k in range(CUTS)]
-    trials = []
-    for description in DESCRIPTIONS:
-        errors = _held_out_errors(description, t_s, q_body_from_lvlh, period_s, cuts_s, lead_s)
-        if errors is not None:
-            trials.append((description, errors))
-    if not trials:
-        raise ValueError("the history has too few rows in its tail; send it without gaps")
-    rms_rad = [float(np.sqrt(np.mean(np.sum(turn_rad**2, axis=1)))) for _, (_, turn_rad) in trials]
-    description, (leads_s, error_body_rad) = trials[int(np.argmin(rms_rad))]
-    edges_s = lead_s * np.array([0.25, 0.5, 0.75, 1.0])
-    bins = [(leads_s > edge - 0.25 * lead_s) & (leads_s <= edge) for edge in edges_s]
-    extrapolation = fit_extrapolation(description, t_s, q_body_from_lvlh, period_s)
-    assert extrapolation is not None, "fitted on less history already"
-    return ChosenExtrapolation(
-        extrapolation=extrapolation,
-        lead_s=edges_s,
-        error_rms_body_rad=np.array(
-            [np.sqrt(np.mean(error_body_rad[b if b.any() else ...] ** 2, axis=0)) for b in bins]
-        ),
-        rms_by_description_rad=tuple((d, rms) for (d, _), rms in zip(trials, rms_rad, strict=True)),
-    )
-
-
-def _held_out_errors(
-    description: Description,
-    t_s: Array,
-    q_body_from_lvlh: Rotation,
-    period_s: float,
-    cuts_s: Sequence[float],
-    lead_s: float,
-) -> tuple[Array, Array] | None:
-    """Leads (s) and errors about the body axes (rad, (n, 3)) after each cut.
-
-    None if too few leave enough history before.
-    """
-    leads, errors = [], []
-    for cut_s in cuts_s:
-        is_known = t_s <= cut_s
-        is_ahead = ~is_known & (t_s <= cut_s + lead_s)
-        extrapolation = fit_extrapolation(
-            description, t_s[is_known], q_body_from_lvlh[is_known], period_s
-        )
-        if extrapolation is None:
-            break
-        miss = extrapolation.at(t_s[is_ahead]) * q_body_from_lvlh[is_ahead].inv()
-        leads.append(t_s[is_ahead] - cut_s)
-        errors.append(miss.as_rotvec())
-    if len(errors) < LEAST_CUTS:
-        return None
-    return np.concatenate(leads), np.concatenate(errors)
 
 
 def fit_extrapolation(

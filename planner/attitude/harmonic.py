@@ -2,46 +2,47 @@
 
 from datetime import datetime
 from functools import cached_property
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
-from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
-from planner.attitude.extrapolation import OFFSET_TAIL_S, ChosenExtrapolation, choose
+from planner.attitude.blend import Blend, blend
+from planner.attitude.correctable import CorrectableAttitude
+from planner.attitude.errors import AttitudeErrors, known_errors
+from planner.attitude.extrapolation import OFFSET_TAIL_S
 from planner.errors import InvalidMessage, OutsideCoverage, Refusal
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import Orbit, OrbitStates
-from planner.spec import Within, spec
+from planner.spec import spec
 
-HISTORY_ORBITS = 3.0
+HISTORY_ORBITS = 5.0
 ROW_STEP_S = 10.0
 LEAD_MAX_S = 6.0 * 3600.0
-PERIOD_RANGE_S = (5000.0, 90000.0)  # from the lowest orbit to beyond the geostationary
 
 
 @spec
-class HarmonicAttitude:
+class HarmonicAttitude(CorrectableAttitude):
     """An attitude history (CCSDS AEM, KVN or XML) carried on beyond its end.
 
-    history_orbit: where the carrier was during the history; needed unless the message is
-    against a local orbital frame.  orbital_period_s: the default is the ISS's; 1 % off takes
-    0.022 deg after 900 s to 0.030.  lead_s: how far ahead the ways to carry it on are compared.
-    The history is described by orbital harmonics of its attitude to LVLH and the present
-    offset from them, or by the present attitude or rate alone: whichever predicts the
-    history's own tail best.  On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+    The history is described by orbital harmonics of its attitude to LVLH and the present offset
+    from them, and by the present attitude or rate alone; at each lead each counts by how well it
+    predicts the history's own tail so far ahead.  What is older than a manoeuvre isn't used.  On
+    ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+
+    content: the whole message, line breaks included.
+    history_orbit: where the carrier was during the history; needed unless the message is against a
+    local orbital frame.
+    orbital_period_s: the default is the ISS's; 1 % off takes 0.022 deg after 900 s to 0.030.
     """
 
     law: Literal["harmonic"] = "harmonic"
     content: str
     history_orbit: Orbit | None = None
-    orbital_period_s: Annotated[float, Within(*PERIOD_RANGE_S)] = 5560.0
-    lead_s: Annotated[float, Within(60.0, LEAD_MAX_S)] = 900.0
-    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -49,7 +50,7 @@ class HarmonicAttitude:
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
         try:
-            _ = self.chosen_extrapolation
+            _ = self.carried_on
         except Refusal as refusal:
             raise ValueError(f"history_orbit: {refusal.detail}") from None
         except ValueError as error:
@@ -61,44 +62,50 @@ class HarmonicAttitude:
         return read_aem(self.content)
 
     @cached_property
-    def chosen_extrapolation(self) -> ChosenExtrapolation:
+    def carried_on(self) -> Blend:
         """Fitted once, at construction; its clock is that of the message's last segment."""
-        t_s, q_body_from_lvlh = self._history()
-        return choose(t_s, q_body_from_lvlh, self.orbital_period_s, self.lead_s)
+        return blend(*self._history, self.orbital_period_s)
 
-    @cached_property
-    def choice(self) -> str:
-        """Which description was chosen, and on what evidence."""
-        trials = sorted(self.chosen_extrapolation.rms_by_description_rad, key=lambda pair: pair[1])
-        (best, best_rms), others = trials[0], trials[1:]
-        against = "; ".join(f"{d}: {np.rad2deg(rms):.3f}" for d, rms in others)
-        sentence = (
-            f"the attitude is carried on from {utc_text(self._end_utc)} by {best}: "
-            f"{np.rad2deg(best_rms):.3f} deg rms over "
-            f"{self.chosen_extrapolation.lead_s[-1]:.0f} s of its own history it had not seen"
+    def choice_at(self, lead_s: float) -> str:
+        """What counts most so long after the history's end, and on what evidence."""
+        shares = [pair for pair in self.carried_on.shares_at(lead_s) if pair[1] >= 0.1]
+        rms_rad = np.linalg.norm(self.carried_on.error_rms_at(np.array([lead_s])))
+        beyond = lead_s > self.carried_on.tried_s
+        return (
+            f"the attitude is carried on from {utc_text(self._end_utc)}, {lead_s:.0f} s ahead by "
+            f"{', '.join(f'{description} ({share:.0%})' for description, share in shares)}: "
+            f"{np.rad2deg(rms_rad):.3f} deg rms "
+            + (
+                f"expected from its errors up to {self.carried_on.tried_s:.0f} s ahead on "
+                if beyond
+                else "on "
+            )
+            + "parts of its own history it had not seen"
         )
-        return f"{sentence} ({against})" if against else sentence
 
-    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
-        """The choice: it may be a poor one, and its rms says so."""
-        return (self.choice,)
+    def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
+        """The choice: it may be a poor one, and its rms says so; a manoeuvre in the history."""
+        lead_s = max(0.0, float(instants.since_s(self._end_utc)[-1]))
+        if not self.carried_on.first_row:
+            return (self.choice_at(lead_s),)
+        t_s, _ = self._history
+        end_utc = shifted_utc(self.segments[-1].epoch_utc, float(t_s[self.carried_on.first_row]))
+        return (
+            self.choice_at(lead_s),
+            f"the attitude history holds a manoeuvre, which ended about {utc_text(end_utc)}; "
+            "what is older is not used",
+        )
 
-    def errors(self, instants: Instants) -> AttitudeErrors:
-        """From the held-out tail; beyond the lead that was tried in proportion to the time."""
+    def law_errors(self, instants: Instants) -> AttitudeErrors:
+        """From the held-out tail, so long after it as the instants are."""
         lead_s = np.maximum(instants.since_s(self._end_utc), 0.0)
-        edge_s = self.chosen_extrapolation.lead_s
-        beyond = np.maximum(1.0, lead_s / edge_s[-1])
-        rms_body_rad = [
-            np.interp(lead_s, edge_s, rms_rad) * beyond
-            for rms_rad in self.chosen_extrapolation.error_rms_body_rad.T
-        ]
         return known_errors(
-            np.stack(rms_body_rad, axis=1),
+            self.carried_on.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit",
             "a history that ends nearer to the session",
-        ).unless_stated(self.uncertainty)
+        )
 
-    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+    def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""
         since_end_s = instants.since_s(self._end_utc)
         for wrong, why in (
@@ -113,8 +120,7 @@ class HarmonicAttitude:
                     field="attitude.content",
                     at_utc=at_utc,
                 )
-        extrapolation = self.chosen_extrapolation.extrapolation
-        q_body_from_lvlh = extrapolation.at(since_end_s + extrapolation.end_s)
+        q_body_from_lvlh = self.carried_on.at(since_end_s + self.carried_on.end_s)
         return q_body_from_lvlh * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
     @cached_property
@@ -122,11 +128,11 @@ class HarmonicAttitude:
         last = self.segments[-1]
         return shifted_utc(last.epoch_utc, float(last.t_s[-1]))
 
+    @cached_property
     def _history(self) -> tuple[Array, Rotation]:
         """Rows of the last orbits, thinned: seconds since the last segment's epoch, attitudes."""
         last = self.segments[-1]
         oldest_s = float(last.t_s[-1]) - HISTORY_ORBITS * self.orbital_period_s
-        oldest_s -= 2.0 * self.lead_s
         times: list[Array] = []
         attitudes: list[Rotation] = []
         for segment in self.segments:

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
-from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty, known_errors
+from planner.attitude.correctable import CorrectableAttitude
+from planner.attitude.errors import AttitudeErrors, known_errors
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import OrbitStates
@@ -30,22 +31,22 @@ REFUSE_AGE_S = 7200.0  # 12 deg
 
 
 @spec
-class InertialAttitude:
+class InertialAttitude(CorrectableAttitude):
     """Attitude and body rate known at an epoch, the rate constant in body axes.
 
+    The closed form of q' = q/2 o omega; the paper's 0.1 s recursion with norm correction approaches
+    it with an error of (omega tau)^3/24 per step. It is refused 2 h and more from the
+    epoch: the rate of no carrier stays that long. Source: Sumarokov 2016, eq. 1-2.
+
+    epoch: when the attitude was so; UTC.
     q_body_from_eci_xyzw: scalar last, `Rotation.from_quat(q).apply(v_eci)` gives `v_body`.
     omega_body_deg_s: body relative to ECI, in body axes.
-    The closed form of q' = q/2 o omega; the paper's 0.1 s recursion with norm correction
-    approaches it with an error of (omega tau)^3/24 per step.
-    Raises OutsideCoverage 2 h and more from the epoch: the rate of no carrier stays that long.
-    Source: Sumarokov 2016, eq. 1-2.
     """
 
     law: Literal["inertial"] = "inertial"
     epoch: datetime
     q_body_from_eci_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart]
     omega_body_deg_s: tuple[_RateDegS, _RateDegS, _RateDegS] = (0.0, 0.0, 0.0)
-    uncertainty: AttitudeUncertainty | None = None
 
     def __post_init__(self) -> None:
         norm = math.hypot(*self.q_body_from_eci_xyzw)
@@ -54,7 +55,7 @@ class InertialAttitude:
                 f"q_body_from_eci_xyzw must have unit length, not {norm:.6g}; divide it by its norm"
             )
 
-    def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
+    def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; the orbit plays no part."""
         since_epoch_s = instants.since_s(self.epoch)
         age_s = float(np.max(np.abs(since_epoch_s)))
@@ -67,19 +68,19 @@ class InertialAttitude:
         turn_rad = np.outer(since_epoch_s, np.deg2rad(self.omega_body_deg_s))
         return Rotation.from_rotvec(-turn_rad) * Rotation.from_quat(self.q_body_from_eci_xyzw)
 
-    def warnings_at(self, instants: Instants) -> tuple[str, ...]:
+    def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """That the epoch is far from the instants."""
         age_s = float(np.max(np.abs(instants.since_s(self.epoch))))
         return (self._age_warning(age_s),) if age_s > WARN_AGE_S else ()
 
-    def errors(self, instants: Instants) -> AttitudeErrors:
+    def law_errors(self, instants: Instants) -> AttitudeErrors:
         """Measured up to 1800 s from the epoch, beyond that growing as time^2."""
         return known_errors(
             _error_rms_body_rad(np.abs(instants.since_s(self.epoch))),
             "measured: the constant body rate on ISS telemetry in torque equilibrium "
             "(bench/truth.py)",
             "attitude and rate nearer to the session, or a longer history (law harmonic)",
-        ).unless_stated(self.uncertainty)
+        )
 
     def _age_warning(self, age_s: float) -> str:
         error_deg = float(np.linalg.norm(np.rad2deg(_error_rms_body_rad(np.array([age_s])))))

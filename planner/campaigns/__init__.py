@@ -4,10 +4,13 @@ from planner.campaigns.campaign import (
     Campaign,
     ChosenLook,
     ChosenPass,
+    LeftOut,
     choose_campaign,
     scenario_of,
 )
 from planner.campaigns.request import CampaignRequest, CampaignTarget
+from planner.campaigns.unseen import Closing, Unseen
+from planner.campaigns.view import Seen, ViewWeights
 
 __all__ = [
     "Campaign",
@@ -15,6 +18,11 @@ __all__ = [
     "CampaignTarget",
     "ChosenLook",
     "ChosenPass",
+    "Closing",
+    "LeftOut",
+    "Seen",
+    "Unseen",
+    "ViewWeights",
     "choose_campaign",
     "scenario_of",
 ]

@@ -1,6 +1,9 @@
 """From targets over days to the sessions of every pass: the whole choice on one screen."""
 
+import itertools
 import math
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -8,6 +11,7 @@ import numpy as np
 
 from planner.arrays import Array, Indices
 from planner.campaigns.choice import CampaignChoice, Looking, Reporter, bound_at, choose
+from planner.campaigns.displaced import Displaced, displaced_by
 from planner.campaigns.network import Network, network_of, relax
 from planner.campaigns.passes import (
     PASS_MAX_S,
@@ -17,14 +21,15 @@ from planner.campaigns.passes import (
     longest_rest_s,
     longest_slew_s,
 )
-from planner.campaigns.path import Look
 from planner.campaigns.request import LENGTHS, CampaignRequest
 from planner.campaigns.slew_time import limit_table
+from planner.campaigns.unseen import Unseen, unseen_because
+from planner.campaigns.view import Seen, Viewing
 from planner.campaigns.ways import Ways, ways_to_follow
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 from planner.frames.time_scales import shifted_utc
 from planner.opportunities import Windows, opportunities_however_many
-from planner.opportunities.carrier import carrier_over
+from planner.opportunities.carrier import Carrier, carrier_over
 from planner.platforms import AxisLimits
 from planner.scenario import InitialState, Scenario, Session
 from planner.targets import BenchMotionTarget
@@ -35,11 +40,18 @@ REST_ROWS = 5 * ROWS_PER_S  # how long the axes are held at rest at the end of a
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenLook:
-    """A look at a target: row of the request's targets, from start to stop."""
+    """A look at a target: row of the request's targets, from start to stop.
+
+    value: what it is worth.  quality: of its view, a mean over the look.
+    seen: at the middle of the look.
+    """
 
     target: int
     start_utc: datetime
     stop_utc: datetime
+    value: float
+    quality: float
+    seen: Seen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +64,22 @@ class ChosenPass:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A target (row of the request's) that got no look, and the look it came nearest to.
+
+    value: of that look.  displaced_by: targets whose looks can't be flown beside it, worth
+    displaced_value; none where only the looks after it would have to move.
+    """
+
+    target: int
+    start_utc: datetime
+    stop_utc: datetime
+    value: float
+    displaced_by: tuple[int, ...]
+    displaced_value: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Campaign:
     """Passes in order of time.
 
@@ -59,7 +87,8 @@ class Campaign:
     begin on the grid, have one of the lengths tried and lie in the same passes.
     greedy_value: what taking pass after pass whatever is worth most there is worth.
     windows: how many there were to choose from.
-    unseen: targets (rows of the request's) that can't be looked at for as long as they must.
+    unseen: targets that can't be looked at for as long as they must.  left_out: that can, but
+    others are worth more.
     """
 
     passes: tuple[ChosenPass, ...]
@@ -67,7 +96,8 @@ class Campaign:
     bound: float
     greedy_value: float
     windows: int
-    unseen: tuple[int, ...]
+    unseen: tuple[Unseen, ...]
+    left_out: tuple[LeftOut, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -92,32 +122,41 @@ def choose_campaign(request: CampaignRequest, tell: Reporter = lambda *_: None) 
     looks = _looks(request, found.windows, rest_s)
     tell("ways", 0, 1)
     platform = request.platform.with_limits(limits)
-    carrier = carrier_over(
-        request.orbit.ephemeris(request.start, request.stop),
-        request.attitude,
-        platform,
-        request.start,
-        request.stop,
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    carrier = carrier_over(ephemeris, request.attitude, platform, request.start, request.stop)
+    viewing = Viewing(
+        weights=request.view, ephemeris=ephemeris, attitude=request.attitude, platform=platform
     )
     targets = [wanted.target for wanted in request.targets]
     least_s = _least_s(request)
-    ways = ways_to_follow(looks, targets, least_s, carrier, platform, request.step_s, grid_s)
+    ways = ways_to_follow(looks, targets, least_s, carrier, viewing, request.step_s, grid_s)
     looking = _looking(request)
     shortest = looking.length_steps[:, 0]
     networks = _networks(ways, shortest, limits, tell)
     choice = choose(networks, looking, tell)
     tell("bound", 0, 1)
     # At slew times that nothing can beat.
-    optimistic = [relax(network, ways, shortest, limit_table(limits)) for network in networks]
+    table = limit_table(limits)
+    with _threads() as threads:
+        optimistic = list(threads.map(lambda one: relax(one, ways, shortest, table), networks))
     bound = bound_at(optimistic, looking, choice.price)
     seen = set(np.unique(ways.target).tolist())
+    unseen = [row for row in range(len(request.targets)) if row not in seen]
+    looked_at = {look.target for one in choice.passes for look in one}
+    left_out = displaced_by(
+        networks,
+        choice.passes,
+        looking.at(np.zeros(len(request.targets))),
+        np.array(sorted(seen - looked_at), np.intp),
+    )
     return Campaign(
-        passes=_in_utc(request, choice, rest_s, grid_s),
+        passes=_in_utc(request, choice, rest_s, grid_s, carrier, viewing),
         value=choice.value,
         bound=max(bound, choice.value),
         greedy_value=choice.greedy_value,
         windows=len(found.windows),
-        unseen=tuple(n for n in range(len(request.targets)) if n not in seen),
+        unseen=unseen_because(request, carrier, unseen, found.windows, looks),
+        left_out=tuple(_left_out(request, one, grid_s) for one in left_out),
         warnings=found.warnings,
     )
 
@@ -203,30 +242,71 @@ def _networks(
     ways: Ways, shortest: Indices, limits: tuple[AxisLimits, ...], tell: Reporter
 ) -> list[Network]:
     numbers = np.unique(ways.pass_number)
-    networks = []
-    for done, number in enumerate(numbers):
-        tell("slews", done, len(numbers))
+    table, longest_s = limit_table(limits), longest_slew_s(limits)
+
+    def network(number: int) -> Network:
         rows = np.flatnonzero(ways.pass_number == number)
-        networks.append(
-            network_of(ways, rows, shortest, limit_table(limits), longest_slew_s(limits))
-        )
+        return network_of(ways, rows, shortest, table, longest_s)
+
+    networks: list[Network] = []
+    with _threads() as threads:
+        for one in threads.map(network, numbers.tolist()):
+            tell("slews", len(networks), len(numbers))
+            networks.append(one)
     return networks
 
 
-def _in_utc(
-    request: CampaignRequest, choice: CampaignChoice, rest_s: float, grid_s: float
-) -> tuple[ChosenPass, ...]:
-    def chosen(look: Look) -> ChosenLook:
-        start_utc = shifted_utc(request.start, grid_s + look.first_step * request.step_s)
-        length_s = request.targets[look.target].lengths_s[look.length]
-        stop_utc = shifted_utc(start_utc, length_s)
-        return ChosenLook(target=look.target, start_utc=start_utc, stop_utc=stop_utc)
+def _threads() -> ThreadPoolExecutor:
+    """As many as there are cores: slew times are compiled, free of the interpreter's lock."""
+    return ThreadPoolExecutor(os.cpu_count())
 
+
+def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> LeftOut:
+    start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
+    return LeftOut(
+        target=one.target,
+        start_utc=start_utc,
+        stop_utc=shifted_utc(start_utc, request.targets[one.target].lengths_s[one.length]),
+        value=one.value,
+        displaced_by=tuple(look.target for look in one.by),
+        displaced_value=sum(look.value for look in one.by),
+    )
+
+
+def _in_utc(
+    request: CampaignRequest,
+    choice: CampaignChoice,
+    rest_s: float,
+    grid_s: float,
+    carrier: Carrier,
+    viewing: Viewing,
+) -> tuple[ChosenPass, ...]:
+    chosen = [look for looks in choice.passes for look in looks]
+    start_s = np.array([grid_s + look.first_step * request.step_s for look in chosen])
+    length_s = np.array([request.targets[look.target].lengths_s[look.length] for look in chosen])
+    target = np.array([look.target for look in chosen], np.intp)
+    targets = [wanted.target for wanted in request.targets]
+    views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, request.pixel_arcsec)
+    told = iter(
+        ChosenLook(
+            target=look.target,
+            start_utc=shifted_utc(request.start, begin_s),
+            stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
+            value=look.value,
+            quality=look.value / request.targets[look.target].worth_value(lasts_s),
+            seen=seen,
+        )
+        for look, begin_s, lasts_s, seen in zip(
+            chosen, start_s.tolist(), length_s.tolist(), views, strict=True
+        )
+    )
+    flown = [tuple(itertools.islice(told, len(looks))) for looks in choice.passes]
     return tuple(
         ChosenPass(
             start_utc=shifted_utc(looks[0].start_utc, -rest_s),
             stop_utc=shifted_utc(looks[-1].stop_utc, rest_s),
             looks=looks,
         )
-        for looks in (tuple(map(chosen, one)) for one in choice.passes if one)
+        for looks in flown
+        if looks
     )

@@ -4,30 +4,38 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import csr_array
 
 from planner.arrays import Array, Indices
+from planner.campaigns.master import Mixture, Proposal, best_mixture, best_together
 from planner.campaigns.network import Network
-from planner.campaigns.path import Look, best_path, path_bound
+from planner.campaigns.path import Look, Worth, best_path, path_bound
 
 Passes = list[tuple[Look, ...]]
-Proposal = tuple[int, tuple[Look, ...]]
-"""A pass by its number, and looks it could have, in order of time."""
 Reporter = Callable[[str, int, int], None]
 """What is being done, and how many parts of how many of it are."""
 
-ROUNDS_MAX = 150
-STEP_MIN = 1e-3  # of Polyak's: no price moves any more
-PATIENCE = 8  # rounds without a better bound before the step is halved
-FILL_EVERY = 10
-SWEEPS_MAX = 10
-PROPOSALS_MAX = 6000  # the latest, made at the best prices
-COMBINE_S = 20.0  # most time for the integer programme
-COMBINED_GAP_ENOUGH = 1e-4  # of it
 GAP_ENOUGH = 1e-3
-BOUND_LABELS_MAX = 4_000_000  # of all passes, of one an eighth of them: some seconds
+# Measured by bench/campaign.py --targets 559 --days 5 --sun 10 --ground-sample 0, the hardest kind:
+# all views worth the same.  After 200 steps the bound is 0.4 % above the mixture's value, after
+# 300 0.2 %; five mixtures bring it to 0.1 % and cost as much as 150 steps.
+STEPS_MAX = 200
+STEP_SHRINKS = 0.98  # of Polyak's, from one to the next
+FILL_EVERY = 25
+MIXTURES_MAX = 12
+MIXTURE_ENOUGH = 1e-3
+PROPOSALS_A_PASS = 25  # the latest, made at the best prices
+PROPOSALS_LEAST = 2000
+FIXED_SHARE = 8  # of the passes open, one in so many is fixed at a time
+PART_PASSES = 40  # chosen anew together; of many more the programmes take seconds
+PARTS_MAX = 60
+PART_MIXTURES = 6
+PART_PATIENCE = 20  # parts chosen anew without a gain
+SWEEPS_MAX = 10
+# Of a pass, and of all: some seconds.  A quarter as many of a pass left the bound 0.4 % higher.
+PASS_LABELS_MAX = 100_000
+BOUND_LABELS_MAX = 16_000_000
 WORTHLESS = 1e-9  # of rounding
+SEED = 2015
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,18 +58,16 @@ class Looking:
     """What looks at each target may be.
 
     length_steps, look_value: (targets, lengths), steps on the grid until it has ended and what
-    it is worth; 0 for lengths there are not.  look_limit: (targets,).
+    it is worth at the best view; 0 for lengths there are not.  look_limit: (targets,).
     """
 
     length_steps: Indices
     look_value: Array
     look_limit: Array
 
-    def worth_of(self, passes: Iterable[Sequence[Look]]) -> float:
-        """Of all looks together."""
-        return float(
-            sum(self.look_value[one.target, one.length] for looks in passes for one in looks)
-        )
+    def at(self, price: Array) -> Worth:
+        """Less a price for each look, (targets,)."""
+        return Worth(self.length_steps, self.look_value, price)
 
     def looks_of(self, passes: Iterable[Sequence[Look]]) -> Array:
         """How many looks each target gets, (targets,)."""
@@ -69,77 +75,180 @@ class Looking:
         return np.bincount(target, minlength=len(self.look_limit)).astype(np.float64)
 
 
+def worth_of(passes: Iterable[Sequence[Look]]) -> float:
+    """Of all looks together."""
+    return sum(one.value for looks in passes for one in looks)
+
+
 def choose(networks: Sequence[Network], looking: Looking, tell: Reporter) -> CampaignChoice:
     """Prices on looks that more passes want than may have them; one network per pass.
 
-    Subgradient steps on the prices, and at every few of them a choice that can be flown.
-    Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27.
+    Subgradient steps find the prices, and mixtures of what the passes want at them the rest of
+    the way; the last mixture is then made whole, pass after pass, and parts of it are chosen
+    anew until the choice is near the bound.
+    Source: Fisher 1981, "The Lagrangian relaxation method", Management Science 27; Barnhart et
+    al. 1998, "Branch-and-price", Operations Research 46(3) (column generation, diving).
     """
     search = _Search(networks, looking)
-    free = np.zeros(len(looking.look_limit))
-    greedy = search.fill_passes([()] * len(networks), free)
+    greedy = search.fill_passes([()] * len(networks), np.zeros(len(looking.look_limit)))
     search.improve(greedy)
-    price = search.find_prices(tell)
-    tell("choosing", ROUNDS_MAX, ROUNDS_MAX)
-    search.combine()
+    search.step_prices(tell)
+    mixture = search.mix_prices(tell)
+    if mixture is not None:
+        search.make_whole(mixture, tell)
+        search.choose_parts_anew(tell)
     return CampaignChoice(
         passes=tuple(search.best),
         value=search.value,
-        greedy_value=looking.worth_of(greedy),
-        price=price,
+        greedy_value=worth_of(greedy),
+        price=search.price,
     )
 
 
 class _Search:
-    """The best choice so far, and the paths that were proposed on the way."""
+    """The best choice so far, the best prices, and what was proposed on the way.
+
+    price: of a look at each target, at which the bound is least as far as known.
+    """
 
     def __init__(self, networks: Sequence[Network], looking: Looking) -> None:
         self._networks = networks
         self._looking = looking
         self.best: Passes = [()] * len(networks)
         self.value = 0.0
-        self._bound = float(looking.look_limit @ looking.look_value.max(axis=1))
+        # At these nothing gains: all looks at their best.
+        self.price: Array = looking.look_value.max(axis=1)
+        self._bound = float(looking.look_limit @ self.price)
         self._proposed: dict[Proposal, None] = {}
 
-    def find_prices(self, tell: Reporter) -> Array:
-        """Prices at which the bound is about least; improves the choice on the way."""
+    def step_prices(self, tell: Reporter) -> None:
+        """Towards the prices at which the bound is least; improves the choice on the way."""
         looking = self._looking
-        # At these nothing gains: all looks at their best.
-        best_price: Array = looking.look_value.max(axis=1)
-        price = np.zeros_like(best_price)
-        step, waited = 1.0, 0
-        for done in range(ROUNDS_MAX):
-            tell("choosing", done, ROUNDS_MAX)
+        price = np.zeros_like(self.price)
+        for done in range(STEPS_MAX):
+            tell("choosing", done, STEPS_MAX)
             bound, passes = self._answers(price)
-            waited += 1
-            if bound < self._bound * (1.0 - GAP_ENOUGH / 100.0):
-                self._bound, best_price, waited = bound, price, 0
-            elif waited % PATIENCE == 0:
-                step *= 0.5
             if done % FILL_EVERY == 0:
                 self.improve(self.fill_passes([()] * len(self._networks), price))
             wanted = looking.looks_of(passes) - looking.look_limit
             wanted[(wanted < 0.0) & (price <= 0.0)] = 0.0
             square = float(wanted @ wanted)
-            if step < STEP_MIN or square == 0.0 or self._is_near():
+            if square == 0.0 or self._is_near():
+                return
+            step = STEP_SHRINKS**done * (bound - self.value) / square
+            price = np.maximum(price + step * wanted, 0.0)
+
+    def mix_prices(self, tell: Reporter) -> tuple[Mixture, list[Proposal]] | None:
+        """The rest of the way by mixtures of the latest proposals; the last one, None if near."""
+        most = max(PROPOSALS_A_PASS * len(self._networks), PROPOSALS_LEAST)
+        found: tuple[Mixture, list[Proposal]] | None = None
+        for done in range(MIXTURES_MAX):
+            if self._is_near() or not self._proposed:
+                return None
+            tell("mixing", done, MIXTURES_MAX)
+            proposals = list(dict.fromkeys([*list(self._proposed)[-most:], *self._own()]))
+            mixture = best_mixture(proposals, len(self._networks), self._looking.look_limit)
+            if mixture is None:
                 break
-            price = np.maximum(price + step * (bound - self.value) / square * wanted, 0.0)
-        return best_price
+            found = mixture, proposals
+            # Half-way from the best prices, so that they don't swing (Wentges 1997).
+            self._answers(0.5 * (self.price + mixture.price))
+            if self._bound - mixture.value <= MIXTURE_ENOUGH * self._bound:
+                break
+        return found
+
+    def make_whole(self, mixed: tuple[Mixture, list[Proposal]], tell: Reporter) -> None:
+        """Largest shares first, some passes at a time; the others are mixed anew each time."""
+        mixture, proposals = mixed
+        left = self._looking.look_limit.copy()
+        passes: Passes = [()] * len(self._networks)
+        is_open = np.ones(len(passes), np.bool_)
+        while proposals:
+            tell("rounding", int(np.count_nonzero(~is_open)), len(is_open))
+            allowed = max(1, int(np.count_nonzero(is_open)) // FIXED_SHARE)
+            for place in np.argsort(-mixture.share, kind="stable").tolist():
+                number, looks = proposals[place]
+                if mixture.share[place] < 1.0 - WORTHLESS and allowed <= 0:
+                    break
+                if is_open[number] and all(left[look.target] > 0.0 for look in looks):
+                    passes[number], is_open[number] = looks, False
+                    left -= self._looking.looks_of([looks])
+                    allowed -= 1
+            proposals = [
+                (number, looks)
+                for number, looks in [
+                    *proposals,
+                    *self._wanted(np.flatnonzero(is_open), mixture.price, left)
+                ]
+                if is_open[number] and all(left[look.target] > 0.0 for look in looks)
+            ]  # fmt: skip
+            proposals = list(dict.fromkeys(proposals))
+            mixed_anew = proposals and best_mixture(proposals, len(passes), left)
+            if not mixed_anew:
+                break
+            mixture = mixed_anew
+        self.improve(passes)
+
+    def choose_parts_anew(self, tell: Reporter) -> None:
+        """Some passes at a time, whatever the others leave; by mixtures, then made whole."""
+        random = np.random.default_rng(SEED)
+        size = min(PART_PASSES, len(self._networks))
+        waited = 0
+        for done in range(PARTS_MAX):
+            if self._is_near() or waited == PART_PATIENCE:
+                return
+            tell("exchanging", done, PARTS_MAX)
+            part = np.sort(random.choice(len(self._networks), size, replace=False))
+            value = self.value
+            self.improve(self._part_anew(part))
+            waited = 0 if self.value > value + WORTHLESS else waited + 1
+            if size == len(self._networks):
+                return
+
+    def _part_anew(self, part: Indices) -> Passes:
+        passes = list(self.best)
+        own = [(n, passes[n]) for n in part.tolist() if passes[n]]
+        for number in part.tolist():
+            passes[number] = ()
+        left = self._looking.look_limit - self._looking.looks_of(passes)
+        price, proposals = self.price, dict.fromkeys(own)
+        for _ in range(PART_MIXTURES):
+            known = len(proposals)
+            proposals.update(dict.fromkeys(self._wanted(part, price, left)))
+            mixture = best_mixture(list(proposals), len(passes), left) if proposals else None
+            if mixture is None or len(proposals) == known:
+                break
+            price = 0.3 * price + 0.7 * mixture.price
+        if proposals:
+            for number, looks in best_together(list(proposals), len(passes), left):
+                passes[number] = looks
+        return passes
+
+    def _wanted(self, part: Indices, price: Array, left_limit: Array) -> list[Proposal]:
+        """What passes would take at these prices of the looks that are left."""
+        worth = self._looking.at(np.where(left_limit > 0.0, price, np.inf))
+        paths = [(number, best_path(self._networks[number], worth)) for number in part.tolist()]
+        return [(number, path.looks) for number, path in paths if path.looks]
+
+    def _own(self) -> list[Proposal]:
+        return [(number, looks) for number, looks in enumerate(self.best) if looks]
 
     def _is_near(self) -> bool:
         return self._bound - self.value <= GAP_ENOUGH * self._bound
 
     def _answers(self, price: Array) -> tuple[float, Passes]:
         """What the passes would take at these prices, and what the Lagrangian then is."""
-        gain = self._looking.look_value - price[:, None]
-        steps = self._looking.length_steps
-        paths = [best_path(one, steps, gain) for one in self._networks]
+        worth = self._looking.at(price)
+        paths = [best_path(one, worth) for one in self._networks]
+        passes = [path.looks for path in paths]
         lagrangian = float(self._looking.look_limit @ price) + sum(path.value for path in paths)
-        self._propose([path.looks for path in paths])
-        return lagrangian, [path.looks for path in paths]
-
-    def _propose(self, passes: Passes) -> None:
-        self._proposed.update({(n, looks): None for n, looks in enumerate(passes) if looks})
+        for number, looks in enumerate(passes):
+            self._proposed.pop((number, looks), None)  # the latest come last
+            if looks:
+                self._proposed[number, looks] = None
+        if lagrangian < self._bound:
+            self._bound, self.price = lagrangian, price
+        return lagrangian, passes
 
     def fill_passes(self, start: Passes, price: Array) -> Passes:
         """Pass after pass is given its best path at the prices for what the others leave."""
@@ -148,9 +257,9 @@ class _Search:
         left = looking.look_limit - looking.looks_of(passes)
         for number, network in enumerate(self._networks):
             left += looking.looks_of([passes[number]])
-            gain = np.where((left > 0.0)[:, None], looking.look_value - price[:, None], 0.0)
-            path = best_path(network, looking.length_steps, gain)
-            own = sum(gain[look.target, look.length] for look in passes[number])
+            charged = np.where(left > 0.0, price, np.inf)
+            path = best_path(network, looking.at(charged))
+            own = sum(look.value - price[look.target] for look in passes[number])
             if path.value > own + WORTHLESS:
                 passes[number] = path.looks
             left -= looking.looks_of([passes[number]])
@@ -159,66 +268,15 @@ class _Search:
     def improve(self, passes: Passes) -> None:
         """Refill without prices until nothing is gained; the best choice is kept."""
         free = np.zeros(len(self._looking.look_limit))
-        value = self._looking.worth_of(passes)
+        value = worth_of(passes)
         for _ in range(SWEEPS_MAX):
             better = self.fill_passes(passes, free)
-            gained = self._looking.worth_of(better) - value
+            gained = worth_of(better) - value
             if gained <= WORTHLESS:
                 break
             passes, value = better, value + gained
-        self._propose(passes)
         if value > self.value:
             self.best, self.value = passes, value
-
-    def combine(self) -> None:
-        """The best of all that was proposed, unless the choice is near the bound already."""
-        if self._is_near():
-            return
-        latest = list(self._proposed)[-PROPOSALS_MAX:]
-        own = [(n, looks) for n, looks in enumerate(self.best) if looks]
-        proposals = list(dict.fromkeys([*own, *latest]))
-        proposal_value = [self._looking.worth_of([looks]) for _, looks in proposals]
-        passes: Passes = [()] * len(self._networks)
-        for number, looks in _best_together(
-            proposals, proposal_value, len(passes), self._looking.look_limit, COMBINE_S
-        ):
-            passes[number] = looks
-        self.improve(passes)
-
-
-def _best_together(
-    proposals: Sequence[Proposal],
-    proposal_value: Sequence[float],
-    passes: int,
-    look_limit: Array,
-    time_s: float,
-) -> list[Proposal]:
-    """At most one per pass, no target looked at too often; the best found in time_s.
-
-    proposal_value: of each.  look_limit: (targets,).  An integer programme, solved by HiGHS.
-    """
-    entries = [
-        (row, number)
-        for number, (pass_number, looks) in enumerate(proposals)
-        for row in (pass_number, *(passes + look.target for look in looks))
-    ]
-    if not entries:
-        return []
-    row, place = np.array(entries).T
-    shape = (passes + len(look_limit), len(proposals))
-    solved = milp(
-        -np.array(proposal_value),
-        integrality=np.ones(len(proposals), np.intp),
-        bounds=Bounds(0.0, 1.0),
-        constraints=LinearConstraint(
-            csr_array((np.ones(len(row)), (row, place)), shape=shape),
-            ub=np.concatenate([np.ones(passes), look_limit]),
-        ),
-        options={"time_limit": time_s, "mip_rel_gap": COMBINED_GAP_ENOUGH},
-    )
-    if solved.x is None:
-        return []
-    return [one for one, share in zip(proposals, solved.x, strict=True) if share > 0.5]
 
 
 def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> float:
@@ -226,8 +284,8 @@ def bound_at(networks: Sequence[Network], looking: Looking, price: Array) -> flo
 
     Lagrangian relaxation of "no more looks than look_limit".
     """
-    gain = looking.look_value - price[:, None]
-    labels_max = BOUND_LABELS_MAX // max(len(networks), 8)
+    labels_max = min(PASS_LABELS_MAX, BOUND_LABELS_MAX // max(len(networks), 1))
+    worth = looking.at(price)
     return float(looking.look_limit @ price) + sum(
-        path_bound(one, looking.length_steps, gain, labels_max) for one in networks
+        path_bound(one, worth, labels_max) for one in networks
     )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array, Indices
-from planner.campaigns.slew_time import slew_time_s
+from planner.campaigns.slew_time import slew_fits
 from planner.campaigns.ways import Ways
 from planner.compiled import compiled
 
@@ -33,6 +33,7 @@ class Network(NamedTuple):
     last: Indices
     offset: Indices
     size: int
+    quality_sum: Array
     stop_step: int
     edge_from: Indices
     edge_to: Indices
@@ -70,6 +71,7 @@ def network_of(
         last=last,
         offset=offset,
         size=int(ways.steps[rows].sum()),
+        quality_sum=_quality_sum(ways, rows, offset),
         stop_step=int(last.max()) + 1,
         edge_from=edge_from,
         edge_to=edge_to,
@@ -88,6 +90,16 @@ def relax(network: Network, ways: Ways, least_steps: Indices, limits: Array) -> 
     states = _states(ways, network.way)
     _fill(states, network, usable_to, ways.step_s, limits, NECESSARY, arrival)
     return network._replace(arrival=arrival)
+
+
+def _quality_sum(ways: Ways, rows: Indices, offset: Indices) -> Array:
+    """Means of neighbouring steps added up."""
+    begin = int(ways.offset[rows[0]])
+    quality = ways.quality[begin : int(ways.offset[rows[-1]] + ways.steps[rows[-1]])]
+    between = np.append(0.0, 0.5 * (quality[1:] + quality[:-1]))
+    between[offset] = 0.0
+    total = np.cumsum(between)
+    return np.asarray(total - np.repeat(total[offset], ways.steps[rows]))
 
 
 def _states(ways: Ways, rows: Indices) -> Array:
@@ -150,7 +162,7 @@ def _first_arrival(
     step = usable_to if latest == NEVER else latest - 1
     while step >= first and step > leave:
         there = axis_states[offset + step - first]
-        if slew_time_s(axis_state, there, limits, sign) > (step - leave) * step_s + 1e-9:
+        if not slew_fits(axis_state, there, limits, sign, (step - leave) * step_s + 1e-9):
             break
         found = step
         step -= 1

@@ -9,10 +9,11 @@ from pydantic import FailFast, Field
 
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
+from planner.campaigns.view import ViewWeights
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
-from planner.opportunities.request import TARGETS_MAX
+from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, TARGETS_MAX
 from planner.orbits import Orbit
 from planner.platforms import AngleDeg, Platform
 from planner.scenario import SlewOptions
@@ -31,8 +32,15 @@ MOVING_COUNTS = 100  # what is not fixed to the Earth is looked at one by one
 class CampaignTarget:
     """A target, the look it is to get, and what that is worth.
 
-    A look that lasts from min_session_s (session_s unless given) to session_s is worth its
-    share of session_s times `priority`.  looks: no more than so many, and one in a pass.
+    A look that lasts from min_session_s to session_s is worth its share of session_s times
+    `priority`, times the quality of its view.
+
+    id: your name for it, different from the others'.
+    target: what is to be looked at.
+    priority: worth of one whole look at the best view.
+    session_s: how long a look is to last.
+    min_session_s: how long it must last at least; `session_s` unless given.
+    looks: no more than so many, and one in a pass.
     """
 
     id: str
@@ -57,7 +65,7 @@ class CampaignTarget:
         return tuple(sorted({row * COMMAND_STEP_S for row in rows}))
 
     def worth_value(self, length_s: float) -> float:
-        """Of a look that lasts so long."""
+        """Of a look that lasts so long at the best view."""
         return self.priority * min(length_s / self.session_s, 1.0)
 
 
@@ -65,10 +73,15 @@ class CampaignTarget:
 class CampaignRequest:
     """A carrier, a platform on it, and targets to be looked at from `start` to `stop`.
 
-    platform: a registered name, or a two-axis platform written out in degrees.
-    rest_angles_deg: where the axes rest before, between and after passes; 0 unless given.
-    step_s: looks begin on whole multiples of it after `start`, which is rounded up to a
-    command row; finer finds more and takes longer.
+    name: yours, told in lists.
+    rest_angles_deg: where the axes rest before, between and after passes, by axis; 0 unless given.
+    E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    targets: what is to be looked at.
+    start: when the campaign begins; UTC, rounded up to a command row.
+    stop: when it ends; UTC.
+    view: how much the quality of the view counts in what a look is worth.
+    pixel_arcsec: angle a pixel sees, for the ground samples told.
+    step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
     """
 
     name: str = ""
@@ -80,6 +93,8 @@ class CampaignRequest:
     start: datetime
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
+    view: ViewWeights = ViewWeights()
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
     slew: SlewOptions = SlewOptions()
     step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
 
@@ -142,6 +157,7 @@ class CampaignRequest:
             stop=self.stop,
             conditions=self.conditions,
             samples=2,
+            pixel_arcsec=self.pixel_arcsec,
         )
 
     @property

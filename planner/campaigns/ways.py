@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from planner.arrays import Array, Indices
 from planner.campaigns.passes import Looks
+from planner.campaigns.view import Viewing
 from planner.opportunities.carrier import Carrier
-from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
+from planner.opportunities.sights import Sight, in_sights
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion, singular_margin_rad
 from planner.targets import Target
@@ -29,7 +30,8 @@ class Ways:
 
     A way is an unbroken run of steps on one branch of `axis_angles` within all limits.
     first_step, steps: the run on the grid, at step_s k after the grid's start.
-    offset: of its first row in axis_states (n, 3, 2): angle, rate, acceleration of both axes.
+    offset: of its first row in axis_states (n, 3, 2): angle, rate, acceleration of both axes,
+    and in quality (n,), of the view.
     """
 
     step_s: float
@@ -39,10 +41,12 @@ class Ways:
     steps: Indices
     offset: Indices
     axis_states: Array
+    quality: Array
 
 
-_Run = tuple[Indices, Indices, Indices, Array]
-"""Ways found in one batch: row of `looks`, first_step and steps of each, and all axis_states."""
+_Run = tuple[Indices, Indices, Indices, Array, Array]
+"""Ways found in one batch: row of `looks`, first_step and steps of each, and of all steps the
+axis_states and the quality."""
 
 
 def ways_to_follow(
@@ -50,7 +54,7 @@ def ways_to_follow(
     targets: Sequence[Target],
     least_s: Array,
     carrier: Carrier,
-    platform: TwoAxisPlatform,
+    viewing: Viewing,
     step_s: float,
     grid_s: float,
 ) -> Ways:
@@ -64,7 +68,7 @@ def ways_to_follow(
     found = [
         run
         for rows, sight, which in _batches(looks, targets, carrier, last - first + 1)
-        for run in _runs(rows, first, last, sight, which, platform, step_s, grid_s)
+        for run in _runs(rows, first, last, sight, which, viewing, step_s, grid_s)
     ]
     return _gather(found, looks, least, step_s)
 
@@ -73,20 +77,11 @@ def _batches(
     looks: Looks, targets: Sequence[Target], carrier: Carrier, steps: Indices
 ) -> Iterator[tuple[Indices, Sight, Indices]]:
     """Rows of `looks` that are seen alike, how, and the number of each one's target in it."""
-    resting = resting_places(targets)
-    if resting:
-        number = np.full(len(targets), -1)
-        number[list(resting)] = np.arange(len(resting))
-        places = FixedPlaces(carrier, list(resting.values()))
-        sight = EarthSight(carrier, places, np.zeros(len(resting)))
-        rows = np.flatnonzero(number[looks.target] >= 0)
+    for rows, sight, which in in_sights(looks.target, targets, carrier):
         batch = np.cumsum(steps[rows]) // BATCH
-        for part in np.split(rows, np.flatnonzero(np.diff(batch)) + 1):
-            yield part, sight, number[looks.target[part]]
-    for n, target in enumerate(targets):
-        if n not in resting:
-            rows = np.flatnonzero(looks.target == n)
-            yield rows, sight_of(carrier, target, 0.0), np.zeros(len(rows), np.intp)
+        cuts = np.flatnonzero(np.diff(batch)) + 1
+        for part, number in zip(np.split(rows, cuts), np.split(which, cuts), strict=True):
+            yield part, sight, number
 
 
 def _runs(
@@ -95,10 +90,11 @@ def _runs(
     last: Indices,
     sight: Sight,
     which: Indices,
-    platform: TwoAxisPlatform,
+    viewing: Viewing,
     step_s: float,
     grid_s: float,
 ) -> Iterator[_Run]:
+    platform = viewing.platform
     counts = np.maximum(last[rows] - first[rows] + 1, 0)
     look = np.repeat(rows, counts)
     if not len(look):
@@ -106,10 +102,10 @@ def _runs(
     begins = np.cumsum(counts) - counts
     step = np.arange(len(look)) - np.repeat(begins, counts) + np.repeat(first[rows], counts)
     t_s = grid_s + step * step_s
+    seen = np.repeat(which, counts)
+    quality = viewing.quality(sight, seen, t_s, begins[counts > 0])
     before, los, after = (
-        sight.carrier.in_platform(
-            sight.sighting(np.repeat(which, counts), at_s).direction_itrf, at_s
-        )
+        sight.carrier.in_platform(sight.sighting(seen, at_s).direction_itrf, at_s)
         for at_s in (t_s - DELTA_S, t_s, t_s + DELTA_S)
     )
     los_rate_s = (after - before) / (2.0 * DELTA_S)
@@ -120,7 +116,7 @@ def _runs(
         for turned_rad in _turns(platform, angle_rad):
             axis_states = np.stack([turned_rad, *motion], axis=1)
             usable = sound & _within(axis_states, platform.axis_limits)
-            yield _split(look, step, axis_states, usable)
+            yield _split(look, step, axis_states, quality, usable)
 
 
 def _turns(platform: TwoAxisPlatform, angle_rad: Array) -> Iterator[Array]:
@@ -152,21 +148,24 @@ def _within(axis_states: Array, limits: tuple[AxisLimits, ...]) -> NDArray[np.bo
     return np.asarray((kept & (np.abs(acceleration_rad_s2) <= acceleration)).all(axis=1))
 
 
-def _split(look: Indices, step: Indices, axis_states: Array, usable: NDArray[np.bool_]) -> _Run:
+def _split(
+    look: Indices, step: Indices, axis_states: Array, quality: Array, usable: NDArray[np.bool_]
+) -> _Run:
     """Runs of usable samples: of one look, step after step, without a turn over."""
     here = np.flatnonzero(usable)
     look, step, axis_states = look[here], step[here], axis_states[here]
     goes_on = (look[1:] == look[:-1]) & (step[1:] == step[:-1] + 1)
     goes_on &= (np.abs(np.diff(axis_states[:, 0], axis=0)) < math.pi).all(axis=1)
     begins = np.flatnonzero(np.append(True, ~goes_on)[: len(look)])
-    return look[begins], step[begins], np.diff(np.append(begins, len(look))), axis_states
+    steps = np.diff(np.append(begins, len(look)))
+    return look[begins], step[begins], steps, axis_states, quality[here]
 
 
 def _gather(runs: Sequence[_Run], looks: Looks, least_steps: Indices, step_s: float) -> Ways:
     """The runs longer than the least of their targets, (targets,), by pass and time."""
     none = np.empty(0, np.intp)
-    columns = zip((none, none, none, np.empty((0, 3, 2))), *runs, strict=True)
-    look, first_step, steps, axis_states = map(np.concatenate, columns)
+    columns = zip((none, none, none, np.empty((0, 3, 2)), np.empty(0)), *runs, strict=True)
+    look, first_step, steps, axis_states, quality = map(np.concatenate, columns)
     begins = np.cumsum(steps) - steps
     order = np.flatnonzero(steps > least_steps[looks.target[look]])
     order = order[np.lexsort((first_step[order], looks.pass_number[look[order]]))]
@@ -181,4 +180,5 @@ def _gather(runs: Sequence[_Run], looks: Looks, least_steps: Indices, step_s: fl
         steps=steps,
         offset=offset,
         axis_states=axis_states[rows],
+        quality=quality[rows],
     )

@@ -31,8 +31,7 @@ def free_part(
     if first_s is None or last_s is None or first_s + last_s == 0.0:
         return None
     stop_s = straight.duration_s - last_s
-    cones = tuple(replace(cone, t_s=cone.t_s - first_s) for cone in view.cones)
-    shifted = replace(view, cones=cones)
+    shifted = view.from_time(first_s)
     problem = replace(
         straight.problem,
         start=_states(straight, first_s),

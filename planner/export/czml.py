@@ -29,7 +29,12 @@ from planner.targets import EarthFixedTarget, SkyTarget
 Json = dict[str, Any]
 
 SKY_DISTANCE_M = 1e7  # where a star's or planet's mark is drawn: well outside, still in view
-_KIND_RGBA = {"wait": [160, 160, 160, 255], "slew": [255, 160, 0, 255], "track": [0, 220, 90, 255]}
+_KIND_RGBA = {
+    "wait": [160, 160, 160, 255],
+    "slew": [255, 160, 0, 255],
+    "track": [0, 220, 90, 255],
+    "brake": [255, 160, 0, 255],
+}
 _ORBIT_RGBA, _FRAME_RGBA, _TARGET_RGBA = [90, 170, 255, 255], [0, 220, 90, 110], [255, 60, 60, 255]
 
 

@@ -9,7 +9,7 @@ from planner.commands import CommandTable
 from planner.scenario import Scenario
 
 P = TypeVar("P")
-SegmentKind = Literal["wait", "slew", "track"]
+SegmentKind = Literal["wait", "slew", "track", "brake"]
 KINDS: tuple[SegmentKind, ...] = get_args(SegmentKind)
 
 
@@ -32,11 +32,13 @@ class Exporter(Generic[P]):
 class Segment:
     """A stretch of the table, on its grid: at rest, on the way to the target, or holding it.
 
-    session: index into the scenario's sessions.
+    A "brake" brings moving axes to rest, so that they can wait.
+
+    session: index into the scenario's sessions; None: to the final state.
     """
 
     kind: SegmentKind
-    session: int
+    session: int | None
     start_utc: datetime
     stop_utc: datetime
 

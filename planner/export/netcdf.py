@@ -27,6 +27,7 @@ from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 
 FILL = np.float64(9.969209968386869e36)  # NetCDF's own default for doubles
+NO_SESSION = -1
 _TEXT = len("2015-02-27T17:34:00.0Z")
 
 
@@ -113,7 +114,7 @@ def _segments(file: netcdf_file, plan: FlightPlan) -> None:
             for moment in (segment.start_utc, segment.stop_utc)
         )
         kind[first : last + 1] = KINDS.index(segment.kind)
-        session[first : last + 1] = segment.session
+        session[first : last + 1] = NO_SESSION if segment.session is None else segment.session
     activity = file.createVariable("activity", "b", ("time",))
     activity[:] = kind
     describe(
@@ -124,7 +125,10 @@ def _segments(file: netcdf_file, plan: FlightPlan) -> None:
     )
     number = file.createVariable("session", "i", ("time",))
     number[:] = session
-    describe(number, long_name="index of the session flown or slewed to")
+    describe(
+        number,
+        long_name=f"index of the session flown or slewed to, {NO_SESSION}: to the final state",
+    )
 
 
 def _attitude(file: netcdf_file, rows: TableStates) -> None:

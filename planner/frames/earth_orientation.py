@@ -12,7 +12,7 @@ from functools import lru_cache
 import erfa
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, cross
 from planner.errors import OutsideCoverage
 from planner.frames.iers import earth_orientation_table
 from planner.frames.time_scales import DAY_S, MJD_JD, TT_MINUS_TAI_S, Instants
@@ -36,7 +36,7 @@ def c_itrf_from_eci(instants: Instants) -> Array:
     Raises OutsideCoverage before 1973; past the end of the IERS data see
     `earth_orientation_warnings`.  Source: IERS Conventions 2010, 5.4-5.5 (CIO based).
     """
-    return _celestial_to_terrestrial(instants)[0]
+    return _celestial_to_terrestrial(instants, _interpolate(instants))[0]
 
 
 def c_itrf_from_teme(instants: Instants) -> Array:
@@ -44,10 +44,13 @@ def c_itrf_from_teme(instants: Instants) -> Array:
 
     Source: Vallado 2006 (AIAA 2006-6753), appendix C: GMST 1982 of UT1, then polar motion.
     """
-    at = _interpolate(instants)
+    return _teme_to_terrestrial(instants, _interpolate(instants))
+
+
+def _teme_to_terrestrial(instants: Instants, parameters: Array) -> Array:
     jd1, jd2 = instants.tai_jd()
-    theta = erfa.gmst82(jd1, jd2 + at[:, 3] / DAY_S)
-    return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*at[:, 4:7].T)))
+    theta = erfa.gmst82(jd1, jd2 + parameters[:, 3] / DAY_S)
+    return np.asarray(erfa.c2tcio(np.eye(3), theta, erfa.pom00(*parameters[:, 4:7].T)))
 
 
 def c_frame_from_eci(frame: str, instants: Instants) -> Array:
@@ -55,7 +58,10 @@ def c_frame_from_eci(frame: str, instants: Instants) -> Array:
     if frame == "ITRF":
         return c_itrf_from_eci(instants)
     if frame == "TEME":
-        return np.asarray(np.swapaxes(c_itrf_from_teme(instants), 1, 2) @ c_itrf_from_eci(instants))
+        parameters = _interpolate(instants)
+        c_itrf_from_teme_ = _teme_to_terrestrial(instants, parameters)
+        c_itrf_from_eci_, _ = _celestial_to_terrestrial(instants, parameters)
+        return np.asarray(np.swapaxes(c_itrf_from_teme_, 1, 2) @ c_itrf_from_eci_)
     c = C_GCRF_FROM_EME2000.T if frame == "EME2000" else np.eye(3)
     return np.broadcast_to(c, (len(instants), 3, 3))
 
@@ -67,9 +73,9 @@ def itrf_from_eci_state(
 
     Leaves out the motion of the Earth's axis itself (2e-5 m/s in low orbit).
     """
-    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
     r_itrf_m = np.einsum("nij,nj->ni", c, r_eci_m)
-    v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - np.cross(omega_itrf_rad_s, r_itrf_m)
+    v_itrf_m_s = np.einsum("nij,nj->ni", c, v_eci_m_s) - cross(omega_itrf_rad_s, r_itrf_m)
     return r_itrf_m, v_itrf_m_s
 
 
@@ -77,8 +83,8 @@ def eci_from_itrf_state(
     r_itrf_m: Array, v_itrf_m_s: Array, instants: Instants
 ) -> tuple[Array, Array]:
     """Inverse of `itrf_from_eci_state`."""
-    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants)
-    v_inertial_itrf_m_s = v_itrf_m_s + np.cross(omega_itrf_rad_s, r_itrf_m)
+    c, omega_itrf_rad_s = _celestial_to_terrestrial(instants, _interpolate(instants))
+    v_inertial_itrf_m_s = v_itrf_m_s + cross(omega_itrf_rad_s, r_itrf_m)
     return np.einsum("nji,nj->ni", c, r_itrf_m), np.einsum("nji,nj->ni", c, v_inertial_itrf_m_s)
 
 
@@ -114,14 +120,16 @@ def earth_orientation_warnings(instants: Instants) -> tuple[str, ...]:
     )
 
 
-def _celestial_to_terrestrial(instants: Instants) -> tuple[Array, Array]:
-    """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s."""
-    at = _interpolate(instants)
+def _celestial_to_terrestrial(instants: Instants, parameters: Array) -> tuple[Array, Array]:
+    """Matrices (n, 3, 3) and the Earth's rotation vector in ITRF axes (n, 3), rad/s.
+
+    parameters: as of `_interpolate`.
+    """
     jd1, jd2 = instants.tai_jd()
-    era = erfa.era00(jd1, jd2 + at[:, 3] / DAY_S)
-    c_cirs_from_eci = erfa.c2ixys(at[:, 0], at[:, 1], at[:, 2])
-    c_itrf_from_tirs = erfa.pom00(*at[:, 4:7].T)
-    rate_rad_s = OMEGA_EARTH_RAD_S * (1.0 + at[:, 7])
+    era = erfa.era00(jd1, jd2 + parameters[:, 3] / DAY_S)
+    c_cirs_from_eci = erfa.c2ixys(parameters[:, 0], parameters[:, 1], parameters[:, 2])
+    c_itrf_from_tirs = erfa.pom00(*parameters[:, 4:7].T)
+    rate_rad_s = OMEGA_EARTH_RAD_S * (1.0 + parameters[:, 7])
     c_itrf_from_eci = erfa.c2tcio(c_cirs_from_eci, era, c_itrf_from_tirs)
     return np.asarray(c_itrf_from_eci), c_itrf_from_tirs[:, :, 2] * rate_rad_s[:, None]
 

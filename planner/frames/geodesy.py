@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.arrays import Array
-from planner.spec import Within
+from planner.spec import About, Within
 
 # What a request may give of a place.
-LatitudeDeg = Annotated[float, Within(-90.0, 90.0)]
-LongitudeDeg = Annotated[float, Within(-180.0, 360.0)]
-HeightM = Annotated[float, Within(-1000.0, 100e3)]
+LatitudeDeg = Annotated[float, Within(-90.0, 90.0), About("Geodetic, WGS84; north positive.")]
+LongitudeDeg = Annotated[float, Within(-180.0, 360.0), About("WGS84; east positive.")]
+HeightM = Annotated[
+    float, Within(-1000.0, 100e3), About("Above the WGS84 ellipsoid, not above sea level.")
+]
 
 WGS84_A_M = 6378137.0  # NGA.STND.0036, table 3.1
 WGS84_F = 1.0 / 298.257223563  # NGA.STND.0036, table 3.1

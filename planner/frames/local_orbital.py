@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from planner.arrays import Array
+from planner.arrays import Array, cross
 
 
 def q_lvlh_from_eci(r_sat_eci_m: Array, v_sat_eci_m_s: Array) -> Rotation:
@@ -13,6 +13,6 @@ def q_lvlh_from_eci(r_sat_eci_m: Array, v_sat_eci_m_s: Array) -> Rotation:
     Source: CCSDS 500.0-G-4 (LVLH); NASA's use for the ISS.
     """
     z = -r_sat_eci_m / np.linalg.norm(r_sat_eci_m, axis=-1, keepdims=True)
-    minus_h = np.cross(v_sat_eci_m_s, r_sat_eci_m)
+    minus_h = cross(v_sat_eci_m_s, r_sat_eci_m)
     y = minus_h / np.linalg.norm(minus_h, axis=-1, keepdims=True)
-    return Rotation.from_matrix(np.stack([np.cross(y, z), y, z], axis=-2))
+    return Rotation.from_matrix(np.stack([cross(y, z), y, z], axis=-2))

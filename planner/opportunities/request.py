@@ -28,7 +28,12 @@ MOVING_COUNTS = 150  # as places: what is not fixed to the Earth is looked at on
 
 @spec
 class OpportunityTarget:
-    """A target by a name of the user's; greater priority matters more."""
+    """A target by a name of the user's; greater priority matters more.
+
+    id: your name for it, different from the others'; windows tell it.
+    target: what is to be seen.
+    priority: how much it matters beside the others.
+    """
 
     id: str
     target: WindowTarget
@@ -48,12 +53,21 @@ class OpportunityTarget:
 class OpportunityConditions:
     """What must hold throughout a window.
 
+    The Sun's elevations and `max_off_nadir_deg` apply to targets on the Earth only.
+
     min_elevation_deg: of the carrier in the target's sky, on top of the target's own least
-    elevation (the greater counts); without refraction.  sun_elevation_*_deg: of the Sun's
-    centre at the target, without refraction; these two and max_off_nadir_deg (from the
-    geocentric nadir) apply to targets on the Earth only.
-    *_keep_out_deg: least angle between line of sight and the centre of the Sun or Moon,
-    wherever the Earth doesn't hide that body.
+    elevation (the greater counts); without refraction.
+    max_off_nadir_deg: largest angle of the line of sight from the geocentric nadir; any unless
+    given. E.g. `45.0`.
+    sun_elevation_min_deg: least elevation of the Sun's centre at the target, without refraction:
+    daylight. E.g. `10.0`.
+    sun_elevation_max_deg: greatest elevation of the Sun's centre at the target, without refraction:
+    night. E.g. `-6.0`.
+    sun_keep_out_deg: least angle between line of sight and the Sun's centre, wherever the Earth
+    doesn't hide it. E.g. `20.0`.
+    moon_keep_out_deg: least angle between line of sight and the Moon's centre, wherever the Earth
+    doesn't hide it. E.g. `10.0`.
+    min_duration_s: shorter windows are left out.
     """
 
     min_elevation_deg: Annotated[float, Within(0.0, 90.0)] = 0.0
@@ -77,7 +91,9 @@ class OpportunityConditions:
 class OpportunityRequest:
     """A carrier, a platform on it, and the targets it may look at from `start` to `stop`.
 
-    platform: a registered name, or a two-axis platform written out in degrees.
+    targets: what may be looked at.
+    start: when the search begins; UTC.
+    stop: when it ends; UTC.
     samples: instants per window, its edges included, at which angles and the rest are told.
     pixel_arcsec: angle a pixel sees, for the ground sample distance.
     """

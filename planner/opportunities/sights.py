@@ -1,7 +1,7 @@
 """The geometry between many targets and the carrier, each at its own instants."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -183,6 +183,26 @@ def resting_places(targets: Sequence[Target]) -> dict[int, EarthFixedTarget]:
         for number, target in enumerate(targets)
         if target.rests_on_earth and isinstance(target, EarthFixedTarget)
     }
+
+
+def in_sights(
+    target: Indices, targets: Sequence[Target], carrier: Carrier
+) -> Iterator[tuple[Indices, Sight, Indices]]:
+    """Of rows that are of a target each, (n,): those seen alike, how, and each one's number in it.
+
+    Whatever elevation the targets ask for.
+    """
+    resting = resting_places(targets)
+    if resting:
+        number = np.full(len(targets), -1)
+        number[list(resting)] = np.arange(len(resting))
+        rows = np.flatnonzero(number[target] >= 0)
+        places = FixedPlaces(carrier, list(resting.values()))
+        yield rows, EarthSight(carrier, places, np.zeros(len(resting))), number[target[rows]]
+    for n in np.unique(target).tolist():
+        if n not in resting:
+            rows = np.flatnonzero(target == n)
+            yield rows, sight_of(carrier, targets[n], 0.0), np.zeros(len(rows), np.intp)
 
 
 def sight_of(carrier: Carrier, target: Target, min_elevation_rad: float) -> Sight:

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 
 T = TypeVar("T")
@@ -77,6 +77,10 @@ class Windows:
     def __len__(self) -> int:
         return len(self.target)
 
+    def select(self, rows: NDArray[np.bool_] | Indices) -> "Windows":
+        """Those at `rows`."""
+        return _concatenate([self], rows)
+
     def sessions_s(self, start_utc: datetime) -> Array:
         """The longest session on rows of a command table in each window, (windows, 2).
 
@@ -115,7 +119,7 @@ def in_order(parts: Sequence[Windows]) -> Windows:
     return _concatenate(parts, order)
 
 
-def _concatenate(parts: Sequence[T], order: NDArray[np.intp]) -> T:
+def _concatenate(parts: Sequence[T], order: NDArray[np.bool_] | Indices) -> T:
     """The arrays of like dataclasses, however deep, end to end and then put in order."""
     columns: dict[str, object] = {}
     for field in fields(parts[0]):  # type: ignore[arg-type]  # T is a dataclass

@@ -10,9 +10,12 @@ from planner.orbits.omm import OmmOrbit
 from planner.orbits.opm import OpmOrbit
 from planner.orbits.state_vector import StateVectorOrbit
 from planner.orbits.tle import TleOrbit
+from planner.spec import About
 
 Orbit = Annotated[
-    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit, Field(discriminator="source")
+    TleOrbit | OmmOrbit | OemOrbit | OpmOrbit | StateVectorOrbit,
+    Field(discriminator="source"),
+    About("Where the carrier is, from any of these sources."),
 ]
 
 ORBITS = {orbit.source: orbit for orbit in get_args(get_args(Orbit)[0])}

@@ -33,7 +33,10 @@ REFUSE_ERROR_M = 100.0
 
 @spec
 class OemOrbit:
-    """The text of a CCSDS OEM, KVN or XML, as published."""
+    """The text of a CCSDS OEM, KVN or XML, as published.
+
+    content: the whole message, line breaks included.
+    """
 
     source: Literal["oem"] = "oem"
     content: str

@@ -22,6 +22,8 @@ class OmmOrbit:
     """The text of a CCSDS OMM: JSON as catalogues send it, KVN or XML.
 
     The same elements as a TLE with more digits, so the same error: about 1 km at the epoch.
+
+    content: the whole message, line breaks included.
     """
 
     source: Literal["omm"] = "omm"

@@ -30,6 +30,10 @@ class OpmOrbit:
 
     Mass, drag area and coefficient are the message's; where it is silent, those of
     `StateVectorOrbit`.
+
+    content: the whole message, line breaks included.
+    force_model: `full` is the 36x36 field, Sun, Moon and drag (0.2 m after 900 s); `j2j4` the
+    paper's (56 m).
     """
 
     source: Literal["opm"] = "opm"

@@ -40,9 +40,16 @@ _SHORTEST_S = 1.0  # so that a plan at the epoch has a polynomial too
 class StateVectorOrbit:
     """Position and velocity at an epoch, from the Earth's centre.
 
-    An ITRF velocity is relative to the rotating Earth.  force_model: `full` is the 36x36
-    field, Sun, Moon and drag (0.2 m after 900 s); `j2j4` the paper's (56 m).  Mass, area and
-    drag coefficient default to the ISS, about the mean of its published ephemeris headers.
+    frame: of both. GCRF and EME2000 differ by 0.02 arcsec.
+    epoch: when the carrier was there; UTC.
+    position_km: x, y, z.
+    velocity_km_s: x, y, z; in ITRF relative to the rotating Earth.
+    force_model: `full` is the 36x36 field, Sun, Moon and drag (0.2 m after 900 s); `j2j4` the
+    paper's (56 m).
+    mass_kg: of the carrier, for drag; the ISS's unless given, about the mean of its published
+    ephemeris headers.
+    drag_area_m2: of the carrier's front; the ISS's unless given.
+    drag_coefficient: of the carrier; the ISS's unless given.
     """
 
     source: Literal["state"] = "state"

@@ -40,6 +40,9 @@ class TleOrbit:
     """Two lines of a NORAD element set, as published.
 
     SGP4's own error is about 1 km at the epoch and grows by 1-3 km a day.
+
+    line1: the line that begins with 1, its checksum included.
+    line2: the line that begins with 2, its checksum included.
     """
 
     source: Literal["tle"] = "tle"

@@ -3,7 +3,7 @@
 from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition
 from planner.platforms.iss_hrc import ISS_HRC
-from planner.platforms.two_axis import AxisLimits, StructuralMode, TwoAxisPlatform
+from planner.platforms.two_axis import AxisLimits, ParkPosition, StructuralMode, TwoAxisPlatform
 
 __all__ = [
     "ISS_HRC",
@@ -12,6 +12,7 @@ __all__ = [
     "AxisDefinition",
     "AxisLimits",
     "JerkDegS3",
+    "ParkPosition",
     "Platform",
     "PlatformDefinition",
     "StructuralMode",

@@ -9,6 +9,7 @@ from pydantic_core import core_schema
 from planner.platforms.definition import PlatformDefinition
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.platforms.two_axis import TwoAxisPlatform
+from planner.spec import About
 
 PLATFORMS = {platform.name: platform for platform in (ISS_HRC,)}
 
@@ -43,4 +44,5 @@ Platform = Annotated[
             _platform, handler(_NameOrDefinition)
         )
     ),
+    About("A registered name, or a two-axis platform written out in degrees."),
 ]

@@ -1,9 +1,17 @@
 """A two-axis platform as a person writes it down, in degrees."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import field
 from typing import Annotated
 
-from planner.platforms.two_axis import HRC_FRAME_HALF_RAD, AxisLimits, TwoAxisPlatform, UnitVector
+from planner.platforms.two_axis import (
+    HRC_FRAME_HALF_RAD,
+    AxisLimits,
+    ParkPosition,
+    TwoAxisPlatform,
+    UnitVector,
+)
 from planner.spec import UnitPart, Within, spec
 
 HRC_FIELD_OF_VIEW_DEG = (
@@ -20,7 +28,18 @@ _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
 @spec
 class AxisDefinition:
-    """One gimbal axis as its data sheet gives it; the fields of `AxisLimits` in degrees."""
+    """One gimbal axis as its data sheet gives it.
+
+    name: what columns and messages call it.
+    axis_platform: unit vector of the axis in the platform frame, at zero angles.
+    angle_min_deg: lower hard stop; zero is the axis's index mark.
+    angle_max_deg: upper hard stop.
+    rate_max_deg_s: largest rate, either way.
+    acceleration_max_deg_s2: largest acceleration, either way.
+    jerk_max_deg_s3: largest jerk, either way.
+    rate_min_deg_s: below this commanded rate friction makes the drive oscillate; it is reported,
+    not forbidden.
+    """
 
     name: str
     axis_platform: UnitVector
@@ -60,11 +79,19 @@ class AxisDefinition:
 
 @spec
 class PlatformDefinition:
-    """A `TwoAxisPlatform`: `outer` is fixed to the base and carries `inner`.
+    """A two-axis platform: `outer` is fixed to the base and carries `inner`.
 
+    name: what plans call it.
+    outer: the axis fixed to the base.
+    inner: the axis that the outer one carries.
+    zero_direction_platform: unit vector of the boresight in the platform frame, both axes at zero.
+    q_platform_from_body_xyzw: the mount, scalar last: carries body axes onto the platform's.
     field_of_view_deg: the camera's, along the frame's first side and its second; the HRC's unless
-    given.  frame_turn_deg: how far the first side is turned from the inner axis, right-handed about
-    the boresight; how the HRC's frame lies isn't published, 0 is assumed.
+    given.
+    frame_turn_deg: how far the first side is turned from the inner axis, right-handed about the
+    boresight; how the HRC's frame lies isn't published, 0 is assumed.
+    park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
+    name one.
     """
 
     name: str
@@ -74,11 +101,29 @@ class PlatformDefinition:
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
     frame_turn_deg: Annotated[float, Within(-180.0, 180.0)] = 0.0
+    park_positions_deg: Mapping[str, Mapping[str, AngleDeg]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.outer.name == self.inner.name:
             raise ValueError(f"the axes need two names, not {self.outer.name!r} twice")
+        for name, angles_deg in self.park_positions_deg.items():
+            self._require_park_position(name, angles_deg)
         self.platform()
+
+    def _require_park_position(self, name: str, angles_deg: Mapping[str, float]) -> None:
+        if not name:
+            raise ValueError("park_positions_deg must give every position a name, not an empty one")
+        if set(angles_deg) != {self.outer.name, self.inner.name}:
+            raise ValueError(
+                f"park_positions_deg.{name} must name the axes {self.outer.name}, "
+                f"{self.inner.name}, not {', '.join(angles_deg) or 'none'}"
+            )
+        for axis in (self.outer, self.inner):
+            if not axis.angle_min_deg <= angles_deg[axis.name] <= axis.angle_max_deg:
+                raise ValueError(
+                    f"park_positions_deg.{name}.{axis.name} must lie within its stops "
+                    f"{axis.angle_min_deg:g}..{axis.angle_max_deg:g}, not {angles_deg[axis.name]:g}"
+                )
 
     def platform(self) -> TwoAxisPlatform:
         """The same in radians."""
@@ -97,4 +142,14 @@ class PlatformDefinition:
                 math.radians(self.field_of_view_deg[1]) / 2.0,
             ),
             frame_turn_rad=math.radians(self.frame_turn_deg),
+            park_positions=tuple(
+                ParkPosition(
+                    name=name,
+                    angle_rad=(
+                        math.radians(angles_deg[self.outer.name]),
+                        math.radians(angles_deg[self.inner.name]),
+                    ),
+                )
+                for name, angles_deg in self.park_positions_deg.items()
+            ),
         )

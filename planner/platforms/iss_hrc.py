@@ -27,4 +27,5 @@ ISS_HRC = PlatformDefinition(
     name="iss-hrc",
     outer=_axis("alpha", (0.0, -math.cos(_TILT_RAD), math.sin(_TILT_RAD))),
     inner=_axis("beta", (1.0, 0.0, 0.0)),
+    park_positions_deg={"zero": {"alpha": 0.0, "beta": 0.0}},  # the index marks; none is published
 ).platform()

@@ -50,6 +50,14 @@ class AxisLimits:
 
 
 @spec
+class ParkPosition:
+    """Where the axes may rest, by a name: angles in the order of `TwoAxisPlatform.axis_names`."""
+
+    name: str
+    angle_rad: tuple[float, float]
+
+
+@spec
 class TwoAxisPlatform:
     """Line of sight in the platform frame is R(outer, a) R(inner, b) zero_direction.
 
@@ -59,6 +67,7 @@ class TwoAxisPlatform:
     frame_half_rad: half the camera's field of view along the frame's first side and along its
     second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
     about the boresight.
+    park_positions: where it may be left at rest.
     Source: Sumarokov 2016, eq. 10-11.
     """
 
@@ -73,6 +82,7 @@ class TwoAxisPlatform:
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
     frame_turn_rad: float = 0.0
+    park_positions: tuple[ParkPosition, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (

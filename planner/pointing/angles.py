@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.arrays import Array, Mask
+from planner.arrays import Array, Mask, cross
 from planner.platforms import TwoAxisPlatform
 
 
@@ -31,7 +31,7 @@ def axis_angles(platform: TwoAxisPlatform, los_platform: Array) -> BranchAngles:
     """
     outer, inner = platform.axes_platform
     zero = _zero_direction(platform)
-    normal = np.cross(outer, inner)
+    normal = cross(outer, inner)
     k = outer @ inner
     square_sine = normal @ normal
     along_outer = los_platform @ outer
@@ -65,7 +65,7 @@ def axis_motion(
     Source: T' = J q' with J = [w1 x T, w2 x T] solved in closed form, and its derivative.
     """
     outer, inner = carried_axes(platform, angle_rad)
-    determinant = np.sum(los_platform * np.cross(outer, inner), axis=1)
+    determinant = np.sum(los_platform * cross(outer, inner), axis=1)
 
     def solve(tangent_platform: Array) -> Array:
         radial = np.sum(tangent_platform * los_platform, axis=1)
@@ -79,9 +79,9 @@ def axis_motion(
 
     rate_rad_s = solve(los_rate_platform_per_s)
     outer_rate, inner_rate = rate_rad_s[:, :1], rate_rad_s[:, 1:]
-    inner_axis_rate = outer_rate * np.cross(outer, inner)
-    carried = outer_rate * np.cross(outer, los_rate_platform_per_s) + inner_rate * (
-        np.cross(inner_axis_rate, los_platform) + np.cross(inner, los_rate_platform_per_s)
+    inner_axis_rate = outer_rate * cross(outer, inner)
+    carried = outer_rate * cross(outer, los_rate_platform_per_s) + inner_rate * (
+        cross(inner_axis_rate, los_platform) + cross(inner, los_rate_platform_per_s)
     )
     return rate_rad_s, solve(los_acceleration_platform_per_s2 - carried)
 
@@ -112,7 +112,7 @@ def singular_margin_rad(platform: TwoAxisPlatform, angle_rad: Array, los_platfor
     angle between the line of sight and the outer axis.
     """
     outer, inner = carried_axes(platform, angle_rad)
-    normal = np.cross(outer, inner)
+    normal = cross(outer, inner)
     sine = np.abs(np.sum(los_platform * normal, axis=1)) / np.linalg.norm(normal, axis=1)
     return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
@@ -134,7 +134,7 @@ def _boresight_parts(platform: TwoAxisPlatform) -> Array:
 
     def parts(axis: Array, vector_platform: Array) -> list[Array]:
         along = (axis @ vector_platform) * axis
-        return [along, vector_platform - along, np.cross(axis, vector_platform)]
+        return [along, vector_platform - along, cross(axis, vector_platform)]
 
     by_inner = parts(inner, _zero_direction(platform))
     return np.array([parts(outer, part) for part in by_inner])
@@ -148,7 +148,7 @@ def _zero_direction(platform: TwoAxisPlatform) -> Array:
 def _angle_about(axis: Array, start_directions: Array, end_directions: Array) -> Array:
     """Signed angle about `axis` (3,) from start to end, both (n, 3) or (1, 3)."""
     start, end = start_directions, end_directions
-    sine = np.cross(start, end) @ axis
+    sine = cross(start, end) @ axis
     cosine = np.sum(start * end, axis=1) - (start @ axis) * (end @ axis)
     return np.asarray(np.arctan2(sine, cosine))
 
@@ -157,4 +157,4 @@ def _rotate(axis: Array, angle_rad: Array, directions: Array) -> Array:
     """Rodrigues' formula: `directions` (n, 3) turned by angle_rad (n,) about `axis` (3,)."""
     cosine, sine = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
     along = (directions @ axis)[:, None] * axis
-    return np.asarray(cosine * (directions - along) + sine * np.cross(axis, directions) + along)
+    return np.asarray(cosine * (directions - along) + sine * cross(axis, directions) + along)

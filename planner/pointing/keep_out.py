@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -67,6 +67,11 @@ class KeepOutView:
 
     platform: TwoAxisPlatform
     cones: tuple[MovingCone, ...]
+
+    def from_time(self, begins_s: float) -> "KeepOutView":
+        """The same with its time counted from begins_s on."""
+        cones = tuple(replace(cone, t_s=cone.t_s - begins_s) for cone in self.cones)
+        return replace(self, cones=cones)
 
     def boresight(self, angle_rad: Array) -> Array:
         """Unit vectors (n, 3) by axis angles (n, 2)."""

@@ -1,6 +1,7 @@
 """The direction the payload must look in, and how fast it turns."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -8,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.frames.time_scales import Instants
-from planner.orbits import Ephemeris
+from planner.orbits import Ephemeris, OrbitStates
 from planner.targets import VisibleTarget
 
 STENCIL = 7
@@ -20,10 +21,11 @@ class LineOfSight:
 
     los_platform: unit vectors, shape (n, 3); los_rate_platform_per_s and
     los_acceleration_platform_per_s2 their first and second derivatives in the platform frame.
-    range_m, clearance_rad: shape (n,), as in `ApparentDirection`.
+    range_m, clearance_rad: shape (n,), as in `ApparentDirection`.  states: of the orbit.
     """
 
     instants: Instants
+    states: OrbitStates
     los_platform: Array
     los_rate_platform_per_s: Array
     los_acceleration_platform_per_s2: Array
@@ -52,6 +54,7 @@ def line_of_sight(
     step_s = (instants.t_s[-1] - instants.t_s[0]) / (len(instants.t_s) - 1)
     return LineOfSight(
         instants=instants,
+        states=states,
         los_platform=los_platform,
         los_rate_platform_per_s=_derivative(los_platform, step_s, 1),
         los_acceleration_platform_per_s2=_derivative(los_platform, step_s, 2),
@@ -64,15 +67,17 @@ def _derivative(los_platform: Array, step_s: float, order: int) -> Array:
     """Differences on the seven nearest samples, one-sided towards the ends, (n, 3)."""
     n = len(los_platform)
     first = np.clip(np.arange(n) - STENCIL // 2, 0, n - STENCIL)
-    weights = np.array([_stencil_weights(here, order) for here in range(STENCIL)])
     nodes = los_platform[first[:, None] + np.arange(STENCIL)]
-    differences = np.einsum("nk,nkj->nj", weights[np.arange(n) - first], nodes)
+    differences = np.einsum("nk,nkj->nj", _stencil_weights(order)[np.arange(n) - first], nodes)
     return np.asarray(differences / step_s**order)
 
 
-def _stencil_weights(here: int, order: int) -> Array:
-    """Weights on nodes 0..6 exact for polynomials of degree 6, at node `here`."""
-    powers = np.vander(np.arange(STENCIL) - float(here), increasing=True).T
+@cache
+def _stencil_weights(order: int) -> Array:
+    """Weights on nodes 0..6 exact for polynomials of degree 6, a row for each node."""
     wanted = np.zeros(STENCIL)
     wanted[order] = float(order)  # order! for order 1 and 2
-    return np.linalg.solve(powers, wanted)
+    nodes = np.arange(STENCIL)
+    return np.array(
+        [np.linalg.solve(np.vander(nodes - float(at), increasing=True).T, wanted) for at in nodes]
+    )

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -80,23 +80,57 @@ def track_candidates(
     if not reachable[first:last].all():
         raise _unreachable(platform, los, reachable[first:last], first)
 
-    ways: list[AxisTrack] = []
-    breaks: list[_Break] = []
+    branches: list[_Branch] = []
     for branch_rad in angles:
         margin = singular_margin_rad(platform, branch_rad, los.los_platform)
         usable = reachable & (margin > SINGULAR_RAD)  # NaN margins where unreachable
         if not usable[first:last].all():
             raise _singular(platform, los, int(first + np.argmin(margin[first:last])))
         here = _around(usable, first, last)
-        unwrapped = np.unwrap(branch_rad[here], axis=0)
+        session = slice(first - here.start, last - here.start)
+        branches.append(_Branch(here, session, np.unwrap(branch_rad[here], axis=0)))
+    # What passes a stop is followed on only to say what else is wrong with it.
+    within = [branch.is_within_stops(platform.axis_limits) for branch in branches]
+    ways, breaks = _follow(platform, los, itertools.compress(branches, within))
+    if not ways and not all(within):
+        ways, breaks = _follow(platform, los, branches)
+    if not ways:
+        raise _best_refusal(los, breaks)
+    return tuple(
+        sorted(ways, key=lambda way: _preference(way, platform, session_start_s, start_angle_rad))
+    )
+
+
+class _Branch(NamedTuple):
+    """One of the ways of `axis_angles`, over the rows `here` of the line of sight.
+
+    session: of those.  angle_rad: (n, 2), unwrapped.
+    """
+
+    here: slice
+    session: slice
+    angle_rad: Array
+
+    def is_within_stops(self, limits: tuple[AxisLimits, ...]) -> bool:
+        """By some number of whole turns, on the rows of the session."""
+        return all(turns_within_stops(self.angle_rad[self.session], limits, LIMIT_TOLERANCE))
+
+
+def _follow(
+    platform: TwoAxisPlatform, los: LineOfSight, branches: Iterable[_Branch]
+) -> tuple[list[AxisTrack], list[_Break]]:
+    """The tracks that keep all limits, and what the others break."""
+    t_s = los.instants.t_s
+    ways: list[AxisTrack] = []
+    breaks: list[_Break] = []
+    for here, session, unwrapped in branches:
         rate, acceleration = axis_motion(
             platform,
-            branch_rad[here],
+            unwrapped,
             los.los_platform[here],
             los.los_rate_platform_per_s[here],
             los.los_acceleration_platform_per_s2[here],
         )
-        session = slice(first - here.start, last - here.start)
         for angle_rad in _whole_turns(unwrapped, session, platform.axis_limits):
             axis_states = np.stack([angle_rad, rate, acceleration])
             ranges = cubic_and_row_range(float(t_s[1] - t_s[0]), *axis_states)
@@ -114,11 +148,7 @@ def track_candidates(
                     axis_states=axis_states[:, rows],
                 )
             )
-    if not ways:
-        raise _best_refusal(los, breaks)
-    return tuple(
-        sorted(ways, key=lambda way: _preference(way, platform, session_start_s, start_angle_rad))
-    )
+    return ways, breaks
 
 
 def _session_rows(t_s: Array, start_s: float, stop_s: float) -> tuple[int, int]:

@@ -14,7 +14,7 @@ from planner.sessions.joining import Join
 def assemble_table(
     epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]
 ) -> CommandTable:
-    """Row by row: at rest until each slew begins, the slew, the track.
+    """Row by row: braked to rest, at rest until each slew begins, the slew, the track.
 
     A row shared by two of them is the later one's.  What a slew leaves as end error is
     flown as it dies away.
@@ -27,8 +27,12 @@ def assemble_table(
         slew_t_s = np.arange(join.join_row - join.slew_row + 1) / ROWS_PER_S
         slew = slice(join.slew_row, join.join_row + 1)
         angle_rad[slew], rate_rad_s[slew], _, _ = join.slew.motion(slew_t_s)
-        angle_rad[from_row : join.slew_row] = angle_rad[join.slew_row]
-        rate_rad_s[from_row : join.slew_row] = 0.0
+        at_rest = slice(from_row + join.brake_rows, join.slew_row)
+        angle_rad[at_rest], rate_rad_s[at_rest] = angle_rad[join.slew_row], 0.0
+        if join.brake:
+            brake = slice(from_row, from_row + join.brake_rows)
+            brake_t_s = np.arange(join.brake_rows) / ROWS_PER_S
+            angle_rad[brake], rate_rad_s[brake], _, _ = join.brake.motion(brake_t_s)
         track = slice(join.join_row, join.stop_row + 1)
         track_t_s = np.arange(join.join_row, join.stop_row + 1) / ROWS_PER_S
         angle_rad[track], rate_rad_s[track], _ = join.track.motion(track_t_s)

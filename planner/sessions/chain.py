@@ -14,10 +14,10 @@ from planner.sessions.holding import GRID_TOLERANCE_S, Way
 from planner.sessions.joining import (
     Join,
     first_row_in_reach,
-    least_slew_s,
     may_slew_between,
     slew_onto,
 )
+from planner.sessions.lead import least_slew_s
 from planner.slew import AxisState
 
 SPLITS = 8  # how finely a loss is shared between two sessions

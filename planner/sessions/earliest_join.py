@@ -17,11 +17,11 @@ from planner.platforms import AxisLimits
 from planner.pointing.keep_out import KeepOutView
 from planner.pointing.track import AxisTrack
 from planner.scenario import SlewOptions
+from planner.sessions.lead import LedSlew, slew_within_lead
 from planner.slew.feasibility import fits_without_jerk, next_duration_s, verdict
 from planner.slew.on_rows import fit_to_rows
 from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem, axis_states, within
-from planner.slew.solution import SlewSolution
 
 # Of `planner.effort`: a row by itself, a look at many, and each of them.
 LOOK, GLANCE, GLANCE_ROW = 12, 40, 0.1
@@ -40,7 +40,7 @@ class EarliestJoin:
     """
 
     t_s: float
-    solution: SlewSolution
+    led: LedSlew
     cut_short: bool = False
 
 
@@ -88,9 +88,9 @@ class Approach:
             step = DETOUR_ROWS if keep_out is not None else 2 ** max(failures - ROWS_IN_TURN, 0)
             if bad is not None and row < bad + step:
                 continue
-            solution = join_at(row)
-            if solution is not None:
-                return _earlier(join_at, row - 1 if bad is None else bad, row, solution)
+            led = join_at(row)
+            if led is not None:
+                return _earlier(join_at, row - 1 if bad is None else bad, row, led)
             bad, failures = row, failures + 1
             if failures >= FAILURES_MOST:
                 break
@@ -120,7 +120,7 @@ class Approach:
 
     def _slew_to(
         self, row: int, options: SlewOptions, keep_out: KeepOutView | None
-    ) -> SlewSolution | None:
+    ) -> LedSlew | None:
         end = track_states(self.track, row / ROWS_PER_S)
         duration_s = row / ROWS_PER_S - self.start_s
         if not self._is_possible(end, duration_s):
@@ -135,7 +135,13 @@ class Approach:
             keep_out=keep_out,
         )
         try:
-            return avoid_cones(fit_to_rows(optimal_slew(problem)), thorough=False, prove=False)
+            return slew_within_lead(
+                problem,
+                options,
+                lambda part: avoid_cones(
+                    fit_to_rows(optimal_slew(part)), thorough=False, prove=False
+                ),
+            )
         except InfeasibleSlew:
             return None
 
@@ -165,7 +171,7 @@ class Approach:
 
 
 def _earlier(
-    join_at: Callable[[int], SlewSolution | None], bad: int, good: int, solution: SlewSolution
+    join_at: Callable[[int], LedSlew | None], bad: int, good: int, led: LedSlew
 ) -> EarliestJoin:
     """Between a row too early and a good one: the first good one, or the first one found."""
     while good - bad > 1:
@@ -173,9 +179,9 @@ def _earlier(
         try:
             found = join_at(middle)
         except EffortSpent:
-            return EarliestJoin(t_s=good / ROWS_PER_S, solution=solution, cut_short=True)
+            return EarliestJoin(t_s=good / ROWS_PER_S, led=led, cut_short=True)
         if found is None:
             bad = middle
         else:
-            good, solution = middle, found
-    return EarliestJoin(t_s=good / ROWS_PER_S, solution=solution)
+            good, led = middle, found
+    return EarliestJoin(t_s=good / ROWS_PER_S, led=led)

@@ -7,12 +7,12 @@ from planner.commands import ROWS_PER_S
 from planner.detour.detour import avoid_cones
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew
-from planner.platforms import AxisLimits
 from planner.pointing.keep_out import KeepOutView, keep_out_view
 from planner.pointing.track import AxisTrack
 from planner.scenario import Scenario
 from planner.sessions.earliest_join import Approach, track_states
 from planner.sessions.holding import Way
+from planner.sessions.lead import LedSlew, may_slew_within_lead, slew_within_lead
 from planner.slew import (
     AxisState,
     SlewProblem,
@@ -20,10 +20,8 @@ from planner.slew import (
     broken_limit,
     fit_to_rows,
     in_paper_time,
-    next_duration_s,
     optimal_slew,
     paper_slew,
-    verdict,
 )
 
 
@@ -31,6 +29,8 @@ from planner.slew import (
 class Join:
     """A slew from `slew_row` to `join_row`, and its track followed to `stop_row`.
 
+    brake: what brings the axes to rest at the end of what was before, None where they slew at
+    once or are at rest already.
     cut_short: whether the search for an earlier join or a smoother slew was, by the work that
     may be done.
     """
@@ -40,7 +40,13 @@ class Join:
     slew_row: int
     join_row: int
     stop_row: int
+    brake: SlewSolution | None = None
     cut_short: bool = False
+
+    @property
+    def brake_rows(self) -> int:
+        """How many rows the braking takes."""
+        return round(self.brake.duration_s * ROWS_PER_S) if self.brake else 0
 
 
 def slew_onto(
@@ -81,13 +87,15 @@ def slew_onto(
             )
         cut_short = search.is_spent
     if met is None:
-        slew = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
+        led = _slew(scenario, way, from_row, state, keep_out, thorough=thorough, prove=prove)
         join_row = start_row
     else:
-        slew, join_row = met.solution, round(met.t_s * ROWS_PER_S)
+        led, join_row = met.led, round(met.t_s * ROWS_PER_S)
         cut_short = cut_short or met.cut_short
+    slew = led.slew
     return Join(
         slew=slew,
+        brake=led.brake,
         track=way.track,
         slew_row=join_row - round(slew.duration_s * ROWS_PER_S),
         join_row=join_row,
@@ -116,10 +124,7 @@ def may_slew_between(
         return False
     if not scenario.slew.keeps_limits:
         return True
-    return all(
-        verdict(*ends, rows / ROWS_PER_S).limit is None
-        for ends in zip(state, there, scenario.axis_limits, strict=True)
-    )
+    return may_slew_within_lead(state, there, scenario.axis_limits, scenario.slew, rows)
 
 
 def first_row_in_reach(
@@ -140,14 +145,6 @@ def _approach(
     )
 
 
-def least_slew_s(
-    start: tuple[AxisState, ...], end: tuple[AxisState, ...], limits: tuple[AxisLimits, ...]
-) -> float:
-    """The least time that the limits allow, stops aside; 0 where an axis can't at all."""
-    axes = zip(start, end, limits, strict=True)
-    return max(next_duration_s(*axis, 0.0) or 0.0 for axis in axes)
-
-
 def _joins_early(scenario: Scenario) -> bool:
     return scenario.slew.keeps_limits and scenario.slew.objective == "minimum_time"
 
@@ -161,7 +158,7 @@ def _slew(
     *,
     thorough: bool,
     prove: bool,
-) -> SlewSolution:
+) -> LedSlew:
     """To the first row of the session."""
     problem = SlewProblem(
         axis_names=way.track.axis_names,
@@ -172,11 +169,15 @@ def _slew(
         avoid_modes=scenario.slew.avoid_modes,
         keep_out=keep_out,
     )
-    if scenario.slew.keeps_limits:
-        return avoid_cones(fit_to_rows(optimal_slew(problem)), thorough=thorough, prove=prove)
-    if scenario.slew.objective == "minimum_time":
-        problem = in_paper_time(problem)
-    return paper_slew(problem, scenario.slew)
+
+    def solve(part: SlewProblem) -> SlewSolution:
+        if scenario.slew.keeps_limits:
+            return avoid_cones(fit_to_rows(optimal_slew(part)), thorough=thorough, prove=prove)
+        if scenario.slew.objective == "minimum_time":
+            part = in_paper_time(part)
+        return paper_slew(part, scenario.slew)
+
+    return slew_within_lead(problem, scenario.slew, solve)
 
 
 def _require_within_limits(scenario: Scenario, state: tuple[AxisState, ...], does: str) -> None:

@@ -8,6 +8,7 @@ from planner.errors import Refusal
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.scenario import Scenario, Session
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.final import with_final_slew
 from planner.sessions.holding import ephemeris_over, session_rows
 from planner.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.verification import verify
@@ -70,9 +71,11 @@ def _is_planned(scenario: Scenario) -> bool:
     """As the pipeline plans it; raises SessionRefused and refusals of the whole."""
     epoch_utc = scenario.initial_state.epoch
     rows = [session_rows(session, epoch_utc) for session in scenario.sessions]
-    joins = sequence_sessions(scenario, ephemeris_over(scenario, rows), prove=False)
+    ephemeris = ephemeris_over(scenario, rows)
+    joins = sequence_sessions(scenario, ephemeris, prove=False)
+    whole = with_final_slew(scenario, ephemeris, joins)
     if not scenario.slew.keeps_limits:
         return True
-    effort.spend(JUDGED_ROW * rows[-1].stop)
+    effort.spend(JUDGED_ROW * whole[-1].stop_row)
     final, _ = sessions_after_conflicts(scenario, joins)
-    return verify(assemble_table(epoch_utc, scenario.platform.axis_names, joins), final).passed
+    return verify(assemble_table(epoch_utc, scenario.platform.axis_names, whole), final).passed

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from datetime import datetime
 
 import numpy as np
 
@@ -17,8 +16,10 @@ from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session, SlewOptions
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.final import with_final_slew
 from planner.sessions.holding import ephemeris_over, session_rows, sight
-from planner.sessions.joining import Join, least_slew_s
+from planner.sessions.joining import Join
+from planner.sessions.lead import least_slew_s
 from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import PointingBudget, pointing_budget
@@ -53,9 +54,12 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
         )
     with stage("slews and tracks"):
         joins = _joins(scenario, ephemeris)
+        onto_tracks = joins[: len(scenario.sessions)]
     with stage("comparison"):
-        slews = tuple(_slew_run(scenario.slew, number, join) for number, join in enumerate(joins))
-    final, losses = sessions_after_conflicts(scenario, joins)
+        slews = tuple(
+            _slew_run(scenario.slew, number, join) for number, join in _numbered(scenario, joins)
+        )
+    final, losses = sessions_after_conflicts(scenario, onto_tracks)
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with stage("pointing budget"):
         budgets = tuple(_budget(final, ephemeris, table, session) for session in final.sessions)
@@ -66,7 +70,7 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
         raise _rejection(report)
     return Plan(
         scenario=final,
-        segments=_segments(epoch_utc, joins),
+        segments=_segments(scenario, joins),
         table=table,
         verification=report,
         slews=slews,
@@ -88,7 +92,7 @@ def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     """Found by no more work than one request may make, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
     with at_most(effort.PLAN - TABLE_ROW * last_row):
-        return plan_sessions(scenario, ephemeris)
+        return with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris))
     raise SearchEnded(
         "the sessions take more work than one request may make before "
         "any plan is found; ask for fewer or shorter ones at a time",
@@ -107,28 +111,41 @@ def _cut_short(joins: list[Join]) -> tuple[str, ...]:
     )
 
 
-def _slew_run(options: SlewOptions, number: int, join: Join) -> SlewRun:
+def _numbered(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | None, Join]]:
+    """Each with the session whose track it leads to; None for the final state's."""
+    count = len(scenario.sessions)
+    return ((number if number < count else None, join) for number, join in enumerate(joins))
+
+
+def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
     slew = join.slew
     return SlewRun(
         session=number,
         backend=options.method,
         status="; ".join(dict.fromkeys(slew.status)),
-        iterations=slew.iterations,
-        wall_s=slew.wall_s,
+        iterations=sum(part.iterations for part in (join.brake, slew) if part),
+        wall_s=sum(part.wall_s for part in (join.brake, slew) if part),
         duration_s=slew.duration_s,
         minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
         comparison=compare_with_spline(slew, options) if options.keeps_limits else None,
     )
 
 
-def _segments(epoch_utc: datetime, joins: list[Join]) -> tuple[Segment, ...]:
-    kinds: tuple[SegmentKind, ...] = ("wait", "slew", "track")
+def _segments(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
+    epoch_utc = scenario.initial_state.epoch
+    kinds: tuple[SegmentKind, ...] = ("brake", "wait", "slew", "track")
     segments = []
     from_row = 0
-    for number, join in enumerate(joins):
+    for number, join in _numbered(scenario, joins):
         ends = [
             shifted_utc(epoch_utc, row / ROWS_PER_S)
-            for row in (from_row, join.slew_row, join.join_row, join.stop_row)
+            for row in (
+                from_row,
+                from_row + join.brake_rows,
+                join.slew_row,
+                join.join_row,
+                join.stop_row,
+            )
         ]
         segments += [
             Segment(kind=kind, session=number, start_utc=start_utc, stop_utc=stop_utc)

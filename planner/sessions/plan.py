@@ -12,11 +12,12 @@ from planner.verification import VerificationReport
 class SlewRun:
     """How one slew was solved.
 
+    session: onto whose track; None: to the final state.
     minimum_s: the least time the limits allow, stops aside.  comparison: None where the
     baseline itself was asked for.
     """
 
-    session: int
+    session: int | None
     backend: str
     status: str
     iterations: int

@@ -8,11 +8,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
-from planner.arrays import Array, Indices
+from planner.arrays import Array, Indices, cross
 from planner.attitude import AttitudeLaw
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
@@ -26,6 +27,8 @@ from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
 DRAWS = 1 << 14
+COARSE = 16  # one of so many draws, where instants are many
+BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
 OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
 LIKELY = 0.9  # of staying in the frame; below, a plan warns
@@ -52,14 +55,17 @@ _DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless state
 class Contribution:
     """One cause: 1-sigma per image axis at the session's worst instant.
 
-    ground_m: across the line of sight at the target, none for a target in the sky.
-    basis: whether measured or assumed, and on what.  better: what would make it smaller.
+    cause: what is not known exactly.
+    sigma_arcsec: its 1-sigma.
+    ground_m: across the line of sight at the target, null for a target in the sky.
     is_bias: constant over the session, or a swing as slow as the orbit.
+    basis: whether measured or assumed, and on what.
+    better: what would make it smaller.
     """
 
     cause: str
-    sigma_arcsec: float
-    ground_m: float | None
+    sigma_arcsec: Annotated[float, Field(ge=0.0)]
+    ground_m: Annotated[float, Field(ge=0.0)] | None
     is_bias: bool
     basis: str
     better: str
@@ -113,13 +119,8 @@ def pointing_budget(
     a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
-    scene = _Scene(los, ephemeris, attitude, target, platform, angle_rad)
-    biases = [
-        *_orbit_offsets(scene, ephemeris),
-        *_attitude_offsets(scene, attitude),
-        _earth_offsets(scene),
-        _clock_offsets(scene, los, clock_s),
-    ]
+    scene = _Scene(los, attitude, target, platform, angle_rad, SAMPLES)
+    biases = _biases(scene, los, ephemeris, attitude, clock_s)
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
@@ -127,7 +128,6 @@ def pointing_budget(
         cause: float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause)))
         for cause in dict.fromkeys(bias.cause for bias in biases)
     } | {_DRIVES: DRIVE_RAD}
-    half_rad = np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
     return PointingBudget(
         contributions=tuple(
             Contribution(
@@ -142,7 +142,7 @@ def pointing_budget(
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability_inside(
             np.stack([bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]),
-            half_rad,
+            _half_rad(platform),
             scene.off_rad,
             [
                 np.stack([bias.offsets_rad, bias.quarter_later_rad])
@@ -151,6 +151,47 @@ def pointing_budget(
             ],
         ),
     )
+
+
+def probabilities_at(
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    attitude: AttitudeLaw,
+    target: VisibleTarget,
+    platform: TwoAxisPlatform,
+    angle_rad: Array,
+    *,
+    clock_s: float = CLOCK_S,
+) -> Array:
+    """That the target is in the frame at each instant by itself, (n,); as `pointing_budget`.
+
+    By every 16th point of the budget's, good to 0.01.
+    """
+    scene = _Scene(los, attitude, target, platform, angle_rad, len(los.instants))
+    half_rad = _half_rad(platform)
+    if not (half_rad > 0.0).all():
+        return np.zeros(len(los.instants))
+    biases = _biases(scene, los, ephemeris, attitude, clock_s)
+    constant = [bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]
+    swings = [
+        part
+        for bias in biases
+        if bias.quarter_later_rad is not None
+        for part in (bias.offsets_rad, bias.quarter_later_rad)
+    ]
+    points = _points(len(constant), len(swings) // 2)[:, ::COARSE]
+    offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
+    middle = scene.off_rad / half_rad
+    parts = []
+    for first in range(0, len(los.instants), BATCH):
+        batch = slice(first, first + BATCH)
+        places = middle[batch, :, None] + offsets[batch] @ points
+        parts.append(np.mean(np.abs(places).max(axis=1) <= 1.0, axis=1))
+    return np.concatenate(parts)
+
+
+def _half_rad(platform: TwoAxisPlatform) -> Array:
+    return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
 
 
 def probability_inside(
@@ -171,8 +212,9 @@ def probability_inside(
     in_half_frames = (np.concatenate([offsets_rad, *swings_rad]) / half_rad).reshape(
         -1, middle.size
     )
-    points = _points(len(offsets_rad), len(swings_rad))
-    farthest = np.abs(middle + points @ in_half_frames).max(axis=1)
+    places = in_half_frames.T @ _points(len(offsets_rad), len(swings_rad))
+    places += middle[:, None]
+    farthest = np.abs(places, out=places).max(axis=0)
     return float(np.mean(farthest <= 1.0))
 
 
@@ -180,7 +222,7 @@ def probability_inside(
 def _points(normal: int, phases: int) -> Array:
     """A Richtmyer lattice mapped to the standard normal and to circles of radius sqrt(2).
 
-    Shape (DRAWS, normal + 2 phases).
+    Shape (normal + 2 phases, DRAWS).
     """
     # SciPy's special functions take 0.1 s to import, which only a plan should pay.
     from scipy.special import ndtri
@@ -191,7 +233,8 @@ def _points(normal: int, phases: int) -> Array:
     lattice = np.outer(np.arange(DRAWS) + 0.5, np.sqrt(primes)) % 1.0
     phase_rad = 2.0 * np.pi * lattice[:, normal:, None]
     circles = np.sqrt(2.0) * np.concatenate([np.cos(phase_rad), np.sin(phase_rad)], axis=2)
-    return np.hstack([ndtri(lattice[:, :normal]), circles.reshape(DRAWS, 2 * phases)])
+    points = np.hstack([ndtri(lattice[:, :normal]), circles.reshape(DRAWS, 2 * phases)])
+    return np.ascontiguousarray(points.T)
 
 
 class _Scene:
@@ -204,14 +247,14 @@ class _Scene:
     def __init__(
         self,
         los: LineOfSight,
-        ephemeris: Ephemeris,
         attitude: AttitudeLaw,
         target: VisibleTarget,
         platform: TwoAxisPlatform,
         angle_rad: Array,
+        samples: int,
     ) -> None:
         n = len(los.instants)
-        self.rows = np.unique(np.linspace(0, n - 1, min(n, SAMPLES)).round().astype(np.intp))
+        self.rows = np.unique(np.linspace(0, n - 1, min(n, samples)).round().astype(np.intp))
         image = _image_axes(platform, angle_rad)
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
@@ -219,7 +262,9 @@ class _Scene:
             self.rows = _farthest(shares, self.rows)
         self._image, self.off_rad = image[self.rows], off_rad[self.rows]
         self.instants = Instants(los.instants.epoch_utc, los.instants.t_s[self.rows])
-        self.states = ephemeris.states(self.instants)
+        self.states = OrbitStates(
+            los.states.r_sat_eci_m[self.rows], los.states.v_sat_eci_m_s[self.rows]
+        )
         self.los_platform = los.los_platform[self.rows]
         self.range_m = los.range_m[self.rows]
         self._attitude, self._target, self._platform = attitude, target, platform
@@ -231,15 +276,25 @@ class _Scene:
     def turned_about_body(self, axis: int) -> Array:
         """Where the target goes, per radian by which the carrier turns about a body axis."""
         axis_platform = self._platform.q_platform_from_body.apply(np.eye(3)[axis])
-        return self.in_image(np.cross(self.los_platform, axis_platform))
+        return self.in_image(cross(self.los_platform, axis_platform))
 
-    def direction_platform(self, states: OrbitStates | None = None, late_s: float = 0.0) -> Array:
-        """With another orbit, or the target as it will be (the Earth turned on) late_s later."""
-        states = states or self.states
-        late = Instants(self.instants.epoch_utc, self.instants.t_s + late_s)
+    def directions_platform(self, orbits: Sequence[OrbitStates], late_s: Sequence[float]) -> Array:
+        """With other orbits, and the target as it will be (the Earth turned on) late_s later.
+
+        All m cases at once, as a few instants cost what many do.  Shape (m, n, 3).
+        """
+        epoch_utc, t_s = self.instants.epoch_utc, self.instants.t_s
+        states = OrbitStates(
+            np.concatenate([orbit.r_sat_eci_m for orbit in orbits]),
+            np.concatenate([orbit.v_sat_eci_m_s for orbit in orbits]),
+        )
+        late = Instants(epoch_utc, np.add.outer(late_s, t_s).ravel())
         seen = self._target.apparent(late, states).direction_eci
-        q_body_from_eci = self._attitude.q_body_from_eci(self.instants, states)
-        return np.asarray((self._platform.q_platform_from_body * q_body_from_eci).apply(seen))
+        q_body_from_eci = self._attitude.q_body_from_eci(
+            Instants(epoch_utc, np.tile(t_s, len(orbits))), states
+        )
+        seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
+        return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
 
 
 def _image_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
@@ -249,8 +304,8 @@ def _image_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
     along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
-    first = c * along + s * np.cross(boresight, along)
-    return np.stack([first, np.cross(boresight, first)], axis=1)
+    first = c * along + s * cross(boresight, along)
+    return np.stack([first, cross(boresight, first)], axis=1)
 
 
 def _farthest(shares: Array, rows: Indices) -> Indices:
@@ -278,29 +333,49 @@ class _Bias(NamedTuple):
         return np.asarray(np.sqrt(0.5 * squares))
 
 
-def _orbit_offsets(scene: _Scene, ephemeris: Ephemeris) -> list[_Bias]:
-    """Radial, along-track and cross-track, as independent causes."""
-    sigma = orbit_sigma(ephemeris, scene.instants)
-    r, v = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
+def _biases(
+    scene: _Scene, los: LineOfSight, ephemeris: Ephemeris, attitude: AttitudeLaw, clock_s: float
+) -> list[_Bias]:
+    orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
+    *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
+    return [
+        *_orbit_offsets(scene, ephemeris, moved),
+        *_attitude_offsets(scene, attitude),
+        _earth_offsets(scene, late - early),
+        _clock_offsets(scene, los, clock_s),
+    ]
+
+
+def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
+    """`_PROBE_M` out, ahead and across."""
+    r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
     radius = np.linalg.norm(r, axis=1, keepdims=True)
-    normal = np.cross(r, v)
+    normal = cross(r, v)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     turn = _PROBE_M / radius
-    # Position and velocity both turned about the orbit's normal.
-    ahead = OrbitStates(r + turn * np.cross(normal, r), v + turn * np.cross(normal, v))
-    disturbed = (
-        (OrbitStates(r * (1.0 + turn), v), sigma.radial_m),
-        (ahead, sigma.along_m),
-        (OrbitStates(r + _PROBE_M * normal, v), sigma.cross_m),
+    return (
+        OrbitStates(r * (1.0 + turn), v),
+        # Position and velocity both turned about the orbit's normal.
+        OrbitStates(r + turn * cross(normal, r), v + turn * cross(normal, v)),
+        OrbitStates(r + _PROBE_M * normal, v),
     )
-    undisturbed = scene.direction_platform()
+
+
+def _orbit_offsets(
+    scene: _Scene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
+) -> list[_Bias]:
+    """Radial, along-track and cross-track, as independent causes.
+
+    moved_platform: where the target is seen from each of the `_disturbed_orbits`.
+    """
+    sigma = orbit_sigma(ephemeris, scene.instants)
+    sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
     return [
         _Bias(
             _Cause("orbit", sigma.basis, sigma.better),
-            scene.in_image(scene.direction_platform(states) - undisturbed)
-            * (size_m / _PROBE_M)[:, None],
+            scene.in_image(direction - scene.los_platform) * (size_m / _PROBE_M)[:, None],
         )
-        for states, size_m in disturbed
+        for direction, size_m in zip(moved_platform, sizes_m, strict=True)
     ]
 
 
@@ -309,34 +384,40 @@ def _attitude_offsets(scene: _Scene, attitude: AttitudeLaw) -> list[_Bias]:
     errors = attitude.errors(scene.instants)
     sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
     r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
-    rate_rad_s = np.linalg.norm(np.cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
+    rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)
     phase_rad = (rate_rad_s * (scene.instants.t_s - scene.instants.t_s[0]))[:, None]
     cause = _Cause("attitude", errors.basis, errors.better)
-    biases = []
+    about = np.stack([scene.turned_about_body(axis) for axis in range(3)])
+    biases = [
+        _Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
+    ]
     for axis, swing_rms_rad in enumerate(errors.swing_rms_body_rad):
-        turned = scene.turned_about_body(axis)
-        biases.append(_Bias(cause, sigma_body_rad[:, axis, None] * turned))
+        turned = about[axis]
+        if not len(errors.modes_body_rad):
+            biases.append(_Bias(cause, sigma_body_rad[:, axis, None] * turned))
         if swing_rms_rad > 0.0:
             swing = swing_rms_rad * turned
             biases.append(_Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))
     return biases
 
 
-def _earth_offsets(scene: _Scene) -> _Bias:
-    """UT1; the pole's part is a tenth of it."""
+def _earth_offsets(scene: _Scene, passing_platform: Array) -> _Bias:
+    """UT1; the pole's part is a tenth of it.
+
+    passing_platform: how far the Earth's turning moves the target from `_PROBE_S` before to after.
+    """
     end_utc = iers_data_end_utc()
     past_days = elapsed_s(scene.instants.epoch_utc, end_utc) / DAY_S
     past_days += float(scene.instants.t_s[-1]) / DAY_S
     predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
     ut1_s = 2e-5 + 2.5e-4 * predicted_days**0.75 + 8.5e-4 * max(0.0, past_days)
-    late = scene.direction_platform(late_s=_PROBE_S) - scene.direction_platform(late_s=-_PROBE_S)
     cause = _Cause(
         "Earth orientation",
         "measured UT1 drift of 0.85 ms a day where the last value is held, before that IERS "
         "Bulletin A's 0.25 ms x days^0.75",
         "newer Earth orientation data",
     )
-    return _Bias(cause, scene.in_image(late) * (ut1_s / (2.0 * _PROBE_S)))
+    return _Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * _PROBE_S)))
 
 
 def _clock_offsets(scene: _Scene, los: LineOfSight, clock_s: float) -> _Bias:

@@ -30,7 +30,15 @@ def _check_positions(positions: tuple[Position, ...]) -> None:
 
 @spec
 class GeoLineString:
-    """A GeoJSON line: positions [longitude, latitude], degrees."""
+    """A GeoJSON line, in the plane through each two positions and the Earth's centre.
+
+    So it is scanned, not straight in longitude and latitude as RFC 7946 has it: at 45 deg of
+    latitude and at right angles to the meridian 70 m poleward of that in the middle of 60 km, 4
+    times as much of 120 km.
+
+    coordinates: positions [longitude, latitude], WGS84, east and north positive; between two
+        the line lies in the plane through both and the Earth's centre [deg]
+    """
 
     type: Literal["LineString"] = "LineString"
     coordinates: tuple[Position, ...]
@@ -94,7 +102,11 @@ def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
 
 @spec
 class GeoPolygon:
-    """A GeoJSON polygon without holes: one closed ring of positions, degrees."""
+    """A GeoJSON polygon without holes.
+
+    coordinates: one closed ring of positions [longitude, latitude], WGS84, east and north positive
+    [deg]
+    """
 
     type: Literal["Polygon"] = "Polygon"
     coordinates: tuple[tuple[Position, ...], ...]

@@ -23,6 +23,7 @@ from planner.spec import UnitPart, Within, spec
 
 _MomentumPart = Annotated[float, Within(-240.0, 240.0)]  # four gyros of 60 in one direction
 SESSION_MAX_S = 3600.0
+LOOK_ANGLE_DEG = 24.0  # of a stereo pair, unless it says otherwise
 SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in about 11 s
 
 
@@ -30,9 +31,13 @@ SCAN_SPEED_M_S = 60e3 / 11.0  # Platonov, Sumarokov 2019: a strip of 60 km in ab
 class ImagingRequest:
     """What every mode has.
 
-    priority: worth of the whole request.  start: fixes the first look (else it is chosen).
-    window_start, window_stop: the looks must lie inside.  height_m: of the ground above the
-    ellipsoid.
+    name: yours, different from the others'; the answer tells of it by this.
+    priority: worth of the whole request.
+    scan_speed_m_s: of the scanned line over the ground.
+    height_m: of the ground above the ellipsoid.
+    start: of the first look; UTC, chosen unless given. E.g. `"2024-06-01T10:01:26Z"`.
+    window_start: the looks must not begin earlier; UTC. E.g. `"2024-06-01T10:01:00Z"`.
+    window_stop: the looks must not end later; UTC. E.g. `"2024-06-01T10:03:00Z"`.
     """
 
     name: str
@@ -69,23 +74,35 @@ class StripRequest(ImagingRequest):
 
 @spec
 class StereoRequest(ImagingRequest):
-    """Two looks at one strip, from look_angle_deg ahead and behind."""
+    """Two looks at one strip, from ahead and behind.
+
+    look_angle_deg: from nadir along the track, ahead in the first look and behind in the second;
+        24 where gap_s isn't given either.  E.g. `24.0`.
+    gap_s: from the first look's start to the second's, to the nearest 0.2 s; half of it before and
+        half after the strip is passed, or all of it from `start` on.  E.g. `110.0`.
+    """
 
     mode: Literal["stereo"] = "stereo"
     geometry: GeoLineString
-    look_angle_deg: Annotated[float, Within(2.0, 45.0)] = 24.0
+    look_angle_deg: Annotated[float, Within(2.0, 45.0)] | None = None
+    gap_s: Annotated[float, Within(1.0, 600.0)] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         _two_positions(self.geometry)
+        if self.look_angle_deg is not None and self.gap_s is not None:
+            raise ValueError(
+                f"look_angle_deg ({self.look_angle_deg:g}) and gap_s ({self.gap_s:g}) both say "
+                "when the looks are: leave one out"
+            )
 
 
 @spec
 class AreaRequest(ImagingRequest):
     """A polygon covered by parallel strips of the camera's swath.
 
-    azimuth_deg: of the strips, clockwise from north; None: along the ground track, or along a
-    side of the polygon within 10 deg of it.
+    azimuth_deg: of the strips, clockwise from north; null: along the ground track, or along a side
+    of the polygon within 10 deg of it. E.g. `15.0`.
     """
 
     mode: Literal["area"] = "area"
@@ -117,10 +134,15 @@ Request = Annotated[
 class SpacecraftSettings:
     """What a session may change about the spacecraft; the rest is its definition.
 
-    rate_axis_max_deg_s: of each body axis in turns (the gyro reads 1.6).  torque_max_n_m: four
-    gyros give 30 in every direction whatever they store; torque_rate_max_n_m_s: they can change
-    that once in a control cycle of 0.2 s.  settle_s: on the profile before imaging.
+    rate_axis_max_deg_s: of each body axis in turns (the gyro reads 1.6).
+    torque_max_n_m: in turns; four gyros give 30 in every direction whatever they store.
+    torque_rate_max_n_m_s: in turns; the gyros can change their torque once in a control cycle of
+    0.2 s.
+    settle_s: between the end of a turn and imaging, on the profile already.
     reversible_scan: the detector scans in both senses.
+    swath_m: ground width imaged at nadir.
+    across_max_deg: farthest the camera looks to the side of the track.
+    along_max_deg: farthest the camera looks ahead and behind.
     momentum_n_m_s: stored in the gyros at the start, body axes.
     """
 
@@ -158,10 +180,21 @@ class SpacecraftSettings:
 class ImagingPlanRequest:
     """A session of the imaging spacecraft.
 
-    Row 0 of the table is at `start` (a multiple of 0.2 s after its UTC second), in orbital
-    orientation, or at rest in the inertial attitude `initial_q_body_from_eci_xyzw`, which is
-    left for orbital orientation at once; the session ends by `stop`, in orbital orientation.
-    simulation_runs: dispersed closed-loop runs behind the stabilisation report; seed: theirs.
+    Row 0 of the table is at `start`, in orbital orientation, or at rest in the inertial attitude
+    `initial_q_body_from_eci_xyzw`, which is left for orbital orientation at once; the session ends
+    by `stop`, in orbital orientation.
+
+    name: yours, told in the plan and its files.
+    spacecraft: by its registered name.
+    start: row 0 of the table; UTC, a whole multiple of 0.2 s after its second.
+    stop: by when the spacecraft is back in orbital orientation; UTC.
+    initial_q_body_from_eci_xyzw: attitude at rest at the start, scalar last, as SciPy's `Rotation`
+    that carries ECI onto body axes; orbital orientation unless given. E.g. `[0.0, 0.0, 0.0, 1.0]`.
+    requests: what is to be imaged; those that don't fit are left out.
+    objective: of turns: `smooth` spends the least torque rate in the time there is, `minimum_time`
+    is as fast as the limits allow.
+    simulation_runs: dispersed closed-loop runs behind the stabilisation report.
+    seed: of the dispersions; the same gives the same runs.
     """
 
     name: str = ""

@@ -17,7 +17,12 @@ from planner.frames.geodesy import MU_EARTH_M3_S2, WGS84_A_M, WGS84_F, itrf_from
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
-from planner.spacecraft.requests import AreaRequest, ImagingPlanRequest, Request
+from planner.spacecraft.requests import (
+    AreaRequest,
+    ImagingPlanRequest,
+    Request,
+    StereoRequest,
+)
 from planner.spacecraft.table import TICK_S, AttitudeTable, ImagingWindow
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
@@ -344,6 +349,10 @@ def _coverage_findings(session: _Session) -> Iterator[str]:
             count = 2 if request.mode == "stereo" else len(request.geometry.coordinates) - 1
             if len(looks) != count:
                 yield f"{request.name!r}: {len(looks)} looks instead of {count}"
+            elif isinstance(request, StereoRequest) and request.gap_s is not None:
+                gap_s = (looks[1].first_row - looks[0].first_row) / ROWS_PER_S
+                if abs(gap_s - request.gap_s) > 0.5 * TICK_S + 1e-6:
+                    yield f"{request.name!r}: looks {gap_s:.1f} s apart, not {request.gap_s:g} s"
 
 
 def _uncovered_m(session: _Session, looks: Sequence[ImagingWindow], request: AreaRequest) -> float:

@@ -23,7 +23,11 @@ _DurationS = Annotated[float, Within(1e-3, 86400.0)]
 
 @spec
 class ConstantRate:
-    """angle_deg + rate_deg_s t."""
+    """angle_deg + rate_deg_s t.
+
+    angle_deg: axis angle at t = 0.
+    rate_deg_s: of the axis; 0 keeps it still. E.g. `0.5`.
+    """
 
     kind: Literal["constant_rate"] = "constant_rate"
     angle_deg: _AngleDeg = 0.0
@@ -39,7 +43,13 @@ class ConstantRate:
 
 @spec
 class Sine:
-    """angle_deg + amplitude_deg sin(2 pi frequency_hz t + phase_deg)."""
+    """angle_deg + amplitude_deg sin(2 pi frequency_hz t + phase_deg).
+
+    angle_deg: axis angle about which it swings.
+    amplitude_deg: to either side. E.g. `2.0`.
+    frequency_hz: whole swings a second. E.g. `0.05`.
+    phase_deg: of the sine at t = 0.
+    """
 
     kind: Literal["sine"] = "sine"
     angle_deg: _AngleDeg = 0.0
@@ -62,6 +72,11 @@ class Sine:
 class Chirp:
     """A sine whose frequency goes from start_ to stop_frequency_hz in sweep_s and stays there.
 
+    angle_deg: axis angle about which it swings.
+    amplitude_deg: to either side.
+    start_frequency_hz: at t = 0.
+    stop_frequency_hz: at `sweep_s` and after.
+    sweep_s: how long the frequency changes.
     sweep: "linear" in time, or "logarithmic" (equal time per octave).
     """
 
@@ -109,8 +124,12 @@ class Chirp:
 class Step:
     """From angle_deg by step_deg, leaving at at_s and arriving rise_s later.
 
-    Continuous jerk; peaks: rate 2.2 step/rise, acceleration 7.5 step/rise^2, jerk
-    52.5 step/rise^3.
+    Continuous jerk; peaks: rate 2.2 step/rise, acceleration 7.5 step/rise^2, jerk 52.5 step/rise^3.
+
+    angle_deg: axis angle before it.
+    step_deg: how far the axis goes. E.g. `5.0`.
+    at_s: when it leaves, after t = 0.
+    rise_s: how long it is on the way. E.g. `20.0`.
     """
 
     kind: Literal["step"] = "step"
@@ -133,9 +152,13 @@ class Step:
 class Triangle:
     """Constant rate up and down around angle_deg, a period in period_s, rising at t = 0.
 
-    amplitude_deg: of the sharp triangle.  turn_s: how long each reversal lasts; the turn has
-    continuous jerk, stays 0.14 rate turn_s inside the tip, and its acceleration peaks at
-    4.4 rate/turn_s with rate = 4 amplitude_deg/period_s.
+    The turn has continuous jerk, stays 0.14 rate turn_s inside the tip, and its acceleration peaks
+    at 4.4 rate/turn_s with rate = 4 amplitude_deg/period_s.
+
+    angle_deg: axis angle in the middle.
+    amplitude_deg: of the sharp triangle. E.g. `10.0`.
+    period_s: once up and down. E.g. `60.0`.
+    turn_s: how long each reversal lasts. E.g. `5.0`.
     """
 
     kind: Literal["triangle"] = "triangle"
@@ -176,8 +199,11 @@ class Triangle:
 class Multisine:
     """angle_deg + the sum of amplitudes_deg[k] sin(2 pi frequencies_hz[k] t + phases_deg[k]).
 
+    angle_deg: axis angle about which it swings.
+    amplitudes_deg: of each sine.
+    frequencies_hz: of each sine, as many as amplitudes.
     phases_deg: Schroeder's -pi k (k - 1)/N unless given, which keep the peak low for equal
-    amplitudes.  Source: Schroeder 1970, IEEE Trans. Inf. Theory 16, 85.
+    amplitudes (Schroeder 1970, IEEE Trans. Inf. Theory 16, 85). E.g. `[0.0, 90.0]`.
     """
 
     kind: Literal["multisine"] = "multisine"

@@ -38,10 +38,12 @@ class AxisMotion(NamedTuple):
 
 @spec
 class BenchMotionTarget(TimedTarget):
-    """A test signal for each axis; t = 0 is its start, the session's unless given.
+    """A test signal for each axis; t = 0 is its start.
+
+    Source of the mode: Sumarokov 2016, p. 85.
 
     axes: one motion per axis of the platform, by the axis's name.
-    Source of the mode: Sumarokov 2016, p. 85.
+    start: when t = 0; UTC, the session's start unless given. E.g. `"2015-02-27T17:36:20Z"`.
     """
 
     mode: Literal["test_motion"] = "test_motion"

@@ -19,8 +19,8 @@ LIGHT_TIME_PASSES = 4  # each shrinks the error by v/c = 1e-4, Mercury's 1.6e-4 
 class BodyTarget(SkyTarget):
     """The centre of the Sun, the Moon or a planet, from JPL's DE421.
 
-    name: one of `BODIES`, in either case.  Of the giant planets it is the centre of mass with
-    their moons (`r_body_bary_m`); the centre of the lit part of a disk is elsewhere.
+    name: Sun, Moon or a planet, in either case.  Of the giant planets it is the centre of mass with
+    their moons; the centre of the lit part of a disk is elsewhere.
     """
 
     mode: Literal["body"] = "body"

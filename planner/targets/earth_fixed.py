@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, cross
 from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S, c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants
@@ -68,7 +68,7 @@ class EarthFixedTarget(VisibleTarget):
             emitted = Instants(instants.epoch_utc, instants.t_s - light_time_s)
             # Where it was over the Earth then, and the Earth turned back: 3 ms, 1.4 m.
             r_target_eci_m = _eci(c, self.r_target_itrf_m(emitted))
-            turned_m = light_time_s[:, None] * np.cross(omega_earth_eci_rad_s, r_target_eci_m)
+            turned_m = light_time_s[:, None] * cross(omega_earth_eci_rad_s, r_target_eci_m)
             los_eci_m = r_target_eci_m - turned_m - states.r_sat_eci_m
         seen_eci_m = los_eci_m + raised_eci_m
         direction_eci = seen_eci_m / np.linalg.norm(seen_eci_m, axis=1, keepdims=True)

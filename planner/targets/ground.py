@@ -17,7 +17,6 @@ from planner.targets.refraction import Refraction
 class GroundTarget(EarthFixedTarget):
     """A point fixed to the Earth, in WGS84 geodetic coordinates.
 
-    height_m: above the ellipsoid, not above sea level.
     Source: Sumarokov 2016, eq. 8.
     """
 

@@ -19,12 +19,14 @@ LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for l
 class MovingGroundTarget(EarthFixedTarget):
     """A ship, vehicle or aircraft known at an epoch, going straight on along a geodesic.
 
-    latitude_deg, longitude_deg, height_m: WGS84, at `epoch`; the height stays.
-    course_deg: at the epoch, clockwise from north; at a pole north is that of the longitude
-    given.  speed_m_s: over the ellipsoid's surface, in the aircraft's case its ground speed.
-    A vessel that holds its compass course instead leaves the geodesic by
-    distance^2 tan(latitude) / (2 Earth radii): 8 m after 10 km at 45 deg.
-    To be looked at within two days of its epoch.
+    A vessel that holds its compass course instead leaves the geodesic by distance^2 tan(latitude) /
+    (2 Earth radii): 8 m after 10 km at 45 deg.
+
+    epoch: when it was at the place given; UTC, to be looked at within two days of it.
+    latitude_deg, longitude_deg: where it was, WGS84; north and east positive.
+    height_m: above the ellipsoid, not above sea level; it stays.
+    course_deg: at the epoch, clockwise from north; at a pole north is that of the longitude given.
+    speed_m_s: over the ellipsoid's surface, in the aircraft's case its ground speed.
     """
 
     mode: Literal["ground_moving"] = "ground_moving"

@@ -28,7 +28,7 @@ CORNER_MIN_S = 2.0
 
 @spec
 class PathPoint:
-    """A point of the line, in WGS84 geodetic coordinates; height above the ellipsoid."""
+    """A point of the line, in WGS84 geodetic coordinates."""
 
     latitude_deg: LatitudeDeg
     longitude_deg: LongitudeDeg
@@ -52,13 +52,16 @@ class _Legs:
 class GroundPathTarget(TimedTarget, EarthFixedTarget):
     """A polyline of geodesics between two or more points, scanned from its first point on.
 
-    speed_m_s: over the ellipsoid's surface, constant on the legs; heights change linearly.
-    start: when the first point is passed; None for the start of the session (`starting`).
-    corner_s: how long the turn from one leg to the next lasts.  The velocity turns over with
-    continuous jerk, the timetable stays: halfway the speed has dropped to cos(turn/2) of
-    itself and the point passes 0.14 corner_s speed sin(turn/2) inside the corner (70 m at
-    right angles, 4 s and 180 m/s); the acceleration peaks at 4.4 speed sin(turn/2)/corner_s.
     Before its start and after its end the path goes straight on along its outer legs.
+
+    points: two or more, in the order in which they are passed; heights change linearly between.
+    speed_m_s: over the ellipsoid's surface, constant on the legs.
+    start: when the first point is passed; UTC, the session's start unless given. E.g.
+    `"2015-02-27T17:36:20Z"`.
+    corner_s: how long the turn from one leg to the next lasts. The velocity turns over with
+    continuous jerk, the timetable stays: halfway the speed has dropped to cos(turn/2) of itself and
+    the point passes 0.14 corner_s speed sin(turn/2) inside the corner (70 m at right angles, 4 s
+    and 180 m/s); the acceleration peaks at 4.4 speed sin(turn/2)/corner_s.
     """
 
     mode: Literal["ground_path"] = "ground_path"

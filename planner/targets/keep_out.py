@@ -26,11 +26,14 @@ WAYS_TO_SAY = "body, ra_deg and dec_deg, direction_lvlh or direction_platform"
 class KeepOut:
     """A cone about one direction; exactly one direction is given.
 
+    half_angle_deg: from the cone's axis to its side.
     body: the centre of the Sun, the Moon or a planet, as seen; the cone lapses while the Earth
-    hides the body, disk and refraction included.  ra_deg, dec_deg: a direction in GCRF axes.
-    direction_lvlh: in the local orbital frame (+Z geocentric nadir, +Y against the orbit
-    normal).  direction_platform: fixed to the platform, such as a part of the carrier.
-    Vectors need no unit length.
+    hides the body, disk and refraction included.
+    ra_deg, dec_deg: right ascension and declination of a direction in GCRF axes. E.g. `10.0`.
+    direction_lvlh: in the local orbital frame (+Z geocentric nadir, +Y against the orbit normal);
+    needs no unit length. E.g. `[0.0, 0.0, -1.0]`.
+    direction_platform: fixed to the platform, such as a part of the carrier; needs no unit length.
+    E.g. `[0.0, 0.0, -1.0]`.
     """
 
     half_angle_deg: Annotated[float, Within(1e-3, 179.9)]

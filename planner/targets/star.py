@@ -23,13 +23,16 @@ _MAS_RAD = float(erfa.DMAS2R)
 class StarTarget(SkyTarget):
     """A star by its ICRS coordinates at an epoch, or by its Hipparcos number.
 
-    ra_deg, dec_deg: at Julian year `epoch_jyear` (TDB; 2000.0 unless given; Gaia DR3 lists
-    positions at 2016.0, Hipparcos at 1991.25).  pm_ra_cosdec_mas_yr includes cos(dec), as
-    catalogues list it.  parallax_mas: 0 for a star too far to tell.
-    hip: everything but the radial velocity comes from Hipparcos, the New Reduction; stars
-    with a companion may stray from its uniform motion by some 0.1 arcsec.
-    radial_velocity_km_s: positive receding; moves nearby stars only (Barnard's star by
-    0.7 arcsec since 1991).
+    ra_deg, dec_deg: right ascension and declination at Julian year `epoch_jyear`.
+    epoch_jyear: of the coordinates, TDB; 2000.0 unless given. Gaia DR3 lists positions at 2016.0,
+    Hipparcos at 1991.25. E.g. `2016.0`.
+    pm_ra_cosdec_mas_yr: proper motion in right ascension, cos(dec) included, as catalogues list it.
+    pm_dec_mas_yr: proper motion in declination.
+    parallax_mas: 0 for a star too far to tell.
+    radial_velocity_km_s: positive receding; moves nearby stars only (Barnard's star by 0.7 arcsec
+    since 1991).
+    hip: Hipparcos number. Everything but the radial velocity then comes from Hipparcos, the New
+    Reduction; stars with a companion may stray from its uniform motion by some 0.1 arcsec.
     """
 
     mode: Literal["star"] = "star"

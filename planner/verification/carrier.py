@@ -44,6 +44,8 @@ def eci_from_platform(
     """Vectors fixed to the platform, shape (n, 3), in ECI at the n instants."""
     c_platform_from_body = _matrix(platform.q_platform_from_body_xyzw)
     vector_body = vector_platform @ c_platform_from_body  # rows times C: C transposed, applied
+    if isinstance(attitude, DERIVED_LAWS) and attitude.corrections:
+        vector_body = _turn_back(vector_body, attitude.turn_rad(instants))
     if isinstance(attitude, LvlhAttitude):
         return eci_from_lvlh(vector_body @ _c_body_from_lvlh(attitude), states)
     if isinstance(attitude, InertialAttitude):
@@ -83,6 +85,18 @@ def _turn(v: Array, axis: Array, angle_rad: Array) -> Array:
     cos, sin = np.cos(angle_rad)[:, None], np.sin(angle_rad)[:, None]
     along = (v @ unit)[..., None] * unit
     return np.asarray(along + cos * (v - along) + sin * np.cross(unit, v))
+
+
+def _turn_back(v: Array, turn_rad: Array) -> Array:
+    """Vectors (n, 3) in axes that n rotation vectors (n, 3) turn, in the axes before.
+
+    Source: Rodrigues 1840.
+    """
+    angle_rad = np.sqrt(np.sum(turn_rad**2, axis=1, keepdims=True))
+    unit = turn_rad / np.where(angle_rad > 0.0, angle_rad, 1.0)
+    along = np.sum(v * unit, axis=1, keepdims=True) * unit
+    turned = along + np.cos(angle_rad) * (v - along) - np.sin(angle_rad) * np.cross(unit, v)
+    return np.asarray(turned)
 
 
 def _c_body_from_lvlh(attitude: LvlhAttitude) -> Array:

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S
 
 
@@ -28,6 +28,17 @@ class AxisHermite:
 
     angle_rad: Array
     rate_rad_s: Array
+
+    def over(self, rows: range) -> "AxisHermite":
+        """The same between the first and the last of these rows."""
+        part = slice(rows[0], rows[-1] + 1)
+        return AxisHermite(self.angle_rad[part], self.rate_rad_s[part])
+
+    @property
+    def is_resting(self) -> Mask:
+        """Shape (n - 1,): whether the axis stands still throughout a cell."""
+        still = self.rate_rad_s == 0.0
+        return np.asarray(still[:-1] & still[1:] & (self.angle_rad[:-1] == self.angle_rad[1:]))
 
     @cached_property
     def half_acceleration_rad_s2(self) -> Array:

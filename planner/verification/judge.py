@@ -18,7 +18,7 @@ from planner.targets import (
 from planner.verification.bench_motion import bench_session
 from planner.verification.carrier import DERIVED_LAWS
 from planner.verification.keep_out import keep_out_findings, keep_out_margins
-from planner.verification.limits import limit_findings, limit_margins
+from planner.verification.limits import limit_findings, limit_margins, slow_outside_sessions
 from planner.verification.pointing import pointing_session
 from planner.verification.report import Finding, Given, SessionReport, VerificationReport
 from planner.verification.session import table_session
@@ -68,6 +68,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         limits=margins,
         taken_as_given=given,
         keep_out=keep_out,
+        slow_stretches=tuple(slow_outside_sessions(table, scenario)),
     )
 
 
@@ -109,9 +110,12 @@ def _assumptions(scenario: Scenario) -> tuple[Given, ...]:
     targets = [session.target for session in scenario.sessions]
     is_motion = [isinstance(target, BenchMotionTarget) for target in targets]
     is_derived = [isinstance(target, (*DERIVED_TARGETS, BenchMotionTarget)) for target in targets]
+    attitude = scenario.attitude
+    # How far measurements turn it from its law is taken as given.
+    is_law = isinstance(attitude, DERIVED_LAWS) and not attitude.corrections
     given: dict[Given, bool] = {
         "orbit": not all(is_motion),
-        "attitude": not all(is_motion) and not isinstance(scenario.attitude, DERIVED_LAWS),
+        "attitude": not all(is_motion) and not is_law,
         "target": not all(is_derived),
         "motion": any(is_motion),
     }

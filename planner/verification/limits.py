@@ -13,6 +13,7 @@ from planner.platforms import AxisLimits
 from planner.scenario import Scenario
 from planner.verification.hermite import AxisHermite, HermiteExtreme
 from planner.verification.report import Finding, Limit, LimitMargin, SlowStretch
+from planner.verification.structure import session_rows
 
 # A solver works to 1e-8 and a drive resolves 1e-4 of its range: neither is worth a rejection.
 RELATIVE_TOLERANCE = 1e-6
@@ -94,7 +95,8 @@ def slow_stretches(
     axis: str, hermite: AxisHermite, rate_min_rad_s: float, rows: range, epoch_utc: datetime
 ) -> Iterator[SlowStretch]:
     """Where the rate stays below rate_min between the first and the last of `rows`, exactly."""
-    starts_s = np.arange(len(hermite.angle_rad) - 1) / ROWS_PER_S
+    hermite = hermite.over(rows)
+    starts_s = np.arange(rows[0], rows[-1]) / ROWS_PER_S
     crossings_s = np.concatenate(
         [hermite.crossings_s(rate_min_rad_s), hermite.crossings_s(-rate_min_rad_s)]
     )
@@ -104,8 +106,8 @@ def slow_stretches(
     edges_s = np.unique(np.concatenate([rows_s, (starts_s + crossings_s)[in_cell]]))
     edges_s = edges_s[(edges_s >= rows_s[0]) & (edges_s <= rows_s[-1])]
     middle_s = 0.5 * (edges_s[:-1] + edges_s[1:])
-    cell = np.clip((middle_s * ROWS_PER_S).astype(np.intp), rows[0], rows[-1] - 1)
-    slow = np.abs(hermite.rate_at(cell, middle_s - cell / ROWS_PER_S)) < rate_min_rad_s
+    cell = np.clip((middle_s * ROWS_PER_S).astype(np.intp) - rows[0], 0, rows[-1] - rows[0] - 1)
+    slow = np.abs(hermite.rate_at(cell, middle_s - starts_s[cell])) < rate_min_rad_s
     changes = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]])))
     for first, last in zip(changes[::2], changes[1::2], strict=True):
         start_s, stop_s = float(edges_s[first]), float(edges_s[last])
@@ -116,6 +118,24 @@ def slow_stretches(
             start_utc=shifted_utc(epoch_utc, start_s),
             stop_utc=shifted_utc(epoch_utc, stop_s),
         )
+
+
+def slow_outside_sessions(table: CommandTable, scenario: Scenario) -> Iterator[SlowStretch]:
+    """The same wherever no session is held; an axis that stands still is not slow."""
+    held = np.zeros(len(table.angle_rad) - 1, dtype=bool)
+    for session in scenario.sessions:
+        rows = session_rows(session, table.epoch_utc)
+        held[max(rows[0], 0) : max(rows[-1], 0)] = True
+    for column, (axis, limits) in enumerate(
+        zip(scenario.platform.axis_names, scenario.axis_limits, strict=True)
+    ):
+        hermite = axis_hermite(table, column)
+        moving = np.concatenate([[False], ~held & ~hermite.is_resting, [False]])
+        changes = np.flatnonzero(np.diff(moving))
+        for first, last in zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True):
+            yield from slow_stretches(
+                axis, hermite, limits.rate_min_rad_s, range(first, last + 1), table.epoch_utc
+            )
 
 
 def _extremes(

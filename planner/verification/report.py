@@ -17,6 +17,7 @@ Limit = Literal[
     "occlusion",
     "table",
     "initial_state",
+    "final_state",
     "keep_out",
     "coverage",
 ]
@@ -179,7 +180,8 @@ class VerificationReport:
     judge doesn't know), though not how it then appears; "motion": the angles and rates a
     test motion prescribes.  Published data (IERS, DE421, Hipparcos) count as known; the
     judge reads them by itself.
-    sessions, limits: empty when the table's structure is too broken to fly.
+    sessions, limits, slow_stretches: empty when the table's structure is too broken to fly.
+    slow_stretches: outside of all sessions, in order of axis, then of time.
     """
 
     passed: bool
@@ -188,3 +190,4 @@ class VerificationReport:
     limits: tuple[LimitMargin, ...]
     taken_as_given: tuple[Given, ...]
     keep_out: tuple[KeepOutMargin, ...] = ()
+    slow_stretches: tuple[SlowStretch, ...] = ()

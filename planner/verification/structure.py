@@ -16,8 +16,8 @@ STEP_US = 1_000_000 // ROWS_PER_S
 TIME_RESOLUTION_US = 1  # of a datetime: a session a microsecond past a row belongs to that row
 ROWS_MIN = 2
 # A tenth of what pointing may err by; solvers meet their end conditions to about a thousandth.
-INITIAL_ANGLE_TOLERANCE_RAD = math.radians(0.01 / 3600.0)
-INITIAL_RATE_TOLERANCE_RAD_S = math.radians(0.01 / 3600.0)
+END_ANGLE_TOLERANCE_RAD = math.radians(0.01 / 3600.0)
+END_RATE_TOLERANCE_RAD_S = math.radians(0.01 / 3600.0)
 
 
 def unflyable(table: CommandTable, scenario: Scenario) -> Finding | None:
@@ -61,6 +61,8 @@ def structure_findings(table: CommandTable, scenario: Scenario) -> Iterator[Find
             f"the epoch {utc_text(epoch_utc, 6)} is {late_us / 1e6:+g} s from the initial state's"
         )
     yield from _initial_state_findings(table, scenario)
+    if scenario.final_state is not None:
+        yield from _final_state_findings(table, scenario)
     for number, session in enumerate(scenario.sessions):
         rows = session_rows(session, epoch_utc)
         if not covers(table, rows):
@@ -91,8 +93,8 @@ def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator
         angle_off_rad = float(table.angle_rad[0, column] - angle_rad)
         rate_off_rad_s = float(table.rate_rad_s[0, column] - rate_rad_s)
         if (
-            abs(angle_off_rad) > INITIAL_ANGLE_TOLERANCE_RAD
-            or abs(rate_off_rad_s) > INITIAL_RATE_TOLERANCE_RAD_S
+            abs(angle_off_rad) > END_ANGLE_TOLERANCE_RAD
+            or abs(rate_off_rad_s) > END_RATE_TOLERANCE_RAD_S
         ):
             yield Finding(
                 limit="initial_state",
@@ -102,6 +104,28 @@ def _initial_state_findings(table: CommandTable, scenario: Scenario) -> Iterator
                 detail=(
                     f"row 0 of {axis} is {math.degrees(angle_off_rad):+.3g} deg and "
                     f"{math.degrees(rate_off_rad_s):+.3g} deg/s from the initial state"
+                ),
+            )
+
+
+def _final_state_findings(table: CommandTable, scenario: Scenario) -> Iterator[Finding]:
+    """Whether every axis ends at rest, and where it was asked to."""
+    end_s = (len(table.angle_rad) - 1) / ROWS_PER_S
+    for column, axis in enumerate(scenario.platform.axis_names):
+        asked_rad = scenario.final_angle_rad
+        off_rad = (
+            0.0 if asked_rad is None else float(table.angle_rad[-1, column]) - asked_rad[column]
+        )
+        rate_rad_s = float(table.rate_rad_s[-1, column])
+        if abs(off_rad) > END_ANGLE_TOLERANCE_RAD or abs(rate_rad_s) > END_RATE_TOLERANCE_RAD_S:
+            yield Finding(
+                limit="final_state",
+                axis=axis,
+                t_s=end_s,
+                at_utc=shifted_utc(table.epoch_utc, end_s),
+                detail=(
+                    f"the last row of {axis} is {math.degrees(off_rad):+.3g} deg and "
+                    f"{math.degrees(rate_rad_s):+.3g} deg/s from the final state, at rest"
                 ),
             )
 

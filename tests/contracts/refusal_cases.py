@@ -56,6 +56,13 @@ def _stiff_platform() -> Any:
     return platform
 
 
+def _corrected(turn_y_deg: float, variance_deg2: float) -> Any:
+    rows = [[variance_deg2 if i == k else 0.0 for i in range(3)] for k in range(3)]
+    return {"law": "lvlh", "corrections": [{
+        "epoch": "2015-02-27T17:30:00Z", "turn_body_deg": [0.0, turn_y_deg, 0.0],
+        "covariance_deg2": rows}]}  # fmt: skip
+
+
 TARGET = "sessions.0.target"
 _CHECKSUM_OFF = LAS_VEGAS["orbit"]["line1"][:-1] + "2"
 _READ, _UNCOVERED = "invalid-request", "outside-coverage"
@@ -116,6 +123,10 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "attitude.content", "line 1"),
     ("no history", lambda: request(("attitude", {"law": "harmonic", "content": "x"})), _READ,
      "attitude.content", "line 1"),
+    ("a correction beyond belief", lambda: request(("attitude", _corrected(0.5, 1e-4))),
+     "invalid-input", "attitude.corrections", "sigma from the law"),
+    ("an exact correction", lambda: request(("attitude", _corrected(0.0, 0.0))), _READ,
+     "attitude.corrections.0.covariance_deg2", "no measurement is exact"),
     ("OMM of nothing", lambda: request(("orbit", {"source": "omm", "content": "x"})), _READ,
      "orbit.content", "OMM"),
     ("OPM of nothing", lambda: request(("orbit", {"source": "opm", "content": "x"})), _READ,
@@ -136,6 +147,26 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
                                                         "rate_deg_s": 0.0}}),
                      example="test_motion"),
      "invalid-input", f"{TARGET}.axes", "alpha, beta"),
+    ("a lead of a word", lambda: request(("slew.lead", "some")), _READ, "slew.lead", "'all'"),
+    ("a lead of a number", lambda: request(("slew.lead", 60)), _READ, "slew.lead", "an object"),
+    ("no lead", lambda: request(("slew.lead", {"max_duration_s": 1.0})), _READ,
+     "slew.lead.max_duration_s", "2..86400"),
+    ("no final angle", lambda: request(("final_state", {"angles_deg": {"alpha": 1.0}})), _READ,
+     "final_state.angles_deg", "alpha, beta"),
+    ("final angle",
+     lambda: request(("final_state", {"angles_deg": {"alpha": 0.0, "beta": 176.0}})), _READ,
+     "final_state.angles_deg.beta", "-175..175"),
+    ("no such park", lambda: request(("final_state", {"park": "harbour"})), _READ,
+     "final_state.park", "zero"),
+    ("no final state", lambda: request(("final_state", {})), _READ, "final_state", "either"),
+    ("park of other axes",
+     lambda: request(("platform.park_positions_deg", {"stowed": {"alpha": 0.0}}),
+                     example="platform"), _READ,
+     "platform.park_positions_deg.stowed", "azimuth, tilt"),
+    ("park beyond a stop",
+     lambda: request(("platform.park_positions_deg", {"stowed": {"azimuth": 0.0, "tilt": 176.0}}),
+                     example="platform"), _READ,
+     "platform.park_positions_deg.stowed.tilt", "-175..175"),
     ("a cone without direction", lambda: request(("slew.keep_out", [{"half_angle_deg": 9.0}])),
      _READ, "slew.keep_out.0", "one direction"),
     ("a mode too quick for the table",
@@ -159,6 +190,12 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "sessions.0.start", "its stop at -2 deg"),
     ("a sliver of time", lambda: request(("initial_state.epoch", "2015-02-27T17:36:19.4Z")),
      "infeasible-slew", "sessions.0.start", "earliest"),
+    ("too short a slew", lambda: request(("slew.lead", {"max_duration_s": 5.0})),
+     "infeasible-slew", "sessions.0.start", "the 5 s of slew.lead.max_duration_s"),
+    ("too short a slew to rest",
+     lambda: request(("slew.lead", {"max_duration_s": 25.0}),
+                     ("final_state", {"angles_deg": {"alpha": -120.0, "beta": 0.0}})),
+     "infeasible-slew", "slew.lead.max_duration_s", "final_state"),
 ]  # fmt: skip
 
 BY_TEXT = [

@@ -5,6 +5,7 @@ import json
 import re
 
 import pytest
+from jsonschema import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 from waiting import PatientClient
 
@@ -57,6 +58,8 @@ def test_every_registered_kind_is_documented(document, schema, field, member, ki
     described = schemas[ref.rsplit("/", 1)[1]]
     assert described["properties"][member]["const"] == kind
     assert member in described["required"]
+    assert "default" not in described["properties"][member]
+    assert list(union["discriminator"]["mapping"]) == list(REGISTERED[schema, field])  # as told
     assert described["additionalProperties"] is False
     assert set(described["properties"]) == {field.name for field in dataclasses.fields(cls)}
     assert described["description"]
@@ -152,17 +155,27 @@ def test_every_registered_kind_has_a_worked_example():
     assert modes == set(TARGETS)
 
 
+def faults(document, schema, answer):
+    """Where an answer strays from its schema, ranges included."""
+    found = Draft202012Validator(
+        {"$ref": f"#/components/schemas/{schema}", "components": document["components"]}
+    ).iter_errors(answer.json())
+    return [(error.json_path, error.message) for error in found]
+
+
 @pytest.mark.parametrize("name", PLAN_EXAMPLES)
-def test_worked_examples_are_planned(client, name):
+def test_worked_examples_are_planned(client, document, name):
     answer = client.post("/v1/plans", json=PLAN_EXAMPLES[name][1])
     assert answer.status_code == 201, answer.text
+    assert faults(document, "PlanResponse", answer) == []
     assert answer.json()["verification"]["passed"] or name == "spline"
 
 
 @pytest.mark.parametrize("name", OPPORTUNITY_EXAMPLES)
-def test_worked_examples_have_windows(client, name):
+def test_worked_examples_have_windows(client, document, name):
     answer = client.post("/v1/opportunities", json=OPPORTUNITY_EXAMPLES[name][1])
     assert answer.status_code == 200, answer.text
+    assert faults(document, "OpportunitiesResponse", answer) == []
     assert answer.json()["windows"]
     assert answer.json()["unseen"] == []
 

@@ -1,6 +1,7 @@
 """Does a plan over HTTP hold what the contract promises?"""
 
 import hashlib
+import io
 import json
 import math
 from datetime import UTC, datetime, timedelta
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from refusal_cases import request
 from scipy.interpolate import CubicHermiteSpline
+from scipy.io import netcdf_file
 from skyfield.api import EarthSatellite, load, wgs84
 from waiting import PatientClient
 
@@ -303,3 +305,32 @@ def test_the_spline_says_which_limits_it_breaks(client):
     assert {finding["limit"] for finding in broken} >= {"rate", "angle_max"}
     assert plan["margins"]["alpha"]["angle_max"]["margin"] < 0.0
     assert any("alpha" in warning for warning in plan["warnings"])
+
+
+def test_a_plan_that_waits_and_parks(client):
+    """Its stretches, as answered and in the NetCDF file that is written from what is kept."""
+    asked = PLAN_EXAMPLES["long_lead"][1]
+    dry = client.post("/v1/plans?dry_run=true", content=json.dumps(asked), headers=JSON)
+    assert dry.status_code == 200
+    answer = client.post("/v1/plans", content=json.dumps(asked), headers=JSON)
+    assert answer.status_code == 201, answer.text
+    told = answer.json()
+    assert [(part["kind"], part["session"]) for part in told["segments"]] == [
+        ("wait", 0), ("slew", 0), ("track", 0), ("slew", None),
+    ]  # fmt: skip
+    assert utc(told["segments"][1]["stop"]) - utc(told["segments"][1]["start"]) == timedelta(
+        seconds=120
+    )
+    assert [told["table"][f"{axis}_deg"][-1] for axis in ("alpha", "beta")] == [0.0, 0.0]
+    for part in (told["solver"]["slews"], told["comparison"]):
+        assert [slew["session"] for slew in part] == [0, None]
+    waited_until = told["segments"][0]["stop"]
+    assert told["slow_stretches"]
+    assert all(utc(slow["start"]) >= utc(waited_until) for slow in told["slow_stretches"])
+    file = client.get(f"/v1/plans/{told['id']}/table?format=netcdf")
+    with netcdf_file(io.BytesIO(file.content), mmap=False) as stored:
+        session = stored.variables["session"][:]
+    rows = round(
+        (utc(told["segments"][3]["stop"]) - utc(told["segments"][3]["start"])).total_seconds() * 5
+    )
+    assert session.tolist() == [0] * (len(session) - rows - 1) + [-1] * (rows + 1)

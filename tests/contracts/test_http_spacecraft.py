@@ -54,6 +54,7 @@ def test_turns_stand_beside_their_baselines(plan):
     assert [turn["onto"] for turn in plan["turns"]] == [0, 1, 2, 3, 4, 5, 6, 7, None]
     for turn in plan["turns"]:
         assert turn["bang_coast_bang_s"] <= turn["eigenaxis_s"]
+        assert turn["time_from"] is None  # all the time there is
 
 
 def test_rows_begin_in_orbital_orientation(plan):
@@ -103,6 +104,11 @@ def test_the_worked_geojson_is_planned(files):
     assert [window["request"] for window in plan["windows"]] == ["strip"]
     assert plan["stabilisation"]["share_steady"] is None
     assert plan["table"]["t_s"][-1] == 300.0
+
+
+def test_a_turn_in_least_time_says_what_found_it(client):
+    answer = client.post(PLANS, json={**STRIP, "simulation_runs": 0}).json()
+    assert {turn["time_from"] for turn in answer["turns"]} <= {"ocp", "eigenaxis"}
 
 
 def test_csv_is_the_table(files):

@@ -69,15 +69,20 @@ FRAGMENTS = [
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
     _with(initial_state=LAS_VEGAS["initial_state"] | {
         "accelerations_deg_s2": {"alpha": 0.0, "beta": 0.0}}),
+    _with(final_state={"angles_deg": {"alpha": 0.0, "beta": 0.0}}),
     _with(attitude={"law": "lvlh", "uncertainty": {
-        "sigma_body_deg": [0.1, 0.1, 0.1], "swing_rms_body_deg": [0.2, 0.0, 0.0]}}),
+        "sigma_body_deg": [0.1, 0.1, 0.1], "swing_rms_body_deg": [0.2, 0.0, 0.0]},
+        "corrections": [{
+            "epoch": "2015-02-27T17:30:00Z", "turn_body_deg": [0.1, 0.0, 0.0],
+            "covariance_deg2": [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]}]}),
     _with(platform={
         "name": "written out",
         "outer": _AXIS | {"name": "alpha", "axis_platform": [0.0, 1.0, 0.0]},
         "inner": _AXIS | {"name": "beta", "axis_platform": [1.0, 0.0, 0.0]},
         "zero_direction_platform": [0.0, 0.0, 1.0],
         "q_platform_from_body_xyzw": [0.0, 0.0, 0.0, 1.0],
-        "field_of_view_deg": [0.9, 0.6]}),
+        "field_of_view_deg": [0.9, 0.6],
+        "park_positions_deg": {"stowed": {"alpha": 0.0, "beta": 90.0}}}),
     _aimed(mode="ground_moving", epoch="2015-02-27T17:36:00Z", course_deg=0.0, speed_m_s=5.0,
            **_PLACE),
     _aimed(mode="star", hip=91262),
@@ -132,7 +137,8 @@ def _kinds() -> tuple[Asked, ...]:
         Asked("plan", read_plan_request, plan_request_json_schema(template),
               (*_shown(PLAN_EXAMPLES), *FRAGMENTS)),
         Asked("campaign", read_campaign_request, campaign_request_json_schema(template),
-              tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {}}
+              tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
+                         "view": {}}
                     for d in _shown(CAMPAIGN_EXAMPLES))),
         Asked("opportunities", read_opportunity_request,
               opportunity_request_json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
@@ -268,6 +274,8 @@ def _fits(schema: Document, choice: Document, value: Any) -> bool:
     """Whether a union's choice is the one the value takes; a number where there is none."""
     if "$ref" in choice:
         choice = schema["$defs"][choice["$ref"].removeprefix(REFERENCE)]
+    if "oneOf" in choice:
+        return any(_fits(schema, one, value) for one in choice["oneOf"])
     if isinstance(value, dict):
         tags = {k: p["const"] for k, p in choice.get("properties", {}).items() if "const" in p}
         return choice.get("type") == "object" and tags.items() <= value.items()

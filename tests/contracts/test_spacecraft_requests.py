@@ -41,6 +41,7 @@ def test_features_and_request_say_the_same():
         (("requests", 0, "geometry", "coordinates"), [[0.0, 0.0], [99.0, 99.0]], "off the map"),
         (("requests", 0, "scan_speed_m_s"), 1e9, "scan_speed"),
         (("requests", 0, "surprise"), 1, "Unexpected"),
+        (("requests", 1, "gap_s"), 0.0, "gap_s"),
         (("start",), "2024-06-01T10:00:00", "UTC offset"),
         (("start",), "2024-06-01T10:00:00.1Z", "multiple of 0.2"),
         (("stop",), "2024-06-01T09:00:00Z", "10 to 3600 s"),
@@ -56,6 +57,13 @@ def test_bad_values_are_refused_by_name(path, value, message):
         place = place[key]
     place[path[-1]] = value
     with pytest.raises(ValidationError, match=message):
+        SCHEMA.validate_json(json.dumps(document))
+
+
+def test_a_stereo_pair_has_one_measure_of_its_two_moments():
+    document = example()
+    document["requests"][1].update({"gap_s": 100.0, "look_angle_deg": 24.0})
+    with pytest.raises(ValidationError, match=r"look_angle_deg .* and gap_s .* leave one out"):
         SCHEMA.validate_json(json.dumps(document))
 
 

@@ -24,10 +24,15 @@ def test_report_and_files(tmp_path):
     plans, csv, told = tmp_path / "plans", tmp_path / "looks.csv", tmp_path / "told.json"
     result = campaign(asked, "--plans", plans, "--csv", csv, "--json", told)
     assert result.exit_code == 0, result.stderr
-    assert "5 looks in 2 passes" in result.stdout
+    assert "4 looks in 2 passes" in result.stdout
     rows = [line.split(",") for line in csv.read_text().splitlines()[1:]]
-    assert {row[1] for row in rows} == {wanted["id"] for wanted in asked["targets"]}
     choice = json.loads(told.read_text())
+    [lost] = choice["left_out"]
+    assert f"left out for others: {lost['target']}" in " ".join(result.stdout.split())
+    assert {row[1] for row in rows} == {wanted["id"] for wanted in asked["targets"]} - {
+        lost["target"]
+    }
+    assert set(lost["displaced_by"]) <= {row[1] for row in rows}
     assert sum(float(row[4]) for row in rows) == pytest.approx(choice["value"])
     assert choice["greedy_value"] <= choice["value"] <= choice["bound"]
     for number in range(2):
@@ -71,4 +76,5 @@ def test_nothing_in_sight_is_no_error():
     pole = {"mode": "ground", "latitude_deg": -89.0, "longitude_deg": 0.0}
     result = campaign(CITIES | {"targets": [{"id": "Pole", "target": pole, "session_s": 10.0}]})
     assert result.exit_code == 0, result.stderr
-    assert "can't be seen: Pole" in result.stdout
+    told = " ".join(result.stdout.split())
+    assert "can't be seen: Pole, the carrier stays below 30 deg in its sky (at most -" in told

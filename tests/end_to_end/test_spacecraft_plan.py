@@ -315,6 +315,24 @@ def test_a_stereo_pair_begins_when_asked():
     assert plan.verification.passed
 
 
+def test_looks_are_as_far_apart_as_asked_around_the_moment_of_passing():
+    pair = dataclasses.replace(four_modes()[1], gap_s=100.0)
+    plan = plan_imaging(session([pair], 420.0, simulation_runs=0))
+    first, second = plan.table.windows
+    assert second.first_row - first.first_row == 500
+    ahead_deg, behind_deg = (window.along_deg for window in plan.verification.windows)
+    assert abs(ahead_deg - behind_deg) < 1.0  # a second's flight: the Earth turns meanwhile
+    other = dataclasses.replace(pair, gap_s=101.0)
+    asked = dataclasses.replace(plan.request, requests=(other,))
+    only(verify_table(plan.table, asked), "looks 100.0 s apart, not 101 s")
+
+
+def test_looks_too_far_apart_for_the_camera_are_refused_with_what_to_ask():
+    pair = dataclasses.replace(four_modes()[1], gap_s=200.0)
+    with pytest.raises(Unreachable, match="smaller gap_s"):
+        plan_imaging(session([pair], 420.0))
+
+
 def test_one_look_is_taken_from_nearest_overhead():
     plan = plan_imaging(session([StripRequest(name="s", geometry=line(150.0))], 300.0))
     assert plan.verification.windows[0].along_deg < 2.0  # candidates stand 2 s, 1.3 deg, apart

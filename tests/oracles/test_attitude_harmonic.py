@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from planner.attitude import HarmonicAttitude
+from planner.attitude.manoeuvre import last_manoeuvre_end
 from planner.errors import OutsideCoverage
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, shifted_utc, utc_from_text, utc_text
@@ -41,9 +42,7 @@ def foretold_from(name, cut, **options):
 
 def error_deg(law, lead_s, truth):
     """Error against LVLH: the law's own clock is the message's."""
-    foretold = law.chosen_extrapolation.extrapolation.at(
-        law.chosen_extrapolation.extrapolation.end_s + lead_s
-    )
+    foretold = law.carried_on.at(law.carried_on.end_s + lead_s)
     return np.rad2deg((foretold * truth.inv()).magnitude())
 
 
@@ -52,7 +51,7 @@ def test_torque_equilibrium_is_foretold_to_0_04_deg_after_900_s():
     found = []
     for cut in range(640, 900, 20):
         law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
-        assert "harmonics" in law.choice
+        assert "harmonics" in law.choice_at(900.0)
         found.append(error_deg(law, lead_s, truth)[np.argmin(np.abs(lead_s - 900.0))])
     assert np.sqrt(np.mean(np.square(found))) <= 0.04
 
@@ -60,11 +59,11 @@ def test_torque_equilibrium_is_foretold_to_0_04_deg_after_900_s():
 def test_a_manoeuvre_is_carried_on_by_its_rate_and_said_to_be_uncertain():
     """In the middle of the yaw manoeuvre harmonics of what came before are worthless."""
     law, lead_s, truth = foretold_from("iss_attitude_manoeuvre_2018-285.aem", 430)
-    assert "by constant rate relative to LVLH" in law.choice
+    assert "by constant rate relative to LVLH" in law.choice_at(120.0)
     near = (lead_s > 0.0) & (lead_s <= 120.0)
     assert error_deg(law, lead_s, truth)[near].max() < 1.0  # of 8 deg turned meanwhile
     start_utc = shifted_utc(law.segments[0].epoch_utc, 0.0)
-    end_s = law.chosen_extrapolation.extrapolation.end_s
+    end_s = law.carried_on.end_s
     instants = Instants(start_utc, end_s + np.array([300.0, 900.0]))
     sigma_deg = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
     assert sigma_deg[1] > sigma_deg[0] > 0.17
@@ -76,11 +75,83 @@ def test_the_stated_sigma_covers_what_happened():
     for cut in range(640, 900, 20):
         law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
         asked = lead_s <= 900.0
-        end_s = law.chosen_extrapolation.extrapolation.end_s
+        end_s = law.carried_on.end_s
         instants = Instants(law.segments[0].epoch_utc, end_s + lead_s[asked])
         stated = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
         ratio.append(error_deg(law, lead_s[asked], truth[: asked.sum()]) / stated)
     assert 0.3 < np.sqrt(np.mean(np.square(np.concatenate(ratio)))) < 2.0
+
+
+# Of the telemetry's TEA excerpt, cuts after which 5,400 s are left; rms in deg over them.
+LEADS_S = (300.0, 900.0, 1800.0, 5400.0)
+
+
+def test_at_no_lead_does_any_law_do_better():
+    """In torque equilibrium, against each description by itself on the same rows.
+
+    Which one is best isn't known beforehand: that may cost a tenth, and of 13 forecasts the rms
+    itself is good to a tenth more.  bench/attitude.py shows the whole day, the hours after a
+    manoeuvre, too.
+    """
+    seen = {lead_s: [] for lead_s in LEADS_S}
+    for cut in range(560, 690, 10):
+        law, lead_s, truth = foretold_from("iss_attitude_tea_2018-285.aem", cut)
+        rows = [int(np.argmin(np.abs(lead_s - lead))) for lead in LEADS_S]
+        laws = (law.carried_on, *law.carried_on.extrapolations)
+        for lead, row in zip(LEADS_S, rows, strict=True):
+            at = law.carried_on.end_s + lead_s[row : row + 1]
+            errors = [(one.at(at) * truth[row : row + 1].inv()).magnitude()[0] for one in laws]
+            seen[lead].append(errors)
+    for lead in LEADS_S:
+        ours, *others = np.sqrt(np.mean(np.square(seen[lead]), axis=0))
+        assert ours <= 1.2 * min(others), lead
+
+
+def settled_after_manoeuvre():
+    """Real rows before and in the yaw manoeuvre, and the half hour in equilibrium two hours later;
+    the last 15 minutes apart.
+    """
+    header, before, *_ = telemetry("iss_attitude_manoeuvre_2018-285.aem")
+    header_after, after, segment, q_body_from_lvlh = telemetry("iss_attitude_settled_2018-286.aem")
+    second = header_after[header_after.index("META_START") :]
+    known = int(np.searchsorted(segment.t_s, segment.t_s[-1] - 900.0))
+    content = [*header, *before, "DATA_STOP", *second, *after[:known], "DATA_STOP"]
+    law = HarmonicAttitude(content="\n".join(content))
+    lead_s = segment.t_s[known:] - segment.t_s[known - 1]
+    return law, lead_s, q_body_from_lvlh[known:]
+
+
+def test_a_manoeuvre_in_the_history_is_found_and_left_out():
+    law, lead_s, truth = settled_after_manoeuvre()
+    at = Instants(law.segments[-1].epoch_utc, law.carried_on.end_s + lead_s)
+    (warning,) = [text for text in law.warnings_at(at) if "holds a manoeuvre" in text]
+    assert "2018-10-13T0" in warning
+    assert error_deg(law, lead_s, truth).max() < 0.7  # as far as its swing goes, end to end
+    told_deg = np.rad2deg(np.linalg.norm(law.errors(at).sigma_body_rad, axis=1))
+    assert (error_deg(law, lead_s, truth) < 3.0 * told_deg).all()
+
+
+@pytest.mark.parametrize("phase_rad", np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False))
+def test_a_swing_is_no_manoeuvre(phase_rad):
+    """Not even when the history ends at its turning point, where it hardly moves."""
+    t_s = np.arange(0.0, 3.0 * 5560.0, 10.0)
+    noise = np.random.default_rng(3).normal(0.0, 1e-4, (len(t_s), 3))  # 0.006 deg
+    swing_rad = np.deg2rad(0.33) * np.cos(2.0 * np.pi / 5560.0 * t_s + phase_rad)
+    q = Rotation.from_rotvec(noise + np.outer(swing_rad, [1.0, 0.0, 0.0]))
+    assert last_manoeuvre_end(t_s, q) == 0
+
+
+def test_the_attitude_carried_on_has_no_kink_between_leads():
+    """A camera follows it: no acceleration beyond what swing and blending make of it."""
+    law, *_ = foretold_from("iss_attitude_manoeuvre_2018-285.aem", 350)
+    end_s = law.carried_on.end_s
+    for lead in 150.0 * 2.0 ** np.arange(6):
+        near_s = end_s + lead + np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+        steps = law.carried_on.at(near_s)
+        rate = (steps[1:] * steps[:-1].inv()).as_rotvec()
+        acceleration = np.linalg.norm(np.diff(rate, axis=0), axis=1)
+        # 0.1 arcsec/s2: what the vehicle itself does (docs/decisions/attitude_from_messages.md)
+        assert np.rad2deg(acceleration.max()) * 3600.0 < 0.1
 
 
 def synthetic(frame, start_utc, span_s):
@@ -130,8 +201,6 @@ def test_what_cannot_be_carried_on_is_refused():
         HarmonicAttitude(content=synthetic("LVLH", start_utc, 200.0))
     with pytest.raises(ValueError, match="orbital_period_s must lie"):
         HarmonicAttitude(content=synthetic("LVLH", start_utc, 6000.0), orbital_period_s=92.0)
-    with pytest.raises(ValueError, match="lead_s must lie"):
-        HarmonicAttitude(content=synthetic("LVLH", start_utc, 6000.0), lead_s=5.0)
     with pytest.raises(ValueError, match="no segment"):
         HarmonicAttitude(content="CCSDS_AEM_VERS = 2.0")
 

@@ -16,7 +16,7 @@ from opportunity_requests import ISS, START
 from planner.campaigns import CampaignRequest, CampaignTarget, choose_campaign
 from planner.campaigns import campaign as campaigns
 from planner.campaigns.network import NEVER, Network
-from planner.campaigns.path import best_path, path_bound
+from planner.campaigns.path import Worth, best_path, path_bound
 from planner.opportunities import OpportunityConditions
 from planner.platforms import PLATFORMS
 from planner.slew import AxisState, next_duration_s
@@ -109,7 +109,9 @@ def best_of_all(request, ways):
 
     ended = {}  # (set, way, step of leaving) -> worth
     for way, target, first, last, length_s in looks:
-        worth = request.targets[target].worth_value(length_s)
+        rows = ways.offset[way] - ways.first_step[way] + np.arange(first, last + 1)
+        quality = np.trapezoid(ways.quality[rows], dx=1.0 / (last - first))
+        worth = request.targets[target].worth_value(length_s) * quality
         reached = {frozenset([target]): worth}
         for (seen, before, leave), so_far in ended.items():
             if target in seen or leave >= first:
@@ -137,12 +139,10 @@ def test_more_looks_are_worth_no_less():
 
 @pytest.mark.parametrize("seed", range(24, 36))
 def test_a_pass_is_bounded_by_the_best_that_looks_at_each_target_once(seed):
-    network, length_steps, gain = random_pass(seed)
-    best = best_sequence(network, length_steps, gain)
-    assert path_bound(network, length_steps, gain, labels_max=8_000_000) == pytest.approx(
-        best, abs=1e-9
-    )
-    path = best_path(network, length_steps, gain)
+    network, worth = random_pass(seed)
+    best = best_sequence(network, worth)
+    assert path_bound(network, worth, labels_max=8_000_000) == pytest.approx(best, abs=1e-9)
+    path = best_path(network, worth)
     assert path.value <= best + 1e-9
     assert len({look.target for look in path.looks}) == len(path.looks)
 
@@ -170,6 +170,7 @@ def random_pass(seed):
         last=last,
         offset=offset,
         size=int(steps.sum()),
+        quality_sum=np.concatenate([np.cumsum(random.uniform(0.5, 1.0, n)) for n in steps]),
         stop_step=int(last.max()) + 1,
         edge_from=np.append(0, np.cumsum(counts)),
         edge_to=np.concatenate(edges),
@@ -177,10 +178,11 @@ def random_pass(seed):
         arrival=np.concatenate(arrival).astype(np.int32),
         reach=reach,
     )
-    return network, np.tile([2, 4], (5, 1)), random.uniform(1.0, 2.0, (5, 1)) * [0.6, 1.0]
+    value = random.uniform(1.0, 2.0, (5, 1)) * [0.6, 1.0]
+    return network, Worth(np.tile([2, 4], (5, 1)), value, random.uniform(0.0, 0.3, 5))
 
 
-def best_sequence(network, length_steps, gain):
+def best_sequence(network, worth):
     """All sequences are tried, from every way left at every step."""
 
     @cache
@@ -198,12 +200,20 @@ def best_sequence(network, length_steps, gain):
             default=0.0,
         )
 
+    def gain(way, begin, takes, length):
+        cell = network.offset[way] + begin - network.first[way]
+        seen = network.quality_sum[cell + takes] - network.quality_sum[cell]
+        return worth.value[target_of(way), length] * seen / takes - worth.price[target_of(way)]
+
+    def target_of(way):
+        return network.target[way]
+
     def best_on(way, steps, seen):
-        target, last = network.target[way], network.last[way]
+        target, last = target_of(way), network.last[way]
         return max(
             (
-                gain[target, length] + best_from(way, begin + takes, seen | {target})
-                for length, takes in enumerate(length_steps[target])
+                gain(way, begin, takes, length) + best_from(way, begin + takes, seen | {target})
+                for length, takes in enumerate(worth.steps[target])
                 for begin in range(network.first[way] + steps, last - takes + 1)
                 if target not in seen
             ),

@@ -42,6 +42,28 @@ def plausible_request(seed: int, sessions_max: int = 6) -> Fields:
     }
 
 
+def with_time_to_spare(request: Fields, seed: int) -> Fields:
+    """The same with a lead of its own, perhaps hours before its sessions, and a final state."""
+    rng = np.random.default_rng(seed)
+    slew, initial = dict(request["slew"]), dict(request["initial_state"])
+    match _one_of(rng, "default", "all", "bounded"):
+        case "all":
+            slew["lead"] = "all"
+        case "bounded":
+            slew["lead"] = {"max_duration_s": _tenths(rng, 10.0, 600.0)}
+    changed = request | {"slew": slew, "initial_state": initial}
+    match _one_of(rng, "none", "rest", "angles"):
+        case "rest":
+            changed["final_state"] = "rest"
+        case "angles":
+            angles_deg = {axis: _short(rng.uniform(-60, 60)) for axis in initial["angles_deg"]}
+            changed["final_state"] = {"angles_deg": angles_deg}
+    if rng.random() < 0.5:
+        earlier = timedelta(seconds=int(_log(rng, 100.0, 6000.0)))
+        initial["epoch"] = _text(datetime.fromisoformat(initial["epoch"]) - earlier)
+    return changed
+
+
 @dataclass(frozen=True)
 class _Axis:
     """What the choice of states and test motions must know of an axis."""

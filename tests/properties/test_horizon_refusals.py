@@ -16,6 +16,7 @@ from horizon_cases import camera, case, ring
 from estimator.errors import Reason
 from estimator.pipeline import estimate_vertical
 from estimator.prediction import predict_horizon
+from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
 from estimator.surroundings import Surroundings
@@ -55,6 +56,18 @@ def test_a_disc_with_the_night_behind_is_no_earth(pair, alone):
     crescent = np.where(below_limb_px(alone)[..., None] > 60.0, 3, pair.images[0])
     answer = estimate_vertical([crescent.astype(np.uint8)], alone)
     assert answer.reason is Reason.GLOWING_LAYER
+
+
+def test_a_bright_limb_before_a_dark_sea_is_no_airglow():
+    """In thin, clean air it is as bright against what lies behind as a layer of airglow."""
+    air = Atmosphere(air_density=0.7, dust_optical_depth=0.0, haze_optical_depth=0.0, ozone=0.0)
+    sea = Scene(atmosphere=air, cloud_cover=0.0, land=0.0, roughness_m=800.0)
+    one = case(np.random.default_rng(3110), ring(2), scene=sea, sensor=Sensor())
+    answer = estimate_vertical(one.images, one.request)
+    assert [camera.reason for camera in answer.cameras] == [None, None]
+    off = answer.geocentric.axes_body @ (answer.geocentric.nadir_body - one.geocentric_body)
+    # Four sigma in two dimensions.
+    assert off @ np.linalg.solve(answer.geocentric.covariance_rad2, off) < 19.3
 
 
 def test_an_edge_sharper_than_air_is_no_limb(alone):

@@ -7,16 +7,26 @@ import copy
 
 import pytest
 from plan_oracle import ARCSEC, faults
-from plausible_requests import plausible_request
+from plausible_requests import plausible_request, with_time_to_spare
 from plausible_trials import answer, as_advised, outcome
 
 COUNT = 200
+SPARE_COUNT = 40
 LONG = 5  # every fifth may have six sessions, the others one
 
 
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_a_plausible_request_is_planned_or_refused_as_documented(seed):
+    assert_planned_or_refused(plausible_request(seed, sessions_max=6 if seed % LONG == 0 else 1))
+
+
+@pytest.mark.parametrize("seed", range(SPARE_COUNT))
+def test_so_is_one_with_time_to_spare_and_a_final_state(seed):
     request = plausible_request(seed, sessions_max=6 if seed % LONG == 0 else 1)
+    assert_planned_or_refused(with_time_to_spare(request, seed))
+
+
+def assert_planned_or_refused(request):
     found = outcome(request)
     assert found.faults == []
     if found.advises:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation, RotationSpline
 from planner.errors import InfeasibleSlew
 from planner.spacecraft.mrp import MrpMotion, body_motion, mrp_state
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
-from planner.spacecraft.turns.turn_choice import compare, quickest_turn, smooth_turn
+from planner.spacecraft.turns.turn_choice import compare, quickest_turn, smooth_turn, turn_onto
 from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
 from planner.spacecraft.vehicle.definition import SlewLimits
 
@@ -153,3 +153,15 @@ def test_comparison_names_both_baselines():
     compared = compare(asked, smooth_turn(asked, 18.0))
     assert compared.bang_coast_bang_s < compared.eigenaxis_s < compared.duration_s
     assert compared.torque_rate_peak_n_m_s < compared.eigenaxis_torque_rate_peak_n_m_s
+
+
+@pytest.mark.parametrize(
+    ("seed", "objective", "time_from"),
+    [(None, "minimum_time", "eigenaxis"), (3, "minimum_time", "ocp"), (3, "smooth", None)],
+)
+def test_a_turn_says_what_found_its_least_time(seed, objective, time_from):
+    """About a principal axis from rest, with limits on magnitudes, nothing beats the eigenaxis."""
+    magnitudes = SlewLimits(rate_axis_rad_s=math.radians(3.5), rate_rad_s=math.radians(2.0))
+    asked = problem(20.0, [0, 0, 1], limits=magnitudes) if seed is None else random_problem(seed)
+    turn = turn_onto(lambda _: asked, 100.0, objective)
+    assert compare(asked, turn).time_from == time_from

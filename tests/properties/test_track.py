@@ -11,6 +11,7 @@ from scipy_boresight import scipy_boresight
 
 from planner.errors import TrackBreaksLimit, Unreachable
 from planner.frames.time_scales import Instants
+from planner.orbits import OrbitStates
 from planner.platforms import ISS_HRC
 from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import LineOfSight
@@ -31,6 +32,7 @@ def great_circle(t_s, normal, start, rate_rad_s):
     acceleration = rate_rad_s * np.cross(normal, rate)
     return LineOfSight(
         instants=Instants(EPOCH, t_s),
+        states=OrbitStates(np.full_like(los, np.nan), np.full_like(los, np.nan)),
         los_platform=los,
         los_rate_platform_per_s=rate,
         los_acceleration_platform_per_s2=acceleration,

@@ -21,7 +21,7 @@ API_CONTENT_POLICY = "default-src 'none'; frame-ancestors 'none'; base-uri 'none
 # by script, hence 'unsafe-inline' for styles; ReDoc searches in a worker it makes of a blob.
 PAGE_CONTENT_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
-    "img-src 'self' data:; font-src 'self' data:; connect-src 'self'; worker-src blob:; "
+    "img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'; worker-src blob:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
 

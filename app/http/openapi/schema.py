@@ -1,6 +1,7 @@
 """What the OpenAPI document says beyond what FastAPI finds by itself."""
 
 import json
+from collections.abc import Iterable
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,22 @@ from pydantic import TypeAdapter
 
 from app.answers.problem import Problem
 from app.http.door.access import PROBES, scope_needed
+from app.http.openapi.examples import show_examples
+from app.http.openapi.fields import describe
 from app.http.problems import PROBLEM_JSON
 from app.requests.campaign import campaign_request_json_schema
-from app.requests.horizon import horizon_request_json_schemas
+from app.requests.horizon import (
+    PictureRequest,
+    PredictionRequest,
+    horizon_request_json_schemas,
+)
 from app.requests.opportunities import opportunity_request_json_schema
-from app.requests.plan import plan_request_json_schema
+from app.requests.plan import PlanRequest, plan_request_json_schema
 from app.requests.spacecraft import spacecraft_request_json_schema
+from estimator.request import HorizonRequest
+from planner.campaigns import CampaignRequest
+from planner.opportunities import OpportunityRequest
+from planner.spacecraft.requests import ImagingPlanRequest
 
 _DATA = Path(__file__).parent / "data"
 ANSWERS = _DATA / "answers.json"
@@ -31,6 +42,16 @@ _REQUESTS = {
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
 }
+
+_REQUEST_KINDS = (
+    PlanRequest,
+    CampaignRequest,
+    OpportunityRequest,
+    ImagingPlanRequest,
+    HorizonRequest,
+    PredictionRequest,
+    PictureRequest,
+)
 
 
 def request_body(schema: str, examples: dict[str, tuple[str, dict[str, Any]]]) -> dict[str, Any]:
@@ -51,8 +72,11 @@ def request_body(schema: str, examples: dict[str, tuple[str, dict[str, Any]]]) -
     }
 
 
-def complete(document: dict[str, Any]) -> dict[str, Any]:
-    """FastAPI's document with our requests, which we read ourselves, and all that is answered."""
+def complete(document: dict[str, Any], answers: Iterable[object]) -> dict[str, Any]:
+    """FastAPI's document with our requests, which we read ourselves, and all that is answered.
+
+    answers: the classes of what the operations answer.
+    """
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
     described |= horizon_request_json_schemas(REF)
@@ -60,6 +84,7 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
+    describe(schemas, (*_REQUEST_KINDS, Problem, *answers))
     _document_refusals(document)
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
@@ -78,7 +103,21 @@ def complete(document: dict[str, Any]) -> dict[str, Any]:
     }
     for stock in ("HTTPValidationError", "ValidationError"):
         schemas.pop(stock, None)
+    _document_parameters(document)
+    show_examples(document)
     return document
+
+
+def _document_parameters(document: dict[str, Any]) -> None:
+    """A parameter is left out, never null, and needs no title that repeats its name."""
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            for parameter in operation.get("parameters", ()):
+                schema = parameter["schema"]
+                schema.pop("title", None)
+                if "anyOf" in schema:
+                    [given] = [one for one in schema.pop("anyOf") if one != {"type": "null"}]
+                    schema |= given
 
 
 def _document_answers(document: dict[str, Any]) -> None:

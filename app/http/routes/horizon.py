@@ -42,20 +42,29 @@ _MULTIPART_BODY: dict[str, Any] = {
                     "type": "object",
                     "required": ["request", "images"],
                     "properties": {
-                        "request": {"$ref": REF.format(model="HorizonRequest")},
+                        "request": {
+                            "$ref": REF.format(model="HorizonRequest"),
+                            "examples": [ESTIMATE_EXAMPLE],
+                        },
                         "images": {
                             "type": "array",
                             "description": "One PNG, JPEG or TIFF of 8 or 16 bit per camera, in "
                             "the cameras' order, as read out: rotation by EXIF is ignored.",
-                            "items": {"type": "string", "contentMediaType": "image/*"},
+                            "items": {"type": "string", "format": "binary"},
                         },
                     },
                 },
                 "encoding": {"request": {"contentType": JSON}},
-                "example": {"request": ESTIMATE_EXAMPLE},
             }
         },
     }
+}
+
+# The picture first, so that pages which try it out ask for it and show it.
+_PICTURE_ANSWERS: dict[str, Any] = {
+    "model": PictureOut,
+    "description": "The picture; as JSON with its truth",
+    "content": {PNG: {"schema": {"type": "string", "format": "binary"}}, JSON: {}},
 }
 
 
@@ -108,8 +117,8 @@ async def post_prediction(request: Request, body: Annotated[bytes, Depends(json_
 @router.post(
     "/v1/horizon/images",
     summary="A rendered picture of the horizon, as a camera would take it",
-    response_model=PictureOut,
-    responses={200: {"content": {PNG: {}}, "description": "The picture; as JSON with its truth"}},
+    response_class=Response,
+    responses={200: _PICTURE_ANSWERS},
     openapi_extra=request_body("PictureRequest", PICTURE_EXAMPLES),
 )
 async def post_picture(request: Request, body: Annotated[bytes, Depends(json_body)]) -> Response:

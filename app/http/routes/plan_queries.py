@@ -21,7 +21,7 @@ def _id(text: str) -> str:
 
 
 PlanId = Annotated[str, AfterValidator(_id)]
-PathId = Annotated[PlanId, Path(alias="id")]
+PathId = Annotated[PlanId, Path(alias="id", description="Which one, as its answer names it.")]
 
 
 class ListQuery(Parameters):
@@ -80,7 +80,7 @@ def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQ
     )
 
 
-def idempotency_key(
+async def idempotency_key(
     key: Annotated[
         str | None,
         Header(

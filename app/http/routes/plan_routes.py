@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
 from app.answers.members import provenance, to_json
+from app.answers.ranges import NotNegative
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -62,27 +63,26 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         prefer: Annotated[str | None, Header(description=PREFER)] = None,
     ) -> Response:
         form = _form(request, resource, query)
-        spec = await anyio.to_thread.run_sync(resource.read, body)
         if query.dry_run:
+            spec = await anyio.to_thread.run_sync(resource.read, body)
             found = resource.dry_run(spec, provenance(datetime.now(UTC), body))
             return Response(to_json(found), media_type=JSON)
-        job = await anyio.to_thread.run_sync(
-            _accept_plan, request, resource, spec, body, query, key
-        )
+        job = await anyio.to_thread.run_sync(_accept_plan, request, resource, body, query, key)
         waits = patience(prefer, WAIT_S)
-        await wait_for_end(request, job.id, waits.wait_s)
-        job, plan = await find(request, resource, job.id)
+        plan = await wait_for_end(request, job.id, waits.wait_s)
         headers = {
             "Location": f"{resource.path}/{job.id}",
             "Vary": "Accept, Prefer",
             **waits.headers,
         }
-        if job.is_open or waits.is_none:  # though it may be done by now
-            return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
-        if job.problem is not None:
-            return problem_answer(request, job.problem, headers)
         if plan is None:
-            raise Conflict("the plan was cancelled while it was waited for; ask again")
+            job, plan = await find(request, resource, job.id)
+            if job.is_open or waits.is_none:  # though it may be done by now
+                return Response(job_json(job), HTTPStatus.ACCEPTED, headers, JSON)
+            if job.problem is not None:
+                return problem_answer(request, job.problem, headers)
+            if plan is None:
+                raise Conflict("the plan was cancelled while it was waited for; ask again")
         if form is not None:
             return await table_answer(request, resource, plan, form, HTTPStatus.CREATED, headers)
         answer = await whole_json(request, resource, plan)
@@ -103,12 +103,19 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
 
 
 class TableAlone(BaseModel, extra="allow"):
-    """The table by itself, as `format=json` asks: a list per column, and what they mean."""
+    """The table by itself, as `format=json` asks: a list per column, and what they mean.
+
+    name: of the plan, as its request gives it.
+    epoch: of row 0; UTC.
+    step_s: from row to row.
+    t_s: of each row, since the epoch.
+    description: frames, units and the interpolation.
+    """
 
     name: str
     epoch: str
-    step_s: float
-    t_s: list[float]
+    step_s: NotNegative
+    t_s: list[NotNegative]
     description: dict[str, Any]
 
 
@@ -139,12 +146,12 @@ def _form(request: Request, resource: PlanResource, query: TableQuery) -> str | 
 def _accept_plan(
     request: Request,
     resource: PlanResource,
-    spec: Any,  # noqa: ANN401 (resource's)
     body: bytes,
     query: PostQuery,
     key: str | None,
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
+    spec = resource.read(body)
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
     options = {} if query.revises is None else {"revises": query.revises}

@@ -16,7 +16,10 @@ _DECIMALS = 12  # 3 deg/s, not 3.0000000000000004
 
 @dataclass(frozen=True, kw_only=True)
 class PlatformList:
-    """Every registered platform, written as a request may write out its own."""
+    """Every registered platform, written as a request may write out its own.
+
+    platforms: all there are.
+    """
 
     platforms: list[PlatformDefinition]
 
@@ -40,6 +43,13 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
             degrees(2.0 * platform.frame_half_rad[1], _DECIMALS),
         ),
         frame_turn_deg=degrees(platform.frame_turn_rad, _DECIMALS),
+        park_positions_deg={
+            position.name: {
+                axis: degrees(angle_rad, _DECIMALS)
+                for axis, angle_rad in zip(platform.axis_names, position.angle_rad, strict=True)
+            }
+            for position in platform.park_positions
+        },
     )
 
 

@@ -29,7 +29,11 @@ _NOT_READY: dict[int | str, dict[str, Any]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Health:
-    """The process answers."""
+    """The process answers.
+
+    status: ok, as long as there is an answer.
+    version: of slewtrack, as installed.
+    """
 
     status: Literal["ok"]
     version: str
@@ -37,7 +41,11 @@ class Health:
 
 @dataclass(frozen=True, kw_only=True)
 class ReadinessResponse:
-    """What the service depends on; `degraded` when a check is, which plans then warn of."""
+    """What the service depends on.
+
+    status: `degraded` when a check is, which plans then warn of.
+    checks: what was looked at, one by one.
+    """
 
     status: Literal["ready", "degraded"]
     checks: list[ReadinessCheckOut]
@@ -86,7 +94,10 @@ async def get_metrics(request: Request) -> Response:
 
 @dataclass(frozen=True, kw_only=True)
 class AuditLog:
-    """The latest first; for older ones ask again with `before` the last id."""
+    """Who did what.
+
+    entries: the latest first; for older ones ask again with `before` the last id.
+    """
 
     entries: list[AuditEntry]
 

@@ -10,6 +10,9 @@ SwaggerUIBundle({
   displayRequestDuration: true,
   filter: true,
   showExtensions: false,
+  syntaxHighlight: false, // it colours a spacecraft's plan for 70 s, in which the page stands still
+  // Only the text is shown; what it was parsed into would be copied value by value.
+  responseInterceptor: (response) => Object.assign(response, { obj: undefined, body: undefined }),
   validatorUrl: null, // else the page asks an outside service to judge the document
   presets: [SwaggerUIBundle.presets.apis, SwaggerUIBundle.SwaggerUIStandalonePreset],
 });

@@ -240,6 +240,18 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             on_conflict="least_loss",
         ),
     ),
+    "long_lead": (
+        "Hours before the session: the axes wait, slew within two minutes, and are parked after it",
+        _request(
+            "wait and park",
+            initial_state={
+                "epoch": "2015-02-27T14:34:00Z",
+                "angles_deg": {"alpha": 0.0, "beta": 0.0},
+            },
+            slew={"method": "ocp", "lead": {"max_duration_s": 120.0}},
+            final_state={"park": "zero"},
+        ),
+    ),
     "keep_out": (
         "Led around the Sun, which the straight slew would pass at 2 deg",
         _request(

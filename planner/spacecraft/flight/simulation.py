@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from scipy.signal import butter
 
 from planner.arrays import Array
 from planner.frames.geodesy import MU_EARTH_M3_S2
@@ -106,6 +105,9 @@ def plant(
 
 def computer(spacecraft: AgileSpacecraft, law: int, noise: bool) -> Computer:
     """The on-board computer with the nominal numbers; without noise gimbals execute any rate."""
+    # SciPy's signals take 0.2 s to import, which only a flight should pay.
+    from scipy.signal import butter
+
     gains, array = spacecraft.gains, spacecraft.array
     b, a = butter(2, gains.cutoff_hz * 2.0 * TICK_S)
     return Computer(

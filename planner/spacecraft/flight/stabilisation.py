@@ -26,7 +26,7 @@ ASSUMPTIONS = (
     "rotor drives disturb with 1 mN m at 0.3-3 Hz",
     "gyro noise 5e-5 deg/s a sample, bias 1e-5 deg/s, scale 2e-5; star trackers 5 arcsec, "
     "once a second, used between imaging intervals only",
-    "control gains 2.0 1/s and 0.5 1/s^2, Butterworth 1.5 Hz on the rate error, feed-forward "
+    "control gains 2.0 1/s and 0.5 1/s^2, Butterworth 1.1 Hz on the rate error, feed-forward "
     "from the table; commands act at the tick they are measured at (see gains.delay_ticks)",
     "gravity gradient is the only external torque",
     "32 TDI lines set the exposure the smear is counted over",

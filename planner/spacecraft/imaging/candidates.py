@@ -17,7 +17,12 @@ from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
 from planner.spacecraft.imaging.request_arcs import scan_orders
 from planner.spacecraft.imaging.session import ImagingSession
-from planner.spacecraft.requests import ImagingRequest, Request, StereoRequest
+from planner.spacecraft.requests import (
+    LOOK_ANGLE_DEG,
+    ImagingRequest,
+    Request,
+    StereoRequest,
+)
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.turn_time import MovingEnds
 
@@ -84,26 +89,38 @@ def _start_times_s(request: ImagingRequest, session: ImagingSession) -> Array:
 
 
 def _stereo_pair(request: StereoRequest, number: int, session: ImagingSession) -> list[Candidate]:
-    """Two looks: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
-    behind; none unless there are both."""
+    """Two looks; none unless there are both."""
     [arc] = scan_orders(request, session)[0]
-    grid_s = np.arange(0.0, session.duration_s, TICK_S)
-    effort.spend(POINT_AT_TICK * len(grid_s))
-    along_rad, _ = session.look_angles(_point_itrf_m(arc, 0.5), grid_s)
-    steps_s = np.arange(-STEREO_STEPS, STEREO_STEPS + 1.0) * TICK_S * STEREO_STEP_TICKS
     found: list[Candidate] = []
-    for part, angle_deg in ((1, request.look_angle_deg), (2, -request.look_angle_deg)):
-        if part == 1 and request.start is not None:
-            starts_s = _start_times_s(request, session)
-        else:
-            middle_s = float(grid_s[np.argmin(np.abs(along_rad - math.radians(angle_deg)))])
-            start_s = round((middle_s - 0.5 * arc.duration_s) / TICK_S) * TICK_S
-            starts_s = np.asarray(start_s + steps_s)
+    for part, starts_s in enumerate(_stereo_starts_s(request, arc, session), start=1):
         looks = _from_starts([arc], starts_s, number, request, session)
         if not looks:
             return []
         found += [replace(look, part=part) for look in looks]
     return found
+
+
+def _stereo_starts_s(
+    request: StereoRequest, arc: GroundArc, session: ImagingSession
+) -> tuple[Array, Array]:
+    """Of each look: where the strip's middle is look_angle_deg ahead (or at `start`), and the same
+    behind; or gap_s apart."""
+    grid_s = np.arange(0.0, session.duration_s, TICK_S)
+    effort.spend(POINT_AT_TICK * len(grid_s))
+    along_rad, _ = session.look_angles(_point_itrf_m(arc, 0.5), grid_s)
+
+    def start_s(angle_deg: float, earlier_s: float = 0.0) -> float:
+        middle_s = float(grid_s[np.argmin(np.abs(along_rad - math.radians(angle_deg)))])
+        return round((middle_s - earlier_s - 0.5 * arc.duration_s) / TICK_S) * TICK_S
+
+    asked_s = None if request.start is None else _start_times_s(request, session)
+    if request.gap_s is not None:
+        first_s = asked_s if asked_s is not None else np.array([start_s(0.0, 0.5 * request.gap_s)])
+        return first_s, first_s + round(request.gap_s / TICK_S) * TICK_S
+    angle_deg = LOOK_ANGLE_DEG if request.look_angle_deg is None else request.look_angle_deg
+    steps_s = np.arange(-STEREO_STEPS, STEREO_STEPS + 1.0) * TICK_S * STEREO_STEP_TICKS
+    first_s = asked_s if asked_s is not None else start_s(angle_deg) + steps_s
+    return first_s, start_s(-angle_deg) + steps_s
 
 
 def _from_starts(
@@ -229,9 +246,16 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
         f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{scan_s:.1f} s it takes to scan: {where}; move or widen the window, shorten the "
-        "request or use another pass",
+        f"{scan_s:.1f} s it takes to scan: {where}; move or widen the window, "
+        f"{_less_asked(request)} or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,
     )
+
+
+def _less_asked(request: Request) -> str:
+    if isinstance(request, StereoRequest):
+        closer = "look_angle_deg" if request.gap_s is None else "gap_s"
+        return f"shorten the request, ask for a smaller {closer}"
+    return "shorten the request"

@@ -35,7 +35,11 @@ GENTLER_SHARE = 0.6  # of what work is left, for gentler turns
 
 @dataclass(frozen=True, kw_only=True)
 class LeftOut:
-    """A request that isn't imaged, and why."""
+    """A request that isn't imaged, and why.
+
+    name: the request's. E.g. `"strip"`.
+    reason: what is in its way. E.g. `"others are worth more"`.
+    """
 
     name: str
     reason: str

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from planner.errors import InfeasibleSlew
 from planner.spacecraft.table import TICK_S
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_ocp import solve_turn
-from planner.spacecraft.turns.turn_problem import Turn, TurnProblem
+from planner.spacecraft.turns.turn_problem import Method, Turn, TurnProblem
 from planner.spacecraft.vehicle.definition import TurnObjective
 
 FIRST_GUESS_TICKS = 200
@@ -54,7 +54,7 @@ class TurnComparison:
     angle_rad: of the rotation between its ends.  eigenaxis_s: least time about the Euler axis
     with the same torque and torque rate; bang_coast_bang_s: the paper's, unlimited torque rate.
     The torque rate's peak, of this turn and of the eigenaxis one of the same duration, is what
-    shakes the modes.
+    shakes the modes.  time_from: as of a `Turn`.
     """
 
     angle_rad: float
@@ -64,6 +64,7 @@ class TurnComparison:
     torque_rate_peak_n_m_s: float
     eigenaxis_torque_rate_peak_n_m_s: float
     method: str
+    time_from: Method | None
     status: str
     solve_s: float
 
@@ -116,6 +117,7 @@ def turn_onto(
         problem = problem_at(FIRST_GUESS_TICKS * TICK_S)
         raise TurnNeedsTime(problem.angle_rad(), quickest_turn(problem).duration_s, available_s)
     used = min(ticks, FIRST_GUESS_TICKS)
+    time_from: Method | None = None
     for _ in range(3):
         problem = problem_at(used * TICK_S)
         stored, sphere = problem.ends_momentum_n_m_s(), problem.limits.momentum_sphere_n_m_s
@@ -124,7 +126,8 @@ def turn_onto(
         if objective == "smooth":
             wanted_s = max(EASY * eigenaxis_turn(problem).duration_s, EASY_LEAST_S)
         else:
-            wanted_s = quickest_turn(problem).duration_s + 0.5 * TICK_S
+            quickest = quickest_turn(problem)
+            wanted_s, time_from = quickest.duration_s + 0.5 * TICK_S, quickest.method
         guessed, used = used, min(ticks, math.ceil(wanted_s / TICK_S))
         if used == guessed:
             break
@@ -133,9 +136,9 @@ def turn_onto(
             break
         found = _smooth(problem_at(used * TICK_S), used * TICK_S)
         if found is not None:
-            return found
+            return replace(found, time_from=time_from)
         used += max(1, used // (4 if objective == "smooth" else 50))
-    return smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S)
+    return replace(smooth_turn(problem_at(ticks * TICK_S), ticks * TICK_S), time_from=time_from)
 
 
 def compare(problem: TurnProblem, turn: Turn) -> TurnComparison:
@@ -149,6 +152,7 @@ def compare(problem: TurnProblem, turn: Turn) -> TurnComparison:
         torque_rate_peak_n_m_s=turn.loads.torque_rate_n_m_s,
         eigenaxis_torque_rate_peak_n_m_s=same_time.loads.torque_rate_n_m_s,
         method=turn.method,
+        time_from=turn.time_from,
         status=turn.status,
         solve_s=turn.solve_s,
     )

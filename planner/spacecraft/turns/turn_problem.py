@@ -112,7 +112,8 @@ class Loads:
 class Turn:
     """A planned turn; sigma from `q_middle_from_eci`, t from 0 to duration_s.
 
-    method: what made it (an OCP that can't beat the eigenaxis falls back to it).
+    method: what made it (an OCP that can't beat the eigenaxis falls back to it).  time_from: what
+    found the least time that its duration was taken from, None where that was given.
     """
 
     q_middle_from_eci: Rotation
@@ -122,6 +123,7 @@ class Turn:
     status: str
     solve_s: float
     loads: Loads
+    time_from: Method | None = None
 
     def attitude_at(self, t_s: Array) -> tuple[Rotation, BodyMotion]:
         """q_body_from_eci and body rates at instants (m,)."""

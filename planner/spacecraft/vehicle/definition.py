@@ -75,15 +75,16 @@ class Sensors:
 class ControlGains:
     """The on-board laws: body acceleration = -k2 (2 n) - k1 (rate error), plus feed-forward.
 
-    cutoff_hz: second-order Butterworth low-pass on the rate error.  delay_ticks: whole 0.2 s
-    cycles between measurement and command.  null_gain_rad_s: rho of the steering law, zero
-    while imaging.  acceleration_share: a1/a of the paper's laws.  gimbal_gain: share of a
-    gimbal's angle error made good in a tick.
+    cutoff_hz: second-order Butterworth low-pass on the rate error; from 1.2 Hz on the loop drives
+    the arrays' modes where they are slowest and couple most.  delay_ticks: whole 0.2 s cycles
+    between measurement and command.  null_gain_rad_s: rho of the steering law, zero while
+    imaging.  acceleration_share: a1/a of the paper's laws.  gimbal_gain: share of a gimbal's
+    angle error made good in a tick.
     """
 
     k1_per_s: Positive = 2.0
     k2_per_s2: Positive = 0.5
-    cutoff_hz: Positive = 1.5
+    cutoff_hz: Positive = 1.1
     delay_ticks: Annotated[int, Within(0, 1)] = 0
     null_gain_rad_s: float = 0.02
     acceleration_share: float = 0.75

@@ -1,0 +1,186 @@
+"""Gives each field of the schema its text and unit, from the class that declares it.
+
+A field is told beside it, in its class's docstring: `name: text.`, at the start of a line or
+after two spaces, up to the next such entry or an empty line; `one, other: text.` for several.
+A unit that the name doesn't end in stands at the end, in brackets; an example that no worked
+request or answer holds as "E.g. `JSON`.".
+Fields that many classes share say it in their type (`About`); a field that is a whole object
+needs no text where the object's class says what it is.
+"""
+
+import inspect
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import is_dataclass
+from typing import Any, get_args, get_type_hints
+
+from pydantic import BaseModel
+
+from planner.spec import About
+
+Schema = dict[str, Any]
+
+_ENTRY = re.compile(r"(?:^|(?<=  ))(\w+(?:, \w+)*):\s", re.MULTILINE)
+# At a name's end, the longest that fits, and how it is written.
+_UNITS = {
+    "arcsec": "arcsec",
+    "deg": "deg",
+    "deg2": "deg^2",
+    "deg2_s5": "deg^2/s^5",
+    "deg_s": "deg/s",
+    "deg_s2": "deg/s^2",
+    "deg_s3": "deg/s^3",
+    "e": "electrons",
+    "hz": "Hz",
+    "jyear": "Julian year",
+    "kg": "kg",
+    "km": "km",
+    "km_s": "km/s",
+    "m": "m",
+    "m2": "m^2",
+    "m_s": "m/s",
+    "mas": "mas",
+    "mas_yr": "mas/yr",
+    "n_m": "N m",
+    "n_m_s": "N m s",
+    "px": "pixels",
+    "s": "s",
+}
+_TORQUE_RATE = re.compile(r"torque_rate_\w*n_m_s$")  # N m/s, where momentum is in N m s
+_UNIT_SAID = re.compile(r"\s*\[([^\[\]]+)\]\.?$")
+_EXAMPLE_SAID = re.compile(r"\s*E\.g\. `([^`]+)`\.?")
+_PURE = "1"
+
+
+def describe(schemas: Mapping[str, Schema], kinds: Iterable[object]) -> None:
+    """Tell every field of the classes that `kinds` hold, in the schemas of their names."""
+    for kind in dict.fromkeys(_classes(kinds, set())):
+        schema = schemas.get(kind.__name__)
+        if schema is None:  # read in another form, as a platform is
+            continue
+        texts = field_texts(kind)
+        schema["title"] = kind.__name__
+        schema["description"] = class_text(kind)
+        for name, field in schema.get("properties", {}).items():
+            _describe(field, name, texts.get(name, ""), schemas)
+
+
+def field_texts(kind: type) -> dict[str, str]:
+    """What the docstrings of a class and its bases, or their types, say of its fields."""
+    hints = get_type_hints(kind, include_extras=True)
+    texts = {name: text for name, hint in hints.items() if (text := _about(hint))}
+    for owner in reversed(kind.__mro__):
+        for names, text in _entries(owner, hints):
+            texts |= dict.fromkeys(names, text)
+    return texts
+
+
+def class_text(kind: type) -> str:
+    """Its docstring but for what that says of the fields."""
+    doc = _doc(kind)
+    for match, end in reversed([*_matches(doc, get_type_hints(kind))]):
+        doc = doc[: match.start()].rstrip(" ") + doc[end:]
+    return re.sub(r"\n{3,}", "\n\n", doc).strip()
+
+
+def unit_of(name: str) -> str:
+    """By the end of a field's name; 1 for a pure number."""
+    if _TORQUE_RATE.search(name):
+        return "N m/s"
+    words = name.split("_")
+    for first in range(len(words)):
+        if unit := _UNITS.get("_".join(words[first:])):
+            return unit
+    return _PURE
+
+
+def is_number(schema: object) -> bool:
+    """Whether it, or each of the values it holds, is or may be a number."""
+    if isinstance(schema, list):
+        return any(map(is_number, schema))
+    if not isinstance(schema, dict):
+        return False
+    inner = ("items", "prefixItems", "anyOf", "oneOf", "additionalProperties")
+    return schema.get("type") in ("number", "integer") or any(
+        is_number(schema[part]) for part in inner if part in schema
+    )
+
+
+def _describe(field: Schema, name: str, text: str, schemas: Mapping[str, Schema]) -> None:
+    field.pop("title", None)  # repeats the name
+    unit = unit_of(name)
+    if said := _UNIT_SAID.search(text):
+        unit, text = said[1], text[: said.start()].rstrip(".") + "."
+    if said := _EXAMPLE_SAID.search(text):
+        field["examples"] = [json.loads(said[1])]
+        text = text[: said.start()] + text[said.end() :]
+    text = text or _of_the_object(field, schemas)
+    if "const" in field:
+        text = text or f"Says which kind this is: `{field['const']}`."
+    if is_number(field):
+        field["x-unit"] = unit
+        text += f" Unit: {unit}." if text and unit != _PURE else ""
+    for choice in (field, field.get("items", {}), field.get("additionalProperties", {})):
+        if kinds := isinstance(choice, dict) and choice.get("discriminator"):
+            choice["type"] = "object"  # which pages name
+            text += f" `{kinds['propertyName']}` is one of `{'`, `'.join(kinds['mapping'])}`."
+    default = field.get("default")
+    if default and ("$ref" in field or "oneOf" in field or isinstance(default, dict)):
+        # Generators of clients know no defaults that are objects.
+        text += f" Left out: `{_compact(field.pop('default'))}`."
+    if text:
+        field["description"] = text
+
+
+def _compact(default: Mapping[str, Any]) -> str:
+    return json.dumps({k: v for k, v in default.items() if v not in (None, [], {})})
+
+
+def _of_the_object(field: Schema, schemas: Mapping[str, Schema]) -> str:
+    """What its class says of itself first, where a field holds an object or several."""
+    for part in (field, field.get("items", {}), *field.get("anyOf", ())):
+        if "$ref" in part:
+            about: str = schemas[part["$ref"].rsplit("/", 1)[1]].get("description", "")
+            return about.partition("\n\n")[0].replace("\n", " ")
+    return ""
+
+
+def _classes(parts: Iterable[object], known: set[object]) -> Iterator[type]:
+    for part in parts:
+        if isinstance(part, type) and (is_dataclass(part) or issubclass(part, BaseModel)):
+            if part not in known:
+                known.add(part)
+                yield part
+                yield from _classes(get_type_hints(part, include_extras=True).values(), known)
+        else:
+            yield from _classes(get_args(part), known)
+
+
+def _about(hint: object) -> str:
+    for part in get_args(hint):
+        if text := part.text if isinstance(part, About) else _about(part):
+            return text
+    return ""
+
+
+def _entries(owner: type, names: Iterable[str]) -> Iterator[tuple[list[str], str]]:
+    doc = _doc(owner)
+    for match, end in _matches(doc, names):
+        text = " ".join(doc[match.end() : end].split())
+        yield match[1].split(", "), text[:1].upper() + text[1:].rstrip(".") + "."
+
+
+def _matches(doc: str, names: Iterable[str]) -> Iterator[tuple[re.Match[str], int]]:
+    """Entries about these fields, and where each ends."""
+    entries = [match for match in _ENTRY.finditer(doc) if {*match[1].split(", ")} <= {*names}]
+    for match, after in zip(entries, (*entries, None)[1:], strict=True):
+        blank = doc.find("\n\n", match.end())
+        ends = (after.start() if after else len(doc), blank if blank >= 0 else len(doc))
+        yield match, min(ends)
+
+
+def _doc(kind: type) -> str:
+    """As written; not what dataclasses make up."""
+    doc = kind.__dict__.get("__doc__") or ""
+    return "" if doc.startswith(f"{kind.__name__}(") else inspect.cleandoc(doc)

@@ -1,0 +1,214 @@
+"""The sessions of Platonov, Sumarokov 2019, Figs. 3 to 9: the requests, flown and drawn.
+
+    python bench/spacecraft_paper.py [--write]
+
+The paper gives times and sizes, neither orbit nor places; here strips lie along the track where
+the orbit passes at those times.  --write: the requests into examples/, the figures into
+docs/images/.
+"""
+
+import json
+import math
+import sys
+from collections.abc import Sequence
+from datetime import timedelta
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
+from spacecraft_cases import EPOCH, local_axes, positions, sun_synchronous
+from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states
+
+from app.requests.spacecraft import read_spacecraft_request
+from planner.frames.time_scales import utc_text
+from planner.orbits import StateVectorOrbit
+from planner.spacecraft.flight.closed_loop import Log
+from planner.spacecraft.flight.simulation import fly_many
+from planner.spacecraft.flight.stabilisation import rate_errors
+from planner.spacecraft.plan import ImagingPlan, plan_imaging
+from planner.spacecraft.requests import SCAN_SPEED_M_S
+
+ROOT = Path(__file__).parents[1]
+STRIP_S, STEREO_S, SCAN_S, GAP_S = 128.0, 338.0, 16.0, 110.0  # Figs. 4 and 6
+STEREO_KM, AREAS_KM = 700.0, 640.0  # of the paper's 600 to 700; lower, the ends lie beyond 30 deg
+LONG_START_S = 400.0  # the paper's clock at row 0 of the long session
+FIRST_SCAN_S, SCAN_AFTER_S = 15.0, 14.0  # Figs. 8 and 9: 866-881 and 1405-1419 s
+SEEDS = range(40)
+
+
+def at(t_s: float) -> str:
+    return utc_text(EPOCH + timedelta(seconds=t_s), 1)
+
+
+def lines(
+    orbit: StateVectorOrbit, t_s: float, half_m: float, across_m: tuple[float, ...]
+) -> list[Sequence]:
+    """Lines along the track beside each other, where the orbit passes at t_s."""
+    origin, along, across = local_axes(orbit, t_s)
+    return [
+        positions([origin + a * across - half_m * along, origin + a * across + half_m * along])
+        for a in across_m
+    ]
+
+
+def one(name: str, mode: str, line: Sequence, start_s: float, **more: object) -> dict:
+    coordinates = [[round(x, 6) for x in position] for position in line]
+    return {
+        "mode": mode,
+        "name": name,
+        "geometry": {"type": "LineString", "coordinates": coordinates},
+        "start": at(start_s),
+        **more,
+    }
+
+
+def session(
+    name: str, orbit: StateVectorOrbit, stop_s: float, requests: list[dict], **more: object
+) -> dict:
+    return {
+        "name": name,
+        "orbit": {
+            "source": "state",
+            "frame": "GCRF",
+            "epoch": at(0.0),
+            "position_km": [round(x, 6) for x in orbit.position_km],
+            "velocity_km_s": [round(x, 9) for x in orbit.velocity_km_s],
+        },
+        "start": at(0.0),
+        "stop": at(stop_s),
+        **more,
+        "requests": requests,
+    }
+
+
+def strip_and_stereo() -> dict:
+    orbit = sun_synchronous(STEREO_KM)
+    half_m = 0.5 * SCAN_S * SCAN_SPEED_M_S
+    [strip] = lines(orbit, STRIP_S + 0.5 * SCAN_S, half_m, (0.0,))
+    [stereo] = lines(orbit, STEREO_S + 0.5 * (GAP_S + SCAN_S), half_m, (0.0,))
+    return session(
+        "Strip and stereo pair of Platonov, Sumarokov 2019",
+        orbit,
+        560.0,
+        [
+            one("strip", "strip", strip, STRIP_S),
+            one("stereo", "stereo", stereo, STEREO_S, gap_s=GAP_S),
+        ],
+    )
+
+
+def eight_areas() -> dict:
+    """Each area of 48 x 60 km as its four strips, so that each has the paper's moment."""
+    orbit = sun_synchronous(AREAS_KM)
+    requests = []
+    for block in range(8):
+        turns_s = [t - LONG_START_S for t in PAPER_TURNS_S[4 * block : 4 * block + 5]]
+        scans_s = [FIRST_SCAN_S, *[SCAN_AFTER_S] * 3]
+        stops_s = [turns_s[1] - 1.0, *[t - 0.2 for t in turns_s[2:]]]
+        starts_s = [stop - scan for stop, scan in zip(stops_s, scans_s, strict=True)]
+        aside_m = 60e3 * (-1) ** block
+        across_m = tuple(aside_m + 12e3 * (k - 1.5) for k in range(4))
+        middle_s = 0.5 * (starts_s[0] + stops_s[-1])
+        strips = lines(orbit, middle_s, 30e3, across_m)
+        requests += [
+            one(
+                f"area {block + 1} strip {k + 1}",
+                "strip",
+                strip,
+                start_s,
+                scan_speed_m_s=round(60e3 / (scan_s - 0.05), 3),
+            )
+            for k, (strip, scan_s, start_s) in enumerate(
+                zip(strips, scans_s, starts_s, strict=True)
+            )
+        ]
+    inertial = Rotation.from_euler("XYZ", [0.3, 1.0, -0.4]).as_quat()
+    return session(
+        "The long session of Platonov, Sumarokov 2019: eight areas",
+        orbit,
+        1590.0,
+        requests,
+        initial_q_body_from_eci_xyzw=[round(x, 9) for x in inertial.tolist()],
+    )
+
+
+def fly(plan: ImagingPlan) -> list[Log]:
+    logs = fly_many(plan.spacecraft, plan.table, orbit_states(plan), SEEDS, itself)
+    for window in plan.verification.windows:
+        where = window.window
+        worst = max(np.abs(rate_errors(log, where.first_row, where.last_row)).max() for log in logs)
+        print(
+            f"  {where.request} look {where.look}: {where.first_row / 5:.1f} to "
+            f"{where.last_row / 5:.1f} s, {math.degrees(worst):.5f} deg/s at most in "
+            f"{len(logs)} runs, {window.along_deg:.1f} deg along the track"
+        )
+    return logs
+
+
+def draw(
+    plan: ImagingPlan, log: Log, spans: list[tuple[str, float, float]], offset_s: float
+) -> Figure:
+    """Rates relative to what is asked for, whole and in each span of the paper's clock."""
+    t_s = np.arange(len(log.rate_error_rad_s) * log.rate_error_rad_s.shape[1]) * 0.005 + offset_s
+    error_deg_s = np.rad2deg(log.rate_error_rad_s.reshape(-1, 3))
+    rate_deg_s = np.rad2deg(plan.table.omega_body_rad_s)
+    figure = Figure(figsize=(9.0, 2.2 * (1 + len(spans))), layout="constrained")
+    top, *details = figure.subplots(1 + len(spans), 1)
+    for k, (axis, colour) in enumerate(zip("XYZ", ("C0", "C1", "C2"), strict=True)):
+        top.plot(plan.table.t_s + offset_s, rate_deg_s[:, k], color=colour, label=axis, lw=1.0)
+    top.set_ylabel("body rate, deg/s")
+    for window in plan.table.windows:
+        top.axvspan(window.first_row / 5 + offset_s, window.last_row / 5 + offset_s, alpha=0.15)
+    top.legend(loc="upper right", ncols=3)
+    for panel, (name, start_s, stop_s) in zip(details, spans, strict=True):
+        inside = (t_s >= start_s - 6.0) & (t_s <= stop_s)
+        for k in range(3):
+            panel.plot(t_s[inside], error_deg_s[inside, k], color=f"C{k}", lw=0.8)
+        panel.axvspan(start_s, stop_s, alpha=0.15)
+        for limit in (-1e-3, 1e-3):
+            panel.axhline(limit, color="0.4", lw=0.8, ls="--")
+        panel.set_ylim(-2.5e-3, 2.5e-3)
+        panel.set_ylabel("rate error, deg/s")
+        panel.set_title(name, fontsize="medium")
+    details[-1].set_xlabel("time on the paper's clock, s")
+    return figure
+
+
+def main() -> None:
+    for name, document, spans, offset_s in (
+        (
+            "spacecraft_strip_and_stereo",
+            strip_and_stereo(),
+            [
+                ("strip (Fig. 4)", 128.0, 144.0),
+                ("stereo pair, first look (Fig. 6)", 338.0, 354.0),
+                ("stereo pair, second look (Fig. 6)", 448.0, 464.0),
+            ],
+            0.0,
+        ),
+        (
+            "spacecraft_eight_areas",
+            eight_areas(),
+            [
+                ("second area, first strip (Fig. 8)", 866.0, 881.0),
+                ("fifth area, third strip (Fig. 9)", 1405.0, 1419.0),
+            ],
+            LONG_START_S,
+        ),
+    ):
+        print(f"{name}:")
+        text = json.dumps(document, indent=2) + "\n"
+        plan = plan_imaging(read_spacecraft_request(text.encode()))
+        print(f"  left out: {[one.name for one in plan.left_out]}, {plan.verification.findings}")
+        print(f"  turns begin at {[turn.first_row / 5 for turn in plan.turns]} s")
+        logs = fly(plan)
+        if "--write" in sys.argv:
+            (ROOT / "examples" / f"{name}.json").write_text(text, encoding="utf-8")
+            draw(plan, logs[0], spans, offset_s).savefig(
+                ROOT / "docs/images" / f"{name}.png", dpi=90
+            )
+
+
+if __name__ == "__main__":
+    main()

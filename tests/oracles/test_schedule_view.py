@@ -1,0 +1,214 @@
+"""Are looks where the view is best, and is what is said of views, and of none, Skyfield's?"""
+
+import math
+from dataclasses import replace
+from datetime import timedelta
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from opportunity_requests import ISS, START, oco3_targets
+from skyfield.api import EarthSatellite, Loader, wgs84
+from skyfield.data import iers
+
+from planner.campaigns import (
+    CampaignRequest,
+    CampaignTarget,
+    ViewWeights,
+    choose_campaign,
+    scenario_of,
+)
+from planner.frames.time_scales import Instants, elapsed_s
+from planner.opportunities import OpportunityConditions
+from planner.platforms import PLATFORMS
+from planner.sessions.pipeline import make_plan
+
+STEP_S = 2.0
+LENGTH_S = 40.0
+
+
+@pytest.fixture(scope="module")
+def skyfield():
+    load = Loader(str(files("skyfield_data") / "data"))
+    timescale = load.timescale(builtin=False)
+    with load.open("finals2000A.all") as lines:
+        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
+    return timescale, load("de421.bsp"), EarthSatellite(ISS.line1, ISS.line2, ts=timescale)
+
+
+def request_for(listed, days=1.0, **fields):
+    return CampaignRequest(
+        **{
+            "orbit": ISS,
+            "platform": PLATFORMS["iss-hrc"],
+            "targets": tuple(
+                CampaignTarget(id=one.id, target=one.target, session_s=LENGTH_S) for one in listed
+            ),
+            "start": START,
+            "stop": START + timedelta(days=days),
+            "conditions": OpportunityConditions(min_elevation_deg=30.0),
+            "step_s": STEP_S,
+            **fields,
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def alone():
+    """Campaigns of one target each: nothing competes."""
+    requests = [request_for([one]) for one in oco3_targets(every=40)]
+    return [(request, choose_campaign(request)) for request in requests]
+
+
+def sights(skyfield, request, row, t_s):
+    """Elevation, deg, range and the carrier's height, m, and the Sun's elevation, deg."""
+    timescale, ephemeris, satellite = skyfield
+    times = timescale.tt_jd(*Instants(START, np.asarray(t_s)).tt_jd())
+    target = request.targets[row].target
+    place = wgs84.latlon(target.latitude_deg, target.longitude_deg)
+    altitude, _, distance = (satellite - place).at(times).altaz()
+    sun = (ephemeris["earth"] + place).at(times).observe(ephemeris["sun"]).apparent().altaz()[0]
+    height_m = wgs84.height_of(satellite.at(times)).m
+    return altitude.degrees, distance.m, height_m, sun.degrees
+
+
+def test_a_look_that_nothing_competes_with_is_centred_on_the_highest_elevation(skyfield, alone):
+    centred = 0
+    for request, campaign in alone:
+        for [look] in (flight.looks for flight in campaign.passes):
+            begins_s = elapsed_s(look.start_utc, START)
+            t_s = np.arange(begins_s - 400.0, begins_s + 400.0)
+            highest_s = t_s[np.argmax(sights(skyfield, request, 0, t_s)[0])]
+            # Half a step of the grid, half a second of the search, and as much again: elevation
+            # is symmetric about its highest only on a straight course.
+            assert begins_s + LENGTH_S / 2.0 == pytest.approx(highest_s, abs=2.5)
+            centred += 1
+    assert centred >= 10
+
+
+def test_quality_is_that_of_skyfields_elevation_range_and_sun(skyfield):
+    weights = ViewWeights(ground_sample=1.0, sun=0.5)
+    request = request_for(oco3_targets(every=20), view=weights)
+    campaign = choose_campaign(request)
+    looks = [look for flight in campaign.passes for look in flight.looks]
+    assert len(looks) > 15
+    for look in looks:
+        t_s = elapsed_s(look.start_utc, START) + np.arange(0.0, LENGTH_S + 1.0, STEP_S)
+        elevation_deg, range_m, height_m, sun_deg = sights(skyfield, request, look.target, t_s)
+        sharp = height_m * np.sin(np.radians(elevation_deg)) / range_m
+        quality = sharp * np.sqrt(np.maximum(np.sin(np.radians(sun_deg)), 0.0))
+        # Skyfield's elevation holds refraction-free geometry on WGS84 as ours: 1e-4 of it is
+        # what 50 m of the straight-down distance make.
+        assert look.quality == pytest.approx(
+            np.trapezoid(quality, dx=1.0 / (len(t_s) - 1)), abs=3e-4
+        )
+        middle = len(t_s) // 2
+        assert math.degrees(look.seen.elevation_rad) == pytest.approx(
+            elevation_deg[middle], abs=0.01
+        )
+        assert math.degrees(look.seen.sun_elevation_rad) == pytest.approx(sun_deg[middle], abs=0.01)
+        assert look.value == pytest.approx(look.quality)
+    assert campaign.value == pytest.approx(sum(look.value for look in looks))
+
+
+def test_weights_of_zero_leave_the_view_out():
+    blind = ViewWeights(ground_sample=0.0)
+    campaign = choose_campaign(request_for(oco3_targets(every=40), view=blind))
+    looks = [look for flight in campaign.passes for look in flight.looks]
+    assert {look.quality for look in looks} == {1.0}
+    assert campaign.value == len(looks)
+
+
+def test_probability_is_the_plans_at_an_instant():
+    listed = oco3_targets(every=80)
+    request = request_for(listed, view=ViewWeights(ground_sample=0.0, probability=1.0))
+    flights = choose_campaign(request).passes
+    assert len(flights) > 3
+    for flight in flights:
+        whole = scenario_of(request, flight, 0)
+        away = timedelta(seconds=LENGTH_S / 2 - 1)
+        *sessions, rest = whole.sessions
+        short = [replace(one, start=one.start + away, stop=one.stop - away) for one in sessions]
+        plan = make_plan(replace(whole, sessions=(*short, rest)))
+        for look, budget in zip(flight.looks, plan.budgets, strict=False):
+            # 1,024 points instead of 16,384 are good to 0.01, and so is an instant for 2 s.
+            told = budget.probability_in_frame
+            assert look.seen.probability_in_frame == pytest.approx(told, abs=0.015)
+            assert look.quality <= look.seen.probability_in_frame  # the best view is in the middle
+
+
+def test_unseen_targets_say_what_closed_them(skyfield):
+    listed = oco3_targets(every=30)
+    low = replace(listed[0], id="too far north")
+    low = replace(low, target=replace(low.target, latitude_deg=64.0, longitude_deg=10.0))
+    conditions = OpportunityConditions(min_elevation_deg=30.0, sun_elevation_min_deg=40.0)
+    request = request_for([*listed, low], conditions=conditions)
+    campaign = choose_campaign(request)
+    t_s = np.arange(0.0, 86400.0, 10.0)
+    causes = set()
+    for one in campaign.unseen:
+        elevation_deg, _, _, sun_deg = sights(skyfield, request, one.target, t_s)
+        # In 10 s overhead the elevation changes by 10 deg, so far from its highest by less.
+        assert elevation_deg.max() <= math.degrees(one.best_elevation_rad) + 0.01
+        best_s = elapsed_s(one.best_utc, START)
+        at_best_deg = sights(skyfield, request, one.target, [best_s])[0][0]
+        assert math.degrees(one.best_elevation_rad) == pytest.approx(at_best_deg, abs=0.01)
+        high = elevation_deg >= 30.0
+        expected = "elevation" if not high.any() else "sun_elevation"
+        assert one.closed_by == expected
+        if high.any():
+            assert sun_deg[high].max() < 40.0 + 0.1
+            assert "sun_elevation_min_deg 40" in one.because
+        causes.add(one.closed_by)
+    assert causes == {"elevation", "sun_elevation"}
+
+
+@pytest.mark.parametrize(
+    ("fields", "cause", "said"),
+    [
+        ({"conditions": {"max_off_nadir_deg": 0.5}}, "off_nadir", "max_off_nadir_deg 0.5"),
+        ({"conditions": {"min_duration_s": 3000.0}}, "duration", "min_duration_s 3000"),
+        ({"conditions": {"sun_keep_out_deg": 180.0}}, "sun_keep_out", "sun_keep_out_deg 180"),
+        ({"conditions": {"moon_keep_out_deg": 180.0}}, "moon_keep_out", "moon_keep_out_deg 180"),
+        ({"session_s": 900.0}, "duration", "less than the 900 s of a look"),
+        ({"minutes": 3.0}, "rest", "leave their rest"),
+    ],
+)
+def test_each_condition_that_closes_a_target_is_named(fields, cause, said):
+    day = OpportunityConditions(min_elevation_deg=30.0, sun_elevation_min_deg=10.0)
+    request = request_for(oco3_targets(every=100), conditions=day)
+    look = choose_campaign(request).passes[0].looks[0]
+    begins = look.start_utc
+    conditions = OpportunityConditions(min_elevation_deg=10.0, **fields.get("conditions", {}))
+    span = timedelta(minutes=fields.get("minutes", 120.0)) / 2
+    session_s = fields.get("session_s", LENGTH_S)
+    request = replace(
+        request,
+        targets=(replace(request.targets[look.target], session_s=session_s),),
+        conditions=conditions,
+        start=begins - span,
+        stop=begins + span,
+    )
+    [one] = choose_campaign(request).unseen
+    assert one.closed_by == cause
+    assert said in one.because
+    assert one.best_elevation_rad > math.radians(30.0)
+
+
+def test_who_is_left_out_is_displaced_by_looks_worth_as_much():
+    listed = oco3_targets(every=2)
+    conditions = OpportunityConditions(min_elevation_deg=30.0, sun_elevation_min_deg=10.0)
+    request = request_for(listed, conditions=conditions)
+    campaign = choose_campaign(request)
+    looked_at = {look.target for flight in campaign.passes for look in flight.looks}
+    assert {one.target for one in campaign.left_out}.isdisjoint(looked_at)
+    displaced = [one for one in campaign.left_out if one.displaced_by]
+    assert displaced
+    for one in displaced:
+        assert set(one.displaced_by) <= looked_at
+        assert one.displaced_value >= one.value - 1e-9
+    # Without those in its way, and nothing else to do, it is looked at as said.
+    one = displaced[0]
+    by_itself = choose_campaign(replace(request, targets=(request.targets[one.target],)))
+    [look] = [look for flight in by_itself.passes for look in flight.looks]
+    assert look.value >= one.value - 1e-9
