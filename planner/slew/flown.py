@@ -49,7 +49,7 @@ def cells_that_leave(profile: AxisProfile, rows: int) -> Indices:
     hermite = (
         np.outer(angle0, h00) + np.outer(angle1, h01) + np.outer(rate0, h10) + np.outer(rate1, h11)
     )
-    return cells[(np.abs(hermite - planned) > REPRODUCTION_RAD).any(axis=1)]
+    return np.asarray(cells[(np.abs(hermite - planned) > REPRODUCTION_RAD).any(axis=1)])
 
 
 def _cells_in_doubt(profile: AxisProfile, rows: int) -> Indices:

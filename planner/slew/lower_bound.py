@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.compiled import compiled
 from planner.slew.jerk_spans import solved
 
@@ -80,7 +80,7 @@ def lower_bound(
 @compiled
 def _polynomial(prices: Array, tau: float) -> float:
     x = 2.0 * tau - 1.0
-    return prices[0] + x * prices[1] + (1.5 * x * x - 0.5) * prices[2]
+    return float(prices[0] + x * prices[1] + (1.5 * x * x - 0.5) * prices[2])
 
 
 @compiled
@@ -135,7 +135,7 @@ def _pushes(ends: Array, limits: Array, contacts: Array, grid: Array) -> tuple[A
 
 @compiled
 def _first_prices(
-    costate: Array, grid: Array, knots: Array, jerks: Array, span: Array, jerk_max: float
+    costate: Array, grid: Array, knots: Array, jerks: Array, span: Indices, jerk_max: float
 ) -> Array:
     """Prices whose costate comes nearest to the jerks where these are free."""
     system, wanted = np.zeros((3, 3)), np.zeros(3)
@@ -170,18 +170,7 @@ def _dual(
         c0 = costate[k, 0] + prices[0] + prices[1] * middle + prices[2] * (1.5 * middle**2 - 0.5)
         c1 = costate[k, 1] + half * (prices[1] + 3.0 * prices[2] * middle)
         c2 = costate[k, 2] + 1.5 * prices[2] * half**2
-        cuts[0], cuts[1] = -1.0, 1.0
-        count = 2
-        for level in (jerk_max, -jerk_max):
-            discriminant = c1 * c1 - 4.0 * c2 * (c0 - level)
-            if discriminant <= 0.0:
-                continue
-            q = -0.5 * (c1 + math.copysign(math.sqrt(discriminant), c1))
-            for root in (q / c2 if c2 != 0.0 else 2.0, (c0 - level) / q if q != 0.0 else 2.0):
-                if -1.0 < root < 1.0:
-                    cuts[count] = root
-                    count += 1
-        cuts[:count].sort()
+        count = _where_cut_off(c0, c1, c2, jerk_max, cuts)
         for cut in range(count - 1):
             low, high = cuts[cut], cuts[cut + 1]
             if not high > low:
@@ -201,3 +190,21 @@ def _dual(
                         for j in range(3):
                             curvature[i, j] += weight * basis[i] * basis[j]
     return value, slope, curvature
+
+
+@compiled
+def _where_cut_off(c0: float, c1: float, c2: float, jerk_max: float, cuts: Array) -> int:
+    """Fills cuts with -1, 1 and where c0 + c1 x + c2 x^2 passes the limit between, in order."""
+    cuts[0], cuts[1] = -1.0, 1.0
+    count = 2
+    for level in (jerk_max, -jerk_max):
+        discriminant = c1 * c1 - 4.0 * c2 * (c0 - level)
+        if discriminant <= 0.0:
+            continue
+        q = -0.5 * (c1 + math.copysign(math.sqrt(discriminant), c1))
+        for root in (q / c2 if c2 != 0.0 else 2.0, (c0 - level) / q if q != 0.0 else 2.0):
+            if -1.0 < root < 1.0:
+                cuts[count] = root
+                count += 1
+    cuts[:count].sort()
+    return count

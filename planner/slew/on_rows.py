@@ -7,7 +7,7 @@ from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
 from planner.slew.braking import braked_ends
 from planner.slew.flown import reproduces
-from planner.slew.optimal import smoothest_motion
+from planner.slew.optimal import how_good, smoothest_motion
 from planner.slew.problem import AxisSlew
 from planner.slew.smoothest import Smoothest, smoothest
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
@@ -35,8 +35,13 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
     problem = solution.problem
     rows = rows_in(solution.duration_s)
     profiles, status, iterations = [], [], solution.iterations
-    for name, slew, profile, found in zip(
-        problem.axis_names, problem.axes, solution.profiles, solution.status, strict=True
+    for name, slew, profile, found, bound in zip(
+        problem.axis_names,
+        problem.axes,
+        solution.profiles,
+        solution.status,
+        solution.lower_bounds_rad2_s5 or (0.0,) * len(solution.profiles),
+        strict=True,
     ):
         if reproduces(profile, rows, slew.limits):
             profiles.append(profile)
@@ -51,7 +56,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
                 limit="duration",
             )
         profiles.append(on_rows.profile)
-        status.append(f"{found}, jerk on rows")
+        status.append(f"{how_good(on_rows.profile, bound, slew)}, jerk on rows")
         iterations += on_rows.iterations
     return replace(
         solution,

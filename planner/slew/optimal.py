@@ -123,11 +123,18 @@ def _rows_to_use(duration_s: float) -> int | None:
 
 
 def _called(found: Smoothest, slew: AxisSlew) -> AxisSolution:
-    gap = 1.0 - found.lower_bound_rad2_s5 / found.profile.jerk_squared_integral
-    status = "optimal" if gap <= OPTIMAL_GAP else f"within {gap:.1%} of the optimum"
+    bound = found.lower_bound_rad2_s5
+    return AxisSolution(
+        found.profile, how_good(found.profile, bound, slew), bound, found.iterations
+    )
+
+
+def how_good(profile: AxisProfile, lower_bound_rad2_s5: float, slew: AxisSlew) -> str:
+    """What a motion that was sought as the smoothest may be called."""
     if slew.avoid_modes:
-        status = "modes spared"
-    return AxisSolution(found.profile, status, found.lower_bound_rad2_s5, found.iterations)
+        return "modes spared"
+    gap = 1.0 - lower_bound_rad2_s5 / profile.jerk_squared_integral
+    return "optimal" if gap <= OPTIMAL_GAP else f"smooth to {gap:.1%} above the bound"
 
 
 def _with_braked_ends(slew: AxisSlew) -> AxisSolution | None:
@@ -143,5 +150,5 @@ def _with_braked_ends(slew: AxisSlew) -> AxisSolution | None:
     profile = ends.around(free.profile)
     if not obeys(profile, slew.start, slew.end, slew.limits):
         return None
-    status = f"{free.status}, braked at the ends"
+    status = f"braked at the ends, {free.status} between"
     return AxisSolution(profile, status, bound_without_contacts(slew), free.iterations)

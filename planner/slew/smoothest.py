@@ -220,7 +220,7 @@ def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
     early, late = motion.jerks[owner].T
     jerks = [early + (at - begin) / width * (late - early) for at in (knots[:-1], knots[1:])]
     most = GUESS_INSIDE * problem.limits[3, 1]
-    return np.clip(np.column_stack(jerks), -most, most)
+    return np.asarray(np.clip(np.column_stack(jerks), -most, most))
 
 
 def _on_knots(

@@ -51,7 +51,7 @@ def span_echoes(
 def wanted_residuals(
     ends_over_scale: Array, duration_s: float, modes: tuple[StructuralMode, ...]
 ) -> Array:
-    """What may be left, in units of `modal_echoes`: shares of what the cubic between the ends leaves.
+    """What may be left, in units of `modal_echoes`: shares of what the cubic's move leaves.
 
     ends_over_scale (2, 3): angle, rate, acceleration at start and end, in normalised time.
     """

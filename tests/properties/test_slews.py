@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from slew_cases import LIMITS, deg_state, draw_cases, sampled
+from slew_cases import LIMITS, deg_state, draw_cases, least_shared_s, sampled
 
 from planner.errors import InfeasibleSlew
 from planner.pointing.hermite import cubic_range
@@ -18,15 +18,6 @@ from planner.slew.problem import AxisState, SlewProblem
 
 SLACKS = (1.0, 1.003, 1.009, 1.011, 1.05, 1.2, 1.7, 3.0, 5.0)
 ROUNDING = 2e-9  # of the limit: degrees to radians and back, and a sum of 100 terms
-
-
-def least_shared_s(case):
-    """Least duration that suits both axes: beyond each least time and outside every gap."""
-    shared = 0.0
-    for _ in range(4):
-        for start, end in zip(case.start, case.end, strict=True):
-            shared = max(shared, next_duration_s(start, end, LIMITS, shared))
-    return shared
 
 
 def assert_within_limits(profile):
