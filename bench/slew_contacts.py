@@ -8,11 +8,14 @@ jerk would go.
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from slew_optimum import LIMITS, deg_state
+
+sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
+from slew_cases import LIMITS, deg_state
 
 from planner.slew import next_duration_s, verdict
 from planner.slew.interior_point import ORDERS, least_jerk
