@@ -125,6 +125,7 @@ class Tally:
     def __init__(self) -> None:
         self.solved: list[float] = []
         self.flown: list[float] = []
+        self.on_rows: list[float] = []
         self.gaps: list[float] = []
         self.bounds: list[float] = []
         self.broken: list[float] = []
@@ -157,6 +158,8 @@ class Tally:
         else:
             self._compare(self.solved, cost, free, f"{number} as solved: {told(problem)}, {status}")
             self.bounds.append(bound / free if free else 1.0)
+            if free and on_rows:
+                self.on_rows.append(on_rows / free)
             if self.bounds[-1] > 1.0 + ROUNDING:
                 self._note(number, problem, f"BOUND {self.bounds[-1]:.7f} of the reference")
         try:
@@ -194,6 +197,10 @@ class Tally:
                 f"{len(r)}"
             )
         gaps, broken, bounds = np.array(self.gaps), np.array(self.broken), np.array(self.bounds)
+        print(
+            f"what rows cost the reference: median {np.median(self.on_rows) - 1.0:.1e}, 95 % "
+            f"{np.quantile(self.on_rows, 0.95) - 1.0:.1e}, worst {max(self.on_rows) - 1.0:.1e}"
+        )
         print(
             f"limits broken on 1 ms: {np.sum(broken > BROKEN)} of {len(broken)}, as solved and as "
             f"flown; the worst by {broken.max():.1e} of its range\n"
