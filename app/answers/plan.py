@@ -210,7 +210,8 @@ class PlanDocument:
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
     pointing: how well each session's target is held.
-    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
+    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`. Not
+    told of plans that older versions made.
     uncertainty: of every session that looks at a target.
     verification: whether it may be flown, by a judge of its own.
     comparison: each slew beside the paper's spline.
@@ -225,7 +226,7 @@ class PlanDocument:
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
-    slow_stretches: list[SlowStretchOut]
+    slow_stretches: list[SlowStretchOut] | None = None
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]

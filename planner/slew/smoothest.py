@@ -4,7 +4,8 @@ The optimum's jerk is a quadratic of time less pushes of the contacts with limit
 its limit.  A jerk that is linear on spans, angle, rate and acceleration held within their
 limits by their Bernstein coefficients, comes as near to it as the spans allow.  The pushes that
 the solver finds give a lower bound for every motion; the gap to it is the sum of what each span
-loses, so the spans that lose most are cut, until the gap is closed.
+loses, so the spans that lose most are cut, until the gap is closed.  Within, all is in
+normalised time: the motion lasts 1.
 """
 
 from collections.abc import Callable, Iterator
