@@ -175,3 +175,22 @@ def test_a_covariance_that_makes_no_sense_is_refused():
     ):
         with pytest.raises(ValueError, match=said):
             AttitudeCorrection(epoch=epoch, turn_body_deg=STILL, covariance_deg2=rows)
+
+
+def test_instants_each_by_itself_are_as_if_asked_alone():
+    """A campaign's many views; before, between and hours after the measurements."""
+    one = law(
+        correction(3000.0, (0.1, 0.0, 0.0)),
+        correction(600.0, (0.05, 0.02, 0.0), heading_deg=180.0),
+        swing_deg=(0.2, 0.05, 0.0),
+    )
+    many = Instants(START, np.linspace(-4000.0, 250_000.0, 20_000))
+    covariance = [
+        np.einsum("mna,mnb->nab", told.modes_body_rad, told.modes_body_rad)
+        for told in (
+            one.errors_each(many),
+            *(one.errors(Instants(START, many.t_s[row : row + 1])) for row in (0, 250, 19_999)),
+        )
+    ]
+    alone = np.concatenate(covariance[1:])
+    np.testing.assert_allclose(covariance[0][[0, 250, 19_999]], alone, rtol=1e-9, atol=1e-15)
