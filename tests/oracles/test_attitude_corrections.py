@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.attitude import AttitudeCorrection, AttitudeUncertainty, LvlhAttitude
+from planner.attitude import (
+    AttitudeCorrection,
+    AttitudeUncertainty,
+    InertialAttitude,
+    LvlhAttitude,
+)
 from planner.attitude.corrections import REST_RAD
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, utc_from_text
@@ -194,3 +199,11 @@ def test_instants_each_by_itself_are_as_if_asked_alone():
     ]
     alone = np.concatenate(covariance[1:])
     np.testing.assert_allclose(covariance[0][[0, 250, 19_999]], alone, rtol=1e-9, atol=1e-15)
+
+
+def test_no_correction_of_a_constant_rate_where_it_says_nothing():
+    """Of a week before it was believed to the last degree."""
+    inertial = InertialAttitude(epoch=START, q_body_from_eci_xyzw=(0.0, 0.0, 0.0, 1.0))
+    replace(inertial, corrections=(correction(7199.0, (0.1, 0.0, 0.0)),))
+    with pytest.raises(ValueError, match=r"corrections\.1\.epoch is 2\.0 h"):
+        replace(inertial, corrections=(correction(60.0, STILL), correction(7200.0, STILL)))
