@@ -105,7 +105,7 @@ def _smoothest(slew: AxisSlew) -> AxisSolution | str:
         return possible.limit
     found = smoothest(slew, possible.profile, _rows_to_use(slew.duration_s))
     if found is not None:
-        return _called(found, slew)
+        return AxisSolution(found.profile, how_good(found, found.lower_bound_rad2_s5), *found[1:3])
     braked = _with_braked_ends(slew)
     if braked is not None:
         return braked
@@ -122,18 +122,11 @@ def _rows_to_use(duration_s: float) -> int | None:
     return rows if whole and duration_s >= ON_ROWS_S else None
 
 
-def _called(found: Smoothest, slew: AxisSlew) -> AxisSolution:
-    bound = found.lower_bound_rad2_s5
-    return AxisSolution(
-        found.profile, how_good(found.profile, bound, slew), bound, found.iterations
-    )
-
-
-def how_good(profile: AxisProfile, lower_bound_rad2_s5: float, slew: AxisSlew) -> str:
+def how_good(found: Smoothest, lower_bound_rad2_s5: float) -> str:
     """What a motion that was sought as the smoothest may be called."""
-    if slew.avoid_modes:
+    if found.spares_modes:
         return "modes spared"
-    gap = 1.0 - lower_bound_rad2_s5 / profile.jerk_squared_integral
+    gap = 1.0 - lower_bound_rad2_s5 / found.profile.jerk_squared_integral
     return "optimal" if gap <= OPTIMAL_GAP else f"smooth to {gap:.1%} above the bound"
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from planner import effort
 from planner.arrays import Array, Mask
 from planner.slew.flown import cells_that_break, cells_that_leave
-from planner.slew.interior_point import ORDERS, ROWS, least_jerk
+from planner.slew.interior_point import ORDERS, least_jerk
 from planner.slew.jerk_spans import meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import NormalisedSlew, normalised
@@ -45,20 +45,23 @@ SOLVE, ITERATION_SPAN = 20, 0.02  # of `planner.effort`
 # Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
 # place (Greville abscissa).
 _AT = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
-_POINTWISE = np.array([0, 1, 2, *range(5, ROWS)])
 _NO_ECHOES = np.zeros(0)
 
 
 class Smoothest(NamedTuple):
-    """lower_bound_rad2_s5: no motion between these states within these limits costs less."""
+    """lower_bound_rad2_s5: no motion between these states within these limits costs less.
+
+    spares_modes: whether the slew's modes were spared, as far as its limits allow.
+    """
 
     profile: AxisProfile
     lower_bound_rad2_s5: float
     iterations: int
+    spares_modes: bool = False
 
 
 class _Motion(NamedTuple):
-    """A solved motion on its knots, in normalised time; pushes (n, 11), losses (n,)."""
+    """A solved motion on its knots, in normalised time; pushes (n, 11)."""
 
     knots: Array
     flat: Mask
@@ -91,7 +94,7 @@ def _from_knots(
     if found is None:
         return None
     motion, bound = found
-    solve = _on_knots
+    solve, calm = _on_knots, None
     if slew.avoid_modes:
         spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
         knots = _spaced(np.union1d(motion.knots, np.linspace(0.0, 1.0, spans + 1)), rows)
@@ -106,7 +109,8 @@ def _from_knots(
     profile = _profile(problem, motion)
     if not obeys(profile, slew.start, slew.end, slew.limits):
         return None
-    return Smoothest(profile, bound * problem.cost_unit_rad2_s5, motion.iterations)
+    bound_rad2_s5 = bound * problem.cost_unit_rad2_s5
+    return Smoothest(profile, bound_rad2_s5, motion.iterations, spares_modes=calm is not None)
 
 
 def bound_without_contacts(slew: AxisSlew) -> float:
