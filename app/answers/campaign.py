@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
-
-from pydantic import BeforeValidator
+from typing import TYPE_CHECKING, Any
 
 from app.answers.job import JobResponse, job_out, page
 from app.answers.members import fill, from_store, to_json
@@ -72,11 +70,6 @@ class TargetLeftOut:
     displaced_value: NotNegative | None = None
 
 
-def _of_id_alone(stored: object) -> object:
-    """Campaigns stored before 23 November 2026 have ids in place of objects."""
-    return {"target": stored} if isinstance(stored, str) else stored
-
-
 @dataclass(frozen=True, kw_only=True)
 class CampaignChoiceOut:
     """What the looks chosen are worth together, and what they could be at most.
@@ -102,8 +95,8 @@ class CampaignChoiceOut:
     windows: Count
     looks: Count
     passes: Count
-    unseen: list[Annotated[UnseenTarget, BeforeValidator(_of_id_alone)]]
-    left_out: list[Annotated[TargetLeftOut, BeforeValidator(_of_id_alone)]]
+    unseen: list[UnseenTarget]
+    left_out: list[TargetLeftOut]
     warnings: list[str]
 
 

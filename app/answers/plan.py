@@ -154,6 +154,8 @@ class VerificationOut:
 class SlewRunOut:
     """How one slew was solved.
 
+    Cost, bound and gap aren't told of plans that older versions made.
+
     session: number of the session it leads to, from 0; null for the slew to the final state.
     backend: the method, as `slew.method` names it.
     status: how the solver ended.
@@ -175,9 +177,9 @@ class SlewRunOut:
     wall_s: NotNegative
     duration_s: NotNegative
     minimum_s: NotNegative
-    cost_deg2_s5: NotNegative | None
-    lower_bound_deg2_s5: NotNegative | None
-    gap: Share | None
+    cost_deg2_s5: NotNegative | None = None
+    lower_bound_deg2_s5: NotNegative | None = None
+    gap: Share | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
