@@ -169,6 +169,8 @@ def _ways_to_begin(
     """
     knots = _first_knots(problem, known, rows)
     yield knots
+    if rows is None:
+        yield np.union1d(knots, (knots[:-1] + knots[1:]) / 2.0)
     if rows is not None and known is not None:
         around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
         changes = known.breakpoints_s[:, None] / known.duration_s + around
