@@ -33,6 +33,7 @@ class OrbitSigma:
     Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures; drag makes
     the growth along the track of an ephemeris vary by a factor of three with solar activity.
     basis: on what evidence.  better: what would make them smaller.
+    is_along_laplace: whether the error along the track is rather Laplace's than Gauss's.
     """
 
     radial_m: Array
@@ -40,6 +41,7 @@ class OrbitSigma:
     cross_m: Array
     basis: str
     better: str
+    is_along_laplace: bool = False
 
 
 def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
@@ -56,7 +58,8 @@ def tle_sigma(age_s: Array, drag_m_day2: float) -> OrbitSigma:
     """Of SGP4 elements, this long from their epoch.
 
     drag_m_day2: how far along the track their drag takes the satellite in a day from the epoch.
-    A forecast is wrong by about as much, more so where it was fitted across a reboost.
+    A forecast is wrong by about as much, more so where it was fitted across a reboost; half of them
+    by less than half of that.
     """
     days = age_s / DAY_S
     drag_m = max(abs(drag_m_day2), DRAG_LEAST_M_DAY2) * days**0.6  # per day
@@ -69,6 +72,7 @@ def tle_sigma(age_s: Array, drag_m_day2: float) -> OrbitSigma:
         cross_m=np.hypot(400.0, 190.0 * days),
         basis=MEASURED_TLE,
         better="younger elements, or an ephemeris (OEM)",
+        is_along_laplace=True,
     )
 
 
@@ -92,7 +96,8 @@ def state_sigma(age_s: Array, *, paper_model: bool) -> OrbitSigma:
     model_m = 56.0 * (age_s / 900.0) ** 1.3 if paper_model else 16.0 * (age_s / 5400.0) ** 2.05
     radial_m, along_m, cross_m = _drifted(age_s)
     return OrbitSigma(
-        radial_m=np.hypot(radial_m, 0.3 * model_m),
+        # 2/3 of the drift in a radian, as of elements
+        radial_m=np.hypot(radial_m, (0.3 if paper_model else 0.06) * model_m),
         along_m=np.hypot(along_m, model_m),
         cross_m=np.hypot(cross_m, (0.3 if paper_model else 0.01) * model_m),
         basis=ASSUMED_STATE,
