@@ -244,9 +244,7 @@ def _points(normal: int, laplace: int, phases: int) -> Array:
     two_sided = -np.sign(from_median) * np.log1p(-2.0 * np.abs(from_median)) / np.sqrt(2.0)
     phase_rad = 2.0 * np.pi * lattice[:, constant:, None]
     circles = np.sqrt(2.0) * np.concatenate([np.cos(phase_rad), np.sin(phase_rad)], axis=2)
-    points = np.hstack(
-        [ndtri(lattice[:, :normal]), two_sided, circles.reshape(DRAWS, 2 * phases)]
-    )
+    points = np.hstack([ndtri(lattice[:, :normal]), two_sided, circles.reshape(DRAWS, 2 * phases)])
     return np.ascontiguousarray(points.T)
 
 
