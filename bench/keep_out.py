@@ -21,9 +21,9 @@ from keep_out_cases import LIMITS, Case, away_rad, draw_cases, hermite
 
 from planner.detour.detour import SPANS, avoid_cones
 from planner.detour.search import DetourSearch
+from planner.detour.spline_ocp import graded_ocp
 from planner.errors import InfeasibleSlew
 from planner.slew import SlewSolution
-from planner.slew.optimal import graded_ocp
 
 WITHIN = 1.01
 REPORT_EVERY = 10

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator
 
 from app.answers.job import JobResponse, job_out, page
 from app.answers.members import fill, from_store, to_json
@@ -26,6 +28,8 @@ if TYPE_CHECKING:  # children answer without a database
 class UnseenTarget:
     """A target that can't be looked at for as long as it must, and why.
 
+    Where a campaign was chosen by a version that told no more than `target`, the rest is null.
+
     target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
     closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
     stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
@@ -37,15 +41,17 @@ class UnseenTarget:
     """
 
     target: str
-    closed_by: Closing
-    because: str
-    best_elevation_deg: ElevationOrLimbDeg
-    best_time: str
+    closed_by: Closing | None = None
+    because: str | None = None
+    best_elevation_deg: ElevationOrLimbDeg | None = None
+    best_time: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class TargetLeftOut:
     """A target that could be looked at, and what stood in its way.
+
+    Where a campaign was chosen by a version that told no more than `target`, the rest is null.
 
     target: id of the target, as the request gives it.
     because: what its look would be worth, and what that would displace. E.g.
@@ -58,12 +64,17 @@ class TargetLeftOut:
     """
 
     target: str
-    because: str
-    start: str
-    stop: str
-    value: NotNegative
-    displaced_by: list[str]
-    displaced_value: NotNegative
+    because: str | None = None
+    start: str | None = None
+    stop: str | None = None
+    value: NotNegative | None = None
+    displaced_by: list[str] | None = None
+    displaced_value: NotNegative | None = None
+
+
+def _of_id_alone(stored: object) -> object:
+    """Campaigns stored before 23 November 2026 have ids in place of objects."""
+    return {"target": stored} if isinstance(stored, str) else stored
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,8 +102,8 @@ class CampaignChoiceOut:
     windows: Count
     looks: Count
     passes: Count
-    unseen: list[UnseenTarget]
-    left_out: list[TargetLeftOut]
+    unseen: list[Annotated[UnseenTarget, BeforeValidator(_of_id_alone)]]
+    left_out: list[Annotated[TargetLeftOut, BeforeValidator(_of_id_alone)]]
     warnings: list[str]
 
 

@@ -97,7 +97,9 @@ def _by_axis(names: tuple[str, ...], figures: SlewFigures) -> dict[str, AxisFigu
             peak_rate_deg_s=round(figures.peak_rate_rad_s[axis] * deg, DECIMALS),
             peak_acceleration_deg_s2=round(figures.peak_acceleration_rad_s2[axis] * deg, DECIMALS),
             peak_jerk_deg_s3=_finite(figures.peak_jerk_rad_s3[axis] * deg),
-            jerk_squared_integral_deg2_s5=_finite(figures.jerk_squared_integral[axis] * deg**2),
+            jerk_squared_integral_deg2_s5=_finite(
+                figures.jerk_squared_integral[axis] * deg**2, None
+            ),
             limits_broken=[found.limit for found in figures.violations if found.axis == name],
             end_error_arcsec=round(figures.end_error_rad[axis] * deg * 3600.0, DECIMALS),
         )
@@ -112,5 +114,7 @@ def _arcsec_by_axis(names: tuple[str, ...], amplitude_rad: tuple[float, ...]) ->
     }
 
 
-def _finite(value: float) -> float | None:
-    return round(value, DECIMALS) if math.isfinite(value) else None
+def _finite(value: float, decimals: int | None = DECIMALS) -> float | None:
+    if not math.isfinite(value):
+        return None
+    return value if decimals is None else round(value, decimals)

@@ -1,5 +1,6 @@
 """The answer to a plan: degrees, UTC text and plain numbers."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -19,12 +20,12 @@ from app.answers.members import (
     whole_answer,
 )
 from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
-from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
 from planner.frames.time_scales import utc_text
-from planner.sessions.plan import Plan
+from planner.sessions.plan import Plan, SlewRun
 from planner.verification import Finding, LimitMargin
 from planner.verification.report import KeepOutMargin
 
@@ -160,6 +161,11 @@ class SlewRunOut:
     wall_s: time it took to solve.
     duration_s: of the slew.
     minimum_s: the least time the limits allow.
+    cost_deg2_s5: the integral of squared jerk of all axes; null for the spline.
+    lower_bound_deg2_s5: no motion between the same states within the limits costs less; null for
+    the spline.
+    gap: share of the cost above the bound: what is called optimal has at most 0.001; null for the
+    spline.
     """
 
     session: Count | None
@@ -169,6 +175,9 @@ class SlewRunOut:
     wall_s: NotNegative
     duration_s: NotNegative
     minimum_s: NotNegative
+    cost_deg2_s5: NotNegative | None
+    lower_bound_deg2_s5: NotNegative | None
+    gap: Share | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,7 +210,8 @@ class PlanDocument:
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
     pointing: how well each session's target is held.
-    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
+    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`. Not
+    told of plans that older versions made.
     uncertainty: of every session that looks at a target.
     verification: whether it may be flown, by a judge of its own.
     comparison: each slew beside the paper's spline.
@@ -216,7 +226,7 @@ class PlanDocument:
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
-    slow_stretches: list[SlowStretchOut]
+    slow_stretches: list[SlowStretchOut] | None = None
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]
@@ -376,6 +386,17 @@ def _segment(segment: Segment) -> SegmentOut:
     )
 
 
+def _slew_run(run: SlewRun) -> SlewRunOut:
+    squared = math.degrees(1.0) ** 2
+    cost, bound = run.cost_rad2_s5, run.lower_bound_rad2_s5
+    return fill(
+        SlewRunOut,
+        run,
+        cost_deg2_s5=None if cost is None else cost * squared,
+        lower_bound_deg2_s5=None if bound is None else bound * squared,
+    )
+
+
 def _solver(plan: Plan) -> SolverOut:
     runs = plan.slews
     return SolverOut(
@@ -383,6 +404,6 @@ def _solver(plan: Plan) -> SolverOut:
         status=" ".join(dict.fromkeys(run.status for run in runs)),
         iterations=sum(run.iterations for run in runs),
         wall_s=sum(run.wall_s for run in runs),
-        slews=[fill(SlewRunOut, run) for run in runs],
+        slews=[_slew_run(run) for run in runs],
         stages_wall_s=dict(plan.stage_wall_s),
     )

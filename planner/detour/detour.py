@@ -11,14 +11,13 @@ from planner.detour.barrier import FINE_CELLS_RAD, is_barred, is_impossible
 from planner.detour.ends import free_part, with_part_replaced
 from planner.detour.passage import rough_paths
 from planner.detour.search import TOUCH_RAD, Detour, DetourSearch, cone_entry
+from planner.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
 from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
 from planner.pointing.keep_out import KeepOutView
-from planner.slew.on_rows import ocp_on_all_rows, rows_in
-from planner.slew.optimal import graded_ocp
+from planner.slew.on_rows import rows_in
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
-from planner.slew.spline_ocp import SplineOcp
 
 SPANS = 32  # costs 1e-4 more than 48, and a fifth less time
 FINER_SPANS = 64

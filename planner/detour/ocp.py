@@ -13,11 +13,11 @@ import numpy as np
 
 from planner import effort
 from planner.arrays import Array
+from planner.detour.spline_ocp import IPOPT, ITERATION_ENTRY, AxisProgramme, SplineOcp
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
 from planner.pointing.keep_out import MovingCone
 from planner.slew.solution import AxisProfile
-from planner.slew.spline_ocp import IPOPT, ITERATION_ENTRY, AxisProgramme, SplineOcp
 
 if TYPE_CHECKING:
     import casadi

@@ -12,11 +12,12 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.detour.ocp import DetourOcp, Start, detour_ocp
+from planner.detour.spline_ocp import SplineOcp
 from planner.platforms import AxisLimits
 from planner.pointing.keep_out import ConeEntry, KeepOutView, deepest_entry
-from planner.slew.on_rows import reproduces, rows_in
+from planner.slew.flown import reproduces
+from planner.slew.on_rows import rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
-from planner.slew.spline_ocp import SplineOcp
 
 Profiles = tuple[AxisProfile, AxisProfile]
 TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it

@@ -16,9 +16,9 @@ from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.detour.ocp import ITERATION_ROW
 from planner.detour.ocp import OPTIONS as OPTIONS_AROUND_CONES
+from planner.detour.spline_ocp import INSIDE, SOLVE
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
-from planner.slew.spline_ocp import INSIDE, SOLVE
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles

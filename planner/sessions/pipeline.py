@@ -119,6 +119,7 @@ def _numbered(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | Non
 
 def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
     slew = join.slew
+    optimised = options.keeps_limits
     return SlewRun(
         session=number,
         backend=options.method,
@@ -127,7 +128,9 @@ def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
         wall_s=sum(part.wall_s for part in (join.brake, slew) if part),
         duration_s=slew.duration_s,
         minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
-        comparison=compare_with_spline(slew, options) if options.keeps_limits else None,
+        cost_rad2_s5=slew.jerk_squared_integral if optimised else None,
+        lower_bound_rad2_s5=sum(slew.lower_bounds_rad2_s5) if optimised else None,
+        comparison=compare_with_spline(slew, options) if optimised else None,
     )
 
 

@@ -13,8 +13,9 @@ class SlewRun:
     """How one slew was solved.
 
     session: onto whose track; None: to the final state.
-    minimum_s: the least time the limits allow, stops aside.  comparison: None where the
-    baseline itself was asked for.
+    minimum_s: the least time the limits allow, stops aside.  cost_rad2_s5: the integral of squared
+    jerk of all axes; no motion within the limits has less than lower_bound_rad2_s5.  These and
+    comparison: None where the baseline itself was asked for.
     """
 
     session: int | None
@@ -24,7 +25,18 @@ class SlewRun:
     wall_s: float
     duration_s: float
     minimum_s: float
+    cost_rad2_s5: float | None
+    lower_bound_rad2_s5: float | None
     comparison: SlewComparison | None
+
+    @property
+    def gap(self) -> float | None:
+        """The share of the cost that is not proven to be needed."""
+        if self.cost_rad2_s5 is None or self.lower_bound_rad2_s5 is None:
+            return None
+        if self.cost_rad2_s5 == 0.0:
+            return 0.0
+        return max(1.0 - self.lower_bound_rad2_s5 / self.cost_rad2_s5, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -158,6 +158,8 @@ class SlewSolution:
     violations: every limit the exact extremes break, none from `optimal_slew`.
     end_error_rad: distance from the wanted end angle, per axis; on the track it dies away
     with the time constant settling_s.
+    lower_bounds_rad2_s5: of the integral of squared jerk, per axis: no motion between the same
+    states within the limits costs less; none where no optimum was sought.
     cut_short: whether the search for a better one was, by the work that may be done.
     """
 
@@ -168,6 +170,7 @@ class SlewSolution:
     wall_s: float
     violations: tuple[LimitViolation, ...]
     end_error_rad: tuple[float, ...]
+    lower_bounds_rad2_s5: tuple[float, ...] = ()
     settling_s: float = 0.0
     cut_short: bool = False
 

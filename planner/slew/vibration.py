@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from planner.arrays import Array
 from planner.platforms import StructuralMode
-from planner.slew.spline_basis import SplineBasis
 
 DETUNED = (0.96, 1.0, 1.04)  # each mode is weighted at its frequency and 4 % beside it
 # The squared jerk of a move is 1/2; of the cubic's vibration these shares would cost as much.
@@ -21,38 +20,42 @@ WEIGHTS = (1e4, 1e5, 1e4)
 WANTED = (0.1, 0.01, 0.1)  # of what the cubic leaves
 CUBIC_RESIDUAL = 6.0 * math.sqrt(2.0)  # of a unit move in unit time: its two steps of acceleration
 GAUSS_PHASE_MAX_RAD = 12.0  # over one span: twenty points are exact to rounding
+JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
 _NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-def modal_rows(
-    basis: SplineBasis, duration_s: float, modes: tuple[StructuralMode, ...]
+def modal_echoes(
+    knots_tau: Array, duration_s: float, modes: tuple[StructuralMode, ...]
 ) -> NDArray[np.complex128]:
-    """What a unit of each of n spline coefficients leaves of the detuned modes, (3 modes, n).
+    """What a unit of the jerk at both ends of n spans leaves of the detuned modes, (3 modes, n, 2).
 
-    In units of what the paper's cubic would leave of a unit move.
+    The jerk is linear on each span.  In units of what the paper's cubic leaves of a unit move.
     """
-    return _residuals(basis, np.array(_eigenvalues(duration_s, modes))) / CUBIC_RESIDUAL
+    echoes = span_echoes(knots_tau, duration_s, modes, 2)
+    width = np.diff(knots_tau)
+    late = echoes[:, :, 1] / width
+    return np.stack([echoes[:, :, 0] - late, late], axis=2)
 
 
-def modal_cost(rows: NDArray[np.complex128], weight_factors: Array | None = None) -> Array:
-    """Matrix (n, n) of the cost c^T P c / 2 of the rows' squares.
-
-    weight_factors: (len(rows),), multiply their usual weights.
-    Source: Singer, Seering 1990, residual vibration as a constraint on the command; here soft.
-    """
-    weights = np.resize(WEIGHTS, len(rows)) * (1.0 if weight_factors is None else weight_factors)
-    return np.asarray(sum((part.T * weights) @ part for part in (rows.real, rows.imag)))
+def span_echoes(
+    knots_tau: Array, duration_s: float, modes: tuple[StructuralMode, ...], count: int
+) -> NDArray[np.complex128]:
+    """What each power of time since a span's begin leaves as jerk there, (3 modes, n, count)."""
+    eigenvalues, width = np.array(_eigenvalues(duration_s, modes)), np.diff(knots_tau)
+    moments = _moments(np.outer(eigenvalues, width), count)
+    moments *= width[:, None] ** np.arange(1, count + 1)
+    moments *= np.exp(np.outer(eigenvalues, 1.0 - knots_tau[:-1]))[:, :, None]
+    return moments / CUBIC_RESIDUAL
 
 
 def wanted_residuals(
     ends_over_scale: Array, duration_s: float, modes: tuple[StructuralMode, ...]
 ) -> Array:
-    """What may be left, in units of `modal_rows`: shares of what the cubic between the ends leaves.
+    """What may be left, in units of `modal_echoes`: shares of what the cubic's move leaves.
 
-    ends_over_scale: angle, rate, acceleration at the start, and the same backwards at the end,
-    in normalised time.
+    ends_over_scale (2, 3): angle, rate, acceleration at start and end, in normalised time.
     """
-    angle, rate, acceleration, last_acceleration, last_rate, last_angle = ends_over_scale
+    (angle, rate, acceleration), (last_angle, last_rate, last_acceleration) = ends_over_scale
     step = 6.0 * (last_angle - angle)
     begins = step - 4.0 * rate - 2.0 * last_rate
     stops = 2.0 * rate + 4.0 * last_rate - step
@@ -69,22 +72,6 @@ def wanted_residuals(
 def _eigenvalues(duration_s: float, modes: tuple[StructuralMode, ...]) -> list[complex]:
     """In normalised time."""
     return [duration_s * share * mode.eigenvalue_rad_s for mode in modes for share in DETUNED]
-
-
-def _residuals(basis: SplineBasis, eigenvalues: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Integrals over [0, 1] of each spline's third derivative times exp(eigenvalue (1 - tau)).
-
-    Shape (len(eigenvalues), n).
-    """
-    width, support = np.diff(basis.breakpoints_tau), basis.support
-    powers = np.arange(3, basis.power_matrix.shape[1])
-    third = basis.power_matrix[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
-    moments = _moments(np.outer(eigenvalues, width), len(powers))
-    moments *= width[:, None] ** np.arange(1, len(powers) + 1)
-    moments *= np.exp(np.outer(eigenvalues, 1.0 - basis.breakpoints_tau[:-1]))[:, :, None]
-    residuals = np.zeros((int(support.max()) + 1, len(eigenvalues)), dtype=complex)
-    np.add.at(residuals, support, np.einsum("ekj,kjn->kne", moments, third))
-    return residuals.T
 
 
 def _moments(phase: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:

@@ -16,7 +16,6 @@ from planner.effort import EffortSpent, at_most, spend
 from planner.errors import Refusal, SearchEnded, Unreachable
 from planner.scenario import SlewOptions
 from planner.sessions.pipeline import make_plan
-from planner.slew.spline_ocp import SplineOcp
 from planner.targets import GroundTarget
 
 CASES = Path(__file__).parents[1] / "data" / "cases"
@@ -54,17 +53,6 @@ def test_a_track_that_a_slew_could_not_meet_is_refused_with_a_start_that_it_can(
     start, stop = refusal.earliest_feasible_start_utc, refusal.feasible_stop_utc
     moved = replace(asked, sessions=(replace(only, start=start, stop=stop),))
     assert make_plan(moved).verification.passed
-
-
-def test_a_solver_that_spares_modes_is_told_its_hessian():
-    """CasADi takes seconds, of which nothing is counted, to find a full one by differentiation."""
-    sizes = [
-        SplineOcp(np.linspace(0.0, 1.0, spans + 1), degree=3)
-        ._modes_solver.get_function("nlp_hess_l")
-        .n_instructions()
-        for spans in (20, 40)
-    ]
-    assert sizes[0] == sizes[1] < 20
 
 
 def test_one_request_always_takes_the_same_work():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from planner.detour.ocp import DetourOcp
-from planner.slew.optimal import graded_ocp
+from planner.detour.spline_ocp import graded_ocp
 
 ROUNDING = 1e-9  # of the largest entry
 

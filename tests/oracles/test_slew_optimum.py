@@ -10,10 +10,11 @@ from scipy.interpolate import BPoly
 from scipy.optimize import linprog
 
 from planner.platforms import ISS_HRC
-from planner.slew.feasibility import next_duration_s, passes_certificate
-from planner.slew.optimal import SPANS, graded_ocp, optimal_slew
+from planner.slew.feasibility import next_duration_s, passes_certificate, verdict
+from planner.slew.optimal import optimal_slew
 from planner.slew.paper_cubic import cubic_profile
 from planner.slew.problem import AxisSlew, AxisState, SlewProblem
+from planner.slew.smoothest import smoothest
 
 LIMITS = ISS_HRC.outer_limits
 
@@ -165,24 +166,30 @@ def axis_slew(start, end, duration_s):
 def test_optimum_costs_no_more_than_a_fine_grid(name, slack):
     start, end = MOVES[name]
     duration_s = slack * next_duration_s(start, end, LIMITS, 0.0)
-    result = graded_ocp(SPANS).solve(axis_slew(start, end, duration_s))
+    slew = axis_slew(start, end, duration_s)
+    found = smoothest(slew, verdict(start, end, LIMITS, duration_s).profile, None)
+    cost = found.profile.jerk_squared_integral
     grid = shooting_cost(start, end, duration_s, nodes=500)
-    # 48 spans and limits on hulls cost up to 6.3e-4 of the integral at ordinary slack; close to
-    # the least time the optimum nears bang-bang, which spans follow less well.
-    tolerance = 7e-4 if slack > 1.1 else 1e-2
-    assert result.profile.jerk_squared_integral <= grid * (1.0 + tolerance)
-    assert result.profile.jerk_squared_integral >= grid * (1.0 - 6e-4)
+    # The solver stops at a gap of 3e-4.  500 constant jerks cost 2e-5 more than the optimum at
+    # ordinary slack and 1.4e-3 close to the least time, where the jerk changes within cells.
+    assert cost <= grid * (1.0 + 3e-4)
+    assert cost >= grid * (1.0 - (6e-4 if slack > 1.1 else 2e-3))
+    assert found.lower_bound_rad2_s5 <= grid
 
 
 @pytest.mark.parametrize("duration_s", [60.0, 140.0])
 def test_a_slew_that_must_brake_at_once_costs_hardly_more_than_a_fine_grid(duration_s):
-    """2.5 + 1^2 / 2 deg/s is the rate's limit: only the greatest jerk keeps it."""
+    """2.5 + 1^2 / 2 deg/s is the rate's limit: only the greatest jerk keeps it.
+
+    The grid keeps limits at its nodes alone, and the second of braking is no whole number of its
+    cells: in 60 s that saves it 0.4 %.
+    """
     start, end = deg_state(-20, 2.5, 1.0), deg_state(35)
     problem = SlewProblem(
         axis_names=("alpha",), limits=(LIMITS,), start=(start,), end=(end,), duration_s=duration_s
     )
     grid = shooting_cost(start, end, duration_s, nodes=500)
-    assert optimal_slew(problem).jerk_squared_integral <= 1.05 * grid
+    assert optimal_slew(problem).jerk_squared_integral <= 1.005 * grid
 
 
 def test_far_from_limits_the_solver_finds_the_quintic_itself():
@@ -196,7 +203,7 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         ],
     )
     t_s = np.linspace(0.0, duration_s, 500)
-    by_solver = graded_ocp(SPANS).solve(axis_slew(start, end, duration_s)).profile
+    by_solver = smoothest(axis_slew(start, end, duration_s), None, None).profile
     problem = SlewProblem(
         axis_names=("alpha",),
         limits=(LIMITS,),
@@ -205,8 +212,8 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         duration_s=duration_s,
     )
     planned = optimal_slew(problem).profiles[0]
-    # The cost is flat at its minimum: tol 1e-8 of it leaves 1e-5 of the 1 rad move.
-    np.testing.assert_allclose(by_solver.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-5)
+    # The cost is flat at its minimum: a gap of 3e-4 leaves 1e-4 of the 1 rad move.
+    np.testing.assert_allclose(by_solver.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-4)
     np.testing.assert_allclose(planned.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-12)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.platforms import ISS_HRC
+from planner.slew.feasibility import next_duration_s
 from planner.slew.problem import AxisState, SlewProblem
 
 LIMITS = ISS_HRC.outer_limits
@@ -94,3 +95,12 @@ def sampled(profile, step_s=1e-3):
             derivative = poly if order == 0 else poly.deriv(order)
             parts[order].append(derivative(t))
     return [np.concatenate(part) for part in parts]
+
+
+def least_shared_s(case):
+    """Least duration that suits both axes: beyond each least time and outside every gap."""
+    shared = 0.0
+    for _ in range(4):
+        for start, end in zip(case.start, case.end, strict=True):
+            shared = max(shared, next_duration_s(start, end, LIMITS, shared))
+    return shared

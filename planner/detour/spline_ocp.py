@@ -1,4 +1,4 @@
-"""The smoothest motion that a B-spline can make between two states within the limits.
+"""One axis's part of the programme of a detour: a B-spline between two states within limits.
 
 In normalised time tau = t/T the angle is a clamped B-spline.  Its derivatives are B-splines
 whose coefficients D_k c are linear in its own c, and a B-spline never leaves the hull of its
@@ -8,23 +8,20 @@ serves every slew.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
-from planner import effort
 from planner.arrays import Array
+from planner.detour.spline_basis import SplineBasis, derivative_matrices, jerk_cost, spline_basis
+from planner.platforms import StructuralMode
 from planner.slew.problem import AxisSlew
-from planner.slew.solution import AxisProfile, obeys
-from planner.slew.spline_basis import derivative_matrices, jerk_cost, spline_basis
-from planner.slew.vibration import modal_cost, modal_rows, wanted_residuals
+from planner.slew.solution import AxisProfile
+from planner.slew.vibration import JERK_COST, WEIGHTS, span_echoes
 
-if TYPE_CHECKING:
-    import casadi
-
-JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move in unit time
 ROUNDING = 1e-9  # of the limits' ranges
+ON_ROWS_KEPT = 2  # both axes ask for the same one; at 200 rows it takes 3 MB
 INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
 IPOPT: dict[str, str | float | int] = {
     "print_level": 0,
@@ -39,19 +36,8 @@ IPOPT: dict[str, str | float | int] = {
     "hessian_constant": "yes",
 }
 
-WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
-RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
-WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
-HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
 # Of `planner.effort`: a solve, a row or variable in an iteration, an entry of a full hessian.
 SOLVE, ITERATION_ROW, ITERATION_ENTRY = 100, 0.3, 0.03
-
-
-class OcpResult(NamedTuple):
-    """A candidate to be judged by its polynomials, whatever the solver says of it."""
-
-    profile: AxisProfile
-    iterations: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,121 +95,6 @@ class SplineOcp:
         self.jacobian = rows[:, basis.free] * self._unit * self._row_scale[:, None]
         self._jacobian_fixed = rows[:, basis.fixed] * self._row_scale[:, None]
 
-    @cached_property
-    def _solver(self) -> "casadi.Function":
-        """Its parameter is the gradient."""
-        import casadi
-
-        parameter = casadi.MX.sym("gradient", self.free_count)
-        return self._build_solver(casadi.sparsify(casadi.DM(self.hessian)), parameter)
-
-    @cached_property
-    def _modes_solver(self) -> "casadi.Function":
-        """Its parameters are the gradient and the full hessian, which modes change."""
-        import casadi
-
-        n = self.free_count
-        parameters = casadi.MX.sym("gradient and hessian", n + n * n)
-        return self._build_solver(casadi.reshape(parameters[n:], n, n), parameters)
-
-    def _build_solver(
-        self, hessian: "casadi.DM | casadi.MX", parameters: "casadi.MX"
-    ) -> "casadi.Function":
-        # CasADi takes 0.1 s to import, which only a process that solves should pay.
-        import casadi
-
-        y = casadi.MX.sym("y", self.free_count)
-        programme: dict[str, Any] = {
-            "x": y,
-            "p": parameters,
-            "f": casadi.bilin(hessian, y, y) / 2.0 + casadi.dot(parameters[: self.free_count], y),
-            "g": casadi.mtimes(casadi.sparsify(casadi.DM(self.jacobian)), y),
-        }
-        weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", len(self.jacobian))
-        # Given, as CasADi would take seconds to find a full one by differentiation.
-        lagrangian_hessian = casadi.Function(
-            "nlp_hess_l",
-            [y, parameters, weight, row_weights],
-            [casadi.triu(weight * hessian)],
-            ["x", "p", "lam_f", "lam_g"],
-            ["triu_hess_gamma_x_x"],
-        )
-        options: dict[str, Any] = {
-            "print_time": False,
-            "ipopt": IPOPT,
-            "hess_lag": lagrangian_hessian,
-        }
-        return casadi.nlpsol("slew", "ipopt", programme, options)
-
-    def solve(self, slew: AxisSlew) -> OcpResult:
-        """The smoothest spline from start to end, if the solver is to be believed.
-
-        avoid_modes are left as calm as the limits allow; see `planner.slew.vibration`.
-        """
-        if slew.avoid_modes:
-            return self._solve_avoiding_modes(slew)
-        programme = self.pose(slew)
-        y, iterations, _ = self._run(programme)
-        return OcpResult(self.profile(programme, y), iterations)
-
-    def _solve_avoiding_modes(self, slew: AxisSlew) -> OcpResult:
-        """With weights shifted towards what rings too much, until none does or tries run out.
-
-        Source: Lawson 1961, the least greatest residual by least squares weighed anew.
-        """
-        rows = modal_rows(self._basis, slew.duration_s, slew.avoid_modes)
-        weight_factors = np.ones(len(rows))
-        iterations, least_share = 0, np.inf
-        best: AxisProfile | None = None
-        for _ in range(WEIGHINGS):
-            programme = self.pose(slew, weight_factors=weight_factors)
-            y, used, success = self._run(programme)
-            iterations += used
-            ends_over_scale = _ends_over_scale(slew, programme.scale_rad)
-            left = np.abs(rows @ self._coefficients(programme, y))
-            wanted = wanted_residuals(ends_over_scale, slew.duration_s, slew.avoid_modes)
-            shares = left / (RESIDUAL_SHARE * wanted)
-            profile = self.profile(programme, y)
-            good = success and obeys(profile, slew.start, slew.end, slew.limits)
-            if best is None or (good and shares.max() < least_share):
-                least_share = float(shares.max())
-                best = profile
-            if not good or not 1.0 < least_share < HOPELESS:
-                break
-            weight_factors = weight_factors * np.clip(shares, *WEIGHT_CHANGES)
-        assert best is not None
-        return OcpResult(best, iterations)
-
-    def _run(self, programme: AxisProgramme) -> tuple[Array, int, bool]:
-        """y, iterations and whether the solver says that it is the optimum."""
-        if programme.cost_hessian is None:
-            solver, parameters = self._solver, programme.cost_gradient
-            optimum = self._unconstrained @ programme.fixed_coefficients
-        else:
-            solver = self._modes_solver
-            parameters = np.concatenate([programme.cost_gradient, programme.cost_hessian.ravel()])
-            optimum = np.asarray(-np.linalg.solve(programme.cost_hessian, programme.cost_gradient))
-            bounded = np.concatenate([optimum, self.jacobian @ optimum])
-            least = np.concatenate([programme.least_y, programme.least_rows])
-            greatest = np.concatenate([programme.greatest_y, programme.greatest_rows])
-            if ((least <= bounded) & (bounded <= greatest)).all():
-                return optimum, 0, True
-        effort.spend(SOLVE)
-        found = solver(
-            x0=np.clip(optimum, programme.least_y, programme.greatest_y),
-            p=parameters,
-            lbx=programme.least_y,
-            ubx=programme.greatest_y,
-            lbg=programme.least_rows,
-            ubg=programme.greatest_rows,
-        )
-        stats = solver.stats()
-        y, iterations = np.asarray(found["x"]).ravel(), int(stats["iter_count"])
-        full = 0.0 if programme.cost_hessian is None else programme.cost_hessian.size
-        rows = len(y) + len(programme.least_rows)
-        effort.count(iterations * (ITERATION_ROW * rows + ITERATION_ENTRY * full))
-        return y, iterations, stats["return_status"] == "Solve_Succeeded"
-
     @property
     def free_count(self) -> int:
         """How many coefficients the ends leave free."""
@@ -273,15 +144,11 @@ class SplineOcp:
         self,
         slew: AxisSlew,
         *,
-        scale_rad: float | None = None,
-        weight_factors: Array | None = None,
+        scale_rad: float,
     ) -> AxisProgramme:
-        """The numbers that make this family of problems one problem.
-
-        weight_factors: of the modes' rows, see `modal_cost`.
-        """
+        """The numbers that make this family of problems one problem."""
         basis, T = self._basis, slew.duration_s
-        scale = _distance_scale_rad(slew) if scale_rad is None else scale_rad
+        scale = scale_rad
         fixed = basis.fixed_from_ends @ _ends_over_scale(slew, scale)
         limit = slew.limits.bounds
         reach = (
@@ -297,7 +164,7 @@ class SplineOcp:
         known = self._jacobian_fixed @ fixed
         gradient, hessian = self._gradient @ fixed, None
         if slew.avoid_modes:
-            cost = modal_cost(modal_rows(basis, T, slew.avoid_modes), weight_factors)
+            cost = _modal_cost(basis, T, slew.avoid_modes)
             free = cost[np.ix_(basis.free, basis.free)]
             hessian = self.hessian + free * np.outer(self._unit, self._unit)
             gradient = gradient + self._unit * (cost[np.ix_(basis.free, basis.fixed)] @ fixed)
@@ -333,12 +200,36 @@ class SplineOcp:
         return c
 
 
-def _distance_scale_rad(slew: AxisSlew) -> float:
-    """What the motion is measured in, so that coefficients are of order one."""
-    start, end, T = slew.start, slew.end, slew.duration_s
-    rates = (abs(start.rate_rad_s) + abs(end.rate_rad_s)) * T / 4.0
-    accelerations = (abs(start.acceleration_rad_s2) + abs(end.acceleration_rad_s2)) * T**2 / 40.0
-    return max(abs(end.angle_rad - start.angle_rad), rates, accelerations, 1e-9)
+@lru_cache(maxsize=8)
+def graded_ocp(spans: int) -> SplineOcp:
+    """Quintics on knots five times denser at the ends, where the jerk must turn quickly.
+
+    Made once per process.
+    """
+    x = np.linspace(0.0, 1.0, spans + 1)
+    breakpoints_tau = 0.2 * x + 0.4 * (1.0 - np.cos(np.pi * x))
+    breakpoints_tau[0], breakpoints_tau[-1] = 0.0, 1.0
+    return SplineOcp(breakpoints_tau, degree=5)
+
+
+@lru_cache(maxsize=ON_ROWS_KEPT)
+def ocp_on_all_rows(rows: int) -> SplineOcp:
+    """Cubics whose jerk may change on every row and nowhere else; a Hermite reproduces them."""
+    return SplineOcp(np.linspace(0.0, 1.0, rows + 1), degree=3)
+
+
+def _modal_cost(basis: SplineBasis, duration_s: float, modes: tuple[StructuralMode, ...]) -> Array:
+    """Matrix (n, n) of the cost c^T P c / 2 of what coefficients c leave of the detuned modes.
+
+    Source: Singer, Seering 1990, residual vibration as a constraint on the command; here soft.
+    """
+    powers = np.arange(3, basis.power_matrix.shape[1])
+    third = basis.power_matrix[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
+    echoes = span_echoes(basis.breakpoints_tau, duration_s, modes, len(powers))
+    rows = np.zeros((int(basis.support.max()) + 1, len(echoes)), dtype=complex)
+    np.add.at(rows, basis.support, np.einsum("ekj,kjn->kne", echoes, third))
+    weights = np.resize(WEIGHTS, len(echoes))
+    return np.asarray(sum((part * weights) @ part.T for part in (rows.real, rows.imag)))
 
 
 def _ends_over_scale(slew: AxisSlew, scale_rad: float) -> Array:

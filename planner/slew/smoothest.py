@@ -1,0 +1,372 @@
+"""The smoothest motion of one axis within its limits, and a proof of how near it is to the best.
+
+The optimum's jerk is a quadratic of time less pushes of the contacts with limits, cut off at
+its limit.  A jerk that is linear on spans, angle, rate and acceleration held within their
+limits by their Bernstein coefficients, comes as near to it as the spans allow.  The pushes that
+the solver finds give a lower bound for every motion; the gap to it is the sum of what each span
+loses, so the spans that lose most are cut, until the gap is closed.  Within, all is in
+normalised time: the motion lasts 1.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from planner import effort
+from planner.arrays import Array, Mask
+from planner.slew.flown import cells_that_break, cells_that_leave
+from planner.slew.interior_point import ORDERS, least_jerk
+from planner.slew.jerk_spans import meet_end, trajectory
+from planner.slew.lower_bound import lower_bound
+from planner.slew.normalised import NormalisedSlew, normalised
+from planner.slew.problem import AxisSlew
+from planner.slew.solution import AxisProfile, obeys
+from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_residuals
+
+GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
+FIRST_SPANS = 24
+UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
+ROUNDS = 14
+ROWS_AROUND = 6
+ALL_ROWS_MAX = 700  # 140 s: more than any platform's least time
+NARROWEST = 1e-6
+INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
+PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
+LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
+GUESS_INSIDE = 0.9  # of the jerk's limit
+MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
+WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
+RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
+WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
+HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
+SOLVE, ITERATION_SPAN = 20, 0.02  # of `planner.effort`
+# Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
+# place (Greville abscissa).
+_AT = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
+_NO_ECHOES = np.zeros(0)
+
+
+class Smoothest(NamedTuple):
+    """lower_bound_rad2_s5: no motion between these states within these limits costs less.
+
+    spares_modes: whether the slew's modes were spared, as far as its limits allow.
+    """
+
+    profile: AxisProfile
+    lower_bound_rad2_s5: float
+    iterations: int
+    spares_modes: bool = False
+
+
+class _Motion(NamedTuple):
+    """A solved motion on its knots, in normalised time; pushes (n, 11)."""
+
+    knots: Array
+    flat: Mask
+    states: Array
+    jerks: Array
+    pushes: Array
+    iterations: int
+
+
+def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Smoothest | None:
+    """The smoothest motion in exactly the slew's time; None where none is found.
+
+    known: any motion with these ends; near the least time its breakpoints tell where the jerk
+    must change.  rows: in how many equal steps the jerk may change only between them, on spans
+    of one step not at all within; a cubic Hermite through the rows then flies the motion.
+    avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
+    """
+    problem = normalised(slew)
+    for knots in _ways_to_begin(problem, known, rows):
+        found = _from_knots(problem, slew, knots, rows)
+        if found is not None:
+            return found
+    return None
+
+
+def _from_knots(
+    problem: NormalisedSlew, slew: AxisSlew, knots: Array, rows: int | None
+) -> Smoothest | None:
+    found = _solve(problem, knots, rows)
+    if found is None:
+        return None
+    motion, bound = found
+    solve, calm = _on_knots, None
+    if slew.avoid_modes:
+        spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
+        knots = _spaced(np.union1d(motion.knots, np.linspace(0.0, 1.0, spans + 1)), rows)
+        calm = _calmest(problem, knots, rows, _guess(problem, motion, knots), slew)
+        if calm is not None:
+            motion, solve = calm, partial(_calmest, slew=slew)
+    if rows is not None:
+        carried = _carried(problem, slew, motion, rows, solve)
+        if carried is None:
+            return None
+        motion = carried
+    profile = _profile(problem, motion)
+    if not obeys(profile, slew.start, slew.end, slew.limits):
+        return None
+    bound_rad2_s5 = bound * problem.cost_unit_rad2_s5
+    return Smoothest(profile, bound_rad2_s5, motion.iterations, spares_modes=calm is not None)
+
+
+def bound_without_contacts(slew: AxisSlew) -> float:
+    """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
+    problem = normalised(slew)
+    knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
+    jerks = _free_jerks(problem, knots)
+    bound, _ = lower_bound(problem.ends, problem.limits, np.zeros((0, 3)), knots, jerks)
+    return bound * problem.cost_unit_rad2_s5
+
+
+def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
+    return problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
+
+
+def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
+    """The motion and its lower bound, on knots that are added to until the gap is closed."""
+    best: _Motion | None = None
+    bound, iterations = 0.0, 0
+    guess = _free_jerks(problem, knots)
+    for _ in range(ROUNDS):
+        motion = _on_knots(problem, knots, rows, guess)
+        if motion is None:
+            break
+        iterations += motion.iterations
+        best, cost = motion, _cost(motion)
+        proven, losses = _losses(problem, motion)
+        bound = max(bound, proven)
+        if cost - bound <= GAP_WANTED * cost:
+            break
+        cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
+        finer = _spaced(np.union1d(knots, _cuts(motion)[cut]), rows)
+        if len(finer) == len(knots):
+            break
+        guess = _guess(problem, motion, finer)
+        knots = finer
+    return None if best is None else (best._replace(iterations=iterations), bound)
+
+
+def _first_knots(problem: NormalisedSlew, known: AxisProfile | None, rows: int | None) -> Array:
+    x = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
+    knots = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
+    if known is not None:
+        knots = np.union1d(knots, known.breakpoints_s / known.duration_s)
+    knots = np.concatenate([knots, [_first_span(problem, 0)], [1.0 - _first_span(problem, 1)]])
+    return _spaced(np.unique(knots), rows)
+
+
+def _ways_to_begin(
+    problem: NormalisedSlew, known: AxisProfile | None, rows: int | None
+) -> Iterator[Array]:
+    """Knots to begin with, more where those before don't lead to a motion.
+
+    Within a row or so of the least time the jerk must change on the right rows: near those where
+    it would at any time, or on any of them.
+    """
+    knots = _first_knots(problem, known, rows)
+    yield knots
+    if rows is not None and known is not None:
+        around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
+        changes = known.breakpoints_s[:, None] / known.duration_s + around
+        yield _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
+    if rows is not None and rows <= ALL_ROWS_MAX:
+        yield np.arange(rows + 1) / rows
+
+
+def _first_span(problem: NormalisedSlew, end: int) -> float:
+    """How long the Bernstein coefficients that an end alone determines keep the limits."""
+    angle, rate, acceleration = problem.ends[end] * (
+        (1.0, 1.0, 1.0) if end == 0 else (1.0, -1.0, 1.0)
+    )
+    width = 1.0 / FIRST_SPANS
+    for value, slope, (low, high), share in (
+        (angle, rate, problem.limits[0], 0.25),
+        (rate, acceleration, problem.limits[1], 1.0 / 3.0),
+    ):
+        room = high - value if slope > 0.0 else value - low
+        if room < share * width * abs(slope):
+            width = max(room / (share * abs(slope)), NARROWEST)
+    return width
+
+
+def _spaced(knots: Array, rows: int | None) -> Array:
+    """Sorted knots, on rows or at least NARROWEST apart."""
+    if rows is not None:
+        return np.asarray(np.unique(np.round(knots * rows)) / rows)
+    knots = knots[np.append(np.diff(knots) > NARROWEST, True)]
+    knots[0] = 0.0
+    return np.asarray(knots)
+
+
+def _free_jerks(problem: NormalisedSlew, knots: Array) -> Array:
+    """The jerks (n, 2) of the quintic through both ends, cut off within their limit."""
+    start, end = problem.ends
+    turned = np.array(
+        [
+            end[0] - start[0] - start[1] - start[2] / 2.0,
+            end[1] - start[1] - start[2],
+            end[2] - start[2],
+        ]
+    )
+    jerk = turned @ np.array([[60.0, -360.0, 360.0], [-24.0, 168.0, -180.0], [3.0, -24.0, 30.0]])
+    most = GUESS_INSIDE * problem.limits[3, 1]
+    at_knots = np.clip(np.polynomial.polynomial.polyval(knots, jerk), -most, most)
+    return np.column_stack([at_knots[:-1], at_knots[1:]])
+
+
+def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
+    """The motion's jerks on finer knots, a little within their limit."""
+    owner = np.searchsorted(motion.knots, (knots[:-1] + knots[1:]) / 2.0) - 1
+    begin, width = motion.knots[owner], np.diff(motion.knots)[owner]
+    early, late = motion.jerks[owner].T
+    jerks = [early + (at - begin) / width * (late - early) for at in (knots[:-1], knots[1:])]
+    most = GUESS_INSIDE * problem.limits[3, 1]
+    return np.asarray(np.clip(np.column_stack(jerks), -most, most))
+
+
+def _on_knots(
+    problem: NormalisedSlew,
+    knots: Array,
+    rows: int | None,
+    guess: Array,
+    echoes: Array | None = None,
+    weights: Array = _NO_ECHOES,
+) -> _Motion | None:
+    widths = np.diff(knots)
+    flat = _flat(knots, rows)
+    inner = problem.limits + INSIDE * np.ptp(problem.limits, axis=1)[:, None] * np.array(
+        [1.0, -1.0]
+    )
+    if echoes is None:
+        echoes = np.zeros((0, len(widths), 2))
+    jerks, pushes, iterations, converged = least_jerk(
+        widths, flat, problem.ends, inner, echoes, weights, guess
+    )
+    effort.spend(SOLVE)
+    effort.count(ITERATION_SPAN * iterations * len(widths))
+    if not converged:
+        return None
+    jerk_max = problem.limits[3, 1]
+    jerks = meet_end(widths, flat, problem.ends, jerk_max, np.clip(jerks, -jerk_max, jerk_max))
+    if rows is not None:
+        jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
+    states = trajectory(widths, flat, problem.ends[0], jerks)
+    return _Motion(knots, flat, states, jerks, pushes, iterations)
+
+
+def _flat(knots: Array, rows: int | None) -> Mask:
+    """Which spans are single rows, on which the jerk is constant."""
+    return np.asarray(np.diff(knots) * (rows or 0) < 1.5) & (rows is not None)
+
+
+def _cost(motion: _Motion) -> float:
+    early, late = motion.jerks.T
+    return float(np.diff(motion.knots) @ (early * early + early * late + late * late)) / 3.0
+
+
+def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
+    """The lower bound, and what each span adds to the gap, (n,).
+
+    A span loses the squared distance of its jerk from the costate's, and what a bound on a
+    Bernstein coefficient holds back where the motion itself is still away from the limit.
+    """
+    widths, pushes, limits = np.diff(motion.knots), motion.pushes, problem.limits
+    after = _AT * widths[:, None]
+    early, slope = motion.jerks[:, :1], np.diff(motion.jerks, axis=1) / widths[:, None]
+    angle, rate, acceleration = (motion.states[:-1, order, None] for order in range(3))
+    values = np.where(
+        ORDERS == 0,
+        angle
+        + after * (rate + after * (acceleration / 2 + after * (early / 6 + after * slope / 24))),
+        np.where(
+            ORDERS == 1,
+            rate + after * (acceleration + after * (early / 2 + after * slope / 6)),
+            acceleration + after * (early + after * slope / 2),
+        ),
+    )
+    reached = np.where(pushes > 0.0, limits[ORDERS, 1], limits[ORDERS, 0])
+    counted = np.abs(pushes) * np.ptp(limits, axis=1)[ORDERS] / 2.0 > PUSH_SHARE * _cost(motion)
+    counted[:, 3:5] = False
+    span, row = np.nonzero(counted)
+    contacts = np.column_stack(
+        [motion.knots[span] + after[span, row], ORDERS[row], pushes[span, row]]
+    )
+    bound, missed = lower_bound(problem.ends, limits, contacts, motion.knots, motion.jerks)
+    held_back = 2.0 * np.where(counted, pushes * (reached - values), 0.0).sum(axis=1)
+    return bound, missed + held_back
+
+
+def _cuts(motion: _Motion) -> Array:
+    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle."""
+    pushed = np.abs(motion.pushes)
+    at = np.full(len(motion.jerks), 0.5)
+    slopes = (motion.states[:, 1], motion.states[:, 2])
+    for order, bounds in ((0, slice(5, 8)), (1, slice(8, 10))):
+        before, after = slopes[order][:-1], slopes[order][1:]
+        turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
+        share = before / np.where(turns, before - after, 1.0)
+        at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
+    return motion.knots[:-1] + at * np.diff(motion.knots)
+
+
+def _carried(
+    problem: NormalisedSlew,
+    slew: AxisSlew,
+    motion: _Motion,
+    rows: int,
+    solve: Callable[[NormalisedSlew, Array, int | None, Array], _Motion | None],
+) -> _Motion | None:
+    """With spans of single rows where the Hermite through the rows of longer ones goes astray."""
+    for _ in range(ROUNDS):
+        profile = _profile(problem, motion)
+        astray = np.union1d(
+            cells_that_break(profile, rows, slew.limits), cells_that_leave(profile, rows)
+        )
+        if not astray.size:
+            return motion
+        span = np.searchsorted(motion.knots, (astray + 0.5) / rows) - 1
+        begin, end = (np.rint(motion.knots[span + late] * rows).astype(int) for late in (0, 1))
+        every = [np.arange(first, last) / rows for first, last in zip(begin, end, strict=True)]
+        knots = _spaced(np.concatenate([motion.knots, *every]), rows)
+        if len(knots) == len(motion.knots):
+            return None
+        finer = solve(problem, knots, rows, _guess(problem, motion, knots))
+        if finer is None:
+            return None
+        motion = finer._replace(iterations=motion.iterations + finer.iterations)
+    return None
+
+
+def _calmest(
+    problem: NormalisedSlew, knots: Array, rows: int | None, guess: Array, slew: AxisSlew
+) -> _Motion | None:
+    """What leaves the modes calmest, with weights shifted towards those that ring too much.
+
+    None where no motion is found.
+    Source: Lawson 1961, the least greatest residual by least squares weighed anew.
+    """
+    echoes = modal_echoes(knots, slew.duration_s, slew.avoid_modes)
+    flat = _flat(knots, rows)
+    echoes[:, flat] = echoes[:, flat].mean(axis=2, keepdims=True)
+    real = np.concatenate([echoes.real, echoes.imag])
+    wanted = wanted_residuals(problem.ends, slew.duration_s, slew.avoid_modes)
+    weights = np.resize(WEIGHTS, len(echoes)) * JERK_COST
+    best, least_share = None, np.inf
+    for _ in range(WEIGHINGS):
+        motion = _on_knots(problem, knots, rows, guess, real, np.tile(weights, 2))
+        if motion is None or not obeys(
+            _profile(problem, motion), slew.start, slew.end, slew.limits
+        ):
+            break
+        left = np.abs(np.einsum("enu,nu->e", echoes, motion.jerks))
+        shares = left / (RESIDUAL_SHARE * wanted)
+        if shares.max() < least_share:
+            best, least_share = motion, float(shares.max())
+        if not 1.0 < shares.max() < HOPELESS:
+            break
+        weights = weights * np.clip(shares, *WEIGHT_CHANGES)
+    return best
