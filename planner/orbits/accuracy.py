@@ -21,7 +21,7 @@ ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
     "the force model's growth measured (bench/truth.py)"
 )
-DRAG_LEAST_M_DAY2 = 1200.0  # the air varies, however little of it the elements tell
+DRAG_LEAST_IN_A_DAY_M = 1200.0  # the air varies, however little of it the elements tell
 _RATE_RAD_S = 2.0 * np.pi / 5560.0  # the ISS's, whose figures these are
 _STATE_M, _STATE_M_S = 10.0, 0.01
 
@@ -48,21 +48,21 @@ def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
     """Errors of a prediction at n instants."""
     age_s = ephemeris.age_s(instants)
     if ephemeris.kind == "tle":
-        return tle_sigma(age_s, ephemeris.drag_m_day2)
+        return tle_sigma(age_s, ephemeris.drag_in_a_day_m)
     if ephemeris.kind == "oem":
         return oem_sigma(age_s)
     return state_sigma(age_s, paper_model=isinstance(ephemeris, PaperEphemeris))
 
 
-def tle_sigma(age_s: Array, drag_m_day2: float) -> OrbitSigma:
+def tle_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
     """Of SGP4 elements, this long from their epoch.
 
-    drag_m_day2: how far along the track their drag takes the satellite in a day from the epoch.
+    drag_in_a_day_m: how far along the track their drag takes the satellite in a day from the epoch.
     A forecast is wrong by about as much, more so where it was fitted across a reboost; half of them
     by less than half of that.
     """
     days = age_s / DAY_S
-    drag_m = max(abs(drag_m_day2), DRAG_LEAST_M_DAY2) * days**0.6  # per day
+    drag_m = max(abs(drag_in_a_day_m), DRAG_LEAST_IN_A_DAY_M) * days**0.6  # per day
     return OrbitSigma(
         # What drifts along the track has another radius, by 2/3 of the drift in a radian.
         radial_m=np.sqrt(

@@ -136,9 +136,9 @@ def sgp4_ephemeris(
             field=field,
         )
     warnings: tuple[str, ...] = ()
-    drag_m_day2 = _drag_m_day2(satrec)
+    drag_in_a_day_m = _drag_in_a_day_m(satrec)
     if age_days >= WARN_AGE_DAYS:
-        sigma_km = float(tle_sigma(np.array(age_days * DAY_S), drag_m_day2).along_m) / 1e3
+        sigma_km = float(tle_sigma(np.array(age_days * DAY_S), drag_in_a_day_m).along_m) / 1e3
         warnings = (
             f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track",
         )
@@ -147,13 +147,13 @@ def sgp4_ephemeris(
         start_utc=start_utc,
         stop_utc=stop_utc,
         warnings=warnings,
-        drag_m_day2=drag_m_day2,
+        drag_in_a_day_m=drag_in_a_day_m,
         satrec=satrec,
         field=field,
     )
 
 
-def _drag_m_day2(satrec: Satrec) -> float:
+def _drag_in_a_day_m(satrec: Satrec) -> float:
     """How far along the track SGP4's drag takes a satellite in a day, by its mean motion."""
     mean_motion_rad_min = []
     for since_min in (-1.0, 1.0):

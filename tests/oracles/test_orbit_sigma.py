@@ -65,7 +65,7 @@ def test_drag_is_what_the_elements_state():
     SGP4 takes the drag term instead; fitted together they differ by some percent.
     """
     half_rev_day2, a_m = 0.00023857, 6.78e6
-    found_m = TLE.ephemeris(TLE.epoch_utc, TLE.epoch_utc).drag_m_day2
+    found_m = TLE.ephemeris(TLE.epoch_utc, TLE.epoch_utc).drag_in_a_day_m
     assert found_m == pytest.approx(2.0 * np.pi * half_rev_day2 * a_m, rel=0.05)
 
 

@@ -227,7 +227,7 @@ class Older:
 
     def __init__(self, ephemeris):
         self.states = ephemeris.states
-        self.drag_m_day2 = ephemeris.drag_m_day2
+        self.drag_in_a_day_m = ephemeris.drag_in_a_day_m
         self._age_s = ephemeris.age_s
 
     def age_s(self, instants):
