@@ -142,7 +142,7 @@ def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Mo
         if cost - bound <= GAP_WANTED * cost:
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
-        finer = _spaced(np.union1d(knots, _cuts(motion)[cut]), rows)
+        finer = _spaced(np.union1d(knots, _cuts(motion, rows)[cut]), rows)
         if len(finer) == len(knots):
             break
         guess = _guess(problem, motion, finer)
@@ -300,8 +300,11 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     return bound, missed + held_back
 
 
-def _cuts(motion: _Motion) -> Array:
-    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle."""
+def _cuts(motion: _Motion, rows: int | None) -> Array:
+    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle.
+
+    On rows at least one row from either end, where the span has more than one.
+    """
     pushed = np.abs(motion.pushes)
     at = np.full(len(motion.jerks), 0.5)
     slopes = (motion.states[:, 1], motion.states[:, 2])
@@ -310,7 +313,9 @@ def _cuts(motion: _Motion) -> Array:
         turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
         share = before / np.where(turns, before - after, 1.0)
         at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
-    return motion.knots[:-1] + at * np.diff(motion.knots)
+    begin, end = motion.knots[:-1], motion.knots[1:]
+    cuts = begin + at * (end - begin)
+    return cuts if rows is None else np.clip(cuts, begin + 1.0 / rows, end - 1.0 / rows)
 
 
 def _carried(
