@@ -11,6 +11,7 @@ apart: the constants of `planner.attitude.blend` and `.manoeuvre` were chosen on
 import argparse
 import gzip
 from collections import defaultdict
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -68,7 +69,17 @@ def main() -> None:
     parser.add_argument("telemetry", type=Path)
     parser.add_argument("tles", type=Path)
     arguments = parser.parse_args()
-    channels = {n: channel(arguments.telemetry, n) for n in (18, 19, 20, 21, 25, 26, 27)}
+    for part, errors, told in forecasts(arguments.telemetry, arguments.tles):
+        _print_part(part, errors, told)
+
+
+Errors = dict[str, dict[int, list]]  # rotation vectors, rad, by law and lead
+Told = dict[int, list]  # 1-sigma of BLEND, rad, by lead
+
+
+def forecasts(telemetry: Path, tles: Path) -> Iterator[tuple[str, Errors, Told]]:
+    """By part of the day that the telemetry holds."""
+    channels = {n: channel(telemetry, n) for n in (18, 19, 20, 21, 25, 26, 27)}
     start_s = channels[21][0][0]
     clock_s = channels[20][0]
     clock_s = clock_s[(clock_s >= start_s) & (np.diff(clock_s, prepend=-1.0) < HELD_MAX_S)]
@@ -76,12 +87,12 @@ def main() -> None:
     t_s = clock_s[rows]
     q_xyzw = np.stack([held(channels, n, t_s) for n in (19, 20, 21, 18)], axis=1)
     q_body_from_lvlh = Rotation.from_quat(q_xyzw).inv()
-    q_lvlh = lvlh(arguments.tles, t_s)
+    q_lvlh = lvlh(tles, t_s)
     for part, (first_h, last_h) in PARTS_H.items():
         quiet = part.startswith("torque")
         until_s = start_s + last_h * 3600.0 if quiet else np.inf
-        errors: dict[str, dict[int, list]] = defaultdict(lambda: defaultdict(list))
-        told: dict[int, list] = defaultdict(list)
+        errors: Errors = defaultdict(lambda: defaultdict(list))
+        told: Told = defaultdict(list)
         for cut_s in start_s + np.arange(first_h * 3600.0, last_h * 3600.0, CUT_EVERY_S):
             known = np.flatnonzero((t_s <= cut_s) & (t_s > cut_s - HISTORY_S))
             if not len(known) or cut_s - t_s[known[-1]] > 2.0 * STEP_S:
@@ -110,7 +121,23 @@ def main() -> None:
                 )
                 told[lead_s].append(laws[BLEND].error_rms_at(np.array([float(lead_s)]))[0])
         if told:
-            _print_part(part, errors, told)
+            yield part, errors, told
+
+
+def of_the_best(errors: Errors, told: Told, lead_s: int) -> float:
+    """Rms error of BLEND over that of the best law that had history enough."""
+    others = [
+        _rms(by_lead[lead_s])
+        for name, by_lead in errors.items()
+        if name != BLEND and len(by_lead[lead_s]) > 0.7 * len(told[lead_s])
+    ]
+    return _rms(errors[BLEND][lead_s]) / min(others)
+
+
+def nees(errors: Errors, told: Told, lead_s: int, knowledge_rad: float = 0.0) -> float:
+    """Of BLEND: mean squared error over the told variance, about the three axes together."""
+    sigma_rad = np.hypot(told[lead_s], knowledge_rad)
+    return float(np.mean((np.array(errors[BLEND][lead_s]) / sigma_rad) ** 2))
 
 
 def _laws(t_s: NDArray[np.float64], q_body_from_lvlh: Rotation) -> dict[str, Extrapolation | Blend]:
@@ -124,7 +151,7 @@ def _laws(t_s: NDArray[np.float64], q_body_from_lvlh: Rotation) -> dict[str, Ext
     return {BLEND: blend(t_s, q_body_from_lvlh, PERIOD_S), **known}
 
 
-def _print_part(part: str, errors: dict[str, dict[int, list]], told: dict[int, list]) -> None:
+def _print_part(part: str, errors: Errors, told: Told) -> None:
     print(f"\n{part}: rms error (deg) by lead (s)\n{'':48}", end="")
     leads_s = sorted(told)
     print("".join(f"{lead_s:>9}" for lead_s in leads_s), "  forecasts")
@@ -142,18 +169,11 @@ def _print_part(part: str, errors: dict[str, dict[int, list]], told: dict[int, l
     rows = {f"of the best law below: goal <= {GOAL:g}": [], "seen of told": [], "NEES": []}
     rows["NEES, the vehicle's knowledge told, too"] = []
     for k in leads_s:
-        others = [
-            by_lead[k]
-            for name, by_lead in rms.items()
-            if name != BLEND and len(errors[name][k]) > 0.7 * len(told[k])
-        ]
-        miss, sigma = np.array(errors[BLEND][k]), np.array(told[k])
-        with_knowledge = np.hypot(sigma, KNOWLEDGE_RAD)
         values = (
-            rms[BLEND][k] / min(others),
-            _rms(miss) / _rms(sigma),
-            np.mean((miss / sigma) ** 2),
-            np.mean((miss / with_knowledge) ** 2),
+            of_the_best(errors, told, k),
+            _rms(errors[BLEND][k]) / _rms(told[k]),
+            nees(errors, told, k),
+            nees(errors, told, k, KNOWLEDGE_RAD),
         )
         for row, value in zip(rows.values(), values, strict=True):
             row.append(f"{value:9.2f}")

@@ -83,7 +83,11 @@ def main() -> None:
         f"{len(campaign.left_out)} left out, unseen by "
         f"{dict(Counter(one.closed_by for one in campaign.unseen))}"
     )
-    print(f"  {single_looks(request, campaign)}")
+    single, begin_early, centred = single_looks(request, campaign)
+    print(
+        f"  of {single} looks alone in their passes {begin_early} begin within 2 s of rising, "
+        f"{centred} are centred within 2.5 s on the highest elevation"
+    )
     print("  " + ", ".join(f"{name} {spent:.1f} s" for name, spent in stages.items() if name))
     if asked.plan:
         from planner.sessions.pipeline import make_plan
@@ -99,8 +103,8 @@ def main() -> None:
         )
 
 
-def single_looks(request: CampaignRequest, campaign: Campaign) -> str:
-    """Where in their windows the looks are that have a pass to themselves."""
+def single_looks(request: CampaignRequest, campaign: Campaign) -> tuple[int, int, int]:
+    """Looks that have a pass to themselves: how many, begin with their window, are centred."""
     windows = find_opportunities(request.opportunities()).windows
     single = [flight.looks[0] for flight in campaign.passes if len(flight.looks) == 1]
     late_s, off_s = [], []
@@ -112,9 +116,9 @@ def single_looks(request: CampaignRequest, campaign: Campaign) -> str:
         late_s.append(begins_s - windows.rise_s[row])
         off_s.append(abs(middle_s - windows.highest_s[row]))
     return (
-        f"of {len(single)} looks alone in their passes {np.sum(np.array(late_s) < 2.0)} begin "
-        f"within 2 s of rising, {np.sum(np.array(off_s) <= 2.5)} are centred within 2.5 s on "
-        "the highest elevation"
+        len(single),
+        int(np.sum(np.array(late_s) < 2.0)),
+        int(np.sum(np.array(off_s) <= 2.5)),
     )
 
 

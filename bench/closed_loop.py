@@ -73,13 +73,27 @@ def main() -> None:
     parser.add_argument("--truths", type=int, default=40)
     parser.add_argument("--seed", type=int, default=7)
     arguments = parser.parse_args()
-    rng = np.random.default_rng(arguments.seed)
     began_s = time.perf_counter()
+    before, plain, told, kept, errors_deg = loops(arguments.truths, arguments.seed)
+    print(f"{arguments.truths} truths, {time.perf_counter() - began_s:.0f} s")
+    print(f"error left at the session, rms about body x, y, z: {rms(errors_deg)} deg")
+    print(
+        "frame  told before  kept before  told after  kept after (goal: within 0.05 and the count)"
+    )
+    spread = np.sqrt(0.25 / arguments.truths)
+    for size, *row in zip(SIZES, before, plain, told, kept, strict=True):
+        print(f"{size:5.1f}" + "".join(f"{value:12.3f}" for value in row))
+    print(f"1 sigma of a kept share at one half, by the count: {spread:.3f}")
+
+
+def loops(truths: int, seed: int) -> tuple[np.ndarray, ...]:
+    """Told and kept before, told and kept after, for each of SIZES; errors left, (truths, 3)."""
+    rng = np.random.default_rng(seed)
     told: list[list[float]] = []
     kept: list[list[bool]] = []
     errors_deg: list[np.ndarray] = []
     before, flown = probabilities(LAW)
-    for k in range(arguments.truths):
+    for k in range(truths):
         truth = Truth(rng)
         corrections = tuple(
             look
@@ -94,22 +108,8 @@ def main() -> None:
         error = truth.turn_rad(SESSION_S[5:6]) - corrected.turn_rad(middle)
         errors_deg.append(np.rad2deg(error[0]))
     plain = [stays(Truth(rng), LAW, *flown) for _ in range(2000)]
-    print(f"{arguments.truths} truths, {time.perf_counter() - began_s:.0f} s")
-    print(f"error left at the session, rms about body x, y, z: {rms(errors_deg)} deg")
-    print(
-        "frame  told before  kept before  told after  kept after (goal: within 0.05 and the count)"
-    )
-    spread = np.sqrt(0.25 / arguments.truths)
-    for size, *row in zip(
-        SIZES,
-        before,
-        np.mean(plain, axis=0),
-        np.mean(told, axis=0),
-        np.mean(kept, axis=0),
-        strict=True,
-    ):
-        print(f"{size:5.1f}" + "".join(f"{value:12.3f}" for value in row))
-    print(f"1 sigma of a kept share at one half, by the count: {spread:.3f}")
+    means = (np.mean(shares, axis=0) for shares in (plain, told, kept))
+    return np.array(before), *means, np.array(errors_deg)
 
 
 def measured(truth: Truth, at_s: float, seed: int) -> AttitudeCorrection | None:
@@ -194,7 +194,7 @@ def stays(truth: Truth, law: LvlhAttitude, sight: np.ndarray, sides: np.ndarray)
     return [bool((off_rad <= frame_of(size).frame_half_rad).all()) for size in SIZES]
 
 
-def rms(turns_deg: list[np.ndarray]) -> np.ndarray:
+def rms(turns_deg: np.ndarray) -> np.ndarray:
     return np.sqrt(np.mean(np.square(turns_deg), axis=0)).round(3)
 
 

@@ -15,6 +15,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -95,6 +96,11 @@ def _angle_deg(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def ideal(rng: np.random.Generator, count: int) -> None:
+    for row in ideal_rows(rng, max(count // 5, 4)):
+        row.show()
+
+
+def ideal_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
     clear = Scene(constant_limb_m=17.5e3, cloud_cover=0.0, land=0.0)
     cloudy = replace(clear, cloud_cover=0.6, land=0.4)
     quiet = Sensor(full_well_e=0.0)
@@ -106,9 +112,9 @@ def ideal(rng: np.random.Generator, count: int) -> None:
         ("16 bit", cloudy, Sensor(bits=16)),
     ):
         row = Row(f"ideal: constant limb height, {name}", "0.010")
-        for _ in range(max(count // 5, 4)):
+        for _ in range(count):
             row.add(case(rng, ring(2), scene=scene, sensor=sensor))
-        row.show()
+        yield row
 
 
 def real(rng: np.random.Generator, count: int) -> None:
@@ -181,21 +187,25 @@ def harder_row(rng: np.random.Generator, name: str, count: int) -> None:
 def under_other_air(rng: np.random.Generator, count: int) -> None:
     """With and without a prediction; over a dark sea, whose limb is brighter than what lies
     behind it."""
+    for row in other_air_rows(rng, count):
+        row.show()
+
+
+def other_air_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
     for name, sensor in (("colour", COLOUR), ("grey", MONO)):
         rows = Row(f"other air, {name}", ""), Row(f"other air, {name}, no prediction", "")
         for _ in range(count):
             one = case(rng, ring(2), scene=other_air(rng), sensor=sensor)
             rows[0].add(one)
             rows[1].add(one, replace(one.request, predicted=None))
-        for row in rows:
-            row.show()
+        yield from rows
     row = Row("other air without dust, grey, dark sea", "")
     for _ in range(count):
         scene = other_air(rng)
         clean = replace(scene.atmosphere, dust_optical_depth=0.0)
         sea = replace(scene, atmosphere=clean, cloud_cover=rng.uniform(0.0, 0.05), land=0.0)
         row.add(case(rng, ring(2), scene=sea, sensor=MONO))
-    row.show()
+    yield row
 
 
 def wrong_intrinsics(rng: np.random.Generator, count: int) -> None:

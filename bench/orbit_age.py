@@ -34,13 +34,15 @@ Cases = defaultdict[float, list[NDArray[np.float64]]]
 
 
 def ric_m(truth: OrbitStates, other: OrbitStates) -> NDArray[np.float64]:
-    """Radial, along-track, cross-track differences, shape (n, 3)."""
-    radial = truth.r_sat_eci_m / np.linalg.norm(truth.r_sat_eci_m, axis=1, keepdims=True)
-    cross = np.cross(truth.r_sat_eci_m, truth.v_sat_eci_m_s)
-    cross /= np.linalg.norm(cross, axis=1, keepdims=True)
-    along = np.cross(cross, radial)
-    d = other.r_sat_eci_m - truth.r_sat_eci_m
-    return np.stack([np.sum(d * axis, axis=1) for axis in (radial, along, cross)], axis=1)
+    """Radial, along-track and cross-track differences, (n, 3); along and cross are arcs."""
+    x = truth.r_sat_eci_m / np.linalg.norm(truth.r_sat_eci_m, axis=1, keepdims=True)
+    z = np.cross(truth.r_sat_eci_m, truth.v_sat_eci_m_s)
+    z /= np.linalg.norm(z, axis=1, keepdims=True)
+    towards = [np.sum(other.r_sat_eci_m * axis, axis=1) for axis in (x, np.cross(z, x), z)]
+    radius_m = np.linalg.norm(other.r_sat_eci_m, axis=1)
+    radial_m = radius_m - np.linalg.norm(truth.r_sat_eci_m, axis=1)
+    along_m = radius_m * np.arctan2(towards[1], towards[0])
+    return np.stack([radial_m, along_m, radius_m * np.arcsin(towards[2] / radius_m)], axis=1)
 
 
 def differences(

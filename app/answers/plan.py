@@ -1,6 +1,5 @@
 """The answer to a plan: degrees, UTC text and plain numbers."""
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -20,12 +19,13 @@ from app.answers.members import (
     whole_answer,
 )
 from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
-from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
+from app.answers.solver import SolverOut, solver_out
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
 from planner.frames.time_scales import utc_text
-from planner.sessions.plan import Plan, SlewRun
+from planner.sessions.plan import Plan
 from planner.verification import Finding, LimitMargin
 from planner.verification.report import KeepOutMargin
 
@@ -148,58 +148,6 @@ class VerificationOut:
     passed: bool
     findings: list[FindingOut]
     taken_as_given: list[str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SlewRunOut:
-    """How one slew was solved.
-
-    Cost, bound and gap aren't told of plans that older versions made.
-
-    session: number of the session it leads to, from 0; null for the slew to the final state.
-    backend: the method, as `slew.method` names it.
-    status: how the solver ended.
-    iterations: of the solver.
-    wall_s: time it took to solve.
-    duration_s: of the slew.
-    minimum_s: the least time the limits allow.
-    cost_deg2_s5: the integral of squared jerk of all axes; null for the spline.
-    lower_bound_deg2_s5: no motion between the same states within the limits costs less; null for
-    the spline.
-    gap: share of the cost above the bound: what is called optimal has at most 0.001; null for the
-    spline.
-    """
-
-    session: Count | None
-    backend: str
-    status: str
-    iterations: Count
-    wall_s: NotNegative
-    duration_s: NotNegative
-    minimum_s: NotNegative
-    cost_deg2_s5: NotNegative | None = None
-    lower_bound_deg2_s5: NotNegative | None = None
-    gap: Share | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SolverOut:
-    """How the slews were solved, all together and one by one.
-
-    backend: the methods, as `slew.method` names them.
-    status: how the solver ended.
-    iterations: of the solver.
-    wall_s: time it took to solve all slews.
-    slews: how each one was solved.
-    stages_wall_s: time of each stage of the whole plan.
-    """
-
-    backend: str
-    status: str
-    iterations: Count
-    wall_s: NotNegative
-    slews: list[SlewRunOut]
-    stages_wall_s: dict[str, NotNegative]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -328,7 +276,7 @@ def plan_document(
                 if run.comparison is not None
             ],
             horizon_checks=list(checks),
-            solver=_solver(plan),
+            solver=solver_out(plan),
             warnings=list(plan.warnings),
             provenance=provenance,
         )
@@ -385,27 +333,4 @@ def _segment(segment: Segment) -> SegmentOut:
         segment,
         start=utc_text(segment.start_utc, 1),
         stop=utc_text(segment.stop_utc, 1),
-    )
-
-
-def _slew_run(run: SlewRun) -> SlewRunOut:
-    squared = math.degrees(1.0) ** 2
-    cost, bound = run.cost_rad2_s5, run.lower_bound_rad2_s5
-    return fill(
-        SlewRunOut,
-        run,
-        cost_deg2_s5=None if cost is None else cost * squared,
-        lower_bound_deg2_s5=None if bound is None else bound * squared,
-    )
-
-
-def _solver(plan: Plan) -> SolverOut:
-    runs = plan.slews
-    return SolverOut(
-        backend=" ".join(dict.fromkeys(run.backend for run in runs)),
-        status=" ".join(dict.fromkeys(run.status for run in runs)),
-        iterations=sum(run.iterations for run in runs),
-        wall_s=sum(run.wall_s for run in runs),
-        slews=[_slew_run(run) for run in runs],
-        stages_wall_s=dict(plan.stage_wall_s),
     )

@@ -136,8 +136,9 @@ def sgp4_ephemeris(
             field=field,
         )
     warnings: tuple[str, ...] = ()
+    drag_in_a_day_m = _drag_in_a_day_m(satrec)
     if age_days >= WARN_AGE_DAYS:
-        sigma_km = float(tle_sigma(np.array(age_days * DAY_S)).along_m) / 1e3
+        sigma_km = float(tle_sigma(np.array(age_days * DAY_S), drag_in_a_day_m).along_m) / 1e3
         warnings = (
             f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track",
         )
@@ -146,9 +147,22 @@ def sgp4_ephemeris(
         start_utc=start_utc,
         stop_utc=stop_utc,
         warnings=warnings,
+        drag_in_a_day_m=drag_in_a_day_m,
         satrec=satrec,
         field=field,
     )
+
+
+def _drag_in_a_day_m(satrec: Satrec) -> float:
+    """How far along the track SGP4's drag takes a satellite in a day, by its mean motion."""
+    mean_motion_rad_min = []
+    for since_min in (-1.0, 1.0):
+        satrec.sgp4_tsince(since_min)
+        mean_motion_rad_min.append(satrec.nm)
+    before, after = mean_motion_rad_min
+    day_min = DAY_S / 60.0
+    a_m = satrec.a * satrec.radiusearthkm * 1e3
+    return float(0.25 * (after - before) * day_min**2 * a_m)
 
 
 def _check_line(name: str, number: str, line: str) -> None:

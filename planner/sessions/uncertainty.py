@@ -7,7 +7,6 @@ Each cause is carried through the geometry by repeating it with the cause distur
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -23,10 +22,10 @@ from planner.orbits.accuracy import orbit_sigma
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import boresight_platform, carried_axes
 from planner.pointing.line_of_sight import LineOfSight
+from planner.sessions.probability import lattice_points, probability_inside
 from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
-DRAWS = 1 << 14
 COARSE = 16  # one of so many draws, where instants are many
 BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
@@ -142,7 +141,7 @@ def pointing_budget(
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
         probability_in_frame=probability_inside(
-            np.stack([bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]),
+            np.stack(_constant(biases)),
             _half_rad(platform),
             scene.off_rad,
             [
@@ -150,6 +149,7 @@ def pointing_budget(
                 for bias in biases
                 if bias.quarter_later_rad is not None
             ],
+            laplace=sum(bias.is_laplace for bias in biases),
         ),
     )
 
@@ -174,14 +174,15 @@ def probabilities_at(
         return np.zeros(len(los.instants))
     errors = attitude.errors_each(scene.instants)
     biases = _biases(scene, los, ephemeris, errors, clock_s)
-    constant = [bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]
+    constant = _constant(biases)
     swings = [
         part
         for bias in biases
         if bias.quarter_later_rad is not None
         for part in (bias.offsets_rad, bias.quarter_later_rad)
     ]
-    points = _points(len(constant), len(swings) // 2)[:, ::COARSE]
+    laplace = sum(bias.is_laplace for bias in biases)
+    points = lattice_points(len(constant) - laplace, laplace, len(swings) // 2)[:, ::COARSE]
     offsets = np.stack([*constant, *swings], axis=-1) / half_rad[:, None]
     middle = scene.off_rad / half_rad
     parts = []
@@ -194,49 +195,6 @@ def probabilities_at(
 
 def _half_rad(platform: TwoAxisPlatform) -> Array:
     return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
-
-
-def probability_inside(
-    offsets_rad: Array, half_rad: Array, known_rad: Array, swings_rad: Sequence[Array] = ()
-) -> float:
-    """Probability that a sum of independent errors never leaves the frame.
-
-    offsets_rad: shape (m, n, 2), where a 1-sigma constant error of each of m causes puts the
-    target in the image at n instants.  half_rad: shape (2,).  known_rad: (n, 2), where the target
-    is without errors.  swings_rad: (2, n, 2) of each sinusoid, times 1 / sqrt(2) what it puts
-    there when its phase is 0 and a quarter turn, every phase as likely.
-    By 16384 quasi-random points, good to 0.003 (0.001 where few are lost).
-    Source: Genz and Bretz 2009, section 4.2 (Richtmyer lattices).
-    """
-    if not (half_rad > 0.0).all():
-        return 0.0
-    middle = np.broadcast_to(known_rad / half_rad, offsets_rad.shape[1:]).ravel()
-    in_half_frames = (np.concatenate([offsets_rad, *swings_rad]) / half_rad).reshape(
-        -1, middle.size
-    )
-    places = in_half_frames.T @ _points(len(offsets_rad), len(swings_rad))
-    places += middle[:, None]
-    farthest = np.abs(places, out=places).max(axis=0)
-    return float(np.mean(farthest <= 1.0))
-
-
-@cache
-def _points(normal: int, phases: int) -> Array:
-    """A Richtmyer lattice mapped to the standard normal and to circles of radius sqrt(2).
-
-    Shape (normal + 2 phases, DRAWS).
-    """
-    # SciPy's special functions take 0.1 s to import, which only a plan should pay.
-    from scipy.special import ndtri
-
-    primes = np.array([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: normal + phases]
-    if len(primes) < normal + phases:
-        raise ValueError(f"at most 12 causes can be drawn, not {normal + phases}")
-    lattice = np.outer(np.arange(DRAWS) + 0.5, np.sqrt(primes)) % 1.0
-    phase_rad = 2.0 * np.pi * lattice[:, normal:, None]
-    circles = np.sqrt(2.0) * np.concatenate([np.cos(phase_rad), np.sin(phase_rad)], axis=2)
-    points = np.hstack([ndtri(lattice[:, :normal]), circles.reshape(DRAWS, 2 * phases)])
-    return np.ascontiguousarray(points.T)
 
 
 class _Scene:
@@ -320,11 +278,13 @@ class _Bias(NamedTuple):
     """Where a 1-sigma error of one cause puts the target in the image, (n, 2).
 
     quarter_later_rad: of a sinusoid of unknown phase, the same a quarter turn later.
+    is_laplace: of a constant error that is often small and sometimes very large.
     """
 
     cause: _Cause
     offsets_rad: Array
     quarter_later_rad: Array | None = None
+    is_laplace: bool = False
 
     @property
     def sigma_rad(self) -> Array:
@@ -333,6 +293,12 @@ class _Bias(NamedTuple):
         if self.quarter_later_rad is not None:
             squares = squares + np.sum(self.quarter_later_rad**2, axis=-1)
         return np.asarray(np.sqrt(0.5 * squares))
+
+
+def _constant(biases: Sequence[_Bias]) -> list[Array]:
+    """Those that don't swing, Laplace's last."""
+    steady = [bias for bias in biases if bias.quarter_later_rad is None]
+    return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.is_laplace)]
 
 
 def _biases(
@@ -372,12 +338,14 @@ def _orbit_offsets(
     """
     sigma = orbit_sigma(ephemeris, scene.instants)
     sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
+    laplace = (False, sigma.is_along_laplace, False)
     return [
         _Bias(
             _Cause("orbit", sigma.basis, sigma.better),
             scene.in_image(direction - scene.los_platform) * (size_m / _PROBE_M)[:, None],
+            is_laplace=is_laplace,
         )
-        for direction, size_m in zip(moved_platform, sizes_m, strict=True)
+        for direction, size_m, is_laplace in zip(moved_platform, sizes_m, laplace, strict=True)
     ]
 
 

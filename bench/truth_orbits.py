@@ -1,0 +1,166 @@
+"""Are orbits off by as much as told?  Point 1 of bench/truth.py.
+
+The constants of planner/orbits/accuracy.py were chosen on the elements of January to March 2017
+and on the two ephemerides of 7 and 11 February 2022; what is tried here is April to June 2017 and
+the other ephemerides.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from orbit_age import created, differences, read_oem_file, read_tles, ric_m
+from truth_rows import Row, nees_row
+
+from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
+from planner.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
+from planner.orbits.accuracy import OrbitSigma, orbit_sigma, state_sigma
+
+AXES = ("radial", "along", "across")
+TUNED_OEMS = ("2022-038", "2022-042")
+ARCHIVE = "iss_tle_25544_20170101-20170630.txt"
+HELD_OUT_MONTH = 4  # of the archive, and later
+TLE_AGES_DAYS = (0.04, 0.5, 1.0, 2.0, 3.0, 5.0)
+OEM_AGE_MAX_DAYS = 10.0  # as truth for elements
+NEAR_EPOCH_DAYS = 0.04
+OEM_AGE_MIN_DAYS = 2.0  # where it is worse than the elements it is tried on
+REBOOST_REV_DAY = -3e-4  # of the mean motion, from elements to the next
+SPREAD = 0.15  # of the age
+DAMAGED_SIGMA = 6.0
+BURN_STEP_S = 60.0  # nodes crowd where an engine burns
+STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
+STATE_DAYS = (0.5, 1.6, 4.3)
+STATE_DRAWS = 12
+STATE_M, STATE_M_S = 10.0, 0.01  # what is assumed of a state
+
+
+def rows(data: Path) -> Iterator[Row]:
+    oems = {path.name[-15:-7]: path for path in sorted((data / "oem").glob("*.xml.gz"))}
+    read = {day: read_oem_file(path) for day, path in oems.items()}
+    tles = list(read_tles(data / "tle" / "iss_tles.txt"))
+    held_out = [oem for day, oem in read.items() if day not in TUNED_OEMS]
+    for which, few in (("held out", held_out), ("all", list(read.values()))):
+        yield from _tle_rows(tles, few, which)
+        yield from _oem_rows(tles, few, which)
+    yield from growth_rows(data / "tle" / ARCHIVE)
+    yield from _state_rows(list(read.values()))
+
+
+def _tle_rows(tles: list[TleOrbit], oems: list[OemOrbit], which: str) -> Iterator[Row]:
+    found, sets = [], set()
+    for tle, oem, age in product(tles, oems, TLE_AGES_DAYS):
+        at_utc = shifted_utc(tle.epoch_utc, age * DAY_S)
+        old_days = elapsed_s(at_utc, created(oem)) / DAY_S
+        if not -0.5 < old_days < OEM_AGE_MAX_DAYS or _burns(oems, tle, age):
+            continue
+        normalised2 = _normalised2(oem, tle, tle, age)
+        if normalised2 is not None:
+            found.append(normalised2)
+            sets.add(tle.line1)
+    for axis, nees in zip(AXES, np.mean(found, axis=0), strict=True):
+        of = f"of {len(found)} cases, {len(sets)} element sets, to 5 days of age"
+        yield nees_row(1, f"TLE against ephemerides, {which}, {axis}", nees, of)
+
+
+def growth_rows(archive: Path) -> Iterator[Row]:
+    """Along the track, where the elements' own error at the epoch is small against the growth."""
+    tles = sorted(read_tles(archive), key=lambda tle: tle.epoch_utc)
+    days = np.array([elapsed_s(t.epoch_utc, tles[0].epoch_utc) / DAY_S for t in tles])
+    raised = np.diff([float(t.line2[52:63]) for t in tles]) < REBOOST_REV_DAY
+    by_age: dict[float, list[float]] = defaultdict(list)
+    for first, age in product(range(len(tles)), (1.0, 2.0, 3.0, 5.0, 7.0)):
+        if tles[first].epoch_utc.month < HELD_OUT_MONTH:
+            continue
+        later = int(np.argmin(np.abs(days - days[first] - age)))
+        apart = float(days[later] - days[first])
+        if abs(apart - age) > SPREAD * age or raised[first:later].any():
+            continue
+        normalised2 = _normalised2(tles[later], tles[first], tles[first], apart)
+        if normalised2 is not None:
+            by_age[age].append(normalised2[1])
+    for age, found in by_age.items():
+        sound = [value for value in found if value < DAMAGED_SIGMA**2]
+        of = f"of {len(sound)} pairs, {len(found) - len(sound)} beyond {DAMAGED_SIGMA:g} sigma"
+        yield nees_row(1, f"TLE against a later one, along, {age:g} d", np.mean(sound), of)
+
+
+def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit], which: str) -> Iterator[Row]:
+    by_oem: dict[int, list[np.ndarray]] = defaultdict(list)
+    for tle, (number, oem) in product(tles, enumerate(oems)):
+        if elapsed_s(tle.epoch_utc, created(oem)) / DAY_S > OEM_AGE_MIN_DAYS:
+            normalised2 = _normalised2(oem, tle, tle, NEAR_EPOCH_DAYS)
+            if normalised2 is not None:
+                by_oem[number].append(normalised2)
+    # errors of one ephemeris at several ages are one error: each counts as one
+    nees = np.mean([np.mean(found, axis=0) for found in by_oem.values()], axis=0)
+    cases = sum(map(len, by_oem.values()))
+    of = f"of {cases} cases, {len(by_oem)} ephemerides, 2 to 14 days"
+    yield nees_row(1, f"OEM against elements at their epoch, {which}, along", nees[1], of)
+
+
+def _burns(oems: list[OemOrbit], tle: TleOrbit, age_days: float) -> bool:
+    """Whether an ephemeris holds a burn between the elements' epoch and then."""
+    for segment in (oem.message.segments[0] for oem in oems):
+        burning_s = segment.t_s[:-1][np.diff(segment.t_s) < BURN_STEP_S]
+        first_s = elapsed_s(tle.epoch_utc, segment.epoch_utc)
+        if np.any((burning_s > first_s) & (burning_s < first_s + age_days * DAY_S)):
+            return True
+    return False
+
+
+def _normalised2(truth: Orbit, other: Orbit, tle: TleOrbit, age_days: float) -> np.ndarray | None:
+    """Mean squares over an orbit over what both are told to be off by, (3,)."""
+    found_m = differences(truth, other, tle.epoch_utc, age_days)
+    if not len(found_m):
+        return None
+    variances = sum(told_m(orbit, tle, age_days) ** 2 for orbit in (truth, other))
+    return np.mean(found_m**2, axis=0) / variances
+
+
+def told_m(orbit: Orbit, tle: TleOrbit, age_days: float) -> np.ndarray:
+    """1-sigma radial, along, across, (3,); of elements at their own epoch the growth alone."""
+    at_utc = shifted_utc(tle.epoch_utc, age_days * DAY_S)
+    ephemeris = orbit.ephemeris(at_utc, shifted_utc(at_utc, 1.0))
+    sigma = orbit_sigma(ephemeris, Instants(at_utc, np.zeros(1)))
+    if isinstance(orbit, TleOrbit) and orbit is not tle:
+        return np.zeros(3)  # the same tracking's error, in both sets
+    return _axes_m(sigma)[0]
+
+
+def _axes_m(sigma: OrbitSigma) -> np.ndarray:
+    return np.stack([sigma.radial_m, sigma.along_m, sigma.cross_m], axis=1)
+
+
+def _state_rows(oems: list[OemOrbit]) -> Iterator[Row]:
+    """States with the error that is assumed of them, propagated, against NASA's ephemerides."""
+    rng = np.random.default_rng(5)
+    errors_m, model_m = [], []
+    for oem, days in product(oems, STATE_DAYS):
+        epoch_utc = shifted_utc(oem.message.segments[0].epoch_utc, days * DAY_S)
+        stop_utc = shifted_utc(epoch_utc, STATE_LEADS_S[-1] + 60.0)
+        truth = oem.ephemeris(epoch_utc, stop_utc)
+        instants = Instants(epoch_utc, np.array(STATE_LEADS_S))
+        first = truth.states(Instants(epoch_utc, np.zeros(1)))
+        for draw in range(STATE_DRAWS + 1):
+            wrong = rng.normal(0.0, 1.0, (2, 3)) * (draw > 0)
+            position_m = first.r_sat_eci_m[0] + STATE_M * wrong[0]
+            velocity_m_s = first.v_sat_eci_m_s[0] + STATE_M_S * wrong[1]
+            state = StateVectorOrbit(
+                frame="GCRF",
+                epoch=epoch_utc,
+                position_km=tuple(position_m / 1e3),
+                velocity_km_s=tuple(velocity_m_s / 1e3),
+            )
+            found = state.ephemeris(epoch_utc, stop_utc).states(instants)
+            (errors_m if draw else model_m).append(ric_m(truth.states(instants), found))
+    told = _axes_m(state_sigma(np.array(STATE_LEADS_S), paper_model=False))
+    nees = np.mean(np.square(errors_m) / told**2, axis=0)
+    model_rms_m = np.sqrt(np.mean(np.square(model_m), axis=0))
+    for k, lead_s in enumerate(STATE_LEADS_S):
+        seen = ", ".join(f"{value:.2f}" for value in nees[k])
+        of = f"of {len(errors_m)}; the force model's part {model_rms_m[k, 1]:.1f} m along"
+        is_met = bool(np.all((nees[k] >= 0.8) & (nees[k] <= 1.3)))
+        what = f"state propagated {lead_s:.0f} s: radial, along, across"
+        yield Row(1, what, "NEES 0.8-1.3", f"{seen} {of}", is_met)
