@@ -47,7 +47,7 @@ def test_a_gate_may_open_as_late_as_the_rest_of_the_way_takes():
     rate, acceleration = LIMITS.rate_max_rad_s, LIMITS.acceleration_max_rad_s2
     braking_s = rate / (2.0 * acceleration) + acceleration / (2.0 * LIMITS.jerk_max_rad_s3)
     last_s = DURATION_S - (BETA_END_RAD - GATE_RAD) / rate - braking_s
-    # Cells cut at what is in reach leak no way, but where the gate opens between instants 0.1 s apart.
+    # Cells cut at what is in reach leak no way, but the gate may open between instants 0.1 s apart.
     for late_s, is_shut in ((-0.01, False), (0.1, True)):
         problem = gate(last_s + late_s)
         barred = is_barred(problem, problem.keep_out, DURATION_S, FINE_CELLS_RAD[:1])
