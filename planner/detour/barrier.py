@@ -25,7 +25,7 @@ from planner import effort
 from planner.arrays import Array
 from planner.platforms import AxisLimits
 from planner.pointing.angles import cosine_coefficients
-from planner.pointing.keep_out import KeepOutView
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew.problem import AxisState, SlewProblem
 
 Mask = NDArray[np.bool_]
@@ -39,20 +39,13 @@ ROUNDING = 1e-6  # of a cell
 CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
 
 
-def is_impossible(problem: SlewProblem, view: KeepOutView, duration_s: float) -> bool:
-    """Whether it is proven that no motion within the limits keeps out of the cones.
-
-    The proof is one-sided: acceleration and jerk limits enter only through what is within reach
-    of each end by itself, so that a tight slew may be impossible without being proven so.
-    """
-    return is_caught(problem, view, duration_s) or is_barred(problem, view, duration_s, CELLS_RAD)
-
-
 def is_barred(
     problem: SlewProblem, view: KeepOutView, duration_s: float, cells_rad: tuple[float, ...]
 ) -> bool:
-    """Whether a flood in cells of any of these sizes doesn't reach the end.
+    """Whether a flood in cells of any of these sizes doesn't reach the end: no motion does.
 
+    The proof is one-sided: acceleration and jerk limits enter only through what is within reach
+    of each end by itself, so that a tight slew may be impossible without being proven so.
     A barrier thinner than a cell leaks, so that a finer flood may prove what a coarser doesn't.
     """
     return any(_shuts(problem, view, duration_s, cell_rad) for cell_rad in cells_rad)
@@ -193,8 +186,8 @@ def _with_neighbours(mask: Mask) -> Mask:
     return grown
 
 
-def is_caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> bool:
-    """Whether the motion at an end, which jerk limits from changing at once, leads into a cone."""
+def catching_cone(problem: SlewProblem, view: KeepOutView, duration_s: float) -> MovingCone | None:
+    """Into which the motion at an end leads, which jerk limits from changing at once."""
     since_s = np.arange(CAUGHT_STEP_S, min(CAUGHT_S, duration_s / 2.0), CAUGHT_STEP_S)
     off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
     for side, sign in ((problem.start, 1.0), (problem.end, -1.0)):
@@ -219,9 +212,10 @@ def is_caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> boo
         ]
         # To second order the boresight stays in the box whose corners these are.
         reach_rad = np.maximum(*corners) + 2.0 * (off_rad[0] + off_rad[1]) ** 2
-        if (view.depths_rad(t_s, angle) > reach_rad).any():
-            return True
-    return False
+        catches = (view.depths_rad(t_s, angle) > reach_rad).any(axis=1)
+        if catches.any():
+            return view.cones[int(np.argmax(catches))]
+    return None
 
 
 def tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
