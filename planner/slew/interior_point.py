@@ -66,12 +66,13 @@ def least_jerk(
         if left <= CONVERGED:
             break
         iterations += 1
-        gains, inverse = factor(steps, _hessian(widths, rows, scale, push, slack))
+        gains, inverse = factor(steps, _hessian(widths, rows, scale, push / slack))
         unit = _unit_responses(steps, gains, inverse, echoes)
         centring, bend = 0.0, np.zeros_like(slack)
         for corrector in range(2):
             pull = (centring - bend - push * room) / slack
-            gradient = _gradient(widths, rows, scale, jerks, pull[1] - pull[0])
+            half = pull.size // 2
+            gradient = _gradient(widths, rows, scale, jerks, pull[half:] - pull[:half])
             move, turn = respond(steps, gains, inverse, gradient, np.zeros(3))
             prices = _prices(ends[1] - states[-1], move, turn, unit, echoes, weights, jerks)
             for c in range(len(prices)):
@@ -92,7 +93,8 @@ def least_jerk(
         stalls = stalls + 1 if step < SHORT_STEP else 0
         if stalls == STALLS_BORNE:
             stalls, dual_left, push = 0, 1.0, mu / slack
-    pushes = (kept[1] - kept[0]) / scale
+    half = kept.size // 2
+    pushes = ((kept[half:] - kept[:half]) / scale).reshape(len(widths), ROWS)
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         pushes[:, row] *= 2.0 / (high - low)
@@ -137,10 +139,9 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
 
 @compiled
 def _within(value: Array, edge: float) -> Array:
-    """How far above the lower and below the upper edge, (2, n, 11)."""
-    away = np.empty((2, *value.shape))
-    away[0], away[1] = edge + value, edge - value
-    return away
+    """How far above the lower edge, then how far below the upper one: (2 * n * 11,)."""
+    values = value.ravel()
+    return np.concatenate((edge + values, edge - values))
 
 
 @compiled
@@ -171,38 +172,44 @@ def _values(rows: Array, states: Array, jerks: Array, one: float) -> Array:
     value = np.empty(rows.shape[:2])
     for k in range(len(rows)):
         for row in range(ROWS):
-            r = rows[k, row]
-            total = r[0] * states[k, 0] + r[1] * states[k, 1] + r[2] * states[k, 2] + r[5] * one
-            value[k, row] = total + r[3] * jerks[k, 0] + r[4] * jerks[k, 1]
+            total = rows[k, row, 5] * one
+            for i in range(3):
+                total += rows[k, row, i] * states[k, i]
+            value[k, row] = total + rows[k, row, 3] * jerks[k, 0] + rows[k, row, 4] * jerks[k, 1]
     return value
 
 
 @compiled
-def _hessian(widths: Array, rows: Array, scale: float, push: Array, slack: Array) -> Array:
-    hessian = np.zeros((len(widths), 5, 5))
+def _hessian(widths: Array, rows: Array, scale: float, stiffness: Array) -> Array:
+    """Its upper triangle; the first five rows bound one number each."""
+    hessian, sides = np.zeros((len(widths), 5, 5)), stiffness.reshape(2, len(widths), ROWS)
     for k in range(len(widths)):
         hessian[k, 3, 3] = hessian[k, 4, 4] = scale * widths[k] / 3.0
-        hessian[k, 3, 4] = hessian[k, 4, 3] = scale * widths[k] / 6.0
+        hessian[k, 3, 4] = scale * widths[k] / 6.0
         for row in range(ROWS):
-            stiff = push[0, k, row] / slack[0, k, row] + push[1, k, row] / slack[1, k, row]
+            stiff = sides[0, k, row] + sides[1, k, row]
+            if row < 5:
+                hessian[k, row, row] += stiff * rows[k, row, row] ** 2
+                continue
             for i in range(5):
                 pulled = stiff * rows[k, row, i]
-                if pulled != 0.0:
-                    for j in range(5):
-                        hessian[k, i, j] += pulled * rows[k, row, j]
+                for j in range(i, 5):
+                    hessian[k, i, j] += pulled * rows[k, row, j]
     return hessian
 
 
 @compiled
 def _gradient(widths: Array, rows: Array, scale: float, jerks: Array, pull: Array) -> Array:
-    gradient = np.zeros((len(widths), 5))
+    gradient, pulls = np.zeros((len(widths), 5)), pull.reshape(len(widths), ROWS)
     for k in range(len(widths)):
         share = scale * widths[k] / 6.0
         gradient[k, 3] = share * (2.0 * jerks[k, 0] + jerks[k, 1])
         gradient[k, 4] = share * (jerks[k, 0] + 2.0 * jerks[k, 1])
-        for row in range(ROWS):
+        for row in range(5):
+            gradient[k, row] += pulls[k, row] * rows[k, row, row]
+        for row in range(5, ROWS):
             for i in range(5):
-                gradient[k, i] += pull[k, row] * rows[k, row, i]
+                gradient[k, i] += pulls[k, row] * rows[k, row, i]
     return gradient
 
 
@@ -253,10 +260,9 @@ def _prices(
 def _way(value: Array, change: Array) -> float:
     """What multiple of the change leaves every value positive; NaN where it isn't a number."""
     way = np.inf
-    values, changes = value.ravel(), change.ravel()
-    for i in range(len(values)):
-        if np.isnan(changes[i]):
+    for i in range(len(value)):
+        if np.isnan(change[i]):
             return np.nan
-        if changes[i] < 0.0:
-            way = min(way, -CENTRED * values[i] / changes[i])
+        if change[i] < 0.0:
+            way = min(way, -CENTRED * value[i] / change[i])
     return way
