@@ -26,6 +26,8 @@ if TYPE_CHECKING:  # children answer without a database
 class UnseenTarget:
     """A target that can't be looked at for as long as it must, and why.
 
+    Where a campaign was chosen by a version that told no more than `target`, the rest is null.
+
     target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
     closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
     stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
@@ -37,15 +39,17 @@ class UnseenTarget:
     """
 
     target: str
-    closed_by: Closing
-    because: str
-    best_elevation_deg: ElevationOrLimbDeg
-    best_time: str
+    closed_by: Closing | None = None
+    because: str | None = None
+    best_elevation_deg: ElevationOrLimbDeg | None = None
+    best_time: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class TargetLeftOut:
     """A target that could be looked at, and what stood in its way.
+
+    Where a campaign was chosen by a version that told no more than `target`, the rest is null.
 
     target: id of the target, as the request gives it.
     because: what its look would be worth, and what that would displace. E.g.
@@ -58,12 +62,12 @@ class TargetLeftOut:
     """
 
     target: str
-    because: str
-    start: str
-    stop: str
-    value: NotNegative
-    displaced_by: list[str]
-    displaced_value: NotNegative
+    because: str | None = None
+    start: str | None = None
+    stop: str | None = None
+    value: NotNegative | None = None
+    displaced_by: list[str] | None = None
+    displaced_value: NotNegative | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

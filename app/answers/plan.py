@@ -154,6 +154,8 @@ class VerificationOut:
 class SlewRunOut:
     """How one slew was solved.
 
+    Cost, bound and gap aren't told of plans that older versions made.
+
     session: number of the session it leads to, from 0; null for the slew to the final state.
     backend: the method, as `slew.method` names it.
     status: how the solver ended.
@@ -175,9 +177,9 @@ class SlewRunOut:
     wall_s: NotNegative
     duration_s: NotNegative
     minimum_s: NotNegative
-    cost_deg2_s5: NotNegative | None
-    lower_bound_deg2_s5: NotNegative | None
-    gap: Share | None
+    cost_deg2_s5: NotNegative | None = None
+    lower_bound_deg2_s5: NotNegative | None = None
+    gap: Share | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,7 +212,8 @@ class PlanDocument:
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
     pointing: how well each session's target is held.
-    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
+    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`. Not
+    told of plans that older versions made.
     uncertainty: of every session that looks at a target.
     verification: whether it may be flown, by a judge of its own.
     comparison: each slew beside the paper's spline.
@@ -225,7 +228,7 @@ class PlanDocument:
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
     pointing: list[PointingOut]
-    slow_stretches: list[SlowStretchOut]
+    slow_stretches: list[SlowStretchOut] | None = None
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]

@@ -103,7 +103,8 @@ class TurnOut:
     eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the turn about the Euler axis.
     method: how it was solved.
     time_from: what found the least time a `minimum_time` turn was given: `ocp`, or `eigenaxis`
-        where no shorter turn was found; null for turns that take the time there is.
+        where no shorter turn was found; null for turns that take the time there is, not told of
+        sessions that older versions planned.
     status: how the solver ended.
     solve_s: time it took to solve.
     """
@@ -118,7 +119,7 @@ class TurnOut:
     torque_rate_peak_n_m_s: NotNegative
     eigenaxis_torque_rate_peak_n_m_s: NotNegative
     method: str
-    time_from: Literal["ocp", "eigenaxis"] | None
+    time_from: Literal["ocp", "eigenaxis"] | None = None
     status: str
     solve_s: NotNegative
 

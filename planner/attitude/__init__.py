@@ -24,7 +24,11 @@ class AttitudeLaw(Protocol):
         ...
 
     def errors(self, instants: Instants) -> AttitudeErrors:
-        """How far the carrier may be off it at the n instants."""
+        """How far the carrier may be off it over a session, at n of its instants."""
+        ...
+
+    def errors_each(self, instants: Instants) -> AttitudeErrors:
+        """The same at each of n instants by itself, however many there are."""
         ...
 
     def q_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:

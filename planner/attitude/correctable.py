@@ -43,8 +43,12 @@ class CorrectableAttitude(ABC):
         return self._correction.turn_rad(instants)
 
     def errors(self, instants: Instants) -> AttitudeErrors:
-        """How far the carrier may be off that."""
+        """How far the carrier may be off that over a session, at a few of its instants."""
         return self._correction.errors(instants) if self.corrections else self._told(instants)
+
+    def errors_each(self, instants: Instants) -> AttitudeErrors:
+        """The same at each instant by itself, however many there are."""
+        return self._correction.errors_each(instants) if self.corrections else self._told(instants)
 
     def warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """Those of the law, and by how much it is corrected."""

@@ -90,27 +90,40 @@ class Correction:
         return np.concatenate([self._known.expected_rad(part_s) for part_s in parts])
 
     def errors(self, instants: Instants) -> AttitudeErrors:
-        """What the law's errors are then, given the measurements."""
+        """What the law's errors are then, given the measurements; for a session's few instants."""
         known, told = self._known, self.told(instants)
         count = len(instants)
         across = known.to(instants)
         left = known.prior(instants) - across @ np.linalg.solve(known.covariance_rad2, across.T)
-        # Beyond the constant turn at the measurements, and what is neither turn nor swing.
-        sigma_rad = np.broadcast_to(told.sigma_body_rad, (count, 3))
-        grown_rad = np.sqrt(np.maximum(sigma_rad**2 - known.bias_rad**2, 0.0) + REST_RAD**2)
+        grown_rad = known.grown_rad(told, count)
         for axis in range(3):
             left[axis::3, axis::3] += np.outer(grown_rad[:, axis], grown_rad[:, axis])
         size, mode = np.linalg.eigh(left)
         kept = slice(-_MODES, None)
         lost = np.trace(left) / max(float(np.sum(size[kept])), np.finfo(float).tiny)
         modes_rad = (mode[:, kept] * np.sqrt(np.maximum(size[kept], 0.0) * lost)).T
+        return self._as_errors(told, modes_rad.reshape(-1, count, 3))
+
+    def errors_each(self, instants: Instants) -> AttitudeErrors:
+        """The same of each instant by itself, however many: three modes, an instant's own."""
+        known, told = self._known, self.told(instants)
+        t_s = instants.since_s(known.instants.epoch_utc)
+        grown_rad = known.grown_rad(told, len(t_s))
+        parts = np.array_split(np.arange(len(t_s)), len(t_s) // _AT_A_TIME + 1)
+        left = np.concatenate([known.left_each(t_s[part]) for part in parts])
+        left += grown_rad[:, :, None] ** 2 * np.eye(3)
+        size, mode = np.linalg.eigh(left)
+        modes_rad = mode * np.sqrt(np.maximum(size, 0.0))[:, None, :]
+        return self._as_errors(told, modes_rad.transpose(2, 0, 1))
+
+    def _as_errors(self, told: AttitudeErrors, modes_body_rad: Array) -> AttitudeErrors:
         last = utc_text(max((one.epoch for one in self.measured), key=tai_us))
         return AttitudeErrors(
             np.zeros(3),
             np.zeros(3),
             f"{told.basis}; corrected by {_number(self.measured)}, the last of {last}",
             "a correction nearer to the session",
-            modes_rad.reshape(-1, count, 3),
+            modes_body_rad,
         )
 
     def warning(self, instants: Instants) -> str:
@@ -161,6 +174,18 @@ class _Measurements:
     def prior(self, instants: Instants) -> Array:
         """Covariance (rad2) of constant turn and swing before anything was measured, (3 n, 3 n)."""
         return self._between(instants.t_s, instants.t_s)
+
+    def left_each(self, t_s: Array) -> Array:
+        """Covariance (rad2) of constant turn and swing at n times of their clock, (n, 3, 3)."""
+        across = self._between(t_s, self.instants.t_s)
+        known = np.linalg.solve(self.covariance_rad2, across.T).T
+        said = np.einsum("nak,nbk->nab", *(m.reshape(len(t_s), 3, -1) for m in (across, known)))
+        return np.asarray(np.diag(self.bias_rad**2 + self._swing_rad**2) - said)
+
+    def grown_rad(self, told: AttitudeErrors, count: int) -> Array:
+        """Beyond the constant turn at the measurements, and what is neither turn nor swing."""
+        sigma_rad = np.broadcast_to(told.sigma_body_rad, (count, 3))
+        return np.asarray(np.sqrt(np.maximum(sigma_rad**2 - self.bias_rad**2, 0.0) + REST_RAD**2))
 
     def _between(self, t_s: Array, other_s: Array) -> Array:
         swing = self._swing_memory(t_s, other_s)

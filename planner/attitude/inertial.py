@@ -11,7 +11,7 @@ from planner.arrays import Array
 from planner.attitude.correctable import CorrectableAttitude
 from planner.attitude.errors import AttitudeErrors, known_errors
 from planner.errors import OutsideCoverage
-from planner.frames.time_scales import Instants, utc_text
+from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
 from planner.spec import UnitPart, Within, spec
 
@@ -54,6 +54,14 @@ class InertialAttitude(CorrectableAttitude):
             raise ValueError(
                 f"q_body_from_eci_xyzw must have unit length, not {norm:.6g}; divide it by its norm"
             )
+        for number, one in enumerate(self.corrections):
+            age_s = abs(elapsed_s(one.epoch, self.epoch))
+            if age_s >= REFUSE_AGE_S:
+                raise ValueError(
+                    f"corrections.{number}.epoch is {age_s / 3600.0:.1f} h from the attitude's "
+                    f"epoch; at {REFUSE_AGE_S / 3600.0:.0f} h a constant body rate says nothing "
+                    "to be corrected: leave it out, or give attitude and rate nearer to it"
+                )
 
     def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; the orbit plays no part."""

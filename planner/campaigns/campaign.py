@@ -293,7 +293,8 @@ def _in_utc(
             start_utc=shifted_utc(request.start, begin_s),
             stop_utc=shifted_utc(shifted_utc(request.start, begin_s), lasts_s),
             value=look.value,
-            quality=look.value / request.targets[look.target].worth_value(lasts_s),
+            # Where it is 1, the quotient may round up.
+            quality=min(look.value / request.targets[look.target].worth_value(lasts_s), 1.0),
             seen=seen,
         )
         for look, begin_s, lasts_s, seen in zip(

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field
 
 from planner.arrays import Array, Indices, cross
-from planner.attitude import AttitudeLaw
+from planner.attitude import AttitudeErrors, AttitudeLaw
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s
@@ -120,7 +120,8 @@ def pointing_budget(
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
     scene = _Scene(los, attitude, target, platform, angle_rad, SAMPLES)
-    biases = _biases(scene, los, ephemeris, attitude, clock_s)
+    errors = attitude.errors(scene.instants)
+    biases = _biases(scene, los, ephemeris, errors, clock_s)
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
@@ -171,7 +172,8 @@ def probabilities_at(
     half_rad = _half_rad(platform)
     if not (half_rad > 0.0).all():
         return np.zeros(len(los.instants))
-    biases = _biases(scene, los, ephemeris, attitude, clock_s)
+    errors = attitude.errors_each(scene.instants)
+    biases = _biases(scene, los, ephemeris, errors, clock_s)
     constant = [bias.offsets_rad for bias in biases if bias.quarter_later_rad is None]
     swings = [
         part
@@ -334,13 +336,13 @@ class _Bias(NamedTuple):
 
 
 def _biases(
-    scene: _Scene, los: LineOfSight, ephemeris: Ephemeris, attitude: AttitudeLaw, clock_s: float
+    scene: _Scene, los: LineOfSight, ephemeris: Ephemeris, errors: AttitudeErrors, clock_s: float
 ) -> list[_Bias]:
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
     *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
     return [
         *_orbit_offsets(scene, ephemeris, moved),
-        *_attitude_offsets(scene, attitude),
+        *_attitude_offsets(scene, errors),
         _earth_offsets(scene, late - early),
         _clock_offsets(scene, los, clock_s),
     ]
@@ -379,9 +381,8 @@ def _orbit_offsets(
     ]
 
 
-def _attitude_offsets(scene: _Scene, attitude: AttitudeLaw) -> list[_Bias]:
+def _attitude_offsets(scene: _Scene, errors: AttitudeErrors) -> list[_Bias]:
     """Turns about the body axes, constant and swinging with the orbit."""
-    errors = attitude.errors(scene.instants)
     sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
     r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
     rate_rad_s = np.linalg.norm(cross(r_m, v_m_s), axis=1) / np.sum(r_m**2, axis=1)

@@ -3,7 +3,7 @@
 A quadratic programme with the structure of optimal control: five numbers a span (angle, rate,
 acceleration at its begin, jerk at its begin and end), coupled to the next span by the motion
 alone.  Mehrotra's predictor and corrector with a Riccati recursion solve it in time
-proportional to the spans.  All quantities in normalised time: the motion lasts 1.
+proportional to the spans.  All in normalised time: the motion lasts 1.
 Source: Mehrotra 1992, "On the implementation of a primal-dual interior point method".
 """
 

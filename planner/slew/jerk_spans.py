@@ -1,4 +1,6 @@
-"""A motion whose jerk is linear on spans, in normalised time: its states, and how it meets its end.
+"""A motion whose jerk is linear on spans: its states, and how it meets its end.
+
+All in normalised time: the motion lasts 1.
 
 Each span has five numbers: angle, rate, acceleration at its begin, jerk at its begin and end.
 On a flat span the jerk is the mean of its two numbers throughout.

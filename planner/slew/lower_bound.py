@@ -5,7 +5,7 @@ Whatever prices are put on meeting the end and on keeping limits at some instant
 motion that meets the end and keeps the limits.  That least is found instant by instant: the
 jerk is the costate, a quadratic of time less the pushes of the contacts, cut off at its limit.
 The pushes may come from any solver; the end's prices are those that make the bound highest.
-Normalised time: the motion lasts 1.
+All in normalised time: the motion lasts 1.
 Source: weak duality, Luenberger 1969, Optimization by Vector Space Methods, ch. 8.
 """
 

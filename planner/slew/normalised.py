@@ -1,4 +1,4 @@
-"""A slew in normalised time and angle, in which every slew is of one size."""
+"""A slew in normalised time: the motion lasts 1, and angles are of its own size."""
 
 from dataclasses import dataclass
 

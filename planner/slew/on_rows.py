@@ -56,7 +56,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
                 limit="duration",
             )
         profiles.append(on_rows.profile)
-        status.append(f"{how_good(on_rows.profile, bound, slew)}, jerk on rows")
+        status.append(f"{how_good(on_rows, bound)}, jerk on rows")
         iterations += on_rows.iterations
     return replace(
         solution,

@@ -4,7 +4,6 @@ import time
 from dataclasses import replace
 from typing import NamedTuple
 
-from planner.commands import COMMAND_STEP_S
 from planner.slew.braking import braked_ends
 from planner.slew.closed_forms import LONGEST_S, least_jerk_profile, with_wait
 from planner.slew.feasibility import axis_refusal, verdict
@@ -13,7 +12,6 @@ from planner.slew.smoothest import Smoothest, bound_without_contacts, smoothest
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 
 OPTIMAL_GAP = 1e-3  # of the cost: what is called optimal is no further from the bound
-ON_ROWS_S = 50.0  # of so many rows a command table flies what is the optimum to OPTIMAL_GAP
 
 
 class AxisSolution(NamedTuple):
@@ -102,9 +100,9 @@ def _smoothest(slew: AxisSlew) -> AxisSolution | str:
     possible = verdict(start, end, limits, slew.duration_s)
     if possible.limit is not None:
         return possible.limit
-    found = smoothest(slew, possible.profile, _rows_to_use(slew.duration_s))
+    found = smoothest(slew, possible.profile, None)
     if found is not None:
-        return _called(found, slew)
+        return AxisSolution(found.profile, how_good(found, found.lower_bound_rad2_s5), *found[1:3])
     waiting = _with_wait(slew) if slew.duration_s > LONGEST_S else None
     if waiting is not None:
         return waiting
@@ -117,26 +115,12 @@ def _smoothest(slew: AxisSlew) -> AxisSolution | str:
     return AxisSolution(possible.profile, "feasible, not the smoothest", bound, 0)
 
 
-def _rows_to_use(duration_s: float) -> int | None:
-    """The rows of a long slew: what may change on them only is as smooth, and flown as it is."""
-    rows = round(duration_s / COMMAND_STEP_S)
-    whole = abs(rows * COMMAND_STEP_S - duration_s) <= 1e-6 * COMMAND_STEP_S
-    return rows if whole and duration_s >= ON_ROWS_S else None
-
-
-def _called(found: Smoothest, slew: AxisSlew) -> AxisSolution:
-    bound = found.lower_bound_rad2_s5
-    return AxisSolution(
-        found.profile, how_good(found.profile, bound, slew), bound, found.iterations
-    )
-
-
-def how_good(profile: AxisProfile, lower_bound_rad2_s5: float, slew: AxisSlew) -> str:
+def how_good(found: Smoothest, lower_bound_rad2_s5: float) -> str:
     """What a motion that was sought as the smoothest may be called."""
-    if slew.avoid_modes:
+    if found.spares_modes:
         return "modes spared"
-    gap = 1.0 - lower_bound_rad2_s5 / profile.jerk_squared_integral
-    return "optimal" if gap <= OPTIMAL_GAP else f"smooth to {gap:.1%} above the bound"
+    gap = 1.0 - lower_bound_rad2_s5 / found.profile.jerk_squared_integral
+    return "optimal" if gap <= OPTIMAL_GAP else f"smooth, gap {gap:.1%}"
 
 
 def _with_braked_ends(slew: AxisSlew) -> AxisSolution | None:

@@ -1,7 +1,8 @@
 """Newton's step of a programme whose stages are coupled by a motion alone.
 
 Each stage has five numbers: a state of three and two jerks.  The least of a quadratic in them,
-the states following from the jerks, takes one sweep backward and one forward.
+the states following from the jerks, takes one sweep backward and one forward.  All in
+normalised time: the motion lasts 1.
 Source: Rao, Wright, Rawlings 1998, "Application of interior-point methods to model predictive
 control".
 """

@@ -4,7 +4,8 @@ The optimum's jerk is a quadratic of time less pushes of the contacts with limit
 its limit.  A jerk that is linear on spans, angle, rate and acceleration held within their
 limits by their Bernstein coefficients, comes as near to it as the spans allow.  The pushes that
 the solver finds give a lower bound for every motion; the gap to it is the sum of what each span
-loses, so the spans that lose most are cut, until the gap is closed.
+loses, so the spans that lose most are cut, until the gap is closed.  Within, all is in
+normalised time: the motion lasts 1.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,7 +17,7 @@ import numpy as np
 from planner import effort
 from planner.arrays import Array, Mask
 from planner.slew.flown import cells_that_break, cells_that_leave
-from planner.slew.interior_point import ORDERS, ROWS, least_jerk
+from planner.slew.interior_point import ORDERS, least_jerk
 from planner.slew.jerk_spans import meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import NormalisedSlew, normalised
@@ -44,20 +45,23 @@ SOLVE, ITERATION_SPAN = 20, 0.02  # of `planner.effort`
 # Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
 # place (Greville abscissa).
 _AT = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
-_POINTWISE = np.array([0, 1, 2, *range(5, ROWS)])
 _NO_ECHOES = np.zeros(0)
 
 
 class Smoothest(NamedTuple):
-    """lower_bound_rad2_s5: no motion between these states within these limits costs less."""
+    """lower_bound_rad2_s5: no motion between these states within these limits costs less.
+
+    spares_modes: whether the slew's modes were spared, as far as its limits allow.
+    """
 
     profile: AxisProfile
     lower_bound_rad2_s5: float
     iterations: int
+    spares_modes: bool = False
 
 
 class _Motion(NamedTuple):
-    """A solved motion on its knots, in normalised time; pushes (n, 11), losses (n,)."""
+    """A solved motion on its knots, in normalised time; pushes (n, 11)."""
 
     knots: Array
     flat: Mask
@@ -90,7 +94,7 @@ def _from_knots(
     if found is None:
         return None
     motion, bound = found
-    solve = _on_knots
+    solve, calm = _on_knots, None
     if slew.avoid_modes:
         spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
         knots = _spaced(np.union1d(motion.knots, np.linspace(0.0, 1.0, spans + 1)), rows)
@@ -105,7 +109,8 @@ def _from_knots(
     profile = _profile(problem, motion)
     if not obeys(profile, slew.start, slew.end, slew.limits):
         return None
-    return Smoothest(profile, bound * problem.cost_unit_rad2_s5, motion.iterations)
+    bound_rad2_s5 = bound * problem.cost_unit_rad2_s5
+    return Smoothest(profile, bound_rad2_s5, motion.iterations, spares_modes=calm is not None)
 
 
 def bound_without_contacts(slew: AxisSlew) -> float:
@@ -137,7 +142,7 @@ def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Mo
         if cost - bound <= GAP_WANTED * cost:
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
-        finer = _spaced(np.union1d(knots, _cuts(motion)[cut]), rows)
+        finer = _spaced(np.union1d(knots, _cuts(motion, rows)[cut]), rows)
         if len(finer) == len(knots):
             break
         guess = _guess(problem, motion, finer)
@@ -295,8 +300,11 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     return bound, missed + held_back
 
 
-def _cuts(motion: _Motion) -> Array:
-    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle."""
+def _cuts(motion: _Motion, rows: int | None) -> Array:
+    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle.
+
+    On rows at least one row from either end, where the span has more than one.
+    """
     pushed = np.abs(motion.pushes)
     at = np.full(len(motion.jerks), 0.5)
     slopes = (motion.states[:, 1], motion.states[:, 2])
@@ -305,7 +313,9 @@ def _cuts(motion: _Motion) -> Array:
         turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
         share = before / np.where(turns, before - after, 1.0)
         at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
-    return motion.knots[:-1] + at * np.diff(motion.knots)
+    begin, end = motion.knots[:-1], motion.knots[1:]
+    cuts = begin + at * (end - begin)
+    return cuts if rows is None else np.clip(cuts, begin + 1.0 / rows, end - 1.0 / rows)
 
 
 def _carried(

@@ -166,3 +166,19 @@ def test_campaign_cancelled_while_choosing_plans_nothing(database, chosen):
         jobs.cancel(connection, new.id)
     assert ended_with(database, CAMPAIGN, token, chosen) == "cancelled"
     assert claimed(database) is None
+
+
+def test_best_view_is_told_though_its_quotient_rounds_up(database):
+    """Three rows of 0.1 each are worth more than 0.3, to a computer."""
+    request = {**CAMPAIGN_EXAMPLES["cities"][1], "view": {"ground_sample": 0.0}}
+    looks = {"priority": 0.1, "session_s": 6.0, "min_session_s": 6.0}
+    request["targets"] = [target | looks for target in request["targets"]]
+    body = json.dumps(request).encode()
+    new = NewJob(
+        id=new_id(), kind="campaign", name="", request=body, request_sha256="", deadline_s=60.0
+    )
+    with database.writing() as connection:
+        token = jobs.accept(connection, new, 60.0)
+    ended_with(database, CAMPAIGN, token, choose(body))
+    looks = [look for one in told(database, new.id)["passes"] for look in one["looks"]]
+    assert {look["quality"] for look in looks} == {1.0}

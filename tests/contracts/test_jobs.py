@@ -231,7 +231,7 @@ def test_a_result_that_the_database_did_not_take_before_the_service_ended_is_in_
     def logged(message):
         return any(message in str(record.__dict__) for record in caplog.records)
 
-    def fail():
+    def fail(**_options):
         raise StoreUnavailable("away")
 
     notes = Notes(tmp_path / "notes")

@@ -1,6 +1,8 @@
 """Is what is stored kept to the bit, never changed, and handed to one worker at a time?"""
 
 import io
+import json
+import zlib
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 
@@ -48,6 +50,23 @@ def test_migrations_lead_to_the_models(tmp_path):
         with database.reading() as connection:
             context = MigrationContext.configure(connection, opts={"compare_type": True})
             assert compare_metadata(context, models.Base.metadata) == []
+
+
+def test_what_an_older_version_stored_is_rewritten_once(database, tmp_path):
+    """On PostgreSQL too; a whole SQLite database of that version: test_older_stores.py."""
+    harmonic = {"attitude": {"law": "harmonic", "content": "...", "lead_s": 900.0}}
+    job_id, _ = accepted(database, tmp_path, request=json.dumps(harmonic).encode())
+    chosen = {"value": 2.0, "unseen": ["Oslo"], "left_out": [{"target": "Rome", "value": 0.5}]}
+    with database.writing() as connection:
+        plans.store_choice(connection, job_id, zlib.compress(json.dumps(chosen).encode()))
+    for _ in range(2):
+        with database.writing() as connection:
+            connection.execute(text("UPDATE alembic_version SET version_num = '0004'"))
+        upgrade(database)
+        with database.reading() as connection:
+            request = json.loads(jobs.request_of(connection, job_id))
+            assert request == {"attitude": {"law": "harmonic", "content": "..."}}
+            assert plans.choice_of(connection, job_id) == {**chosen, "unseen": [{"target": "Oslo"}]}
 
 
 @pytest.mark.usefixtures("patient_store")

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from planner.attitude import AttitudeCorrection, AttitudeUncertainty, LvlhAttitude
+from planner.attitude import (
+    AttitudeCorrection,
+    AttitudeUncertainty,
+    InertialAttitude,
+    LvlhAttitude,
+)
 from planner.attitude.corrections import REST_RAD
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, utc_from_text
@@ -175,3 +180,30 @@ def test_a_covariance_that_makes_no_sense_is_refused():
     ):
         with pytest.raises(ValueError, match=said):
             AttitudeCorrection(epoch=epoch, turn_body_deg=STILL, covariance_deg2=rows)
+
+
+def test_instants_each_by_itself_are_as_if_asked_alone():
+    """A campaign's many views; before, between and hours after the measurements."""
+    one = law(
+        correction(3000.0, (0.1, 0.0, 0.0)),
+        correction(600.0, (0.05, 0.02, 0.0), heading_deg=180.0),
+        swing_deg=(0.2, 0.05, 0.0),
+    )
+    many = Instants(START, np.linspace(-4000.0, 250_000.0, 20_000))
+    covariance = [
+        np.einsum("mna,mnb->nab", told.modes_body_rad, told.modes_body_rad)
+        for told in (
+            one.errors_each(many),
+            *(one.errors(Instants(START, many.t_s[row : row + 1])) for row in (0, 250, 19_999)),
+        )
+    ]
+    alone = np.concatenate(covariance[1:])
+    np.testing.assert_allclose(covariance[0][[0, 250, 19_999]], alone, rtol=1e-9, atol=1e-15)
+
+
+def test_no_correction_of_a_constant_rate_where_it_says_nothing():
+    """Of a week before it was believed to the last degree."""
+    inertial = InertialAttitude(epoch=START, q_body_from_eci_xyzw=(0.0, 0.0, 0.0, 1.0))
+    replace(inertial, corrections=(correction(7199.0, (0.1, 0.0, 0.0)),))
+    with pytest.raises(ValueError, match=r"corrections\.1\.epoch is 2\.0 h"):
+        replace(inertial, corrections=(correction(60.0, STILL), correction(7200.0, STILL)))
