@@ -26,7 +26,8 @@ ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
 NEAR_ENDS = 0.15
 ROWS_ALL_FREE_MAX = 200
 DEAR = 4.0  # times the straight slew's cost: then it's worth while to look for better ones
-WANDERINGS, WANDERING_RAD = 24, 2.0  # at 1.5 one slew of 12 found no way
+WANDERINGS, WANDERING_RAD = 24, 2.0
+WAVES = np.arange(1, 5)  # half waves; with three, or 1.5 rad, one slew of 12 found no way
 LARGE_PLAY = 0.02
 KICKS, KICK_RAD = 8, 0.3
 SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
@@ -257,8 +258,8 @@ def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) ->
 def _waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
     """Smooth excursions of any kind, the same ones every time."""
     rng = np.random.default_rng(0)
-    waves = np.sin(np.pi * np.outer([1, 2, 3], spline.greville_tau))
-    sizes = rng.normal(size=(count, 2, 3)) * size_rad / np.array([1.0, 2.0, 3.0])
+    waves = np.sin(np.pi * np.outer(WAVES, spline.greville_tau))
+    sizes = rng.normal(size=(count, 2, len(WAVES))) * size_rad / WAVES
     return tuple(sizes @ waves)
 
 
