@@ -2,8 +2,9 @@
 
 The angles are cut into cells as wide as an axis may move in one step of time: what is in a cell
 at one step is in it or in one of its eight neighbours at the next.  Left out are cells that lie
-wholly inside a cone, and those beyond what rate, acceleration and jerk allow from either end.
-Where this flood from the start never reaches the end, no motion does.
+wholly inside a cone, and what is beyond what rate, acceleration and jerk allow from either end,
+which cuts the outermost cells.  Where this flood from the start never reaches the end, no motion
+does.
 
 That a cell lies wholly inside is proven by its corners.  The cosine f between boresight and cone
 axis is 1 x 1 in the cosines and sines of both angles, and no second derivative by one angle is
@@ -13,6 +14,7 @@ at most (a^2 + b^2) / 8.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,7 +25,7 @@ from planner import effort
 from planner.arrays import Array
 from planner.platforms import AxisLimits
 from planner.pointing.angles import cosine_coefficients
-from planner.pointing.keep_out import KeepOutView
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew.problem import AxisState, SlewProblem
 
 Mask = NDArray[np.bool_]
@@ -37,20 +39,13 @@ ROUNDING = 1e-6  # of a cell
 CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
 
 
-def is_impossible(problem: SlewProblem, view: KeepOutView, duration_s: float) -> bool:
-    """Whether it is proven that no motion within the limits keeps out of the cones.
-
-    The proof is one-sided: acceleration and jerk limits enter only through what is within reach
-    of each end by itself, so that a tight slew may be impossible without being proven so.
-    """
-    return is_caught(problem, view, duration_s) or is_barred(problem, view, duration_s, CELLS_RAD)
-
-
 def is_barred(
     problem: SlewProblem, view: KeepOutView, duration_s: float, cells_rad: tuple[float, ...]
 ) -> bool:
-    """Whether a flood in cells of any of these sizes doesn't reach the end.
+    """Whether a flood in cells of any of these sizes doesn't reach the end: no motion does.
 
+    The proof is one-sided: acceleration and jerk limits enter only through what is within reach
+    of each end by itself, so that a tight slew may be impossible without being proven so.
     A barrier thinner than a cell leaks, so that a finer flood may prove what a coarser doesn't.
     """
     return any(_shuts(problem, view, duration_s, cell_rad) for cell_rad in cells_rad)
@@ -64,7 +59,7 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         _axis_cells(t_s, start, end, limits)
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
     ]
-    cones = cones_over(view, t_s, axes[0].edges_rad, axes[1].edges_rad)
+    cones = cones_over(view, t_s, axes[0].size_rad, axes[1].size_rad)
     wet, corner, cells = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
     for layer in range(1, layers + 1):
         spans = [
@@ -79,7 +74,11 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         wet = _with_neighbours(wet)[_within(spans, corner)]
         for cone in cones:
             if size and cone.counts[layer]:
-                wet &= ~cone.inside(layer, spans)
+                edges = [
+                    axis.edges_within_reach(layer, span)
+                    for axis, span in zip(axes, spans, strict=True)
+                ]
+                wet &= ~cone.inside(layer, edges)
         if not wet.any():
             return True
         rows, columns = (np.flatnonzero(wet.any(axis=axis)) for axis in (1, 0))
@@ -99,17 +98,29 @@ def _within(spans: list[slice], corner: list[int]) -> tuple[slice, ...]:
 class _AxisCells(NamedTuple):
     """edges_rad: of the cells, (k + 1,).  start: the cell of the slew's start, in its middle.
 
-    first, last: cells within reach of both ends, (layers + 1,).
+    low_rad, high_rad: what is within reach of both ends, (layers + 1,).
+    first, last: the cells that it is in.
     """
 
     edges_rad: Array
     start: int
+    low_rad: Array
+    high_rad: Array
     first: list[int]
     last: list[int]
+
+    @property
+    def size_rad(self) -> float:
+        return float(self.edges_rad[1] - self.edges_rad[0])
 
     def near(self, layer: int, at: int, count: int) -> slice:
         """Cells that count cells, one layer before, lead to; none: it ends before it begins."""
         return slice(max(at - 1, self.first[layer]), min(at + count, self.last[layer]) + 1)
+
+    def edges_within_reach(self, layer: int, span: slice) -> Array:
+        """Edges of the span's cells, the outermost cut to what is within reach."""
+        edges = self.edges_rad[span.start : span.stop + 1]
+        return np.clip(edges, self.low_rad[layer], self.high_rad[layer])
 
 
 def _axis_cells(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> _AxisCells:
@@ -121,6 +132,8 @@ def _axis_cells(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits
     return _AxisCells(
         edges_rad=lowest + size * np.arange(count + 1),
         start=below,
+        low_rad=low - ROUNDING * size,
+        high_rad=high + ROUNDING * size,
         first=np.floor((low - lowest) / size - ROUNDING).astype(int).tolist(),
         last=np.floor((high - lowest) / size + ROUNDING).astype(int).tolist(),
     )
@@ -131,40 +144,33 @@ class ConeOverCells:
     """A cell whose corners' cosines all reach the threshold is inside.
 
     counts: whether the cone does, by layer.
-    coefficients: the cosine's by (1, cos, sin) of either angle, (layers, 3, 3), which outer_basis
-    and inner_basis hold for the cells' edges, (k + 1, 3).
+    coefficients: the cosine's by (1, cos, sin) of either angle, (layers, 3, 3).
     """
 
     coefficients: Array
     counts: Mask
     cosine_threshold: float
-    outer_basis: Array
-    inner_basis: Array
 
-    def inside(self, layer: int, spans: list[slice]) -> Mask:
-        """Cells of these spans along either axis that are proven to be wholly inside."""
-        edges = [slice(span.start, span.stop + 1) for span in spans]
-        cosine = (
-            self.outer_basis[edges[0]] @ self.coefficients[layer] @ self.inner_basis[edges[1]].T
+    def inside(self, layer: int, edges_rad: Sequence[Array]) -> Mask:
+        """Cells between these edges of either axis that are proven to be wholly inside."""
+        outer, inner = (
+            np.stack([np.ones(len(q)), np.cos(q), np.sin(q)], axis=1) for q in edges_rad
         )
-        corner = cosine >= self.cosine_threshold
+        corner = outer @ self.coefficients[layer] @ inner.T >= self.cosine_threshold
         side = corner[:-1] & corner[1:]
         return np.asarray(side[:, :-1] & side[:, 1:])
 
 
 def cones_over(
-    view: KeepOutView, t_s: Array, outer_edges_rad: Array, inner_edges_rad: Array
+    view: KeepOutView, t_s: Array, outer_size_rad: float, inner_size_rad: float
 ) -> list[ConeOverCells]:
-    """Every cone at the instants t_s, over cells of equal size along either axis."""
-    edges_rad = (outer_edges_rad, inner_edges_rad)
-    trig = [np.stack([np.ones(len(q)), np.cos(q), np.sin(q)], axis=1) for q in edges_rad]
-    bulge = sum((q[1] - q[0]) ** 2 for q in edges_rad) / 8.0
+    """Every cone at the instants t_s, over cells of at most that size along either axis."""
+    bulge = (outer_size_rad**2 + inner_size_rad**2) / 8.0
     found = []
     for cone in view.cones:
         axis, counts = cone.at(t_s)
         coefficients = cosine_coefficients(view.platform, axis).reshape(-1, 3, 3)
-        threshold = math.cos(cone.half_angle_rad) + bulge
-        found.append(ConeOverCells(coefficients, counts, threshold, *trig))
+        found.append(ConeOverCells(coefficients, counts, math.cos(cone.half_angle_rad) + bulge))
     return found
 
 
@@ -180,8 +186,8 @@ def _with_neighbours(mask: Mask) -> Mask:
     return grown
 
 
-def is_caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> bool:
-    """Whether the motion at an end, which jerk limits from changing at once, leads into a cone."""
+def catching_cone(problem: SlewProblem, view: KeepOutView, duration_s: float) -> MovingCone | None:
+    """Into which the motion at an end leads, which jerk limits from changing at once."""
     since_s = np.arange(CAUGHT_STEP_S, min(CAUGHT_S, duration_s / 2.0), CAUGHT_STEP_S)
     off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
     for side, sign in ((problem.start, 1.0), (problem.end, -1.0)):
@@ -206,9 +212,10 @@ def is_caught(problem: SlewProblem, view: KeepOutView, duration_s: float) -> boo
         ]
         # To second order the boresight stays in the box whose corners these are.
         reach_rad = np.maximum(*corners) + 2.0 * (off_rad[0] + off_rad[1]) ** 2
-        if (view.depths_rad(t_s, angle) > reach_rad).any():
-            return True
-    return False
+        catches = (view.depths_rad(t_s, angle) > reach_rad).any(axis=1)
+        if catches.any():
+            return view.cones[int(np.argmax(catches))]
+    return None
 
 
 def tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Array:
@@ -217,28 +224,35 @@ def tube(t_s: Array, start: AxisState, end: AxisState, limits: AxisLimits) -> Ar
     back = end.backwards()
     high = np.minimum(
         start.angle_rad + _farthest(before, start, limits),
-        end.angle_rad + _farthest(after, back, limits),
+        end.angle_rad + _farthest(after[::-1], back, limits)[::-1],
     )
     low = np.maximum(
         start.angle_rad - _farthest(before, start.mirror_image(), limits),
-        end.angle_rad - _farthest(after, back.mirror_image(), limits),
+        end.angle_rad - _farthest(after[::-1], back.mirror_image(), limits)[::-1],
     )
     return np.stack([np.maximum(low, limits.angle_min_rad), np.minimum(high, limits.angle_max_rad)])
 
 
 def _farthest(t_s: Array, state: AxisState, limits: AxisLimits) -> Array:
-    """How far up it may come at t_s: jerk, acceleration, rate each all that the limits allow."""
+    """How far up it may come at t_s, sorted, of a slew that lasts to the last of them.
+
+    Jerk brings acceleration up to its limit, and takes it back as the rate comes to its own: no
+    rate is greater at any time, as acceleration is at most what can be taken back until then.
+    At the end of the slew it need not be taken back any more, so that there only the rate counts.
+    """
     v0, a0 = state.rate_rad_s, state.acceleration_rad_s2
     v, a, jerk = limits.rate_max_rad_s, limits.acceleration_max_rad_s2, limits.jerk_max_rad_s3
-    rising_s = (a - a0) / jerk
-    risen = v0 + rising_s * (a0 + a) / 2.0
-    if risen >= v:
-        full_s = (math.sqrt(max(a0 * a0 + 2.0 * jerk * (v - v0), 0.0)) - a0) / jerk
-        rising_s = full_s
-    else:
-        full_s = rising_s + (v - risen) / a
-    t = np.minimum(t_s, rising_s)
-    gathering_s = np.clip(t_s - rising_s, 0.0, full_s - rising_s)
+    peak = min(math.sqrt(max(jerk * (v - v0) + a0 * a0 / 2.0, 0.0)), a)
+    peak = max(peak, a0)
+    rising_s, falling_s = (peak - a0) / jerk, peak / jerk
+    risen = v0 + rising_s * (a0 + peak) / 2.0
+    holding_s = max((v - risen - peak * falling_s / 2.0) / a, 0.0) if peak == a else 0.0
+    counts_s = np.minimum(t_s, max(t_s[-1] - a / jerk, 0.0))
+    t = np.minimum(counts_s, rising_s)
     way = t * (v0 + t * (a0 / 2.0 + t * jerk / 6.0))
-    way += gathering_s * (risen + a * gathering_s / 2.0)
-    return np.asarray(way + v * np.maximum(t_s - full_s, 0.0))
+    t = np.clip(counts_s - rising_s, 0.0, holding_s)
+    way += t * (risen + t * peak / 2.0)
+    t = np.clip(counts_s - rising_s - holding_s, 0.0, falling_s)
+    way += t * (risen + peak * holding_s + t * (peak / 2.0 - t * jerk / 6.0))
+    full_s = np.maximum(counts_s - rising_s - holding_s - falling_s, 0.0)
+    return np.asarray(way + v * (full_s + t_s - counts_s))

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from planner.arrays import Array
-from planner.detour.barrier import FINE_CELLS_RAD, is_barred, is_impossible
+from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_cone, is_barred
 from planner.detour.ends import free_part, with_part_replaced
 from planner.detour.passage import rough_paths
 from planner.detour.search import TOUCH_RAD, Detour, DetourSearch, cone_entry
 from planner.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
 from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
-from planner.pointing.keep_out import KeepOutView
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew.on_rows import rows_in
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
@@ -26,7 +26,8 @@ ASIDE_RAD = np.concatenate([[0.02, 0.05], np.linspace(0.1, 3.0, 30)])
 NEAR_ENDS = 0.15
 ROWS_ALL_FREE_MAX = 200
 DEAR = 4.0  # times the straight slew's cost: then it's worth while to look for better ones
-WANDERINGS, WANDERING_RAD = 24, 1.5
+WANDERINGS, WANDERING_RAD = 24, 2.0
+WAVES = np.arange(1, 5)  # half waves; with three, or 1.5 rad, one slew of 12 found no way
 LARGE_PLAY = 0.02
 KICKS, KICK_RAD = 8, 0.3
 SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
@@ -51,15 +52,18 @@ def avoid_cones(
     if entry.depth_rad <= -TOUCH_RAD:
         return solution
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
+    catching = catching_cone(problem, problem.keep_out, solution.duration_s)
+    if catching is not None:
+        raise _no_way(solution, (catching,))
     found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
     if found is None:
         if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
-            raise _no_way(solution, problem.keep_out)
+            raise _no_way(solution, _blocking(solution, problem.keep_out))
         raise InfeasibleSlew(
             f"the straight slew enters the cone about {entry.about} by "
             f"{math.degrees(entry.depth_rad):.2f} deg and no way around "
-            f"{_together(problem.keep_out)} was found in {solution.duration_s:.1f} s; give the "
-            "slew more time or the cone a smaller half angle",
+            f"{_together(problem.keep_out.cones)} was found in {solution.duration_s:.1f} s; give "
+            "the slew more time or the cone a smaller half angle",
             limit="keep_out",
         )
     return replace(
@@ -111,13 +115,13 @@ def _between_ends(
 
 
 def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
-    if is_impossible(straight.problem, view, straight.duration_s):
-        raise _no_way(straight, view)
+    if is_barred(straight.problem, view, straight.duration_s, CELLS_RAD):
+        raise _no_way(straight, _blocking(straight, view))
 
 
-def _no_way(straight: SlewSolution, view: KeepOutView) -> InfeasibleSlew:
+def _no_way(straight: SlewSolution, cones: tuple[MovingCone, ...]) -> InfeasibleSlew:
     return InfeasibleSlew(
-        f"no motion within the limits leads around {_blocking(straight, view)} in "
+        f"no motion within the limits leads around {_together(cones)} in "
         f"{straight.duration_s:.1f} s; give the slew more time, the cone a smaller half "
         "angle, or choose other times",
         limit="keep_out",
@@ -184,18 +188,20 @@ def _more(
     return found
 
 
-def _blocking(straight: SlewSolution, view: KeepOutView) -> str:
+def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[MovingCone, ...]:
     """The first cone that by itself leaves no way, or all of them."""
+    if len(view.cones) == 1:
+        return view.cones
     for cone in view.cones:
         alone = replace(view, cones=(cone,))
-        if len(view.cones) == 1 or is_impossible(straight.problem, alone, straight.duration_s):
-            return f"the cone about {cone.about}"
-    return _together(view)
+        if is_barred(straight.problem, alone, straight.duration_s, CELLS_RAD):
+            return (cone,)
+    return view.cones
 
 
-def _together(view: KeepOutView) -> str:
-    cones = "cones" if len(view.cones) > 1 else "cone"
-    return f"the {cones} about {' and '.join(cone.about for cone in view.cones)}"
+def _together(cones: tuple[MovingCone, ...]) -> str:
+    noun = "cones" if len(cones) > 1 else "cone"
+    return f"the {noun} about {' and '.join(cone.about for cone in cones)}"
 
 
 def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[Detour]:
@@ -252,8 +258,8 @@ def _both_sides(view: KeepOutView, straight: SlewSolution, spline: SplineOcp) ->
 def _waves(spline: SplineOcp, count: int, size_rad: float) -> tuple[Array, ...]:
     """Smooth excursions of any kind, the same ones every time."""
     rng = np.random.default_rng(0)
-    waves = np.sin(np.pi * np.outer([1, 2, 3], spline.greville_tau))
-    sizes = rng.normal(size=(count, 2, 3)) * size_rad / np.array([1.0, 2.0, 3.0])
+    waves = np.sin(np.pi * np.outer(WAVES, spline.greville_tau))
+    sizes = rng.normal(size=(count, 2, len(WAVES))) * size_rad / WAVES
     return tuple(sizes @ waves)
 
 

@@ -16,7 +16,7 @@ from planner.platforms import AxisLimits
 from planner.slew.problem import AxisState
 from planner.slew.solution import AxisProfile, chain_profiles
 
-LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; any slew of an hour can rest on its way
+LONGEST_S = 3600.0  # Ruckig gives up at 7600 s; most slews of an hour can rest on their way
 SLOW_UNIT_S = 100.0  # for axes that need longer than Ruckig can count in seconds
 LOOK_UP = 35  # of `planner.effort`: with what else is looked at beside it
 DURATION_TOLERANCE = 1e-9  # relative: rounding of a sum of phases
@@ -42,7 +42,9 @@ def quickest_profile(
     arbitrary target states".
     """
     if at_least_s > LONGEST_S:
-        return _resting_profile(start, end, limits, at_least_s)
+        resting = _resting_profile(start, end, limits, at_least_s)
+        if resting is not None:
+            return resting
     try:
         return _by_ruckig(start, end, limits, at_least_s, 1.0)
     except ValueError:  # how its binding says "over 7600 s", a result that it has no name for
@@ -89,7 +91,7 @@ def _by_ruckig(
 def _resting_profile(
     start: AxisState, end: AxisState, limits: AxisLimits, duration_s: float
 ) -> AxisProfile | None:
-    """Back to rest at the start's angle, a wait there, and on to the end."""
+    """Back to rest at the start's angle, a wait there, and on to the end; None: no time for it."""
     rest = start.at_rest()
     to_rest = None if start == rest else quickest_profile(start, rest, limits)
     on = None if end == rest else quickest_profile(rest, end, limits)
@@ -100,9 +102,14 @@ def _resting_profile(
 
 def with_wait(
     rest: AxisState, to_rest: AxisProfile | None, on: AxisProfile | None, duration_s: float
-) -> AxisProfile:
-    """A motion to rest, a wait, and a motion on; a missing one is already where it leads."""
+) -> AxisProfile | None:
+    """A motion to rest, a wait, and a motion on; a missing one is already where it leads.
+
+    None where that takes longer.
+    """
     moving_s = sum(part.duration_s for part in (to_rest, on) if part is not None)
+    if moving_s > duration_s:
+        return None
     wait = AxisProfile(
         breakpoints_s=np.array([0.0, duration_s - moving_s]),
         coefficients=np.array([[rest.angle_rad, 0.0, 0.0, 0.0]]),

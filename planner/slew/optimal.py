@@ -51,32 +51,31 @@ def optimal_slew(problem: SlewProblem) -> SlewSolution:
 
 def _solve_axis(name: str, slew: AxisSlew) -> AxisSolution:
     """Raises InfeasibleSlew."""
-    if slew.duration_s > LONGEST_S:
-        return _solve_with_wait(name, slew)
     found = _smoothest(slew)
     if isinstance(found, str):
         raise axis_refusal(name, slew, found)
     return found
 
 
-def _solve_with_wait(name: str, slew: AxisSlew) -> AxisSolution:
-    """Smoothly to rest, a wait, and smoothly on: within rounding as smooth as using the hours.
-
-    The spans of one motion over hours would be too long to gather speed between stops.
-    """
+def _with_wait(slew: AxisSlew) -> AxisSolution | None:
+    """Smoothly to rest, a wait, and smoothly on, where stops leave no choice at the ends."""
     rest, part_s = slew.start.at_rest(), LONGEST_S / 2.0
     to_rest = on = None
     if slew.start != rest:
-        to_rest = _solve_axis(name, replace(slew, end=rest, duration_s=part_s))
+        to_rest = smoothest_motion(replace(slew, end=rest, duration_s=part_s))
     if slew.end != rest:
-        on = _solve_axis(name, replace(slew, start=rest, duration_s=part_s))
+        on = smoothest_motion(replace(slew, start=rest, duration_s=part_s))
+    if (to_rest is None and slew.start != rest) or (on is None and slew.end != rest):
+        return None
     parts = [part for part in (to_rest, on) if part is not None]
     profile = with_wait(
         rest, to_rest.profile if to_rest else None, on.profile if on else None, slew.duration_s
     )
+    if profile is None:
+        return None
     return AxisSolution(
         profile,
-        ", a wait, ".join(part.status for part in parts) or "at rest",
+        ", a wait, ".join(part.status for part in parts),
         bound_without_contacts(slew),
         sum(part.iterations for part in parts),
     )
@@ -104,6 +103,9 @@ def _smoothest(slew: AxisSlew) -> AxisSolution | str:
     found = smoothest(slew, possible.profile, None)
     if found is not None:
         return AxisSolution(found.profile, how_good(found, found.lower_bound_rad2_s5), *found[1:3])
+    waiting = _with_wait(slew) if slew.duration_s > LONGEST_S else None
+    if waiting is not None:
+        return waiting
     braked = _with_braked_ends(slew)
     if braked is not None:
         return braked

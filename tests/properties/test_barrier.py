@@ -4,13 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from keep_out_cases import LIMITS
+import ruckig
+from keep_out_cases import LIMITS, draw_cases
 from scipy_boresight import scipy_boresight
 
-from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred
+from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, cones_over, is_barred, tube
 from planner.platforms import ISS_HRC
 from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew import AxisState, SlewProblem
+from planner.slew.closed_forms import quickest_profile
+from planner.slew.solution import obeys
 
 DURATION_S = 100.0
 BETA_END_RAD = math.radians(150.0)
@@ -44,8 +47,8 @@ def test_a_gate_may_open_as_late_as_the_rest_of_the_way_takes():
     rate, acceleration = LIMITS.rate_max_rad_s, LIMITS.acceleration_max_rad_s2
     braking_s = rate / (2.0 * acceleration) + acceleration / (2.0 * LIMITS.jerk_max_rad_s3)
     last_s = DURATION_S - (BETA_END_RAD - GATE_RAD) / rate - braking_s
-    # A cell of 0.3 deg is 0.1 s wide; one on either side of the gate may leak.
-    for late_s, is_shut in ((-0.01, False), (0.25, True)):
+    # Cells cut at what is in reach leak no way, but the gate may open between instants 0.1 s apart.
+    for late_s, is_shut in ((-0.01, False), (0.1, True)):
         problem = gate(last_s + late_s)
         barred = is_barred(problem, problem.keep_out, DURATION_S, FINE_CELLS_RAD[:1])
         assert barred is is_shut
@@ -72,10 +75,80 @@ def test_cells_called_inside_are_inside_all_over(cell_rad):
                 ),
             ),
         )
-        (cone,) = cones_over(view, np.zeros(1), *edges)
-        cells = np.argwhere(cone.inside(0, [slice(0, 40), slice(0, 40)]))
+        (cone,) = cones_over(view, np.zeros(1), cell_rad, cell_rad)
+        cells = np.argwhere(cone.inside(0, edges))
         assert len(cells) > 100
         for _ in range(10):
             angle = corner + cell_rad * (cells + rng.integers(0, 3, size=cells.shape) / 2.0)
             away = np.arccos(np.minimum(scipy_boresight(angle) @ axis[0], 1.0))
             assert away.max() <= half_angle_rad
+
+
+def reached_by_ruckig(state, t_s):
+    """Angle at t_s of the quickest way to the greatest rate, which is then kept."""
+    request, trajectory = ruckig.InputParameter(1), ruckig.Trajectory(1)
+    request.control_interface = ruckig.ControlInterface.Velocity
+    request.current_position = [state.angle_rad]
+    request.current_velocity = [state.rate_rad_s]
+    request.current_acceleration = [state.acceleration_rad_s2]
+    request.target_velocity = [LIMITS.rate_max_rad_s]
+    request.target_acceleration = [0.0]
+    request.max_acceleration = [LIMITS.acceleration_max_rad_s2]
+    request.max_jerk = [LIMITS.jerk_max_rad_s3]
+    assert ruckig.Ruckig(1).calculate(request, trajectory) == ruckig.Result.Working
+    since_s = np.minimum(t_s, trajectory.duration)
+    angle = np.array([trajectory.at_time(at)[0][0] for at in since_s])
+    return angle + LIMITS.rate_max_rad_s * (t_s - since_s)
+
+
+@pytest.mark.parametrize("rate_deg_s", [-3.0, -0.5, 0.0, 2.2])
+@pytest.mark.parametrize("acceleration_deg_s2", [-0.4, 0.0, 0.9])
+def test_the_farthest_that_can_be_reached_is_what_ruckig_reaches(rate_deg_s, acceleration_deg_s2):
+    if rate_deg_s == -3.0:
+        acceleration_deg_s2 = abs(acceleration_deg_s2)
+    start = AxisState(
+        angle_rad=-2.0,
+        rate_rad_s=math.radians(rate_deg_s),
+        acceleration_rad_s2=math.radians(acceleration_deg_s2),
+    )
+    t_s = np.linspace(0.0, 40.0, 401)
+    low, high = tube(t_s, start, AxisState(angle_rad=-2.0), LIMITS)
+    early = t_s < 12.0  # what the end allows comes in later
+    reached = reached_by_ruckig(start, t_s)
+    np.testing.assert_allclose(high[early], reached[early], rtol=0, atol=1e-9)  # Ruckig's own
+    mirrored_low = tube(t_s, start.mirror_image(), AxisState(angle_rad=2.0), LIMITS)[0]
+    np.testing.assert_allclose(mirrored_low, -high, rtol=0, atol=1e-12)  # rounding
+    backwards = tube(t_s, AxisState(angle_rad=-2.0), start.backwards(), LIMITS)
+    np.testing.assert_allclose(backwards[:, ::-1], [low, high], rtol=0, atol=1e-12)
+
+
+def test_no_slew_leaves_what_is_called_within_reach():
+    """Quickest slews come nearest to its edge."""
+    rng = np.random.default_rng(3)
+    looked_at = 0
+    for _ in range(300):
+        start, end = (
+            AxisState(
+                angle_rad=rng.uniform(-2.9, 2.9),
+                rate_rad_s=rng.uniform(-1.0, 1.0) * LIMITS.rate_max_rad_s,
+                acceleration_rad_s2=rng.uniform(-0.5, 0.5) * LIMITS.acceleration_max_rad_s2,
+            )
+            for _ in range(2)
+        )
+        profile = quickest_profile(start, end, LIMITS)
+        if profile is None or not obeys(profile, start, end, LIMITS):
+            continue
+        looked_at += 1
+        t_s = np.linspace(0.0, profile.duration_s, 200)
+        angle = profile.evaluate(t_s)[0]
+        low, high = tube(t_s, start, end, LIMITS)
+        assert (low - 1e-9 <= angle).all()  # rounding
+        assert (angle <= high + 1e-9).all()
+    assert looked_at > 100
+
+
+def test_a_way_too_narrow_by_a_hundredth_of_a_degree_is_proven_shut():
+    """Both axes, as quick as they can be, meet the cone where it leaves least of the angles."""
+    *_, case = draw_cases(12, 15)
+    problem = case.problem
+    assert is_barred(problem, problem.keep_out, problem.duration_s, CELLS_RAD)

@@ -94,6 +94,24 @@ def test_an_axis_that_takes_hours_takes_its_least_time_and_no_less():
         assert least_s == pytest.approx(1e4 + 100.0 + 10.0, rel=1e-9)
 
 
+@pytest.mark.parametrize("rate_deg_s", [0.0, 0.018])
+def test_a_slow_axis_takes_over_an_hour_and_is_told_what_it_lacks(rate_deg_s):
+    """100 deg at 0.02 deg/s take 5,000 s from rest, and what gathering the rate takes."""
+    limits = replace(LIMITS, rate_min_rad_s=0.0, rate_max_rad_s=math.radians(0.02))
+    problem = SlewProblem(
+        axis_names=("alpha",),
+        limits=(limits,),
+        start=(deg_state(0.0, rate_deg_s),),
+        end=(deg_state(100.0),),
+        duration_s=7200.0,
+    )
+    solution = optimal_slew(problem)
+    assert solution.status == ("optimal",)
+    for short_s in (4000.0, 4999.8):
+        with pytest.raises(InfeasibleSlew, match=rf"5000\.\d+ s to slew but {short_s:.3f} s are"):
+            optimal_slew(replace(problem, duration_s=short_s))
+
+
 def test_too_short_a_time_is_refused_and_the_named_time_works():
     for number, case in enumerate(draw_cases(seed=7, count=90)):
         least_s = least_shared_s(case)
