@@ -129,10 +129,14 @@ def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
 def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
     """The motion and its lower bound, on knots that are added to until the gap is closed."""
     best: _Motion | None = None
-    bound, iterations = 0.0, 0
+    bound, iterations, halved = 0.0, 0, False
     guess = _free_jerks(problem, knots)
     for _ in range(ROUNDS):
         motion = _on_knots(problem, knots, rows, guess)
+        if motion is None and best is not None and not halved:
+            knots, halved = _halved(knots, rows), True
+            guess = _guess(problem, best, knots)
+            continue
         if motion is None:
             break
         iterations += motion.iterations
@@ -170,7 +174,7 @@ def _ways_to_begin(
     knots = _first_knots(problem, known, rows)
     yield knots
     if rows is None:
-        yield np.union1d(knots, (knots[:-1] + knots[1:]) / 2.0)
+        yield _halved(knots, rows)
     if rows is not None and known is not None:
         around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
         changes = known.breakpoints_s[:, None] / known.duration_s + around
@@ -193,6 +197,11 @@ def _first_span(problem: NormalisedSlew, end: int) -> float:
         if room < share * width * abs(slope):
             width = max(room / (share * abs(slope)), NARROWEST)
     return width
+
+
+def _halved(knots: Array, rows: int | None) -> Array:
+    """What few spans hold only just, or not at all, more of them hold."""
+    return _spaced(np.union1d(knots, (knots[:-1] + knots[1:]) / 2.0), rows)
 
 
 def _spaced(knots: Array, rows: int | None) -> Array:
