@@ -17,7 +17,7 @@ from planner.campaigns import (
     CampaignRequest,
     ChosenLook,
     ChosenPass,
-    LeftOut,
+    UnchosenTarget,
     choose_campaign,
     scenario_of,
 )
@@ -89,7 +89,7 @@ def _choice(request: CampaignRequest, campaign: Campaign) -> CampaignChoiceOut:
     )
 
 
-def _left_out(request: CampaignRequest, one: LeftOut) -> TargetLeftOut:
+def _left_out(request: CampaignRequest, one: UnchosenTarget) -> TargetLeftOut:
     ids = [request.targets[row].id for row in one.displaced_by]
     look = f"a look from {utc_text(one.start_utc, 1)} would be worth {one.value:.4g}"
     if ids:

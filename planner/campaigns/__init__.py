@@ -4,7 +4,7 @@ from planner.campaigns.campaign import (
     Campaign,
     ChosenLook,
     ChosenPass,
-    LeftOut,
+    UnchosenTarget,
     choose_campaign,
     scenario_of,
 )
@@ -19,8 +19,8 @@ __all__ = [
     "ChosenLook",
     "ChosenPass",
     "Closing",
-    "LeftOut",
     "Seen",
+    "UnchosenTarget",
     "Unseen",
     "ViewWeights",
     "choose_campaign",

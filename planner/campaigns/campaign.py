@@ -64,7 +64,7 @@ class ChosenPass:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LeftOut:
+class UnchosenTarget:
     """A target (row of the request's) that got no look, and the look it came nearest to.
 
     value: of that look.  displaced_by: targets whose looks can't be flown beside it, worth
@@ -97,7 +97,7 @@ class Campaign:
     greedy_value: float
     windows: int
     unseen: tuple[Unseen, ...]
-    left_out: tuple[LeftOut, ...]
+    left_out: tuple[UnchosenTarget, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -261,9 +261,9 @@ def _threads() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(os.cpu_count())
 
 
-def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> LeftOut:
+def _left_out(request: CampaignRequest, one: Displaced, grid_s: float) -> UnchosenTarget:
     start_utc = shifted_utc(request.start, grid_s + one.first_step * request.step_s)
-    return LeftOut(
+    return UnchosenTarget(
         target=one.target,
         start_utc=start_utc,
         stop_utc=shifted_utc(start_utc, request.targets[one.target].lengths_s[one.length]),

@@ -51,7 +51,7 @@ class ViewWeights:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class View:
+class ViewOverTime:
     """What is seen at n instants, each (n,).
 
     elevation_rad: of the carrier in the target's sky, above the limb for a target in space.
@@ -171,14 +171,14 @@ class Viewing:
         return [one for one in seen if one is not None]
 
 
-def view_of(sight: Sight, which: Indices, t_s: Array) -> View:
+def view_of(sight: Sight, which: Indices, t_s: Array) -> ViewOverTime:
     """Targets `which` (n,) at t_s (n,)."""
     seen = sight.sighting(which, t_s)
     plumb_m = np.full(len(t_s), math.nan)
     if isinstance(sight, EarthSight):
         plumb_m = geodetic_from_itrf(sight.carrier.r_sat_itrf_m.at(t_s))[2]
         plumb_m = plumb_m - geodetic_from_itrf(sight.places.r_target_itrf_m(which, t_s))[2]
-    return View(
+    return ViewOverTime(
         elevation_rad=seen.elevation_rad,
         off_nadir_rad=off_nadir_rad(seen.direction_itrf, sight.carrier, t_s),
         plumb_m=plumb_m,
