@@ -21,6 +21,7 @@ from planner.pointing.angles import axis_angles, axis_motion
 
 _DELTA_S = 0.05  # rates are differences over twice this: 1e-7 of the rate on a 400 km pass
 _EDGE_RAD = 1e-6  # a window that ends at a stop ends within a microsecond's motion of it
+_GRAZING_SINE = 1e-12  # of the elevation: below, a pixel reaches as far as the ground does
 _STEP_S = 600.0  # windows shorter than three of these hold one approach
 
 
@@ -76,7 +77,7 @@ def _sightings(
     direction_itrf, range_m = seen.direction_itrf, seen.range_m
     across_m = range_m * math.radians(request.pixel_arcsec / 3600.0)
     sine = np.sin(seen.elevation_rad) if isinstance(sight, EarthSight) else np.ones(len(t_s))
-    upright = sine > 0.0
+    upright = sine > _GRAZING_SINE
     los_platform = carrier.in_platform(direction_itrf, t_s)
     angle_rad, branch, branches = _pointing(request.platform, los_platform, shape)
     columns = {
