@@ -36,8 +36,7 @@ IPOPT: dict[str, str | float | int] = {
     "hessian_constant": "yes",
 }
 
-# Of `planner.effort`: a solve, a row or variable in an iteration, an entry of a full hessian.
-SOLVE, ITERATION_ROW, ITERATION_ENTRY = 100, 0.3, 0.03
+SOLVE, ITERATION_ENTRY = 100, 0.03  # of `planner.effort`; an entry of a full hessian
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +84,6 @@ class SplineOcp:
         self._unit = 1.0 / np.sqrt(JERK_COST * np.diag(cost_free))
         self.hessian = cost_free * np.outer(self._unit, self._unit)
         self._gradient = cost[np.ix_(basis.free, basis.fixed)] * self._unit[:, None]
-        self._unconstrained = -np.linalg.solve(self.hessian, self._gradient)
         derivatives = derivative_matrices(basis.knots, degree)[1:]
         self._limited = [
             np.flatnonzero(np.any(matrix[:, basis.free] != 0.0, axis=1)) for matrix in derivatives

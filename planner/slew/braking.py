@@ -40,13 +40,10 @@ class BrakedEnds:
         return chain_profiles([part for part in (self.first, free, self.last) if part is not None])
 
 
-def braked_ends(slew: AxisSlew, near_share: float = NEAR_SHARE) -> BrakedEnds | None:
-    """How both ends are braked, or None where neither end needs to be.
-
-    near_share: of the rate limit; an end that can keep so far from it is free.
-    """
-    first = brake(slew.start, slew.limits, near_share)
-    last = brake(slew.end.backwards(), slew.limits, near_share)
+def braked_ends(slew: AxisSlew) -> BrakedEnds | None:
+    """How both ends are braked, or None where neither end needs to be."""
+    first = brake(slew.start, slew.limits)
+    last = brake(slew.end.backwards(), slew.limits)
     parts = [part for part in (first, last) if part is not None]
     if not parts:
         return None
@@ -60,9 +57,7 @@ def braked_ends(slew: AxisSlew, near_share: float = NEAR_SHARE) -> BrakedEnds | 
     return BrakedEnds(first=first, free=free, last=_backwards(last) if last else None, rows=rows)
 
 
-def brake(
-    state: AxisState, limits: AxisLimits, near_share: float = NEAR_SHARE
-) -> AxisProfile | None:
+def brake(state: AxisState, limits: AxisLimits) -> AxisProfile | None:
     """What an axis in this state must do at once, in whole rows; None where it is free.
 
     With the gentlest jerk that keeps the rate and ends, acceleration spent, on a row.
@@ -72,8 +67,8 @@ def brake(
     room = limits.rate_max_rad_s - sign * state.rate_rad_s
     jerk_max = limits.jerk_max_rad_s3
     spare = room - acceleration**2 / (2.0 * jerk_max)
-    if acceleration == 0.0 or spare > near_share * limits.rate_max_rad_s:
-        return _brake_before_stop(state, limits, near_share)
+    if acceleration == 0.0 or spare > NEAR_SHARE * limits.rate_max_rad_s:
+        return _brake_before_stop(state, limits)
     rows = math.floor(2.0 * room / acceleration / COMMAND_STEP_S + ROUNDING)
     jerk = acceleration / (rows * COMMAND_STEP_S) if rows else math.inf
     if jerk > jerk_max * (1.0 + ROUNDING):
@@ -82,11 +77,9 @@ def brake(
     return profile_from_jerk(state, [JerkPhase(rows * COMMAND_STEP_S, -sign * jerk)])
 
 
-def _brake_before_stop(
-    state: AxisState, limits: AxisLimits, near_share: float
-) -> AxisProfile | None:
+def _brake_before_stop(state: AxisState, limits: AxisLimits) -> AxisProfile | None:
     """As hard as it can, until the axis no longer moves towards the stop; None: it is far."""
-    near_rad = near_share * NEAR_STOP_S * limits.rate_max_rad_s
+    near_rad = NEAR_SHARE * NEAR_STOP_S * limits.rate_max_rad_s
     if stop_margin_rad(state, limits) > near_rad:
         return None
     sign = math.copysign(1.0, state.rate_rad_s)
