@@ -14,6 +14,7 @@ from fastapi.sse import format_sse_event
 from sqlalchemy import Connection
 
 from app.http.blocking import read
+from app.jobs.kinds import JobKind
 from app.store import events, jobs
 from app.store.events import Event
 from app.store.failures import StoreUnavailable
@@ -22,12 +23,16 @@ from planner.frames.time_scales import utc_text
 EVENT_STREAM = "text/event-stream"
 _LOOK_S = 0.25
 _SILENCE_S = 15.0  # proxies cut connections nothing comes over
+_RETRY_MS = 2000  # before a browser asks again where a connection broke
 
 
-async def stream_events(request: Request, job_id: str, seq: int) -> AsyncIterator[bytes]:
+async def stream_events(
+    request: Request, kind: JobKind, job_id: str, seq: int
+) -> AsyncIterator[bytes]:
     """Events after the seq-th, until the job has ended or the service is told to stop."""
     stopping: asyncio.Event = request.app.state.stopping
     last_s = time.monotonic()
+    retry_ms: int | None = _RETRY_MS  # told once
     while True:
         try:
             found, is_open = await _after(request, job_id, seq)
@@ -35,7 +40,8 @@ async def stream_events(request: Request, job_id: str, seq: int) -> AsyncIterato
             found, is_open = [], True
         for event in found:
             seq, last_s = event.seq, time.monotonic()
-            yield _text(event)
+            yield _text(event, kind, retry_ms)
+            retry_ms = None
         if not is_open or stopping.is_set():
             return
         if time.monotonic() - last_s > _SILENCE_S:
@@ -59,6 +65,11 @@ async def _after(request: Request, job_id: str, seq: int) -> tuple[list[Event], 
     return await read(request, reading)
 
 
-def _text(event: Event) -> bytes:
+def _text(event: Event, kind: JobKind, retry_ms: int | None) -> bytes:
     data = {"at": utc_text(event.at_utc), **event.data}
-    return format_sse_event(data_str=json.dumps(data), event=event.kind, id=str(event.seq))
+    if event.kind == events.PROGRESS:
+        told = {name: event.data[name] for name in ("stage", "done", "of") if name in event.data}
+        data |= {"percent": kind.percent(**told)}
+    return format_sse_event(
+        data_str=json.dumps(data), event=event.kind, id=str(event.seq), retry=retry_ms
+    )
