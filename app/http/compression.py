@@ -23,7 +23,7 @@ _ZSTD_LEVEL, _GZIP_LEVEL = 3, 4
 _GZIP_FORMAT = 31  # of zlib's window bits
 _AT_ONCE_BYTES = 64 * 1024  # in a millisecond; more would keep others waiting
 _NOT_MODIFIED = 304
-_PLAIN_TYPES = frozenset({"application/json", "application/javascript", "application/x-netcdf"})
+_PLAIN_TYPES = frozenset({"application/json", "application/javascript"})
 _PLAIN_SUFFIXES = ("+json", "+xml")
 _EVENT_STREAM = "text/event-stream"  # each event goes out as it happens
 
