@@ -75,7 +75,7 @@ class AskedInitialState:
             detail = f"the end of plan {self.after}: {angles} deg, from {epoch} on"
             given = {"epoch": epoch, "angles_deg": dict(angles_deg)}
             return (Assumed(field="initial_state.after", detail=detail, members=given),)
-        found = []
+        found: list[tuple[str, str, object]] = []
         if self.epoch is None:
             detail = f"{epoch}, early enough for the slew to the first session"
             found.append(("epoch", detail, epoch))

@@ -1,6 +1,6 @@
 """A request for a plan: a scenario within the service's bounds, and horizon cameras."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import AfterValidator, FailFast, Field
 
@@ -26,7 +26,8 @@ class PlanRequest(Scenario):
     horizon_cameras: the carrier's; `horizon_checks` says what they will see.
     """
 
-    initial_state: AskedInitialState = AskedInitialState()  # type: ignore[assignment]  # until born
+    if not TYPE_CHECKING:  # what is read; once born, it is complete
+        initial_state: AskedInitialState = AskedInitialState()
     sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX), FailFast()]
     horizon_cameras: tuple[HorizonCamera, ...] = ()
 
