@@ -39,6 +39,11 @@ class PlaceTarget(EarthFixedTarget):
         """Where it is."""
         return find_place(self.name)
 
+    @property
+    def label(self) -> str:
+        """Its name as it was given."""
+        return self.name
+
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""
         place = self.place

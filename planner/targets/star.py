@@ -85,6 +85,15 @@ class StarTarget(SkyTarget):
         super().__post_init__()
 
     @property
+    def label(self) -> str:
+        """Its name, its number, or its place among the stars."""
+        if self.name is not None:
+            return self.name
+        if self.hip is not None:
+            return f"HIP {self.hip}"
+        return f"RA {self.ra_deg:.4f}, Dec {self.dec_deg:.4f}"
+
+    @property
     def catalogue_number(self) -> int | None:
         """Its Hipparcos number, given or looked up; None for coordinates."""
         return self.hip if self.name is None else hipparcos_number(self.name)

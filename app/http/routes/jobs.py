@@ -182,7 +182,7 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
         if not job.is_open and seq >= await last_seq(request, job_id):
             return Response(status_code=HTTPStatus.NO_CONTENT)
         return StreamingResponse(
-            stream_events(request, resource.kind, job_id, seq),
+            stream_events(request, job_id, seq),
             media_type=EVENT_STREAM,
             headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
         )
