@@ -5,8 +5,14 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-from app.answers.members import provenance
-from app.answers.plan import plan_document, require_verified, table_json, verdict_state
+from app.answers.members import ProvenanceOut, provenance
+from app.answers.plan import (
+    dry_run_json,
+    plan_document,
+    require_verified,
+    table_json,
+    verdict_state,
+)
 from app.requests.plan import PlanRequest, read_plan_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
@@ -36,6 +42,11 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
         planned_utc=now_utc,
         iterations=sum(run.iterations for run in plan.slews),
     )
+
+
+def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
+    """The answer to a dry run: planned and judged, nothing kept; raises a Refusal."""
+    return dry_run_json(make_plan(request), provenance)
 
 
 def stored_table_json(table_columns: bytes) -> bytes:

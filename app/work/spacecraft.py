@@ -4,8 +4,12 @@ import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 
-from app.answers.members import provenance
-from app.answers.spacecraft import attitude_table_json, spacecraft_document
+from app.answers.members import ProvenanceOut, provenance
+from app.answers.spacecraft import (
+    attitude_table_json,
+    spacecraft_document,
+    spacecraft_dry_run_json,
+)
 from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from planner.frames.time_scales import utc_from_text, utc_text
@@ -37,6 +41,11 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
         table_columns=pack(_pack(plan.table)),
         planned_utc=now_utc,
     )
+
+
+def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes:
+    """The answer to a dry run: planned, judged and flown, nothing kept; raises a Refusal."""
+    return spacecraft_dry_run_json(plan_imaging(request), provenance)
 
 
 def stored_session_json(table_columns: bytes) -> bytes:

@@ -52,7 +52,7 @@ class TableQuery(Parameters):
 class PostQuery(TableQuery):
     """How to plan."""
 
-    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+    dry_run: bool = Field(default=False, description="Only see whether it flies; nothing is kept.")
     revises: PlanId | None = Field(
         default=None,
         description="The plan this one replaces: it becomes the next revision, the old one stays.",

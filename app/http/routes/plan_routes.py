@@ -4,7 +4,7 @@ The same for every resource that holds plans.
 """
 
 import hashlib
-from datetime import UTC, datetime
+from dataclasses import replace
 from http import HTTPStatus
 from typing import Annotated, Any
 
@@ -13,8 +13,8 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from pydantic import BaseModel
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
-from app.answers.members import provenance, to_json
 from app.answers.ranges import NotNegative
+from app.http.blocking import answer_in_child
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -31,6 +31,7 @@ from app.http.routes.plan_queries import (
 from app.http.routes.resources import PlanResource
 from app.http.routes.stored_plans import find, immutable_tag, table_answer, whole_json
 from app.http.waiting import WAIT_S, patience, wait_for_end
+from app.jobs.child import Bounds
 from app.jobs.refusals import Conflict
 from app.store import jobs
 from app.store.database import Database
@@ -64,9 +65,8 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
     ) -> Response:
         form = _form(request, resource, query)
         if query.dry_run:
-            spec = await anyio.to_thread.run_sync(resource.read, body)
-            found = resource.dry_run(spec, provenance(datetime.now(UTC), body))
-            return Response(to_json(found), media_type=JSON)
+            bounds = _dry_run_bounds(request, resource)
+            return await answer_in_child(request, body, resource.read, bounds, resource.dry_run)
         job = await anyio.to_thread.run_sync(_accept_plan, request, resource, body, query, key)
         waits = patience(prefer, WAIT_S)
         plan = await wait_for_end(request, job.id, waits.wait_s)
@@ -119,10 +119,20 @@ class TableAlone(BaseModel, extra="allow"):
     description: dict[str, Any]
 
 
+def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
+    """Those of the plan itself."""
+    bounds = resource.kind.bounds
+    deadline_s = min(bounds.deadline_s, request.app.state.settings.job_deadline_s)
+    return replace(bounds, deadline_s=deadline_s)
+
+
 def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
     location = {"Location": {"description": "Where the plan is", "schema": {"type": "string"}}}
     return {
-        200: {"model": resource.dry_run_response, "description": "`dry_run`: the request is sound"},
+        200: {
+            "model": resource.dry_run_response,
+            "description": "`dry_run`: what its plan would be",
+        },
         201: {
             "description": "The plan; or its table by itself, as `format` or Accept asks",
             "content": {media_type: {} for media_type in resource.format_by_media_type},

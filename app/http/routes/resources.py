@@ -24,8 +24,8 @@ class JobResource:
 class PlanResource(JobResource):
     """One that holds plans.
 
-    read: the request, which has a `name`, or InvalidRequest.  dry_run: what to say of it when
-    nothing is planned.  table_json: a stored table as the answer holds it.
+    read: the request, which has a `name`, or InvalidRequest.  dry_run: the answer that says
+    whether it flies; done in a child.  table_json: a stored table as the answer holds it.
     table_file: of (request, stored table, format, date the file states) the file's bytes; done
     in a child.  file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
     """
@@ -37,7 +37,7 @@ class PlanResource(JobResource):
     examples: dict[str, tuple[str, dict[str, Any]]]
     response: type
     read: Callable[[bytes], Any]
-    dry_run: Callable[[Any, ProvenanceOut], object]
+    dry_run: Callable[[Any, ProvenanceOut], bytes]
     dry_run_response: type
     exporters: Mapping[str, Exporter[Any]]
     table_json: Callable[[bytes], bytes]
