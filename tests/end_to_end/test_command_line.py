@@ -173,7 +173,7 @@ def test_a_setting_that_cannot_be_is_refused_by_its_name(words, monkeypatch):
 
 
 def test_a_bug_is_one_line_and_exit_code_1(monkeypatch):
-    def broken(_scenario):
+    def broken(*_, **__):
         raise RuntimeError("a bug")
 
     monkeypatch.setattr("planner.sessions.pipeline.make_plan", broken)
@@ -183,7 +183,7 @@ def test_a_bug_is_one_line_and_exit_code_1(monkeypatch):
 
 
 def test_our_failures_are_exit_code_1(monkeypatch):
-    def rejected(_scenario):
+    def rejected(*_, **__):
         raise VerificationFailed("the judge says no")
 
     monkeypatch.setattr("planner.sessions.pipeline.make_plan", rejected)
