@@ -228,7 +228,7 @@ def _wait(
 
 def _catch_up(path: str, heard: "_Events") -> Call[None]:
     """With what a broken connection kept from who wants to be told."""
-    seen = None
+    seen: str | None = ""  # no event's id
     while heard.is_wanted and not heard.has_ended and seen != heard.last_id:
         seen = heard.last_id
         yield from _listen(path, heard)

@@ -41,7 +41,7 @@ def run_campaign(body: bytes, *, plans_too: bool) -> tuple[NewCampaign, list[Pla
     if not plans_too:
         return choice, [PlannedPass(part=part, plan=None, refusal=None) for part in choice.parts]
     with progress_bar("plans") as tell:
-        passes = []
+        passes: list[PlannedPass] = []
         for part in choice.parts:
             tell("plans", len(passes), len(choice.parts))
             passes.append(_plan_pass(part))

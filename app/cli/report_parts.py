@@ -35,8 +35,11 @@ def report_table(title: str | None, *columns: str, wrapped: str | None = None) -
     )
     for column in columns:
         heading = column.removeprefix("<")
-        justify = "right" if heading == column else "left"
-        table.add_column(heading, justify=justify, no_wrap=heading != wrapped)
+        table.add_column(
+            heading,
+            justify="right" if heading == column else "left",
+            no_wrap=heading != wrapped,
+        )
     return table
 
 
