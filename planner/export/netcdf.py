@@ -22,7 +22,11 @@ from planner.export.description import (
 )
 from planner.export.exporter import KINDS, FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, sights
-from planner.export.table_states import TableStates, table_states
+from planner.export.table_states import (
+    TableStates,
+    omega_payload_from_eci_rad_s,
+    table_states,
+)
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 
@@ -53,7 +57,7 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
             meaning = f"{motion} of axis {one_line(column.axis)}"
             _write(file, _identifier(column, plan), column.value_by_row, column.unit, meaning)
         _segments(file, plan)
-        _attitude(file, rows)
+        _attitude(file, plan, rows)
         _ground(file, rows)
         file.flush()
         return buffer.getvalue()
@@ -131,13 +135,13 @@ def _segments(file: netcdf_file, plan: FlightPlan) -> None:
     )
 
 
-def _attitude(file: netcdf_file, rows: TableStates) -> None:
+def _attitude(file: netcdf_file, plan: FlightPlan, rows: TableStates) -> None:
     for name, values, unit, meaning in (
         ("q_payload_from_gcrf_xyzw", rows.q_payload_from_eci_xyzw, "1", "attitude of the payload"),
         ("q_body_from_gcrf_xyzw", rows.q_body_from_eci_xyzw, "1", "attitude of the carrier"),
         (
             "omega_payload_deg_s",
-            np.degrees(rows.omega_payload_rad_s),
+            np.degrees(omega_payload_from_eci_rad_s(plan, rows)),
             "degree s-1",
             "angular velocity of the payload against gcrf, payload axes",
         ),

@@ -1,0 +1,71 @@
+"""The carrier, its boresight and the Sun and Moon at the rows of a view."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from planner.arrays import Array
+from planner.export import FlightPlan
+from planner.export.table_states import TableStates
+from planner.frames.earth_orientation import c_itrf_from_eci
+from planner.opportunities.carrier import apparent_geocentric_m
+from planner.opportunities.conditions import angle_rad
+from planner.targets.apparent import aberrate
+
+Body = Literal["sun", "moon"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scene:
+    """n rows of a plan at which orbit and attitude are known."""
+
+    plan: FlightPlan
+    rows: TableStates
+
+    @cached_property
+    def c_itrf_from_eci(self) -> Array:
+        """Shape (n, 3, 3)."""
+        return c_itrf_from_eci(self.rows.instants)
+
+    @cached_property
+    def r_sat_itrf_m(self) -> Array:
+        """Shape (n, 3)."""
+        return self.in_itrf(self.rows.states.r_sat_eci_m)
+
+    @cached_property
+    def boresight_eci(self) -> Array:
+        """Where the payload looks, aberration included, unit vectors (n, 3)."""
+        turn = Rotation.from_quat(self.rows.q_payload_from_eci_xyzw).inv()
+        return np.asarray(turn.apply([0.0, 0.0, 1.0]))
+
+    @cached_property
+    def r_sun_eci_m(self) -> Array:
+        """From the geocentre, light time and annual aberration included, (n, 3)."""
+        return apparent_geocentric_m("sun", self.rows.instants)
+
+    @cached_property
+    def r_moon_eci_m(self) -> Array:
+        """From the geocentre, light time and annual aberration included, (n, 3)."""
+        return apparent_geocentric_m("moon", self.rows.instants)
+
+    def r_body_eci_m(self, body: Body) -> Array:
+        """From the geocentre, as seen there, (n, 3)."""
+        return self.r_sun_eci_m if body == "sun" else self.r_moon_eci_m
+
+    def separation_rad(self, direction_eci: Array, body: Body) -> Array:
+        """Angle at the carrier between unit vectors (n, 3) and a body's centre, (n,)."""
+        to_body_m = self.r_body_eci_m(body) - self.rows.states.r_sat_eci_m
+        direction = to_body_m / np.linalg.norm(to_body_m, axis=1, keepdims=True)
+        seen = aberrate(direction, self.rows.states.v_sat_eci_m_s)
+        return angle_rad(direction_eci, seen)
+
+    def off_nadir_rad(self, direction_eci: Array) -> Array:
+        """Angle of unit vectors (n, 3) from the geocentre's direction, (n,)."""
+        return angle_rad(direction_eci, -self.rows.states.r_sat_eci_m)
+
+    def in_itrf(self, vector_eci: Array) -> Array:
+        """Vectors (n, 3) in ITRF axes."""
+        return np.asarray(np.einsum("nij,nj->ni", self.c_itrf_from_eci, vector_eci))
