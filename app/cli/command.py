@@ -108,16 +108,9 @@ def plan(
             checks = horizon_checks(result.scenario, request.horizon_cameras)
         _write(json, plan_json(result, provenance(read_utc, body), checks))
     if plot:
-        try:
-            from app.cli.figure import draw_plan
-        except ModuleNotFoundError as missing:
-            raise InvalidInput(
-                f"drawing needs {missing.name}, which isn't installed: install "
-                "slewtrack[plot], or leave it out",
-                field="--plot",
-            ) from None
+        from planner.export.figure import draw_plan
 
-        _write(plot, draw_plan(result, plot.suffix.lstrip(".") or "png"))
+        _write(plot, draw_plan(result, plot.suffix.lstrip(".") or "png", read_utc))
 
     from app.answers.plan import require_verified
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import Array
-from planner.export.ground import BORESIGHT_PAYLOAD, frame_corner_rays, sights
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.targets.earth_limb import limb_clearance_rad
 from planner.view.scene import Body, Scene
@@ -79,8 +78,7 @@ def carrier_track(scene: Scene) -> CarrierTrack:
 
 def boresight_trace(scene: Scene) -> BoresightTrace:
     """Ignores refraction and the Earth's turn in the light time, 1.4 m."""
-    found = sights(scene.rows, BORESIGHT_PAYLOAD)
-    end_itrf_m, on_ground = found.end_itrf_m[:, 0], found.on_ground[:, 0]
+    end_itrf_m, on_ground = scene.sights.end_itrf_m[:, 0], scene.sights.on_ground[:, 0]
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(end_itrf_m)
     range_m = np.linalg.norm(end_itrf_m - scene.r_sat_itrf_m, axis=1)
     return BoresightTrace(
@@ -95,11 +93,11 @@ def boresight_trace(scene: Scene) -> BoresightTrace:
 
 def footprint_trace(scene: Scene) -> FootprintTrace:
     """Corners counter-clockwise as the camera sees them, from +X +Y on."""
-    found = sights(scene.rows, frame_corner_rays(scene.plan.scenario.platform))
-    latitude_rad, longitude_rad, _ = geodetic_from_itrf(found.end_itrf_m)
+    end_itrf_m, on_ground = scene.sights.end_itrf_m[:, 1:], scene.sights.on_ground[:, 1:]
+    latitude_rad, longitude_rad, _ = geodetic_from_itrf(end_itrf_m)
     return FootprintTrace(
-        latitude_rad=np.where(found.on_ground, latitude_rad, np.nan),
-        longitude_rad=np.where(found.on_ground, longitude_rad, np.nan),
+        latitude_rad=np.where(on_ground, latitude_rad, np.nan),
+        longitude_rad=np.where(on_ground, longitude_rad, np.nan),
     )
 
 

@@ -32,24 +32,22 @@ class PointingTrace:
     major_turn_rad: Array
 
 
+_ELLIPSE = ("sigma_major_rad", "sigma_minor_rad", "major_turn_rad")
+_COLUMNS = ("error_rad", *_ELLIPSE)
+
+
 def pointing_trace(scene: Scene, targets: Sequence[TargetTrack]) -> PointingTrace:
     """Of each session's own target."""
-    count = len(scene.rows.instants)
-    error_rad = np.full(count, np.nan)
-    covariance_rad2 = np.full((count, 2, 2), np.nan)
+    columns = {name: np.full(len(scene.rows.instants), np.nan) for name in _COLUMNS}
     for track in targets:
         session = scene.plan.scenario.sessions[track.session]
         inside = np.flatnonzero(track.in_session)
-        error_rad[inside] = track.error_rad[inside]
+        columns["error_rad"][inside] = track.error_rad[inside]
         if len(inside) and isinstance(session.target, VisibleTarget):
-            covariance_rad2[inside] = _covariance_rad2(scene, session, session.target, inside)
-    minor_rad2, major_rad2, turn_rad = _ellipse(covariance_rad2)
-    return PointingTrace(
-        error_rad=error_rad,
-        sigma_major_rad=np.sqrt(major_rad2),
-        sigma_minor_rad=np.sqrt(np.maximum(minor_rad2, 0.0)),
-        major_turn_rad=turn_rad,
-    )
+            covariance_rad2 = _covariance_rad2(scene, session, session.target, inside)
+            for name, values in zip(_ELLIPSE, _ellipse(covariance_rad2), strict=True):
+                columns[name][inside] = values
+    return PointingTrace(**columns)
 
 
 def _covariance_rad2(
@@ -74,8 +72,9 @@ def _covariance_rad2(
     return np.stack([np.stack(parts[:2], -1), np.stack(parts[1:], -1)], axis=1)
 
 
-def _ellipse(covariance: Array) -> tuple[Array, Array, Array]:
-    """Variances along minor and major axis, and the turn of the major one, (n,) each."""
-    a, b, c = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
+def _ellipse(covariance_rad2: Array) -> tuple[Array, Array, Array]:
+    """Half the major and the minor axis, and the turn of the major one, (n,) each."""
+    a, b, c = covariance_rad2[:, 0, 0], covariance_rad2[:, 0, 1], covariance_rad2[:, 1, 1]
     middle, reach = (a + c) / 2.0, np.hypot((a - c) / 2.0, b)
-    return middle - reach, middle + reach, np.arctan2(2.0 * b, a - c) / 2.0 % np.pi
+    turn_rad = np.arctan2(2.0 * b, a - c) / 2.0 % np.pi
+    return np.sqrt(middle + reach), np.sqrt(np.maximum(middle - reach, 0.0)), turn_rad

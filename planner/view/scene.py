@@ -1,5 +1,6 @@
 """The carrier, its boresight and the Sun and Moon at the rows of a view."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -9,13 +10,17 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.export import FlightPlan
+from planner.export.ground import BORESIGHT_PAYLOAD, Sights, frame_corner_rays, sights
 from planner.export.table_states import TableStates
 from planner.frames.earth_orientation import c_itrf_from_eci
+from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import apparent_geocentric_m
 from planner.opportunities.conditions import angle_rad
+from planner.opportunities.interpolation import NODES, UniformTable
 from planner.targets.apparent import aberrate
 
 Body = Literal["sun", "moon"]
+BODY_STEP_S = 600.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,6 +41,12 @@ class Scene:
         return self.in_itrf(self.rows.states.r_sat_eci_m)
 
     @cached_property
+    def sights(self) -> Sights:
+        """Of the boresight, then of the frame's four corners."""
+        corners = frame_corner_rays(self.plan.scenario.platform)
+        return sights(self.rows, np.concatenate([BORESIGHT_PAYLOAD, corners]))
+
+    @cached_property
     def boresight_eci(self) -> Array:
         """Where the payload looks, aberration included, unit vectors (n, 3)."""
         turn = Rotation.from_quat(self.rows.q_payload_from_eci_xyzw).inv()
@@ -44,12 +55,12 @@ class Scene:
     @cached_property
     def r_sun_eci_m(self) -> Array:
         """From the geocentre, light time and annual aberration included, (n, 3)."""
-        return apparent_geocentric_m("sun", self.rows.instants)
+        return self._apparent_geocentric_m("sun")
 
     @cached_property
     def r_moon_eci_m(self) -> Array:
         """From the geocentre, light time and annual aberration included, (n, 3)."""
-        return apparent_geocentric_m("moon", self.rows.instants)
+        return self._apparent_geocentric_m("moon")
 
     def r_body_eci_m(self, body: Body) -> Array:
         """From the geocentre, as seen there, (n, 3)."""
@@ -65,6 +76,14 @@ class Scene:
     def off_nadir_rad(self, direction_eci: Array) -> Array:
         """Angle of unit vectors (n, 3) from the geocentre's direction, (n,)."""
         return angle_rad(direction_eci, -self.rows.states.r_sat_eci_m)
+
+    def _apparent_geocentric_m(self, body: Body) -> Array:
+        """Interpolated between instants, to a few millimetres."""
+        t_s = self.rows.instants.t_s
+        count = max(NODES, math.ceil((t_s[-1] - t_s[0]) / BODY_STEP_S) + 1)
+        node_s, step_s = np.linspace(t_s[0], t_s[-1], count, retstep=True)
+        at_nodes_m = apparent_geocentric_m(body, Instants(self.rows.instants.epoch_utc, node_s))
+        return UniformTable(float(step_s) or 1.0, at_nodes_m).at(t_s - t_s[0])
 
     def in_itrf(self, vector_eci: Array) -> Array:
         """Vectors (n, 3) in ITRF axes."""

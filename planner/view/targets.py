@@ -86,9 +86,7 @@ def target_tracks(scene: Scene, pixel_rad: float) -> Iterator[TargetTrack]:
         )
 
 
-def _seen(
-    scene: Scene, target: VisibleTarget, which: Mask, pixel_rad: float
-) -> dict[str, Array]:
+def _seen(scene: Scene, target: VisibleTarget, which: Mask, pixel_rad: float) -> dict[str, Array]:
     """Columns at the rows `which` (n,) holds."""
     rows = scene.rows
     instants = Instants(rows.instants.epoch_utc, rows.instants.t_s[which])

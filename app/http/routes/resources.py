@@ -8,6 +8,7 @@ from typing import Any
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.jobs.kinds import JobKind
+from app.work.view import AskedView
 from planner.export.exporter import Exporter
 
 
@@ -27,7 +28,9 @@ class PlanResource(JobResource):
     read: the request, which has a `name`, or InvalidRequest.  dry_run: what to say of it when
     nothing is planned.  table_json: a stored table as the answer holds it.
     table_file: of (request, stored table, format, date the file states) the file's bytes; done
-    in a child.  file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
+    in a child.  view_response: what there is to see of a plan, as JSON.  view_exporters: its other
+    formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
+    file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
     """
 
     tag: str
@@ -42,6 +45,9 @@ class PlanResource(JobResource):
     exporters: Mapping[str, Exporter[Any]]
     table_json: Callable[[bytes], bytes]
     table_file: Callable[[bytes, bytes, str, datetime], bytes]
+    view_response: type
+    view_exporters: Mapping[str, Exporter[Any]]
+    view_file: Callable[[bytes, bytes, AskedView], bytes]
     file_stem: str
     in_campaigns: bool = False
 
