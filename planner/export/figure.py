@@ -22,6 +22,7 @@ from planner.export.figure_parts import (
     panels_over_time,
     picture_file,
     shade_spans,
+    shown_text,
 )
 from planner.export.map_features import thinned
 from planner.frames.earth_orientation import c_itrf_from_eci
@@ -61,7 +62,7 @@ def draw_plan(plan: FlightPlan, image_format: str, created_utc: datetime) -> byt
     title = plan.scenario.name or "Plan"
     figure, panels = panels_over_time(
         ("angle, deg", "rate, deg/s", "acceleration, deg/s²"),
-        f"{title[:TITLE_MAX]} ({plan.scenario.platform.name[:TITLE_MAX]})",
+        f"{shown_text(title, TITLE_MAX)} ({shown_text(plan.scenario.platform.name, TITLE_MAX)})",
         table.epoch_utc,
         table.t_s[0],
         table.t_s[-1],

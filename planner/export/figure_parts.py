@@ -63,15 +63,25 @@ def utc_ticks(epoch_utc: datetime, start_s: float, stop_s: float) -> tuple[list[
     return ticks_s, [utc_text(shifted_utc(epoch_utc, t_s), 0)[11:19] for t_s in ticks_s]
 
 
+def shown_text(text: str, most: int) -> str:
+    """Of any script, on one line, without what can't be drawn."""
+    plain = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return plain if len(plain) <= most else plain[: most - 1] + "…"
+
+
 def shade_spans(
     panels: "list[Axes]", spans: Iterable[tuple[float, float, str]], label: str
 ) -> None:
-    """From start to stop of each, its name above the first panel where there is room."""
+    """From start to stop of each, its name above the first panel where there is room.
+
+    label: what they are, for the first panel's legend.
+    """
     spans = list(spans)
     for panel in panels:
         for number, (start_s, stop_s, _) in enumerate(spans):
+            is_told = panel is panels[0] and not number
             panel.axvspan(
-                start_s, stop_s, color=SPAN_COLOUR, zorder=0, label=None if number else label
+                start_s, stop_s, color=SPAN_COLOUR, zorder=0, label=label if is_told else None
             )
     if len(spans) > _NAMES_MAX:
         return
@@ -79,7 +89,7 @@ def shade_spans(
         panels[0].text(
             0.5 * (start_s + stop_s),
             1.01,
-            name if len(name) <= NAME_MAX else name[: NAME_MAX - 1] + "…",
+            shown_text(name, NAME_MAX),
             transform=panels[0].get_xaxis_transform(),
             ha="center",
             va="bottom",
@@ -91,7 +101,12 @@ def shade_spans(
 def legend_below(figure: "Figure", panel: "Axes") -> None:
     """What a panel's lines are."""
     handles, labels = panel.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", frameon=False, ncols=len(labels))
+    labels = [shown_text(label, NAME_MAX) for label in labels]
+    legend = figure.legend(
+        handles, labels, loc="outside lower center", frameon=False, ncols=len(labels)
+    )
+    for text in legend.get_texts():
+        text.set_parse_math(False)
 
 
 def picture_file(figure: "Figure", image_format: str, title: str, notes: Iterable[str]) -> bytes:

@@ -34,7 +34,7 @@ def write_kml(plan: FlightPlan, created_utc: datetime) -> bytes:
 def kml_of(shown: PlanMap) -> bytes:
     """A document with a folder per kind of feature."""
     document = _KML.Document(
-        _KML.name(_plain(shown.name)), _KML.description(_plain("\n".join(shown.notes)))
+        _KML.name(_plain(shown.name)), _KML.description("\n".join(map(_plain, shown.notes)))
     )
     for kind, (colour, width) in _STYLES.items():
         document.append(
@@ -53,8 +53,8 @@ def kml_of(shown: PlanMap) -> bytes:
 
 
 def _placemark(feature: MapFeature) -> etree._Element:
-    facts = "\n".join(f"{name}: {value}" for name, value in feature.facts.items())
-    placemark = _KML.Placemark(_KML.name(_plain(feature.name)), _KML.description(_plain(facts)))
+    facts = "\n".join(_plain(f"{name}: {value}") for name, value in feature.facts.items())
+    placemark = _KML.Placemark(_KML.name(_plain(feature.name)), _KML.description(facts))
     if feature.start_utc is not None and feature.stop_utc is not None:
         begin, end = map(_moment, (feature.start_utc, feature.stop_utc))
         placemark.append(_KML.TimeSpan(_KML.begin(begin), _KML.end(end)))
@@ -91,5 +91,5 @@ def _moment(moment_utc: datetime) -> str:
 
 
 def _plain(text: str) -> str:
-    """Without what XML can't hold."""
-    return "".join(c for c in text if c == "\n" or c.isprintable())
+    """On one line, without what XML can't hold."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

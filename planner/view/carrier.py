@@ -7,7 +7,7 @@ import numpy as np
 from planner.arrays import Array
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.targets.earth_limb import limb_clearance_rad
-from planner.view.scene import Body, Scene
+from planner.view.scene import Body, CarrierScene, Scene
 
 SUN_RADIUS_M = 695.7e6  # IAU 2015 resolution B3
 
@@ -61,10 +61,10 @@ class BodyTrack:
     above_limb_rad: Array
 
 
-def carrier_track(scene: Scene) -> CarrierTrack:
+def carrier_track(scene: CarrierScene) -> CarrierTrack:
     """Source of the hidden share: the segment of a disk beyond a chord."""
     latitude_rad, longitude_rad, height_m = geodetic_from_itrf(scene.r_sat_itrf_m)
-    distance_m = np.linalg.norm(scene.r_sun_eci_m - scene.rows.states.r_sat_eci_m, axis=1)
+    distance_m = np.linalg.norm(scene.r_sun_eci_m - scene.states.r_sat_eci_m, axis=1)
     above = above_limb_rad(scene, "sun") / np.arcsin(SUN_RADIUS_M / distance_m)
     chord = np.clip(above, -1.0, 1.0)
     share = 0.5 + (chord * np.sqrt(1.0 - chord**2) + np.arcsin(chord)) / np.pi
@@ -101,7 +101,7 @@ def footprint_trace(scene: Scene) -> FootprintTrace:
     )
 
 
-def body_track(scene: Scene, body: Body) -> BodyTrack:
+def body_track(scene: CarrierScene, body: Body) -> BodyTrack:
     """Of its centre."""
     toward_itrf = scene.in_itrf(scene.r_body_eci_m(body))
     toward_itrf /= np.linalg.norm(toward_itrf, axis=1, keepdims=True)
@@ -112,7 +112,7 @@ def body_track(scene: Scene, body: Body) -> BodyTrack:
     )
 
 
-def above_limb_rad(scene: Scene, body: Body) -> Array:
+def above_limb_rad(scene: CarrierScene, body: Body) -> Array:
     """Of a body's centre, without refraction, (n,)."""
     to_body_itrf_m = scene.in_itrf(scene.r_body_eci_m(body)) - scene.r_sat_itrf_m
     direction = to_body_itrf_m / np.linalg.norm(to_body_itrf_m, axis=1, keepdims=True)

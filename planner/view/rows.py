@@ -7,7 +7,6 @@ import numpy as np
 from planner.arrays import Indices
 from planner.commands import ROWS_PER_S
 from planner.errors import InvalidInput
-from planner.export import FlightPlan
 
 USUAL_ROWS = 1000  # enough for a screen
 ROWS_MAX = 20_000
@@ -16,15 +15,15 @@ STEP_MAX_S = 86400.0
 _ON_GRID_ROWS = 1e-6
 
 
-def view_rows(plan: FlightPlan, step_s: float | None) -> tuple[Indices, float]:
+def view_rows(table_rows: int, beside: int, step_s: float | None) -> tuple[Indices, float]:
     """Numbers of every `step_s`th row and the last, (n,); and the step, chosen if not given.
 
+    table_rows: how many the table has.  beside: what is seen beside the carrier.
     The chosen step is the least whole number of rows that shows at most `USUAL_ROWS`.
     Raises InvalidInput for a step that isn't a multiple of the table's or shows too many rows.
     """
-    last_row = len(plan.table.t_s) - 1
-    beside = max(1, len(plan.scenario.sessions) + len(plan.scenario.slew.keep_out))
-    most = min(ROWS_MAX, CELLS_MAX // beside)
+    last_row = table_rows - 1
+    most = min(ROWS_MAX, CELLS_MAX // max(1, beside))
     if step_s is None:
         every = max(1, math.ceil(last_row / (min(USUAL_ROWS, most) - 1)))
     else:

@@ -9,7 +9,6 @@ import numpy as np
 from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.export import FlightPlan
-from planner.export.table_states import table_states
 from planner.frames.time_scales import elapsed_s
 from planner.opportunities import Opportunities
 from planner.view.carrier import (
@@ -26,7 +25,7 @@ from planner.view.cones import ConeTrace, cone_traces
 from planner.view.motion import AxesMotion, BaselineSlew, baseline_slews, motion_at_rows
 from planner.view.pointing import PointingTrace, pointing_trace
 from planner.view.rows import view_rows
-from planner.view.scene import Scene
+from planner.view.scene import scene_of
 from planner.view.targets import TargetTrack, target_tracks
 from planner.view.windows import session_windows
 
@@ -66,8 +65,9 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
     Raises InvalidInput for the step, OutsideCoverage when orbit or attitude is unknown while a
     target is tracked.
     """
-    row, step_s = view_rows(plan, step_s)
-    scene = Scene(plan=plan, rows=table_states(plan, row))
+    sessions_and_cones = len(plan.scenario.sessions) + len(plan.scenario.slew.keep_out)
+    row, step_s = view_rows(len(plan.table.t_s), sessions_and_cones, step_s)
+    scene = scene_of(plan, row)
     targets = tuple(target_tracks(scene, math.radians(pixel_arcsec / 3600.0)))
     sun, moon = map(partial(body_track, scene), ("sun", "moon"))
     return PlanView(

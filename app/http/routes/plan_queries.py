@@ -61,6 +61,11 @@ class ViewQuery(TableQuery):
         description="From row to row of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
         "least that shows at most 1,000 rows.",
     )
+
+
+class PlanViewQuery(ViewQuery):
+    """How closely to look at a plan, and in which format to show it."""
+
     pixel_arcsec: float = Field(
         default=HRC_PIXEL_ARCSEC,
         ge=PIXELS_ARCSEC[0],

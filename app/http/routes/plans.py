@@ -47,6 +47,7 @@ PLANS = PlanResource(
     view_exporters=VIEW_EXPORTERS | DRAWN,
     view_file=stored_plan_view,
     file_stem="plan",
+    takes_pixel=True,
     in_campaigns=True,
 )
 

@@ -31,6 +31,7 @@ class PlanResource(JobResource):
     in a child.  view_response: what there is to see of a plan, as JSON.  view_exporters: its other
     formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
     file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
+    takes_pixel: its views are told what a pixel sees, as no camera is defined.
     """
 
     tag: str
@@ -49,6 +50,7 @@ class PlanResource(JobResource):
     view_exporters: Mapping[str, Exporter[Any]]
     view_file: Callable[[bytes, bytes, AskedView], bytes]
     file_stem: str
+    takes_pixel: bool = False
     in_campaigns: bool = False
 
     @property

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from app.http.blocking import in_child, read
 from app.http.negotiation import JSON, is_known_already, preferred_type
 from app.http.routes.jobs import no_such
-from app.http.routes.plan_queries import PathId, ViewQuery, with_formats
+from app.http.routes.plan_queries import PathId, PlanViewQuery, ViewQuery, with_formats
 from app.http.routes.resources import PlanResource
 from app.http.routes.stored_plans import (
     EXPORT_BOUNDS,
@@ -25,6 +25,7 @@ from app.store import jobs
 from app.store.plans import StoredPlan
 from app.work.view import AskedView
 from planner.errors import Refusal
+from planner.opportunities.request import HRC_PIXEL_ARCSEC
 
 _JSON_FORMAT = "json"
 
@@ -36,7 +37,7 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
     }
     format_by_media_type = {media: name for name, media in media_type_by_format.items()}
     query_model = with_formats(
-        ViewQuery,
+        PlanViewQuery if resource.takes_pixel else ViewQuery,
         "What there is to see, in this format",
         {_JSON_FORMAT: "columns over time"}
         | {name: exporter.title for name, exporter in resource.view_exporters.items()},
@@ -59,13 +60,22 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
                 f"there is nothing to see yet: the plan's state is {job.state}; GET "
                 f"{resource.path}/{job.id} tells more"
             )
-        tag = immutable_tag(plan, f"view-{form}-{query.step_s}-{query.pixel_arcsec}")
+        pixel_arcsec = query.pixel_arcsec if isinstance(query, PlanViewQuery) else HRC_PIXEL_ARCSEC
+        tag = immutable_tag(plan, f"view-{form}-{query.step_s}-{pixel_arcsec}")
         if is_known_already(request, tag):
             return not_modified(tag)
         cache: ViewCache = request.app.state.views
         content = cache.get(tag)
         if content is None:
-            content = await _view(request, resource, plan, form, query)
+            asked = AskedView(
+                plan_id=plan.id,
+                verified=plan.state == "done",
+                format_name=None if form == _JSON_FORMAT else form,
+                step_s=query.step_s,
+                pixel_arcsec=pixel_arcsec,
+                created_utc=plan.planned_utc,
+            )
+            content = await _view(request, resource, plan, asked)
             cache.keep(tag, content)
         headers = REVALIDATE | {"ETag": tag}
         if form != _JSON_FORMAT:
@@ -96,18 +106,10 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
 
 
 async def _view(
-    request: Request, resource: PlanResource, plan: StoredPlan, form: str, query: ViewQuery
+    request: Request, resource: PlanResource, plan: StoredPlan, asked: AskedView
 ) -> bytes:
     """Raises a refusal of what was asked with the parameter's name."""
     body = await read(request, lambda connection: jobs.request_of(connection, plan.id))
-    asked = AskedView(
-        plan_id=plan.id,
-        verified=plan.state == "done",
-        format_name=None if form == _JSON_FORMAT else form,
-        step_s=query.step_s,
-        pixel_arcsec=query.pixel_arcsec,
-        created_utc=plan.planned_utc,
-    )
     try:
         return await in_child(
             request, EXPORT_BOUNDS, resource.view_file, body or b"", plan.table_columns, asked
