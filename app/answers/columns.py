@@ -54,8 +54,8 @@ def _column(value: object, name: str, unknown_rows: int) -> list[Any]:
             values = getattr(value, name.removesuffix(told) + ours)
             column = numbers(values, factor, decimals, unknown_rows)
             return [_in_cycle(x) for x in column] if name.startswith("azimuth") else column
-    column = getattr(value, name).tolist()
-    return [None] * unknown_rows + column
+    known: list[Any] = getattr(value, name).tolist()
+    return [None] * unknown_rows + known
 
 
 def _in_cycle(azimuth_deg: float) -> float:

@@ -1,5 +1,7 @@
 """The figure of a plan: angles, rates and accelerations with their limits."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from datetime import datetime
@@ -113,7 +115,7 @@ def _bounds_deg(limits: AxisLimits) -> tuple[tuple[float, float], ...]:
     return tuple((math.degrees(low), math.degrees(high)) for low, high in limits.bounds[:3])
 
 
-def _draw_limits(panel: "Axes", bounds_deg: list[tuple[float, float]], peak_deg: float) -> None:
+def _draw_limits(panel: Axes, bounds_deg: list[tuple[float, float]], peak_deg: float) -> None:
     """Dashed, in an axis's colour where the axes differ; in words when far off the motion."""
     if peak_deg < SCALE_SHARE * min(min(abs(low), abs(high)) for low, high in bounds_deg):
         ranges = dict.fromkeys(f"{low:g}..{high:g}" for low, high in bounds_deg)

@@ -1,5 +1,7 @@
 """What the figures of all plans share: panels over UTC, shaded spans, the file."""
 
+from __future__ import annotations
+
 import io
 from collections.abc import Iterable
 from datetime import datetime
@@ -25,7 +27,7 @@ _NAMES_MAX = 12  # side by side; with more they can't be read
 
 def panels_over_time(
     labels: Iterable[str], title: str, epoch_utc: datetime, start_s: float, stop_s: float
-) -> "tuple[Figure, list[Axes]]":
+) -> tuple[Figure, list[Axes]]:
     """One panel a label, above each other; times are seconds after the epoch, told in UTC."""
     from matplotlib.figure import Figure
 
@@ -69,9 +71,7 @@ def shown_text(text: str, most: int) -> str:
     return plain if len(plain) <= most else plain[: most - 1] + "…"
 
 
-def shade_spans(
-    panels: "list[Axes]", spans: Iterable[tuple[float, float, str]], label: str
-) -> None:
+def shade_spans(panels: list[Axes], spans: Iterable[tuple[float, float, str]], label: str) -> None:
     """From start to stop of each, its name above the first panel where there is room.
 
     label: what they are, for the first panel's legend.
@@ -98,7 +98,7 @@ def shade_spans(
         )
 
 
-def legend_below(figure: "Figure", panel: "Axes") -> None:
+def legend_below(figure: Figure, panel: Axes) -> None:
     """What a panel's lines are."""
     handles, labels = panel.get_legend_handles_labels()
     labels = [shown_text(label, NAME_MAX) for label in labels]
@@ -109,7 +109,7 @@ def legend_below(figure: "Figure", panel: "Axes") -> None:
         text.set_parse_math(False)
 
 
-def picture_file(figure: "Figure", image_format: str, title: str, notes: Iterable[str]) -> bytes:
+def picture_file(figure: Figure, image_format: str, title: str, notes: Iterable[str]) -> bytes:
     """Its bytes, the same for the same figure; the notes are in its metadata."""
     from matplotlib import rc_context
 

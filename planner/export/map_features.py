@@ -12,6 +12,7 @@ from planner.export.map_shapes import Shape, line
 from planner.frames.geodesy import geodetic_from_itrf
 
 FeatureKind = Literal["track", "boresight", "swath", "footprint", "target"]
+Facts = Mapping[str, str | int | float | None]
 LINE_PLACES_MAX = 600  # a pass's orbit then bends by metres between them
 
 
@@ -27,7 +28,7 @@ class MapFeature:
     shape: Shape
     start_utc: datetime | None = None
     stop_utc: datetime | None = None
-    facts: Mapping[str, str | int | float | None] = field(default_factory=dict)
+    facts: Facts = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +50,7 @@ def path_feature(
     name: str,
     r_itrf_m: Array,
     span_utc: tuple[datetime, datetime],
-    facts: Mapping[str, str | int | float | None] | None = None,
+    facts: Facts | None = None,
 ) -> MapFeature:
     """A line through the places below or at points (n, 3)."""
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(r_itrf_m[thinned(len(r_itrf_m))])

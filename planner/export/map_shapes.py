@@ -80,7 +80,7 @@ def _cut_line(place_deg: Array) -> Iterator[Array]:
     sheet = np.floor((place_deg[:, 0] + _HALF_DEG) / _TURN_DEG)
     first = 0
     start: list[Array] = []
-    for k in np.flatnonzero(np.diff(sheet)):
+    for k in np.flatnonzero(np.diff(sheet)).tolist():
         edge_deg = _TURN_DEG * max(sheet[k], sheet[k + 1]) - _HALF_DEG
         share = (edge_deg - place_deg[k, 0]) / (place_deg[k + 1, 0] - place_deg[k, 0])
         crossing = np.array(

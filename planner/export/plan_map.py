@@ -11,7 +11,7 @@ from planner.commands import ROWS_PER_S
 from planner.export.description import notes, session_label
 from planner.export.exporter import FlightPlan, Segment
 from planner.export.ground import BORESIGHT_PAYLOAD, Sights, frame_corner_rays, sights
-from planner.export.map_features import MapFeature, PlanMap, path_feature, thinned
+from planner.export.map_features import Facts, MapFeature, PlanMap, path_feature, thinned
 from planner.export.map_shapes import Place, areas, hull
 from planner.export.runs import runs
 from planner.export.table_states import TableStates, table_states
@@ -46,7 +46,7 @@ def _features(plan: FlightPlan, rows: TableStates) -> Iterator[MapFeature]:
     corners = sights(rows, frame_corner_rays(plan.scenario.platform))
     for number, session in enumerate(plan.scenario.sessions):
         label = session_label(session, number)
-        facts = {"session": number, "mode": session.target.mode}
+        facts: Facts = {"session": number, "mode": session.target.mode}
         yield from _frames(rows, corners, session, label, facts)
         yield from _target(session, label, facts)
 
@@ -75,7 +75,7 @@ def _boresight(rows: TableStates, boresight: Sights, segment: Segment) -> Iterat
 
 
 def _frames(
-    rows: TableStates, corners: Sights, session: Session, label: str, facts: dict[str, str | int]
+    rows: TableStates, corners: Sights, session: Session, label: str, facts: Facts
 ) -> Iterator[MapFeature]:
     """Footprints and their swath, while all corners are on the ground."""
     which = _between(rows, session.start, session.stop)
@@ -114,7 +114,7 @@ def _swath(latitude_rad: Array, longitude_rad: Array, stays: bool) -> list[tuple
     ]
 
 
-def _target(session: Session, label: str, facts: dict[str, str | int]) -> Iterator[MapFeature]:
+def _target(session: Session, label: str, facts: Facts) -> Iterator[MapFeature]:
     """A place, or the path of one that moves; nothing for a target in the sky."""
     target = session.target
     if not isinstance(target, EarthFixedTarget):

@@ -41,8 +41,12 @@ _UNITS = (
     ("_share", "_share", 1.0, "1"),
     ("_counts", "_counts", 1.0, "1"),
 )
-_MOTION = (("angle_rad", "_rad"), ("rate_rad_s", "_rate_rad_s"))
-_MOTION += (("acceleration_rad_s2", "_acceleration_rad_s2"), ("jerk_rad_s3", "_jerk_rad_s3"))
+_MOTION = (
+    ("angle_rad", "_rad"),
+    ("rate_rad_s", "_rate_rad_s"),
+    ("acceleration_rad_s2", "_acceleration_rad_s2"),
+    ("jerk_rad_s3", "_jerk_rad_s3"),
+)
 
 
 def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:

@@ -48,7 +48,7 @@ def _windows(
             platform=scenario.platform,
             orbit=scenario.orbit,
             attitude=scenario.attitude,
-            targets=(OpportunityTarget(id=name, target=session.target),),  # type: ignore[arg-type]
+            targets=(OpportunityTarget(id=name, target=session.target),),
             start=span[0],
             stop=span[1],
             samples=SAMPLES,

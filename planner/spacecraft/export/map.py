@@ -8,7 +8,7 @@ import numpy as np
 from planner.arrays import Array
 from planner.export.geojson import geojson_of
 from planner.export.kml import kml_of
-from planner.export.map_features import MapFeature, PlanMap, path_feature
+from planner.export.map_features import Facts, MapFeature, PlanMap, path_feature
 from planner.export.map_shapes import Shape, areas, line
 from planner.frames.time_scales import shifted_utc
 from planner.spacecraft.export.ground import AXIS, SessionGround
@@ -46,7 +46,7 @@ def _features(plan: SessionTable) -> Iterator[MapFeature]:
             shifted_utc(plan.table.epoch_utc, row * TICK_S)
             for row in (window.first_row, window.last_row)
         )
-        facts = {"request": window.request, "look": window.look}
+        facts: Facts = {"request": window.request, "look": window.look}
         rows = slice(window.first_row, window.last_row + 1)
         yield path_feature(
             "boresight",
