@@ -183,26 +183,23 @@ def job_of(members: Members) -> Job:
 def columns_of(members: Members) -> Columns:
     """Whatever holds lists as long as its `t_s`: they become arrays, the rest stays beside.
 
-    They may lie one object deeper (`columns`, or one object per target); their names are then
-    joined by dots.
+    What lies deeper has a name with dots: `carrier.latitude_deg`, `targets.0.azimuth_deg`.
     """
-    where: Members = members.get("columns", members)
-    rows = len(where["t_s"])
-    arrays: dict[str, Column] = {}
-    facts = {name: value for name, value in members.items() if name != "columns"}
-    for name, values in _lists(where, ""):
-        if len(values) == rows:
-            arrays[name] = _array(values)
-            facts.pop(name, None)
+    rows = len(members["t_s"])
+    arrays = {name: _array(values) for name, values in _lists(members, "") if len(values) == rows}
+    facts = {name: value for name, value in members.items() if name not in arrays}
     return Columns(epoch=members["epoch"], arrays=arrays, facts=facts)
 
 
 def _lists(members: Members, prefix: str) -> Iterator[tuple[str, Sequence[Any]]]:
     for name, value in members.items():
-        if isinstance(value, list):
-            yield prefix + name, value
-        elif isinstance(value, Mapping):
+        if isinstance(value, Mapping):
             yield from _lists(value, f"{prefix}{name}.")
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for number, one in enumerate(value):
+                yield from _lists(one, f"{prefix}{name}.{number}.")
+        elif isinstance(value, list):
+            yield prefix + name, value
 
 
 def _array(values: Sequence[Any]) -> Column:

@@ -101,8 +101,12 @@ class AsyncClient:
         return await self._run(calls.table(PLANS, plan_id, self._service.patience_s))
 
     async def export(self, plan_id: str, format_name: str) -> bytes:
-        """The table as a file: csv, netcdf, aem, oem, stk, stk-attitude, czml, json."""
+        """The table as a file: csv, netcdf, aem, czml, geojson, kml, png and more."""
         return await self._run(calls.export(PLANS, plan_id, format_name, self._service.patience_s))
+
+    async def view(self, plan_id: str, *, step_s: float | None = None) -> Columns:
+        """What there is to see along a plan: `carrier.latitude_deg`, `targets.0.azimuth_deg`."""
+        return await self._run(calls.view(PLANS, plan_id, step_s, self._service.patience_s))
 
     async def delete(self, plan_id: str) -> None:
         """Cancel it, or delete it when it is finished."""

@@ -112,8 +112,12 @@ class Client:
         return self._run(calls.table(PLANS, plan_id, self._service.patience_s))
 
     def export(self, plan_id: str, format_name: str) -> bytes:
-        """The table as a file: csv, netcdf, aem, oem, stk, stk-attitude, czml, json."""
+        """The table as a file: csv, netcdf, aem, czml, geojson, kml, png and more."""
         return self._run(calls.export(PLANS, plan_id, format_name, self._service.patience_s))
+
+    def view(self, plan_id: str, *, step_s: float | None = None) -> Columns:
+        """What there is to see along a plan: `carrier.latitude_deg`, `targets.0.azimuth_deg`."""
+        return self._run(calls.view(PLANS, plan_id, step_s, self._service.patience_s))
 
     def delete(self, plan_id: str) -> None:
         """Cancel it, or delete it when it is finished."""

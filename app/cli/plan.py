@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -23,9 +23,6 @@ from app.cli.files import (
 from app.cli.progress_bar import reported_work
 from app.cli.report_parts import print_warnings, report_console
 from planner.errors import InvalidInput, Unverified
-
-if TYPE_CHECKING:
-    from planner.sessions.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,7 +154,10 @@ def _plan_here(
         head = new_head(verdict_state(result))
         write(outputs.json, whole_answer(head, document, table_json(result.table)))
     if outputs.plot:
-        write(outputs.plot, _drawn(result, outputs.plot.suffix.lstrip(".") or "png"))
+        from planner.export.figure import draw_plan
+
+        image_format = outputs.plot.suffix.lstrip(".") or "png"
+        write(outputs.plot, draw_plan(result, image_format, read_utc))
     # A table that fails is shown beside the verdict, above, and nowhere else.
     require_verified(result.verification.findings)
     if outputs.csv:
@@ -169,18 +169,6 @@ def _plan_here(
 
         for name, path in outputs.exports:
             write(path, EXPORTERS[name].write(result, read_utc))
-
-
-def _drawn(plan: "Plan", image_format: str) -> bytes:
-    try:
-        from app.cli.figure import draw_plan
-    except ModuleNotFoundError as missing:
-        raise InvalidInput(
-            f"drawing needs {missing.name}, which isn't installed: install "
-            "slewtrack[plot], or leave it out",
-            field="--plot",
-        ) from None
-    return draw_plan(plan, image_format)
 
 
 def _plan_there(

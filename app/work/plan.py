@@ -59,12 +59,16 @@ def stored_table_file(
 ) -> bytes:
     """The table by itself; raises Unverified, OutsideCoverage."""
     packed = unpack(table_columns)
+    require_verified_table(packed)
+    return EXPORTERS[format_name].write(stored_plan(request, packed), created_utc)
+
+
+def require_verified_table(packed: PackedColumns) -> None:
+    """Raises Unverified."""
     require_verified(_finding(**error) for error in packed.facts["errors"])
-    plan = _stored_plan(request, packed)
-    return EXPORTERS[format_name].write(plan, created_utc)
 
 
-def _stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
+def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     """With its sessions as they were left after conflicts."""
     scenario = read_plan_request(request)
     sessions = tuple(

@@ -57,10 +57,15 @@ def stored_session_file(
     request: bytes, table_columns: bytes, format_name: str, created_utc: datetime
 ) -> bytes:
     """The table by itself."""
-    session = SessionTable(
+    session = stored_session(request, table_columns)
+    return IMAGING_EXPORTERS[format_name].write(session, created_utc)
+
+
+def stored_session(request: bytes, table_columns: bytes) -> SessionTable:
+    """What was asked, and the table as it was stored."""
+    return SessionTable(
         request=read_spacecraft_request(request), table=_table(unpack(table_columns))
     )
-    return IMAGING_EXPORTERS[format_name].write(session, created_utc)
 
 
 def _pack(table: AttitudeTable) -> PackedColumns:

@@ -61,6 +61,19 @@ def test_a_table_in_pandas_and_xarray(plan):
     assert dataset.attrs["step_s"] == 0.2
 
 
+def test_the_view_in_columns_along_the_table(service, client, plan):
+    with urlopen(f"{service.address}/v1/plans/{plan.id}/view?step_s=10.0") as answer:
+        told = json.load(answer)
+    view = client.view(plan.id, step_s=10.0)
+    assert view["carrier.latitude_deg"].tolist() == told["carrier"]["latitude_deg"]
+    azimuth_deg = np.array(told["targets"][0]["azimuth_deg"], dtype=float)  # NaN for null
+    np.testing.assert_array_equal(view["targets.0.azimuth_deg"], azimuth_deg)
+    assert view["footprint.latitude_deg"].shape == (len(view.t_s), 4)
+    assert view["activity"].tolist() == told["activity"]
+    assert view.facts["targets"][0]["name"] == told["targets"][0]["name"]
+    assert view.to_xarray().sizes["t_s"] == len(view.to_pandas()) == len(view.t_s)
+
+
 def test_progress_ends_with_what_became_of_it(client):
     told = []
     assert client.plan(LAS_VEGAS, progress=told.append).passed

@@ -28,6 +28,7 @@ EPOCH_UTC = datetime(2015, 2, 27, 17, 36, tzinfo=UTC)
 CREATED_UTC = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
 LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m=610.0)
 EVERY = pytest.mark.parametrize("name", EXPORTERS)
+DRAWN = [name for name, exporter in EXPORTERS.items() if exporter.shows]
 
 
 def plan_of(
@@ -106,10 +107,10 @@ def test_a_leap_second_is_counted(name):
     epoch_utc = datetime(2016, 12, 31, 23, 59, 55, tzinfo=UTC)
     plan = plan_of(epoch_utc, orbit=state_vector(epoch_utc))
     text = write(name, plan).decode("utf-8", "replace")
-    if name not in ("json", "czml"):  # those count seconds from the epoch only
+    if name not in ("json", *DRAWN):  # those count seconds from the epoch only, or say spans
         inside = "2016-12-31T23:59:60" if name == "oem" else "2016-12-31T23:59:60.2"
         assert inside in text
-    assert "2017-01-01T00:00:04" in text or name == "json"
+    assert "2017-01-01T00:00:04" in text or name in ("json", "png", "svg")
     if name == "netcdf":
         assert "calendar" in text
         assert b"utc\0" in write(name, plan)  # CF 1.12: leap seconds are in the count
@@ -163,7 +164,7 @@ def test_rows_before_the_orbit_is_known_are_left_out(name):
         assert written == write(name, plan_of()).decode()
 
 
-@pytest.mark.parametrize("name", ["netcdf", "aem", "oem", "stk", "stk-attitude", "czml"])
+@pytest.mark.parametrize("name", [name for name in EXPORTERS if name not in ("csv", "json")])
 def test_an_unknown_orbit_is_refused(name):
     with pytest.raises(OutsideCoverage):
         write(name, plan_of(orbit=oem_of(plan_of(), from_s=7)))

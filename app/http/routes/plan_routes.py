@@ -26,10 +26,19 @@ from app.http.routes.plan_queries import (
     PostQuery,
     TableQuery,
     idempotency_key,
-    with_formats,
+    with_table_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.routes.stored_plans import find, immutable_tag, table_answer, whole_json
+from app.http.routes.stored_plans import (
+    REVALIDATE,
+    UNCHANGED,
+    find,
+    immutable_tag,
+    not_modified,
+    table_answer,
+    whole_json,
+)
+from app.http.routes.views import add_view
 from app.http.waiting import WAIT_S, patience, wait_for_end
 from app.jobs.child import Bounds
 from app.jobs.refusals import Conflict
@@ -37,8 +46,6 @@ from app.store import jobs
 from app.store.database import Database
 from app.store.jobs import Job
 from planner.errors import InvalidInput
-
-_REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
 
 
 def plan_routes(resource: PlanResource) -> APIRouter:
@@ -48,13 +55,14 @@ def plan_routes(resource: PlanResource) -> APIRouter:
     _add_list(router, resource)
     _add_one(router, resource)
     _add_table(router, resource)
+    add_view(router, resource)
     add_delete(router, resource)
     add_events(router, resource)
     return router
 
 
 def _add_post(router: APIRouter, resource: PlanResource) -> None:
-    query_model = with_formats(PostQuery, resource)
+    query_model = with_table_formats(PostQuery, resource)
 
     async def post(
         request: Request,
@@ -203,7 +211,7 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         "/{id}",
         summary="A plan, or where the work on it stands",
         response_model=resource.response | JobResponse,
-        responses={304: _UNCHANGED, 404: no_such(resource)},
+        responses={304: UNCHANGED, 404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
     )
     async def get_plan(request: Request, plan_id: PathId) -> Response:
@@ -212,20 +220,13 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         state = job_json(job)
         tag = immutable_tag(plan) if plan else f'"{hashlib.sha256(state).hexdigest()[:32]}"'
         if is_known_already(request, tag):
-            return _not_modified(tag)
+            return not_modified(tag)
         answer = await whole_json(request, resource, plan) if plan else state
-        return Response(answer, HTTPStatus.OK, _REVALIDATE | {"ETag": tag}, JSON)
-
-
-_UNCHANGED = {"description": "If-None-Match names what the plan still is"}
-
-
-def _not_modified(tag: str) -> Response:
-    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=_REVALIDATE | {"ETag": tag})
+        return Response(answer, HTTPStatus.OK, REVALIDATE | {"ETag": tag}, JSON)
 
 
 def _add_table(router: APIRouter, resource: PlanResource) -> None:
-    query_model = with_formats(TableQuery, resource)
+    query_model = with_table_formats(TableQuery, resource)
 
     async def get_table(
         request: Request, plan_id: PathId, query: Annotated[TableQuery, Query()]
@@ -240,8 +241,8 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
             )
         tag = immutable_tag(plan, form or "table")
         if is_known_already(request, tag):
-            return _not_modified(tag)
-        headers = _REVALIDATE | {"ETag": tag}
+            return not_modified(tag)
+        headers = REVALIDATE | {"ETag": tag}
         return await table_answer(request, resource, plan, form, HTTPStatus.OK, headers)
 
     get_table.__annotations__["query"] = Annotated[query_model, Query()]
@@ -254,7 +255,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
                 "description": "As JSON the `table` of the plan",
                 "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
             },
-            304: _UNCHANGED,
+            304: UNCHANGED,
             404: no_such(resource),
             409: {"description": "There is no table, or not yet"},
             422: {"description": "A table the judge rejects is in the whole plan only"},

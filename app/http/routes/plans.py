@@ -1,13 +1,16 @@
 """Plans of the two-axis platform over HTTP."""
 
 from app.answers.plan import DryRunResponse, PlanResponse
+from app.answers.view import PlanViewResponse
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
 from app.requests.examples.plan import PLAN_EXAMPLES
 from app.requests.plan import read_plan_request
 from app.work.plan import stored_table_file, stored_table_json, try_plan
+from app.work.view import DRAWN, stored_plan_view
 from planner.export import EXPORTERS
+from planner.view import VIEW_EXPORTERS
 
 PLANS = PlanResource(
     kind=PLAN,
@@ -28,7 +31,11 @@ PLANS = PlanResource(
     exporters=EXPORTERS,
     table_json=stored_table_json,
     table_file=stored_table_file,
+    view_response=PlanViewResponse,
+    view_exporters=VIEW_EXPORTERS | DRAWN,
+    view_file=stored_plan_view,
     file_stem="plan",
+    takes_pixel=True,
     in_campaigns=True,
 )
 

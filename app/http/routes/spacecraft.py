@@ -1,12 +1,14 @@
 """Imaging sessions of the spacecraft over HTTP."""
 
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
+from app.answers.spacecraft_view import SpacecraftViewResponse
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import SPACECRAFT_PLAN
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.spacecraft import stored_session_file, stored_session_json, try_session
+from app.work.view import DRAWN_SESSION, stored_session_view
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 _PLANS = PlanResource(
@@ -29,6 +31,9 @@ _PLANS = PlanResource(
     exporters=IMAGING_EXPORTERS,
     table_json=stored_session_json,
     table_file=stored_session_file,
+    view_response=SpacecraftViewResponse,
+    view_exporters=DRAWN_SESSION,
+    view_file=stored_session_view,
     file_stem="session",
 )
 
