@@ -100,13 +100,14 @@ def _changed(
 ) -> bytes:
     from app.cli.changes import at_next_pass, search_start, with_settings
 
+    body = with_settings(body, settings)
     if not next_pass:
         if start is not None:
             raise InvalidInput("goes with --next-pass", field="--start")
-        return with_settings(body, settings)
+        return body
     body, told = at_next_pass(body, search_start(start))
     console.print(told)
-    return with_settings(body, settings)
+    return with_settings(body, settings)  # again, for what is set of the session that was moved
 
 
 def _plan_here(

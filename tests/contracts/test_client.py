@@ -3,6 +3,10 @@
 import asyncio
 import inspect
 import json
+import os
+import re
+import subprocess
+import sys
 import time
 from pathlib import Path
 from urllib.request import urlopen
@@ -311,3 +315,17 @@ def test_address_and_key_of_the_environment(monkeypatch):
     service = Service()
     assert service.url == "https://plans.example"
     assert service.options["headers"] == {"Authorization": "Bearer st_1"}
+
+
+def test_the_pages_example(service):
+    page = (EXAMPLES.parent / "docs" / "python.md").read_text()
+    [example] = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    [shown] = re.findall(r"```\n(done .*?)```", page, re.DOTALL)
+    done = subprocess.run(
+        [sys.executable, "-c", example],
+        capture_output=True,
+        text=True,
+        cwd=EXAMPLES.parent,
+        env=os.environ | {"SLEWTRACK_URL": service.address},
+    )
+    assert done.stdout == shown, done.stderr
