@@ -11,9 +11,10 @@ field, the reason and the way out.
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeVar
 
-from slewtrack.answers import Columns, Job, Progress
+from slewtrack.answers import Columns, Job, Progress, columns_of
 from slewtrack.async_client import AsyncClient
 from slewtrack.calls import Json, OnProgress
 from slewtrack.client import Client
@@ -45,10 +46,12 @@ __all__ = [
     "ServiceError",
     "campaign",
     "estimate_vertical",
+    "export",
     "opportunities",
     "plan",
     "plan_imaging",
     "read_request",
+    "view",
 ]
 
 Request = TypeVar("Request")
@@ -67,6 +70,29 @@ def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "
 
     scenario = read_request(request) if isinstance(request, bytes | Mapping) else request
     return make_plan(scenario, _on_stage(progress))
+
+
+def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
+    """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
+    from app.answers.view import view_json
+    from planner.opportunities.request import HRC_PIXEL_ARCSEC
+    from planner.view import view_plan
+
+    seen = view_plan(plan, step_s, HRC_PIXEL_ARCSEC)
+    told = view_json(seen, "", HRC_PIXEL_ARCSEC, verified=plan.verification.passed)
+    return columns_of(json.loads(told))
+
+
+def export(plan: "Plan", format_name: str) -> bytes:
+    """Its table as a file, as `Client.export` has it; raises Unverified, InvalidInput."""
+    from app.answers.plan import require_verified
+    from planner.errors import InvalidInput
+    from planner.export import EXPORTERS
+
+    if format_name not in EXPORTERS:
+        raise InvalidInput(f"must be one of {', '.join(EXPORTERS)}", field="format_name")
+    require_verified(plan.verification.findings)
+    return EXPORTERS[format_name].write(plan, datetime.now(UTC))
 
 
 def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":

@@ -11,6 +11,7 @@ from app.answers.horizon import estimate_out
 from app.answers.members import provenance, to_json
 from app.cli.files import write
 from app.cli.horizon_report import print_estimate, print_series
+from app.cli.progress_bar import OnProgress, progress_bar
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
 from app.work.horizon_series import (
@@ -69,12 +70,22 @@ def measure_frames(
                 field="images",
             )
         count, films = video_frames([str(path) for path in paths], request.step_s)
-        series = measure_series(request.requests(count), films)
+        with progress_bar("frames") as tell:
+            series = measure_series(request.requests(count), _told(films, count, tell))
     else:
         requests = frame_requests(request, len(paths))
-        series = measure_series(requests, _pictures(requests, iter(paths)))
+        with progress_bar("frames") as tell:
+            pictures = _told(_pictures(requests, iter(paths)), len(requests), tell)
+            series = measure_series(requests, pictures)
     print_series(console, series)
     return series_json(series, provenance(datetime.now(UTC), body))
+
+
+def _told(frames: Iterator[list[Pixels]], count: int, tell: OnProgress) -> Iterator[list[Pixels]]:
+    """The same, each told as it is taken."""
+    for number, frame in enumerate(frames):
+        tell("frames", number, count)
+        yield frame
 
 
 def _pictures(requests: Sequence[HorizonRequest], paths: Iterator[Path]) -> Iterator[list[Pixels]]:

@@ -1,5 +1,6 @@
 """What went wrong with a command: one line on stderr, under it the ways out, and an exit code."""
 
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -26,6 +27,9 @@ def one_line_for_what_goes_wrong(words: Sequence[str] = ()) -> Iterator[None]:
         say(_with_field(refusal))
         _say_ways_out(refusal, words)
         raise typer.Exit(FAILED if failed else REFUSED) from None
+    except BrokenPipeError:  # who reads our output has enough, as `head` has
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(FAILED) from None
     except OSError as error:
         say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         raise typer.Exit(REFUSED) from None

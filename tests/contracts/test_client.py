@@ -18,6 +18,7 @@ from live_service import live_service
 from relay import Relay
 
 import slewtrack
+from planner.errors import InvalidInput
 from slewtrack.connection import Service
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -76,6 +77,21 @@ def test_the_view_in_columns_along_the_table(service, client, plan):
     assert view["activity"].tolist() == told["activity"]
     assert view.facts["targets"][0]["name"] == told["targets"][0]["name"]
     assert view.to_xarray().sizes["t_s"] == len(view.to_pandas()) == len(view.t_s)
+
+
+def test_the_same_calls_without_a_service(client, plan):
+    here = slewtrack.plan(LAS_VEGAS)
+    ours, theirs = slewtrack.view(here, step_s=10.0), client.view(plan.id, step_s=10.0)
+    assert set(ours) == set(theirs)
+    for name, values in ours.items():
+        np.testing.assert_array_equal(values, theirs[name])
+    rows = [
+        [line for line in file.splitlines() if not line.startswith(b"#")]
+        for file in (slewtrack.export(here, "csv"), client.export(plan.id, "csv"))
+    ]
+    assert rows[0] == rows[1]
+    with pytest.raises(InvalidInput, match="netcdf"):
+        slewtrack.export(here, "xlsx")
 
 
 def test_progress_ends_with_what_became_of_it(client):

@@ -162,6 +162,18 @@ def test_version_help_and_completion():
     assert done.stdout.split() == ["windows"]
 
 
+def test_who_has_read_enough_is_told_no_more(tmp_path):
+    command = shlex.join([str(SLEWTRACK), "plan", LAS_VEGAS_FILE, "--csv", "-"])
+    done = subprocess.run(
+        ["bash", "-c", f"{command} 2>errors | head -1; cat errors >&2"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert done.stdout.startswith("utc,t_s")
+    assert "ipe" not in done.stderr
+
+
 def test_progress_is_for_terminals():
     """A pipe gets none of it; a terminal does, and keeps none."""
     done = run("plan", LAS_VEGAS_FILE)
