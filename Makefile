@@ -8,7 +8,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan serve quick test test-postgres test-client lint check format answers oracles bench requirements clean
+.PHONY: setup plan serve quick test test-postgres test-client lint check format answers notebook oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -61,6 +61,10 @@ format: setup
 # What the API's pages show as answers; the tests compare.
 answers: setup
 	PYTHONPATH=tests:tests/contracts $(BIN)/python tests/contracts/worked_answers.py
+
+# What the notebook shows; the tests compare.
+notebook: setup
+	PYTHONPATH=.:tests $(BIN)/python tests/end_to_end/run_notebook.py
 
 # Golden values from heavy references (Orekit wants Java 17); `make test` needs only their results.
 oracles: setup

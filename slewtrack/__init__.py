@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 from slewtrack.answers import Columns, Job, Progress, columns_of
 from slewtrack.async_client import AsyncClient
-from slewtrack.calls import Json, OnProgress
+from slewtrack.calls import Json
 from slewtrack.client import Client
+from slewtrack.events import OnProgress
 from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, ServiceError
 
 if TYPE_CHECKING:

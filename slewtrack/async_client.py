@@ -12,8 +12,9 @@ import httpx
 
 from slewtrack import calls
 from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan
-from slewtrack.calls import CAMPAIGNS, PLANS, SPACECRAFT, Ask, Call, Json, OnProgress, Reply
+from slewtrack.calls import CAMPAIGNS, PLANS, SPACECRAFT, Ask, Call, Json, Reply
 from slewtrack.connection import PATIENCE_S, Service, reply_of, request_of
+from slewtrack.events import OnProgress
 
 T = TypeVar("T")
 

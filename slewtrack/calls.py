@@ -16,16 +16,15 @@ from email.utils import parsedate_to_datetime
 from typing import Any, NoReturn, TypeVar
 
 from slewtrack import answers
-from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan, Progress
+from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan
+from slewtrack.events import Events, OnProgress, TimeIsUp
 from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, problem_of
 
 T = TypeVar("T")
 Json = bytes | Mapping[str, Any]
-OnProgress = Callable[[Progress], None]
 
 PLANS, SPACECRAFT, CAMPAIGNS = "/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"
 SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
-STREAM_SILENCE_S = 45.0  # the service says something every 15 s
 PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
 WAIT_S = 30  # of a POST, for what takes no longer
 
@@ -214,7 +213,7 @@ def _wait(
     """What is at the address when the work on it has ended."""
     until_s = None if timeout_s is None else time.monotonic() + timeout_s
     one = Ask(method="GET", path=f"{path}/{job_id}")
-    heard = _Events(progress, until_s)
+    heard = Events(progress, until_s)
     while True:
         members = yield from document(one, patience_s)
         if members["state"] not in ("queued", "running"):
@@ -226,7 +225,7 @@ def _wait(
         one = replace(one, after_s=0.0 if heard.has_ended else PAUSE_S)
 
 
-def _catch_up(path: str, heard: "_Events") -> Call[None]:
+def _catch_up(path: str, heard: Events) -> Call[None]:
     """With what a broken connection kept from who wants to be told."""
     seen: str | None = ""  # no event's id
     while heard.is_wanted and not heard.has_ended and seen != heard.last_id:
@@ -234,7 +233,7 @@ def _catch_up(path: str, heard: "_Events") -> Call[None]:
         yield from _listen(path, heard)
 
 
-def _listen(path: str, heard: "_Events") -> Call[None]:
+def _listen(path: str, heard: Events) -> Call[None]:
     """To its events until they end, the connection breaks or time is up: then it is looked at."""
     ask = Ask(
         method="GET",
@@ -245,64 +244,10 @@ def _listen(path: str, heard: "_Events") -> Call[None]:
     )
     try:
         reply = yield ask
-    except (NoAnswer, _TimeIsUp):
+    except (NoAnswer, TimeIsUp):
         return
     if reply.status >= 400 and reply.status not in (429, 503):
         raise Refused(_problem(reply))
-
-
-class _TimeIsUp(Exception):
-    """The caller waits no longer."""
-
-
-class _Events:
-    """Server-sent events, line by line: HTML Living Standard, section 9.2."""
-
-    def __init__(self, progress: OnProgress | None, until_s: float | None) -> None:
-        self._progress = progress
-        self._until_s = until_s
-        self._event: dict[str, str] = {}
-        self._state = "queued"
-        self.last_id: str | None = None
-        self.has_ended = False
-
-    @property
-    def is_wanted(self) -> bool:
-        """Whether anybody is told of them."""
-        return self._progress is not None
-
-    @property
-    def headers(self) -> dict[str, str]:
-        self._event = {}  # one cut short by a lost connection comes again
-        after = {} if self.last_id is None else {"Last-Event-ID": self.last_id}
-        return {"Accept": "text/event-stream", **after}
-
-    @property
-    def silence_s(self) -> float:
-        left_s = STREAM_SILENCE_S if self._until_s is None else self._until_s - time.monotonic()
-        return min(max(left_s, 0.1), STREAM_SILENCE_S)
-
-    def take(self, line: str) -> None:
-        """Raises _TimeIsUp, or whatever the caller's own function does."""
-        if line:
-            name, _, value = line.partition(":")
-            self._event[name] = value.removeprefix(" ")
-        elif "data" in self._event:
-            self.last_id = self._event.get("id", self.last_id)
-            self._tell(self._event.get("event", ""), json.loads(self._event["data"]))
-            self._event = {}
-        if self._until_s is not None and time.monotonic() >= self._until_s:
-            raise _TimeIsUp
-
-    def _tell(self, kind: str, data: Mapping[str, Any]) -> None:
-        if kind == "state":
-            self._state = data["state"]
-            self.has_ended = self._state not in ("queued", "running")
-        elif kind == "progress":
-            self._state = "running"
-        if self._progress is not None:
-            told = {name: data.get(name) for name in ("stage", "done", "of", "percent")}
-            self._progress(Progress(state=self._state, **told))
 
 
 def plan_at(path: str, plan_id: str, patience_s: float) -> Call[Plan]:
