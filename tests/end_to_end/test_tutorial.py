@@ -46,6 +46,7 @@ def check(folder, command, shown):
 
 
 def test_every_command_in_order(folder, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)  # which the test runner sets
     with live_service(folder) as service:
         monkeypatch.setenv("SLEWTRACK_URL", service.address)
         plan_id = ""
