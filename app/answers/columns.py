@@ -14,6 +14,7 @@ Answer = TypeVar("Answer")
 
 # By the end of a member's name: that of ours, the factor to it, the decimals told.
 _UNITS = (
+    ("gimbal_deg", "gimbal_rad", math.degrees(1.0), DECIMALS),
     ("_deg_s3", "_rad_s3", math.degrees(1.0), DECIMALS),
     ("_deg_s2", "_rad_s2", math.degrees(1.0), DECIMALS),
     ("_deg_s", "_rad_s", math.degrees(1.0), DECIMALS),

@@ -46,7 +46,8 @@ def kml_of(shown: PlanMap) -> bytes:
         features = [feature for feature in shown.features if feature.kind == kind]
         if features:
             document.append(_element("Folder", _text("name", kind), *map(_placemark, features)))
-    return etree.tostring(_element("kml", document), xml_declaration=True, encoding="UTF-8")
+    whole = _element("kml", document)
+    return etree.tostring(whole, xml_declaration=True, encoding="UTF-8", pretty_print=True)
 
 
 def _placemark(feature: MapFeature) -> etree._Element:
