@@ -40,9 +40,9 @@ def columns_of(
     return kind(**members)
 
 
-def numbers(values: Array, factor: float, decimals: int, unknown_rows: int = 0) -> list[Any]:
+def numbers(value_by_row: Array, factor: float, decimals: int, unknown_rows: int = 0) -> list[Any]:
     """Rounded; NaN, which JSON writes as null, in the rows that aren't known."""
-    told = np.round(values * factor, decimals) + 0.0  # no -0.0
+    told = np.round(value_by_row * factor, decimals) + 0.0  # no -0.0
     if unknown_rows:
         told = np.concatenate([np.full((unknown_rows, *told.shape[1:]), np.nan), told])
     column: list[Any] = told.tolist()

@@ -70,11 +70,11 @@ def _geometry(shape: Shape) -> etree._Element:
     if isinstance(shape, Lines):
         parts = [
             _element("LineString", _text("tessellate", "1"), _coordinates(part))
-            for part in shape.parts
+            for part in shape.parts_deg
         ]
     else:
         assert isinstance(shape, Areas)
-        parts = [_polygon(ring) for ring in shape.rings]
+        parts = [_polygon(ring) for ring in shape.rings_deg]
     return parts[0] if len(parts) == 1 else _element("MultiGeometry", *parts)
 
 
