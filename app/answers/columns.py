@@ -14,6 +14,7 @@ Answer = TypeVar("Answer")
 
 # By the end of a member's name: that of ours, the factor to it, the decimals told.
 _UNITS = (
+    ("gimbal_deg", "gimbal_rad", math.degrees(1.0), DECIMALS),
     ("_deg_s3", "_rad_s3", math.degrees(1.0), DECIMALS),
     ("_deg_s2", "_rad_s2", math.degrees(1.0), DECIMALS),
     ("_deg_s", "_rad_s", math.degrees(1.0), DECIMALS),
@@ -39,9 +40,9 @@ def columns_of(
     return kind(**members)
 
 
-def numbers(values: Array, factor: float, decimals: int, unknown_rows: int = 0) -> list[Any]:
+def numbers(value_by_row: Array, factor: float, decimals: int, unknown_rows: int = 0) -> list[Any]:
     """Rounded; NaN, which JSON writes as null, in the rows that aren't known."""
-    told = np.round(values * factor, decimals) + 0.0  # no -0.0
+    told = np.round(value_by_row * factor, decimals) + 0.0  # no -0.0
     if unknown_rows:
         told = np.concatenate([np.full((unknown_rows, *told.shape[1:]), np.nan), told])
     column: list[Any] = told.tolist()

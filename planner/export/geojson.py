@@ -43,9 +43,9 @@ def _geometry(shape: Shape) -> dict[str, Any]:
         place = [shape.longitude_deg, shape.latitude_deg, shape.height_m]
         return {"type": "Point", "coordinates": place}
     if isinstance(shape, Lines):
-        return _one_or_many("LineString", [part.tolist() for part in shape.parts])
+        return _one_or_many("LineString", [part.tolist() for part in shape.parts_deg])
     assert isinstance(shape, Areas)
-    return _one_or_many("Polygon", [[ring.tolist()] for ring in shape.rings])
+    return _one_or_many("Polygon", [[ring.tolist()] for ring in shape.rings_deg])
 
 
 def _one_or_many(kind: str, parts: list[Any]) -> dict[str, Any]:

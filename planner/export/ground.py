@@ -44,9 +44,9 @@ def sights(rows: TableStates, rays_payload: Array) -> Sights:
     return ends_on_ground(rows.instants, rows.states.r_sat_eci_m, natural_eci)
 
 
-def turned_rays(q: Rotation, rays: Array) -> Array:
+def turned_rays(q: Rotation, ray_directions: Array) -> Array:
     """Unit vectors along k rays (k, 3), turned by n rotations, shape (n, k, 3)."""
-    unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    unit = ray_directions / np.linalg.norm(ray_directions, axis=1, keepdims=True)
     return np.stack([q.apply(ray) for ray in unit], axis=1)
 
 

@@ -46,7 +46,8 @@ def kml_of(shown: PlanMap) -> bytes:
         features = [feature for feature in shown.features if feature.kind == kind]
         if features:
             document.append(_element("Folder", _text("name", kind), *map(_placemark, features)))
-    return etree.tostring(_element("kml", document), xml_declaration=True, encoding="UTF-8")
+    whole = _element("kml", document)
+    return etree.tostring(whole, xml_declaration=True, encoding="UTF-8", pretty_print=True)
 
 
 def _placemark(feature: MapFeature) -> etree._Element:
@@ -69,11 +70,11 @@ def _geometry(shape: Shape) -> etree._Element:
     if isinstance(shape, Lines):
         parts = [
             _element("LineString", _text("tessellate", "1"), _coordinates(part))
-            for part in shape.parts
+            for part in shape.parts_deg
         ]
     else:
         assert isinstance(shape, Areas)
-        parts = [_polygon(ring) for ring in shape.rings]
+        parts = [_polygon(ring) for ring in shape.rings_deg]
     return parts[0] if len(parts) == 1 else _element("MultiGeometry", *parts)
 
 

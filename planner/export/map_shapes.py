@@ -3,6 +3,7 @@
 Source: RFC 7946, sections 3.1.6 and 3.1.9.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -28,14 +29,14 @@ class Place:
 class Lines:
     """Parts of a line, each (k, 2): longitude within -180..180 and latitude, in degrees."""
 
-    parts: tuple[Array, ...]
+    parts_deg: tuple[Array, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Areas:
     """Rings without holes, counter-clockwise and closed, each (k, 2) as of `Lines`."""
 
-    rings: tuple[Array, ...]
+    rings_deg: tuple[Array, ...]
 
 
 Shape = Place | Lines | Areas
@@ -77,7 +78,7 @@ def _unwrapped(latitude_rad: Array, longitude_rad: Array) -> Array:
 
 
 def _cut_line(place_deg: Array) -> Iterator[Array]:
-    sheet = np.floor((place_deg[:, 0] + _HALF_DEG) / _TURN_DEG)
+    sheet = np.floor((place_deg[:, 0] + _HALF_DEG) / _TURN_DEG).astype(int).tolist()
     first = 0
     start: list[Array] = []
     for k in np.flatnonzero(np.diff(sheet)).tolist():
@@ -99,9 +100,11 @@ def _cut_ring(place_deg: Array) -> Iterator[Array]:
         last = np.array([[place_deg[0, 0] + turns_deg, place_deg[0, 1]]])
         over = np.array([[last[0, 0], pole_deg], [place_deg[0, 0], pole_deg]])
         place_deg = np.concatenate([place_deg, last, over])
-    lowest = np.floor((place_deg[:, 0].min() + _HALF_DEG) / _TURN_DEG)
-    highest = np.floor((place_deg[:, 0].max() + _HALF_DEG) / _TURN_DEG)
-    for sheet in np.arange(lowest, highest + 1.0):
+    lowest, highest = (
+        math.floor((end_deg + _HALF_DEG) / _TURN_DEG)
+        for end_deg in (place_deg[:, 0].min(), place_deg[:, 0].max())
+    )
+    for sheet in range(lowest, highest + 1):
         west_deg = _TURN_DEG * sheet - _HALF_DEG
         part = _east_of(place_deg, west_deg)
         part = _east_of(part * [-1.0, 1.0], -west_deg - _TURN_DEG) * [-1.0, 1.0]
@@ -130,6 +133,6 @@ def _closed(ring_deg: Array) -> Array:
     return np.concatenate([ring_deg, ring_deg[:1]])
 
 
-def _shifted(place_deg: Array, sheet: float) -> Array:
+def _shifted(place_deg: Array, sheet_index: int) -> Array:
     """Longitudes within -180..180, rounded."""
-    return np.round(place_deg - [_TURN_DEG * sheet, 0.0], DECIMALS) + 0.0  # no -0.0
+    return np.round(place_deg - [_TURN_DEG * sheet_index, 0.0], DECIMALS) + 0.0  # no -0.0

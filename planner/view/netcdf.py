@@ -192,15 +192,15 @@ def _arrays(section: object) -> Iterator[tuple[str, Array]]:
             yield name, values
 
 
-def _from_first(view: PlanView, values: Array) -> Array:
-    """The rows at which nothing is known, then the values (n, ...)."""
-    unknown = np.full((view.first_known, *values.shape[1:]), np.nan)
-    return np.concatenate([unknown, values])
+def _from_first(view: PlanView, value_by_row: Array) -> Array:
+    """The rows at which nothing is known, then the others (n, ...)."""
+    unknown = np.full((view.first_known, *value_by_row.shape[1:]), np.nan)
+    return np.concatenate([unknown, value_by_row])
 
 
-def _write(file: netcdf_file, name: str, values: Array, sides: tuple[str, ...]) -> None:
+def _write(file: netcdf_file, name: str, value_by_row: Array, sides: tuple[str, ...]) -> None:
     ours, written, factor, unit = next(one for one in _UNITS if name.endswith(one[0]))
     variable = file.createVariable(name.removesuffix(ours) + written, "d", sides)
-    variable[:] = np.where(np.isnan(values), FILL, values * factor)
+    variable[:] = np.where(np.isnan(value_by_row), FILL, value_by_row * factor)
     words = name.removesuffix(ours) + ours.split("_rad")[0]
     describe(variable, _FillValue=FILL, units=unit, long_name=words.replace("_", " "))

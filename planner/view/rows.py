@@ -12,7 +12,7 @@ USUAL_ROWS = 1000  # enough for a screen
 ROWS_MAX = 20_000
 CELLS_MAX = 400_000  # rows times what is seen beside the carrier: sessions and cones
 STEP_MAX_S = 86400.0
-_ON_GRID_ROWS = 1e-6
+_ON_GRID_ROWS = 1e-9  # rounding
 
 
 def view_rows(table_rows: int, beside: int, step_s: float | None) -> tuple[Indices, float]:
@@ -42,11 +42,8 @@ def view_rows(table_rows: int, beside: int, step_s: float | None) -> tuple[Indic
 
 def rows_in_step(step_s: float) -> int:
     """How many rows of a table it is; raises InvalidInput unless a whole number."""
-    every = round(step_s * ROWS_PER_S) if math.isfinite(step_s) else 0
-    if (
-        not 1 <= every <= STEP_MAX_S * ROWS_PER_S
-        or abs(step_s * ROWS_PER_S - every) > _ON_GRID_ROWS
-    ):
+    every = round(step_s * ROWS_PER_S) if 0.0 < step_s <= STEP_MAX_S else 0
+    if every < 1 or abs(step_s * ROWS_PER_S - every) > _ON_GRID_ROWS:
         raise InvalidInput(
             f"step_s must be a multiple of the table's step, 0.2 s, up to {STEP_MAX_S:g}, not "
             f"{step_s:g}; use 0.2, 1 or 10",

@@ -83,14 +83,6 @@ def test_an_unknown_picture_format(tmp_path):
     assert "png" in one_line(result.stderr)
 
 
-def test_a_picture_where_nothing_can_draw(tmp_path, monkeypatch):
-    monkeypatch.delitem(sys.modules, "app.cli.figure", raising=False)
-    monkeypatch.setitem(sys.modules, "matplotlib.axes", None)
-    result = CliRunner().invoke(main, ["plan", str(EXAMPLE), "--plot", f"{tmp_path}/a.png"])
-    assert result.exit_code == 2
-    assert "slewtrack[plot]" in one_line(result.stderr)
-
-
 @pytest.mark.parametrize("suffix", ["svg", "pdf"])
 def test_pictures_in_vectors(tmp_path, suffix):
     picture = tmp_path / f"plan.{suffix}"
