@@ -74,7 +74,7 @@ oracles: setup
 
 bench: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
-	for script in slew slew_optimum plan service opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+	for script in slew slew_optimum plan service view opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
 
 requirements: setup
 	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml
