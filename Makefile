@@ -8,7 +8,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan serve quick test test-postgres test-client lint check format answers oracles bench requirements clean
+.PHONY: setup plan serve quick test test-postgres test-client lint check format answers notebook oracles bench requirements clean
 
 setup: .venv/installed
 
@@ -62,6 +62,10 @@ format: setup
 answers: setup
 	PYTHONPATH=tests:tests/contracts $(BIN)/python tests/contracts/worked_answers.py
 
+# What the notebook shows; the tests compare.
+notebook: setup
+	PYTHONPATH=.:tests $(BIN)/python tests/end_to_end/run_notebook.py
+
 # Golden values from heavy references (Orekit wants Java 17); `make test` needs only their results.
 oracles: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[oracles]
@@ -70,7 +74,7 @@ oracles: setup
 
 bench: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
-	for script in slew slew_optimum plan service opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+	for script in slew slew_optimum plan service view opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
 
 requirements: setup
 	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml

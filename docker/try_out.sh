@@ -19,18 +19,12 @@ SLEWTRACK_DATA_DIR=/tmp/served SLEWTRACK_DASK_SCHEDULER=$scheduler slewtrack ser
 background="$background $!"
 trap 'kill $background; wait' EXIT
 python3 - examples/las_vegas_2015.json <<'ASK'
-import sys, time
+import sys
 from pathlib import Path
-from urllib.request import Request, urlopen
 
-body = Path(sys.argv[1]).read_bytes()
-plan = Request("http://127.0.0.1:18000/v1/plans", body, {"Content-Type": "application/json"})
-for _ in range(60):
-    try:
-        urlopen("http://127.0.0.1:18000/readyz")
-        break
-    except OSError:
-        time.sleep(1)
-with urlopen(plan, timeout=300) as answer:
-    print(answer.status, len(answer.read()), "bytes over HTTP, solved by a worker")
+import slewtrack
+
+with slewtrack.Client("http://127.0.0.1:18000") as client:  # it asks again until there is one
+    plan = client.plan(Path(sys.argv[1]).read_bytes())
+print(plan.state, len(plan.table.t_s), "rows over HTTP, solved by a worker")
 ASK

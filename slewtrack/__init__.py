@@ -1,5 +1,8 @@
 """slewtrack from Python: what the HTTP service and the command do, as functions.
 
+`Client` and `AsyncClient` ask a running service; the functions here do the same in this process,
+where nothing is kept, and return the planner's own values, in radians.
+
 A request is the JSON that the service takes, as bytes or as the dictionary it holds, or the
 value that reading it gives.  Each function loads what it needs when it is first called.  A
 request that can't be read or fulfilled raises a `planner.errors.Refusal`, which names the
@@ -8,7 +11,15 @@ field, the reason and the way out.
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, TypeVar
+
+from slewtrack.answers import Columns, Job, Progress, columns_of
+from slewtrack.async_client import AsyncClient
+from slewtrack.calls import Json
+from slewtrack.client import Client
+from slewtrack.events import OnProgress
+from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, ServiceError
 
 if TYPE_CHECKING:
     from app.requests.plan import PlanRequest
@@ -23,15 +34,27 @@ if TYPE_CHECKING:
     from planner.spacecraft.requests import ImagingPlanRequest
 
 __all__ = [
+    "AsyncClient",
+    "Cancelled",
+    "Client",
+    "Columns",
+    "Job",
+    "NoAnswer",
+    "NotFinished",
+    "Problem",
+    "Progress",
+    "Refused",
+    "ServiceError",
     "campaign",
     "estimate_vertical",
+    "export",
     "opportunities",
     "plan",
     "plan_imaging",
     "read_request",
+    "view",
 ]
 
-Json = bytes | Mapping[str, Any]
 Request = TypeVar("Request")
 
 
@@ -42,11 +65,35 @@ def read_request(request: Json) -> "PlanRequest":
     return _value_of(request, read_plan_request)
 
 
-def plan(request: "Scenario | Json") -> "Plan":
+def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "Plan":
     """Slews and tracks for every session, as a verified command table; degrees in, radians out."""
     from planner.sessions.pipeline import make_plan
 
-    return make_plan(read_request(request) if isinstance(request, bytes | Mapping) else request)
+    scenario = read_request(request) if isinstance(request, bytes | Mapping) else request
+    return make_plan(scenario, _on_stage(progress))
+
+
+def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
+    """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
+    from app.answers.view import view_json
+    from planner.opportunities.request import HRC_PIXEL_ARCSEC
+    from planner.view import view_plan
+
+    seen = view_plan(plan, step_s, HRC_PIXEL_ARCSEC)
+    told = view_json(seen, "", HRC_PIXEL_ARCSEC, verified=plan.verification.passed)
+    return columns_of(json.loads(told))
+
+
+def export(plan: "Plan", format_name: str) -> bytes:
+    """Its table as a file, as `Client.export` has it; raises Unverified, InvalidInput."""
+    from app.answers.plan import require_verified
+    from planner.errors import InvalidInput
+    from planner.export import EXPORTERS
+
+    if format_name not in EXPORTERS:
+        raise InvalidInput(f"must be one of {', '.join(EXPORTERS)}", field="format_name")
+    require_verified(plan.verification.findings)
+    return EXPORTERS[format_name].write(plan, datetime.now(UTC))
 
 
 def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":
@@ -57,12 +104,15 @@ def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":
     return find_opportunities(_value_of(request, read_opportunity_request))
 
 
-def campaign(request: "CampaignRequest | Json") -> "Campaign":
+def campaign(
+    request: "CampaignRequest | Json", *, progress: OnProgress | None = None
+) -> "Campaign":
     """Which of many targets to look at and in what order; its passes are planned one by one."""
     from app.requests.campaign import read_campaign_request
     from planner.campaigns import choose_campaign
 
-    return choose_campaign(_value_of(request, read_campaign_request))
+    on_stage = _on_stage(progress)
+    return choose_campaign(_value_of(request, read_campaign_request), on_stage)
 
 
 def estimate_vertical(
@@ -83,6 +133,16 @@ def plan_imaging(request: "ImagingPlanRequest | Json") -> "ImagingPlan":
     from planner.spacecraft.plan import plan_imaging as make
 
     return make(_value_of(request, read_spacecraft_request))
+
+
+def _on_stage(progress: OnProgress | None) -> Callable[..., None]:
+    """What the planner tells of itself, as a service would."""
+
+    def tell(stage: str, done: int | None = None, of: int | None = None) -> None:
+        if progress is not None:
+            progress(Progress(state="running", stage=stage, done=done, of=of))
+
+    return tell
 
 
 def _value_of(request: Request | Json, read: Callable[[bytes], Request]) -> Request:

@@ -203,18 +203,28 @@ class PlanResponse(PlanHead, PlanDocument):
 
 @dataclass(frozen=True, kw_only=True)
 class DryRunResponse:
-    """The request can be read; nothing was planned.
+    """The request was planned, and nothing is kept of it.
+
+    What can't be flown is refused as the plan itself would be.
 
     valid: always true; what isn't is refused.
+    flies: whether the table passes its verification; only that of the baseline `spline` may not.
+    E.g. `true`.
     name: as the request gives it.
     platform: the platform's name.
     sessions: how many there are.
+    rows: of the table. E.g. `1151`.
+    warnings: what one should know before flying it. E.g.
+    `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
     valid: Literal[True]
+    flies: bool
     name: str
     platform: str
     sessions: Count
+    rows: Count
+    warnings: list[str]
     provenance: ProvenanceOut
 
 
@@ -224,6 +234,22 @@ def plan_json(
     """The whole answer as UTF-8 JSON, under a new id."""
     document = plan_document(plan, checks, provenance)
     return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
+
+
+def dry_run_json(plan: Plan, provenance: ProvenanceOut) -> bytes:
+    """A DryRunResponse as UTF-8 JSON."""
+    return to_json(
+        DryRunResponse(
+            valid=True,
+            flies=plan.verification.passed,
+            name=plan.scenario.name,
+            platform=plan.scenario.platform.name,
+            sessions=len(plan.scenario.sessions),
+            rows=len(plan.table.angle_rad),
+            warnings=list(plan.warnings),
+            provenance=provenance,
+        )
+    )
 
 
 def require_verified(findings: Iterable[Finding]) -> None:

@@ -13,3 +13,5 @@ HalfTurnDeg = Annotated[float, Field(json_schema_extra={"minimum": 0.0, "maximum
 ElevationDeg = Annotated[float, Field(json_schema_extra={"minimum": -90.0, "maximum": 90.0})]
 ElevationOrLimbDeg = Annotated[float, Field(json_schema_extra={"minimum": -90.0, "maximum": 180.0})]
 Signed = Annotated[float, Field(json_schema_extra={"x-range": "any, of either sign"})]
+LatitudeDeg = ElevationDeg
+LongitudeDeg = Annotated[float, Field(json_schema_extra={"minimum": -180.0, "maximum": 180.0})]

@@ -256,18 +256,27 @@ class SpacecraftPlanResponse(PlanHead, SpacecraftPlanDocument):
 
 @dataclass(frozen=True, kw_only=True)
 class SpacecraftDryRunResponse:
-    """The request can be read; nothing was planned.
+    """The request was planned, and nothing is kept of it.
+
+    A session in which no request fits is refused as the plan itself would be.
 
     valid: always true; what isn't is refused.
+    flies: always true: a session's table passed its verification.
     name: as the request gives it.
     spacecraft: the spacecraft's name.
     requests: how many there are.
+    left_out: names of those that don't fit. E.g. `["Corridor"]`.
+    warnings: what one should know before flying it. E.g.
+    `["the elements' epoch 2024-05-28T11:40:53Z is 3.9 days from the session"]`.
     """
 
     valid: Literal[True]
+    flies: Literal[True]
     name: str
     spacecraft: str
     requests: Count
+    left_out: list[str]
+    warnings: list[str]
     provenance: ProvenanceOut
 
 
@@ -275,6 +284,22 @@ def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
     document = spacecraft_document(plan, provenance)
     return whole_answer(new_head("done"), document, attitude_table_json(plan.table))
+
+
+def spacecraft_dry_run_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+    """A SpacecraftDryRunResponse as UTF-8 JSON."""
+    return to_json(
+        SpacecraftDryRunResponse(
+            valid=True,
+            flies=True,
+            name=plan.request.name,
+            spacecraft=plan.spacecraft.name,
+            requests=len(plan.request.requests),
+            left_out=[one.name for one in plan.left_out],
+            warnings=list(plan.warnings),
+            provenance=provenance,
+        )
+    )
 
 
 def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:

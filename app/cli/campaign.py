@@ -2,22 +2,21 @@
 
 import csv
 import io
+import json
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
 from app.answers.campaign import CampaignLookOut
-from app.cli.report_parts import print_warnings, report_table
+from app.cli.progress_bar import progress_bar, reported_work
+from app.cli.report_parts import print_table, print_warnings, report_table
 from app.store.packed import NewPlan
-from app.work import progress
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
 from planner.errors import Refusal
@@ -28,44 +27,25 @@ _COLUMNS = tuple(field.name for field in fields(CampaignLookOut))
 
 @dataclass(frozen=True, kw_only=True)
 class PlannedPass:
-    """A pass with its plan; None where no look of it can be flown, and then why."""
+    """A pass with its plan; None where it was not wanted, or where no look can be flown: why."""
 
     part: Part
     plan: NewPlan | None
     refusal: str | None
 
 
-def run_campaign(body: bytes) -> tuple[NewCampaign, list[PlannedPass]]:
+def run_campaign(body: bytes, *, plans_too: bool) -> tuple[NewCampaign, list[PlannedPass]]:
     """Choose and plan, with a bar on a terminal; raises a Refusal of the request."""
-    with _bar() as bar:
-        task = bar.add_task("opportunities", total=None)
-        progress.report_through(
-            lambda now: bar.update(
-                task, description=now.stage, completed=now.done or 0, total=now.of
-            )
-        )
+    with reported_work("opportunities"):
         choice = choose(body)
-        progress.report_through(lambda _: None)
-        bar.update(task, description="plans", completed=0, total=len(choice.parts))
-        passes = []
+    if not plans_too:
+        return choice, [PlannedPass(part=part, plan=None, refusal=None) for part in choice.parts]
+    with progress_bar("plans") as tell:
+        passes: list[PlannedPass] = []
         for part in choice.parts:
+            tell("plans", len(passes), len(choice.parts))
             passes.append(_plan_pass(part))
-            bar.advance(task)
     return choice, passes
-
-
-@contextmanager
-def _bar() -> Iterator[Progress]:
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    console = Console(stderr=True)
-    off = not console.is_terminal  # where it would leave an empty line
-    with Progress(*columns, console=console, transient=True, disable=off) as bar:
-        yield bar
 
 
 def _plan_pass(part: Part) -> PlannedPass:
@@ -80,11 +60,10 @@ def _plan_pass(part: Part) -> PlannedPass:
             part = repaired
 
 
-def print_campaign(document: dict[str, Any], passes: list[PlannedPass]) -> None:
+def print_campaign(console: Console, document: dict[str, Any], passes: list[PlannedPass]) -> None:
     """What was chosen and how far from the best that can be; a line per look."""
-    console = Console(highlight=False)
-    looks = sum(len(one.part.facts["looks"]) for one in passes if one.plan)
-    planned = sum(one.plan is not None for one in passes)
+    looks = sum(len(one.part.facts["looks"]) for one in passes if not one.refusal)
+    planned = sum(not one.refusal for one in passes)
     console.print(
         Text.assemble(
             (f"{looks} looks", "bold"),
@@ -93,8 +72,7 @@ def print_campaign(document: dict[str, Any], passes: list[PlannedPass]) -> None:
             f"pass by itself {document['greedy_value']:.6g}",
         )
     )
-    if passes:
-        console.print(_table(passes))
+    print_table(console, _table(passes))
     for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
         told = document[name]
         for one in told[:SHOWN_MAX]:
@@ -153,6 +131,19 @@ def campaign_csv(passes: list[PlannedPass]) -> str:
             columns = (look[name] for name in _COLUMNS)
             writer.writerow([one.part.facts["pass"], *columns])
     return text.getvalue()
+
+
+def campaign_json(document: bytes, passes: list[PlannedPass]) -> bytes:
+    """What was chosen, with `passes` as a service tells them, but for where their plans are."""
+    told = [
+        {
+            **{name: one.part.facts[name] for name in ("start", "stop", "looks", "left_out")},
+            "number": one.part.facts["pass"],
+            "state": "refused" if one.plan is None else one.plan.state,
+        }
+        for one in passes
+    ]
+    return json.dumps(json.loads(document) | {"passes": told}).encode()
 
 
 def write_plans(folder: Path, passes: list[PlannedPass]) -> None:

@@ -6,30 +6,39 @@ Imports wait until a command needs them: `plan` must not pay for the web server.
 """
 
 import sys
-from collections.abc import Collection, Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from app.cli.files import (
+    Exports,
+    RequestFile,
+    WholeAnswer,
+    formats_and_paths,
+    problem_to,
+    read_request,
+    takes_standard_output,
+    write,
+)
+from app.cli.kept import export, list_plans, show, watch
 from app.cli.keys import keys
 from app.cli.one_line import FAILED, REFUSED, one_line_for_what_goes_wrong, say
-from planner.errors import InvalidInput
-
-RequestFile = Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")]
-WholeAnswer = Annotated[
-    Path | None, typer.Option(help="Write the whole answer of the HTTP service here.")
-]
+from app.cli.plan import plan
+from app.cli.progress_bar import reported_work
+from app.cli.report_parts import report_console
 
 
 class _OneLinePerFault(TyperGroup):
     """Reports a wrong argument as every other refusal is reported."""
 
     def main(self, *args: Any, **options: Any) -> Any:  # noqa: ANN401 (Typer's own signature)
+        given = options.get("args", args[0] if args else None)
+        words = ["slewtrack", *(sys.argv[1:] if given is None else given)]
+        options |= {"standalone_mode": False, "obj": words}
         try:
-            code = super().main(*args, **options | {"standalone_mode": False})
+            code = super().main(*args, **options)
         except typer.TyperException as fault:
             context = getattr(fault, "ctx", None)
             where = context.command_path if context else "slewtrack"
@@ -40,20 +49,34 @@ class _OneLinePerFault(TyperGroup):
         sys.exit(code or 0)
 
     def invoke(self, context: Any) -> Any:  # noqa: ANN401 (Typer's own signature)
-        with one_line_for_what_goes_wrong():
+        with one_line_for_what_goes_wrong(context.obj or ()):
             return super().invoke(context)
 
 
 main = typer.Typer(
     cls=_OneLinePerFault,
     help="Plans how a pointing instrument moves.",
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
 )
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from app.versions import VERSION
+
+        print(f"slewtrack {VERSION}")
+        raise typer.Exit
+
+
 @main.callback(invoke_without_command=True)
-def _help_without_command(context: typer.Context) -> None:
+def _help_without_command(
+    context: typer.Context,
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Say which it is."),
+    ] = False,
+) -> None:
     if context.invoked_subcommand is None:
         print(context.get_help())
         raise typer.Exit(REFUSED)
@@ -62,73 +85,11 @@ def _help_without_command(context: typer.Context) -> None:
 main.add_typer(keys, name="keys")
 
 
-@main.command()
-def plan(
-    file: RequestFile,
-    csv: Annotated[
-        Path | None, typer.Option(help="Write the command table here, columns only.")
-    ] = None,
-    export: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="FORMAT=PATH",
-            help="Write the table in a format that says its frames and units: "
-            "docs/http.md lists them, and so does the refusal of an unknown one (may be repeated).",
-        ),
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw angles, rates and accelerations here (png, svg, pdf).")
-    ] = None,
-    json: WholeAnswer = None,
-) -> None:
-    """Plan the sessions of a request and report."""
-    body, read_utc = _read(file)
-
-    from planner.export import EXPORTERS
-
-    exports = list(_formats_and_paths(export, EXPORTERS))
-
-    from app.requests.plan import read_plan_request
-
-    request = read_plan_request(body)
-
-    from app.cli.plan_report import print_report
-    from planner.sessions.pipeline import make_plan
-
-    result = make_plan(request)
-    print_report(result)
-    if json:
-        from app.answers.members import provenance
-        from app.answers.plan import plan_json
-
-        checks = []
-        if request.horizon_cameras:
-            from app.work.horizon_views import horizon_checks
-
-            checks = horizon_checks(result.scenario, request.horizon_cameras)
-        _write(json, plan_json(result, provenance(read_utc, body), checks))
-    if plot:
-        try:
-            from app.cli.figure import draw_plan
-        except ModuleNotFoundError as missing:
-            raise InvalidInput(
-                f"drawing needs {missing.name}, which isn't installed: install "
-                "slewtrack[plot], or leave it out",
-                field="--plot",
-            ) from None
-
-        _write(plot, draw_plan(result, plot.suffix.lstrip(".") or "png"))
-
-    from app.answers.plan import require_verified
-
-    # A table that fails is shown beside the verdict, above, and nowhere else.
-    require_verified(result.verification.findings)
-    if csv:
-        from planner.export.csv import table_csv
-
-        _write(csv, table_csv(result.table).encode())
-    for name, path in exports:
-        _write(path, EXPORTERS[name].write(result, read_utc))
+main.command()(plan)
+main.command("list")(list_plans)
+main.command()(show)
+main.command()(export)
+main.command()(watch)
 
 
 @main.command()
@@ -140,24 +101,27 @@ def windows(
     json: WholeAnswer = None,
 ) -> None:
     """Tell when targets can be seen."""
-    body, read_utc = _read(file)
+    with problem_to(json):
+        console = report_console(to_stderr=takes_standard_output(csv, json))
+        body, read_utc = read_request(file)
 
-    from app.requests.opportunities import read_opportunity_request
+        from app.requests.opportunities import read_opportunity_request
 
-    request = read_opportunity_request(body)
+        request = read_opportunity_request(body)
 
-    from app.answers.members import provenance
-    from app.answers.opportunities import opportunities_json, windows_out
-    from app.cli.windows_report import print_windows, windows_csv
-    from planner.opportunities import find_opportunities
+        from app.answers.members import provenance
+        from app.answers.opportunities import opportunities_json, windows_out
+        from app.cli.windows_report import print_windows, windows_csv
+        from planner.opportunities import find_opportunities
 
-    result = find_opportunities(request)
-    answer = windows_out(result)
-    print_windows(result, answer)
-    if csv:
-        _write(csv, windows_csv(result.axis_names, answer).encode())
-    if json:
-        _write(json, opportunities_json(result, provenance(read_utc, body)))
+        with reported_work("searching"):
+            result = find_opportunities(request)
+        answer = windows_out(result)
+        print_windows(console, result, answer)
+        if csv:
+            write(csv, windows_csv(result.axis_names, answer).encode())
+        if json:
+            write(json, opportunities_json(result, provenance(read_utc, body)))
 
 
 @main.command()
@@ -168,26 +132,42 @@ def campaign(
     ] = None,
     csv: Annotated[Path | None, typer.Option(help="Write one line per look here.")] = None,
     json: Annotated[
-        Path | None, typer.Option(help="Write what was chosen, and how good it is, here.")
+        Path | None,
+        typer.Option(
+            help="Write what was chosen, how good it is, and each pass with its looks, here."
+        ),
     ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only choose; plan and write nothing.")
+    ] = False,
 ) -> None:
     """Choose, order and plan sessions for many targets over days."""
-    body, _ = _read(file)
+    with problem_to(json):
+        console = report_console(to_stderr=takes_standard_output(csv, json))
+        body, _ = read_request(file)
 
-    import zlib
-    from json import loads
+        import zlib
+        from json import loads
 
-    from app.cli.campaign import campaign_csv, print_campaign, run_campaign, write_plans
+        from app.cli.campaign import (
+            campaign_csv,
+            campaign_json,
+            print_campaign,
+            run_campaign,
+            write_plans,
+        )
 
-    choice, passes = run_campaign(body)
-    document = zlib.decompress(choice.document)
-    print_campaign(loads(document), passes)
-    if plans:
-        write_plans(plans, passes)
-    if csv:
-        _write(csv, campaign_csv(passes).encode())
-    if json:
-        _write(json, document)
+        choice, passes = run_campaign(body, plans_too=not dry_run)
+        document = zlib.decompress(choice.document)
+        print_campaign(console, loads(document), passes)
+        if dry_run:
+            return
+        if plans:
+            write_plans(plans, passes)
+        if csv:
+            write(csv, campaign_csv(passes).encode())
+        if json:
+            write(json, campaign_json(document, passes))
 
 
 @main.command()
@@ -208,54 +188,59 @@ def horizon(
     json: WholeAnswer = None,
 ) -> None:
     """Measure the local vertical in images of the horizon."""
-    from app.cli.horizon import measure_frames, measure_one
-    from app.work.horizon_series import read_series
+    with problem_to(json):
+        console = report_console(to_stderr=takes_standard_output(overlay, json))
+        from app.cli.horizon import measure_frames, measure_one
+        from app.work.horizon_series import read_series
 
-    body = request.read_bytes()
-    series = read_series(body)
-    if series is None:
-        answer = measure_one(body, images, overlay)
-    else:
-        answer = measure_frames(series, body, images)
-    if json:
-        _write(json, answer)
+        body = request.read_bytes()
+        series = read_series(body)
+        if series is None:
+            answer = measure_one(console, body, images, overlay)
+        else:
+            answer = measure_frames(console, series, body, images)
+        if json:
+            write(json, answer)
 
 
 @main.command()
 def spacecraft(
     file: RequestFile,
-    export: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="FORMAT=PATH",
-            help="Write the table as csv, netcdf or aem (may be repeated).",
-        ),
-    ] = None,
+    export: Exports = None,
     json: WholeAnswer = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only say what flies; write nothing.")
+    ] = False,
 ) -> None:
     """Plan an imaging session of the CMG spacecraft and report."""
-    body, read_utc = _read(file)
+    with problem_to(json):
+        from planner.spacecraft.export import IMAGING_EXPORTERS
 
-    from planner.spacecraft.export import IMAGING_EXPORTERS
+        exports = list(formats_and_paths(export, IMAGING_EXPORTERS))
+        console = report_console(
+            to_stderr=takes_standard_output(json, *(path for _, path in exports))
+        )
+        body, read_utc = read_request(file)
 
-    exports = list(_formats_and_paths(export, IMAGING_EXPORTERS))
+        from app.requests.spacecraft import read_spacecraft_request
 
-    from app.requests.spacecraft import read_spacecraft_request
+        request = read_spacecraft_request(body)
 
-    request = read_spacecraft_request(body)
+        from app.cli.spacecraft_report import print_session
+        from planner.spacecraft.plan import plan_imaging
 
-    from app.cli.spacecraft_report import print_session
-    from planner.spacecraft.plan import plan_imaging
+        with reported_work("planning"):
+            result = plan_imaging(request)
+        print_session(console, result)
+        if dry_run:
+            return
+        for name, path in exports:
+            write(path, IMAGING_EXPORTERS[name].write(result, read_utc))
+        if json:
+            from app.answers.members import provenance
+            from app.answers.spacecraft import spacecraft_plan_json
 
-    result = plan_imaging(request)
-    print_session(result)
-    for name, path in exports:
-        _write(path, IMAGING_EXPORTERS[name].write(result, read_utc))
-    if json:
-        from app.answers.members import provenance
-        from app.answers.spacecraft import spacecraft_plan_json
-
-        _write(json, spacecraft_plan_json(result, provenance(read_utc, body)))
+            write(json, spacecraft_plan_json(result, provenance(read_utc, body)))
 
 
 def _port(text: str | int) -> int:
@@ -297,27 +282,3 @@ def worker(
 
     configure_logs(settings.log_level, settings.log_format)  # once Dask has its loggers
     work_for(scheduler, solves or settings.workers)
-
-
-def _read(file: str) -> tuple[bytes, datetime]:
-    """A request as it stands in its file, and when it was read."""
-    body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
-    return body, datetime.now(UTC)
-
-
-def _formats_and_paths(
-    texts: list[str] | None, formats: Collection[str]
-) -> Iterator[tuple[str, Path]]:
-    for text in texts or ():
-        name, _, path = text.partition("=")
-        if name not in formats or not path:
-            raise InvalidInput(
-                f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(formats)}",
-                field="--export",
-            )
-        yield name, Path(path)
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(content)

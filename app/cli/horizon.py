@@ -5,10 +5,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import cv2
+from rich.console import Console
 
 from app.answers.horizon import estimate_out
 from app.answers.members import provenance, to_json
+from app.cli.files import write
 from app.cli.horizon_report import print_estimate, print_series
+from app.cli.progress_bar import OnProgress, progress_bar
 from app.requests.horizon import read_estimate_request
 from app.work.horizon import measure
 from app.work.horizon_series import (
@@ -26,18 +29,19 @@ from estimator.request import HorizonRequest
 _VIDEOS = {".mp4", ".avi", ".mkv", ".mov", ".m4v", ".mpg", ".mpeg", ".webm", ".ts"}
 
 
-def measure_one(body: bytes, paths: Sequence[Path], overlay: Path | None) -> bytes:
+def measure_one(
+    console: Console, body: bytes, paths: Sequence[Path], overlay: Path | None
+) -> bytes:
     """Report on one frame; the service's answer."""
     cv2.setNumThreads(1)  # a frame is too small to share
     images = tuple(path.read_bytes() for path in paths)
     request = read_estimate_request(body)
     estimate, overlays = measure(request, images, draw=overlay is not None)
-    print_estimate(estimate)
+    print_estimate(console, estimate)
     if overlay is not None:
         names = [camera.name for camera in request.cameras]
         for path, png in zip(overlay_paths(overlay, names), overlays, strict=True):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(png)
+            write(path, png)
     origin = provenance(datetime.now(UTC), body, *images)
     return to_json(
         estimate_out(estimate, request.epoch, overlays if request.overlay else (), origin)
@@ -55,7 +59,7 @@ def overlay_paths(path: Path, cameras: Sequence[str]) -> list[Path]:
 
 
 def measure_frames(
-    request: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
+    console: Console, request: HorizonSession | HorizonFrames, body: bytes, paths: Sequence[Path]
 ) -> bytes:
     """Report on a series of frames; as JSON."""
     cv2.setNumThreads(1)
@@ -66,12 +70,22 @@ def measure_frames(
                 field="images",
             )
         count, films = video_frames([str(path) for path in paths], request.step_s)
-        series = measure_series(request.requests(count), films)
+        with progress_bar("frames") as tell:
+            series = measure_series(request.requests(count), _told(films, count, tell))
     else:
         requests = frame_requests(request, len(paths))
-        series = measure_series(requests, _pictures(requests, iter(paths)))
-    print_series(series)
+        with progress_bar("frames") as tell:
+            pictures = _told(_pictures(requests, iter(paths)), len(requests), tell)
+            series = measure_series(requests, pictures)
+    print_series(console, series)
     return series_json(series, provenance(datetime.now(UTC), body))
+
+
+def _told(frames: Iterator[list[Pixels]], count: int, tell: OnProgress) -> Iterator[list[Pixels]]:
+    """The same, each told as it is taken."""
+    for number, frame in enumerate(frames):
+        tell("frames", number, count)
+        yield frame
 
 
 def _pictures(requests: Sequence[HorizonRequest], paths: Iterator[Path]) -> Iterator[list[Pixels]]:

@@ -5,7 +5,7 @@ import math
 from rich.console import Console
 from rich.text import Text
 
-from app.cli.report_parts import or_dash, print_warnings, report_table
+from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
 from app.work.horizon_series import Series, frame_out
 from estimator.check import Verdict
 from estimator.pipeline import Nadir, VerticalEstimate
@@ -13,13 +13,12 @@ from estimator.pipeline import Nadir, VerticalEstimate
 _STYLES = {Verdict.INCONSISTENT: "red", Verdict.NOT_OBSERVABLE: "yellow"}
 
 
-def print_estimate(estimate: VerticalEstimate) -> None:
+def print_estimate(console: Console, estimate: VerticalEstimate) -> None:
     """Verdict, nadirs, check, cameras, warnings."""
-    console = Console(highlight=False)
     console.print(_verdict(estimate.verdict, estimate.reason))
     for name, nadir in (("geocentric", estimate.geocentric), ("geodetic", estimate.geodetic)):
         if nadir is not None:
-            console.print(_nadir(name, nadir), soft_wrap=True)
+            console.print(_nadir(name, nadir))
     if estimate.limb_height_m is not None and estimate.limb_height_sigma_m is not None:
         console.print(
             f"limb {estimate.limb_height_m / 1e3:.1f} km high, "
@@ -31,22 +30,27 @@ def print_estimate(estimate: VerticalEstimate) -> None:
             f"off the prediction by {math.degrees(check.angle_rad):.4f} deg "
             f"({math.degrees(check.along_rad):+.4f} along, "
             f"{math.degrees(check.across_rad):+.4f} across), probability {check.probability:.2g}",
-            soft_wrap=True,
         )
-    table = report_table(None, "<camera", "arc deg", "residual px", "<used", no_wrap=False)
+    table = report_table(None, "<camera", "arc deg", "residual px", "<used", wrapped="used")
     for camera in estimate.cameras:
         residual = "-" if math.isnan(camera.residual_px) else f"{camera.residual_px:.2f}"
         used = "yes" if camera.used else f"no: {camera.reason or estimate.reason}"
         table.add_row(Text(camera.name), f"{camera.arc_deg:.1f}", residual, used)
-    console.print(table)
+    print_table(console, table)
     print_warnings(console, estimate.warnings)
 
 
-def print_series(series: Series) -> None:
+def print_series(console: Console, series: Series) -> None:
     """One line per frame, then the bias."""
-    console = Console(highlight=False)
     table = report_table(
-        None, "<UTC", "<verdict", "sigma deg", "along deg", "across deg", "<reason", no_wrap=False
+        None,
+        "<UTC",
+        "<verdict",
+        "sigma deg",
+        "along deg",
+        "across deg",
+        "<reason",
+        wrapped="reason",
     )
     for request, estimate in zip(series.requests, series.estimates, strict=True):
         line = frame_out(request, estimate)
@@ -56,7 +60,7 @@ def print_series(series: Series) -> None:
             *(or_dash(value, ".4f") for value in (line.sigma_deg, line.along_deg, line.across_deg)),
             line.reason or "",
         )
-    console.print(table)
+    print_table(console, table)
     report = series.report
     console.print(_verdict(report.verdict, None))
     if report.used:

@@ -1,7 +1,8 @@
-"""What went wrong with a command: one line on stderr, and an exit code."""
+"""What went wrong with a command: one line on stderr, under it the ways out, and an exit code."""
 
+import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import typer
@@ -14,16 +15,21 @@ _CHARACTERS_MAX = 2000
 
 
 @contextmanager
-def one_line_for_what_goes_wrong() -> Iterator[None]:
-    """Turn whatever is raised inside into that line and the exit."""
+def one_line_for_what_goes_wrong(words: Sequence[str] = ()) -> Iterator[None]:
+    """Turn whatever is raised inside into that line and the exit; words: the command's."""
     try:
         yield
     except (typer.Exit, typer.Abort, typer.TyperException):
         raise  # Typer's own
     except Refusal as refusal:
-        failed = refusal.blame == "ours" or isinstance(refusal, Unverified)
+        ours = refusal.blame == "ours" or getattr(refusal, "is_failure", False)
+        failed = ours or isinstance(refusal, Unverified)
         say(_with_field(refusal))
+        _say_ways_out(refusal, words)
         raise typer.Exit(FAILED if failed else REFUSED) from None
+    except BrokenPipeError:  # who reads our output has enough, as `head` has
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(FAILED) from None
     except OSError as error:
         say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         raise typer.Exit(REFUSED) from None
@@ -36,9 +42,22 @@ def one_line_for_what_goes_wrong() -> Iterator[None]:
 
 def say(text: str) -> None:
     """One line that steers no terminal, whatever the text holds."""
+    print(f"slewtrack: {_printable(text)}", file=sys.stderr)
+
+
+def _printable(text: str) -> str:
     line = " ".join(text.split())[:_CHARACTERS_MAX]
-    shown = "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in line)
-    print(f"slewtrack: {shown}", file=sys.stderr)
+    return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in line)
+
+
+def _say_ways_out(refusal: Refusal, words: Sequence[str]) -> None:
+    from app.answers.problem import problem_of as members_of
+    from app.cli.ways_out import ways_out
+    from slewtrack.problems import problem_of
+
+    problem = getattr(refusal, "problem", None) or problem_of(members_of(refusal))
+    for line in ways_out(problem, words):
+        print(f"  {_printable(line)}", file=sys.stderr)
 
 
 def _with_field(refusal: Refusal) -> str:

@@ -4,30 +4,26 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from app.answers.comparison import comparison_out
-from app.answers.plan import keep_out_margin_out, margins_out
-from app.answers.pointing import ARCSEC_PER_RAD, PointingOut, pointing_out
-from app.cli.report_parts import or_dash, print_warnings, report_table
-from planner.frames.time_scales import elapsed_s, utc_text
-from planner.sessions.plan import Plan
+from app.answers.plan import PlanDocument
+from app.answers.pointing import PointingOut
+from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
+from planner.frames.time_scales import elapsed_s, utc_from_text
+
+_MS_PER_S = 1e3
 
 
-def print_report(plan: Plan) -> None:
+def print_report(console: Console, plan: PlanDocument, epoch: str, rows: int) -> None:
     """Segments, pointing error, margins, the optimal slew against the spline, warnings."""
-    console = Console(highlight=False)
-    table = plan.table
-    total_ms = 1e3 * sum(plan.stage_wall_s.values())
+    total_ms = _MS_PER_S * sum(plan.solver.stages_wall_s.values())
     console.print(
         Text.assemble(
-            (plan.scenario.name or "Plan", "bold"),
-            f", {plan.scenario.platform.name}: {len(table.angle_rad)} rows from ",
-            f"{utc_text(table.epoch_utc, 1)}, planned in {total_ms:.0f} ms",
+            (plan.name or "Plan", "bold"),
+            f", {plan.platform}: {rows} rows from {epoch}, planned in {total_ms:.0f} ms",
         )
     )
-    pointing = [pointing_out(session) for session in plan.verification.sessions]
     parts = (
         _segments(plan),
-        _pointing(pointing),
+        _pointing(plan.pointing),
         _uncertainty(plan),
         _margins(plan),
         _keep_out(plan),
@@ -35,24 +31,24 @@ def print_report(plan: Plan) -> None:
         _vibration(plan),
     )
     for part in parts:
-        if part.row_count:
-            console.print(part)
+        print_table(console, part)
     print_warnings(console, plan.warnings)
-    verdict = "passed" if plan.verification.passed else "FAILED"
+    passed = plan.verification.passed
     console.print(
-        Text(f"verification {verdict}", style="green" if plan.verification.passed else "red")
+        Text(f"verification {'passed' if passed else 'FAILED'}", style="green" if passed else "red")
     )
 
 
-def _segments(plan: Plan) -> Table:
+def _segments(plan: PlanDocument) -> Table:
     table = report_table("segments", "<kind", "session", "<start", "<stop", "seconds")
     for segment in plan.segments:
+        start, stop = utc_from_text(segment.start), utc_from_text(segment.stop)
         table.add_row(
             segment.kind,
             _session(segment.session),
-            utc_text(segment.start_utc, 1),
-            utc_text(segment.stop_utc, 1),
-            f"{elapsed_s(segment.stop_utc, segment.start_utc):.1f}",
+            segment.start,
+            segment.stop,
+            f"{elapsed_s(stop, start):.1f}",
         )
     return table
 
@@ -76,7 +72,7 @@ def _pointing(pointing: list[PointingOut]) -> Table:
     return table
 
 
-def _uncertainty(plan: Plan) -> Table:
+def _uncertainty(plan: PlanDocument) -> Table:
     table = report_table(
         "pointing budget, 1 sigma",
         "session",
@@ -84,13 +80,12 @@ def _uncertainty(plan: Plan) -> Table:
         "ground m",
         "stays in the frame",
         "<most of it by",
+        wrapped="most of it by",
     )
-    for number, budget in enumerate(plan.budgets):
-        if budget is None:
-            continue
+    for budget in plan.uncertainty:
         worst = max(budget.contributions, key=lambda part: part.sigma_arcsec)
         table.add_row(
-            str(number),
+            str(budget.session),
             f"{budget.sigma_arcsec:.0f}",
             or_dash(budget.ground_m, ".0f"),
             f"{budget.probability_in_frame:.1%}",
@@ -99,11 +94,11 @@ def _uncertainty(plan: Plan) -> Table:
     return table
 
 
-def _margins(plan: Plan) -> Table:
+def _margins(plan: PlanDocument) -> Table:
     table = report_table(
         "least margins", "<axis", "<limit of", "limit", "closest", "margin", "<unit", "<at UTC"
     )
-    for axis, margins in margins_out(plan.verification.limits).items():
+    for axis, margins in plan.margins.items():
         for name, margin in margins.items():
             table.add_row(
                 axis,
@@ -118,11 +113,11 @@ def _margins(plan: Plan) -> Table:
     return table
 
 
-def _keep_out(plan: Plan) -> Table:
+def _keep_out(plan: PlanDocument) -> Table:
     table = report_table(
         "cones to keep out of", "<about", "half angle deg", "closest deg", "<at UTC"
     )
-    for cone in map(keep_out_margin_out, plan.verification.keep_out):
+    for cone in plan.keep_out:
         table.add_row(
             Text(cone.about),
             f"{cone.half_angle_deg:g}",
@@ -133,7 +128,7 @@ def _keep_out(plan: Plan) -> Table:
     return table
 
 
-def _comparison(plan: Plan) -> Table:
+def _comparison(plan: PlanDocument) -> Table:
     table = report_table(
         "optimal slew against the spline",
         "<slew",
@@ -144,15 +139,13 @@ def _comparison(plan: Plan) -> Table:
         "deg/s3",
         "jerk², deg²/s⁵",
         "<breaks",
+        wrapped="breaks",
     )
-    for run in plan.slews:
-        if run.comparison is None:
-            continue
-        compared = comparison_out(run.session, run.comparison)
-        for axis in run.comparison.axis_names:
+    for compared in plan.comparison:
+        for axis in compared.ocp:
             for method, figures in (("ocp", compared.ocp[axis]), ("spline", compared.spline[axis])):
                 table.add_row(
-                    _session(run.session),
+                    _session(compared.session),
                     axis,
                     method,
                     f"{figures.peak_rate_deg_s:.4f}",
@@ -165,22 +158,19 @@ def _comparison(plan: Plan) -> Table:
     return table
 
 
-def _vibration(plan: Plan) -> Table:
+def _vibration(plan: PlanDocument) -> Table:
     table = report_table(
         "vibration left after the slew", "slew", "<axis", "mode Hz", "ocp arcsec", "spline arcsec"
     )
-    for run in plan.slews:
-        for residual in run.comparison.residuals if run.comparison else ():
-            per_axis = zip(
-                plan.table.axis_names, residual.ocp_rad, residual.spline_rad, strict=True
-            )
-            for axis, ocp_rad, spline_rad in per_axis:
+    for compared in plan.comparison:
+        for residual in compared.residual_vibration:
+            for axis, ocp_arcsec in residual.ocp_arcsec.items():
                 table.add_row(
-                    _session(run.session),
+                    _session(compared.session),
                     axis,
-                    f"{residual.mode.frequency_hz:g}",
-                    f"{ocp_rad * ARCSEC_PER_RAD:.2g}",
-                    f"{spline_rad * ARCSEC_PER_RAD:.2g}",
+                    f"{residual.frequency_hz:g}",
+                    f"{ocp_arcsec:.2g}",
+                    f"{residual.spline_arcsec[axis]:.2g}",
                 )
     return table
 

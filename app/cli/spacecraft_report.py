@@ -7,13 +7,12 @@ from rich.table import Table
 from rich.text import Text
 
 from app.answers.spacecraft import row_text
-from app.cli.report_parts import print_warnings, report_table
+from app.cli.report_parts import print_table, print_warnings, report_table
 from planner.spacecraft.plan import ImagingPlan
 
 
-def print_session(plan: ImagingPlan) -> None:
+def print_session(console: Console, plan: ImagingPlan) -> None:
     """Windows with how steady they were, turns, what is left out, limits, the verdict."""
-    console = Console(highlight=False)
     console.print(
         Text.assemble(
             (plan.request.name or "Session", "bold"),
@@ -21,11 +20,9 @@ def print_session(plan: ImagingPlan) -> None:
             f"{row_text(plan.table, 0)}, worth {plan.choice.value:g} of at most "
             f"{plan.choice.bound:g}, by priority alone {plan.choice.greedy_value:g}",
         ),
-        soft_wrap=True,
     )
     for part in (_windows(plan), _turns(plan)):
-        if part.row_count:
-            console.print(part)
+        print_table(console, part)
     for one in plan.left_out:
         console.print(Text(f"left out: {one.name}: {one.reason}", style="yellow"))
     found = plan.verification

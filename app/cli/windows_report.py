@@ -9,34 +9,32 @@ from rich.table import Table
 from rich.text import Text
 
 from app.answers.opportunities import SightingOut, WindowOut
-from app.cli.report_parts import or_dash, print_warnings
+from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
 from planner.opportunities import Opportunities
 
 SHOWN_MAX = 100
 FAR_KM = 1e5
 
 
-def print_windows(result: Opportunities, windows: list[WindowOut]) -> None:
+def print_windows(console: Console, result: Opportunities, windows: list[WindowOut]) -> None:
     """One line per window, seen at its closest approach; the first SHOWN_MAX of them."""
-    console = Console(highlight=False)
     console.print(
         Text.assemble((f"{len(windows)} windows", "bold"), f" of {len(result.ids)} targets")
     )
-    if windows:
-        console.print(_table(result.axis_names, windows[:SHOWN_MAX]))
+    print_table(console, _table(result.axis_names, windows[:SHOWN_MAX]))
     if len(windows) > SHOWN_MAX:
         console.print(f"and {len(windows) - SHOWN_MAX} more: see --csv or --json")
     print_warnings(console, result.warnings)
 
 
 def _table(axis_names: tuple[str, str], windows: list[WindowOut]) -> Table:
-    table = Table(
-        box=None, pad_edge=False, title="edges UTC, the rest at closest approach", title_style="dim"
+    table = report_table(
+        "edges UTC, the rest at closest approach",
+        "<target",
+        "<rise",
+        "<set",
+        *("elev", "km", "m/px", "Sun", *axis_names),
     )
-    for heading in ("target", "rise", "set"):
-        table.add_column(heading, no_wrap=True, min_width=8)
-    for heading in ("elev", "km", "m/px", "Sun", *axis_names):
-        table.add_column(heading, justify="right", no_wrap=True)
     for window in windows:
         seen = window.closest
         table.add_row(

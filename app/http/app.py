@@ -30,6 +30,7 @@ from app.http.readiness import (
     solver_answers,
 )
 from app.http.routes import campaigns, horizon, opportunities, plans, platforms, spacecraft, system
+from app.http.view_cache import ViewCache
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.disposable import spare_children, start_server
 from app.jobs.executors import LocalExecutor, SolveExecutor
@@ -88,6 +89,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
+    app.state.views = ViewCache()
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
     for resource in (*_OF_API, pages):
         app.include_router(resource.router)

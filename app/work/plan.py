@@ -7,8 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from app.answers.members import provenance
-from app.answers.plan import plan_document, require_verified, table_json, verdict_state
+from app.answers.members import ProvenanceOut, provenance
+from app.answers.plan import (
+    dry_run_json,
+    plan_document,
+    require_verified,
+    table_json,
+    verdict_state,
+)
 from app.requests.plan import PlanRequest, read_plan_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
@@ -38,6 +44,11 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
         planned_utc=now_utc,
         iterations=sum(run.iterations for run in plan.slews),
     )
+
+
+def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
+    """The answer to a dry run: planned and judged, nothing kept; raises a Refusal."""
+    return dry_run_json(make_plan(request), provenance)
 
 
 def stored_table_json(table_columns: bytes) -> bytes:
@@ -72,12 +83,16 @@ def stored_table_file(
 ) -> bytes:
     """The table by itself; raises Unverified, OutsideCoverage."""
     packed = unpack(table_columns)
+    require_verified_table(packed)
+    return EXPORTERS[format_name].write(stored_plan(request, packed), created_utc)
+
+
+def require_verified_table(packed: PackedColumns) -> None:
+    """Raises Unverified."""
     require_verified(_finding(**error) for error in packed.facts["errors"])
-    plan = _stored_plan(request, packed)
-    return EXPORTERS[format_name].write(plan, created_utc)
 
 
-def _stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
+def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     """With its sessions as they were left after conflicts."""
     scenario = read_plan_request(request)
     sessions = tuple(

@@ -4,8 +4,12 @@ import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 
-from app.answers.members import provenance
-from app.answers.spacecraft import attitude_table_json, spacecraft_document
+from app.answers.members import ProvenanceOut, provenance
+from app.answers.spacecraft import (
+    attitude_table_json,
+    spacecraft_document,
+    spacecraft_dry_run_json,
+)
 from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.progress import Progress, report
@@ -43,6 +47,11 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
     )
 
 
+def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes:
+    """The answer to a dry run: planned, judged and flown, nothing kept; raises a Refusal."""
+    return spacecraft_dry_run_json(plan_imaging(request), provenance)
+
+
 def stored_session_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
     return attitude_table_json(_table(unpack(table_columns)))
@@ -52,10 +61,15 @@ def stored_session_file(
     request: bytes, table_columns: bytes, format_name: str, created_utc: datetime
 ) -> bytes:
     """The table by itself."""
-    session = SessionTable(
+    session = stored_session(request, table_columns)
+    return IMAGING_EXPORTERS[format_name].write(session, created_utc)
+
+
+def stored_session(request: bytes, table_columns: bytes) -> SessionTable:
+    """What was asked, and the table as it was stored."""
+    return SessionTable(
         request=read_spacecraft_request(request), table=_table(unpack(table_columns))
     )
-    return IMAGING_EXPORTERS[format_name].write(session, created_utc)
 
 
 def _pack(table: AttitudeTable) -> PackedColumns:

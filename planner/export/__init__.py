@@ -4,7 +4,10 @@ from planner.export.ccsds import write_aem, write_oem
 from planner.export.csv import write_csv
 from planner.export.czml import write_czml
 from planner.export.exporter import Exporter, FlightPlan, Segment, SegmentKind
+from planner.export.figure import write_png, write_svg
+from planner.export.geojson import write_geojson
 from planner.export.json import write_json
+from planner.export.kml import write_kml
 from planner.export.netcdf import write_netcdf
 from planner.export.stk import write_stk_attitude, write_stk_sensor
 
@@ -30,7 +33,21 @@ EXPORTERS: dict[str, Exporter[FlightPlan]] = {
     ),
     "czml": Exporter(
         "orbit, boresight, footprint and targets for Cesium",
-        "application/x-czml+json", ".czml", write_czml,
+        "application/x-czml+json", ".czml", write_czml, shows=True,
+    ),
+    "geojson": Exporter(
+        "map: ground track, boresight, swaths, footprints and targets",
+        "application/geo+json", ".geojson", write_geojson, shows=True,
+    ),
+    "kml": Exporter(
+        "the same map for Google Earth",
+        "application/vnd.google-earth.kml+xml", ".kml", write_kml, shows=True,
+    ),
+    "png": Exporter(
+        "plot of angles, rates and accelerations", "image/png", ".png", write_png, shows=True
+    ),
+    "svg": Exporter(
+        "the same plot in vectors", "image/svg+xml", ".svg", write_svg, shows=True
     ),
 }  # fmt: skip
 

@@ -9,7 +9,7 @@ from planner.arrays import Array
 from planner.commands import ROWS_PER_S
 from planner.export.description import DECIMALS, TEXT_MAX, carrier_name, notes
 from planner.export.exporter import FlightPlan
-from planner.export.table_states import axes_turn, table_states
+from planner.export.table_states import axes_turn, omega_payload_from_eci_rad_s, table_states
 from planner.frames.time_scales import Instants, utc_text
 from planner.orbits import Orbit
 
@@ -30,7 +30,7 @@ def write_aem(plan: FlightPlan, created_utc: datetime) -> bytes:
         _FRAME_B,
         rows.instants,
         rows.q_payload_from_eci_xyzw,
-        rows.omega_payload_rad_s,
+        omega_payload_from_eci_rad_s(plan, rows),
         about=[f"attitude of the payload ({_FRAME_B}: +Z boresight) against {ATTITUDE_FRAME_A}"],
     )
 

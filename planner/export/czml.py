@@ -1,32 +1,37 @@
-"""A plan for Cesium (CZML): orbit, boresight, footprint, targets on the globe.
+"""A plan for Cesium (CZML): orbit, ground track, boresight, footprint, targets on the globe."""
 
-Positions are Earth-fixed (ITRF, taken as WGS84): Cesium turns inertial ones only with tables
-it loads from the network.
-"""
-
-import html
-import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from datetime import datetime
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from planner.arrays import Array
-from planner.export.description import carrier_name, notes
+from planner.arrays import Array, Indices
+from planner.export.czml_packets import (
+    AREA_RGBA,
+    TARGET_RGBA,
+    Json,
+    carrier_packets,
+    czml_of,
+    document_packet,
+    html_text,
+    interval_text,
+    label,
+    orientation,
+    samples,
+    solid,
+    span_text,
+)
+from planner.export.description import carrier_name, notes, session_label
 from planner.export.exporter import FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, FRAME_CORNERS, frame_corner_rays, sights
-from planner.export.table_states import TableStates, continuous, table_states
+from planner.export.runs import runs
+from planner.export.table_states import TableStates, table_states
 from planner.frames.earth_orientation import c_itrf_from_eci
-from planner.frames.time_scales import Instants, elapsed_s, utc_text
+from planner.frames.time_scales import Instants, elapsed_s
 from planner.orbits import OrbitStates
 from planner.platforms import TwoAxisPlatform
 from planner.scenario import Session
 from planner.targets import EarthFixedTarget, SkyTarget
-
-Json = dict[str, Any]
 
 SKY_DISTANCE_M = 1e7  # where a star's or planet's mark is drawn: well outside, still in view
 _KIND_RGBA = {
@@ -35,7 +40,6 @@ _KIND_RGBA = {
     "track": [0, 220, 90, 255],
     "brake": [255, 160, 0, 255],
 }
-_ORBIT_RGBA, _FRAME_RGBA, _TARGET_RGBA = [90, 170, 255, 255], [0, 220, 90, 110], [255, 60, 60, 255]
 
 
 def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
@@ -58,73 +62,46 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
             for packet in _target(number, session, rows, c_itrf)
         ),
     ]
-    return json.dumps(packets, allow_nan=False, separators=(",", ":")).encode()
+    return czml_of(packets)
 
 
 def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Json:
-    span = _span(rows, 0, -1)
     platform = plan.scenario.platform
     along, across = 2.0 * np.degrees(platform.frame_half_rad)
     turn_deg = np.degrees(platform.frame_turn_rad)
-    return {
-        "id": "document",
-        "name": plan.scenario.name or "slewtrack plan",
-        "version": "1.0",
-        "description": _html(
-            [
-                *notes(plan, created_utc),
-                "positions Earth-fixed (ITRF), m; orientations x y z w from body or payload axes "
-                f"to Earth-fixed axes; footprint on the WGS84 ellipsoid, {along:.4g} x "
-                f"{across:.4g} deg, the first along payload +X"
-                + (f" turned by {turn_deg:.4g} deg about +Z" if turn_deg else ""),
-            ]
-        ),
-        "clock": {
-            "interval": span,
-            "currentTime": span.split("/")[0],
-            "multiplier": 1,
-            "range": "LOOP_STOP",
-            "step": "SYSTEM_CLOCK_MULTIPLIER",
-        },
+    lines = [
+        *notes(plan, created_utc),
+        "positions Earth-fixed (ITRF), m; orientations x y z w from body or payload axes "
+        f"to Earth-fixed axes; footprint on the WGS84 ellipsoid, {along:.4g} x "
+        f"{across:.4g} deg, the first along payload +X"
+        + (f" turned by {turn_deg:.4g} deg about +Z" if turn_deg else ""),
+    ]
+    return document_packet(plan.scenario.name or "slewtrack plan", lines, rows.instants)
+
+
+def _spacecraft(plan: FlightPlan, rows: TableStates, c_itrf: Array) -> Iterable[Json]:
+    r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, rows.states.r_sat_eci_m)
+    spacecraft = carrier_name(plan.scenario.orbit)
+    yield from carrier_packets(
+        f"{spacecraft.name} ({spacecraft.designator})",
+        rows.instants,
+        r_sat_itrf_m,
+        orientation(rows.instants, rows.q_body_from_eci_xyzw, c_itrf),
+    )
+    yield {
+        "id": "payload",
+        "name": f"payload on {plan.scenario.platform.name}",
+        "availability": span_text(rows.instants, 0, -1),
+        "position": {"reference": "carrier#position"},
+        "orientation": orientation(rows.instants, rows.q_payload_from_eci_xyzw, c_itrf),
     }
 
 
-def _spacecraft(plan: FlightPlan, rows: TableStates, c_itrf: Array) -> list[Json]:
-    r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, rows.states.r_sat_eci_m)
-    spacecraft = carrier_name(plan.scenario.orbit)
-    availability = _span(rows, 0, -1)
-    duration_s = float(rows.instants.t_s[-1] - rows.instants.t_s[0])
-    return [
-        {
-            "id": "carrier",
-            "name": f"{spacecraft.name} ({spacecraft.designator})",
-            "availability": availability,
-            "position": _sample("cartesian", rows, r_sat_itrf_m, 3, degree=5),
-            "orientation": _orientation(rows, rows.q_body_from_eci_xyzw, c_itrf),
-            "point": {"pixelSize": 8, "color": {"rgba": _ORBIT_RGBA}},
-            "path": {
-                "material": _solid(_ORBIT_RGBA),
-                "width": 1.5,
-                "leadTime": duration_s,
-                "trailTime": duration_s,
-                "resolution": 5,
-            },
-        },
-        {
-            "id": "payload",
-            "name": f"payload on {plan.scenario.platform.name}",
-            "availability": availability,
-            "position": {"reference": "carrier#position"},
-            "orientation": _orientation(rows, rows.q_payload_from_eci_xyzw, c_itrf),
-        },
-    ]
-
-
 def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[Json]:
-    availability = _span(rows, 0, -1)
+    availability = span_text(rows.instants, 0, -1)
     colours = [
         {
-            "interval": _interval(segment.start_utc, segment.stop_utc),
+            "interval": interval_text(segment.start_utc, segment.stop_utc),
             "rgba": _KIND_RGBA[segment.kind],
         }
         for segment in plan.segments
@@ -134,12 +111,12 @@ def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[J
             "id": "boresight-end",
             "name": "end of the boresight",
             "availability": availability,
-            "position": _sample("cartesian", rows, end_itrf_m, 2),
+            "position": samples("cartesian", rows.instants, end_itrf_m, 2),
         },
         {
             "id": "boresight",
             "name": "boresight",
-            "description": _html(["grey: at rest; orange: slew; green: tracking"]),
+            "description": html_text(["grey: at rest; orange: slew; green: tracking"]),
             "availability": availability,
             "polyline": {
                 "positions": {"references": ["carrier#position", "boresight-end#position"]},
@@ -154,19 +131,19 @@ def _boresight(plan: FlightPlan, rows: TableStates, end_itrf_m: Array) -> list[J
 def _footprint(rows: TableStates, platform: TwoAxisPlatform) -> list[Json]:
     """The frame's outline while all four corners are on the ground."""
     corners = sights(rows, frame_corner_rays(platform))
-    runs = list(_runs(np.asarray(corners.on_ground.all(axis=1))))
-    if not runs:
+    stretches = list(runs(np.asarray(corners.on_ground.all(axis=1))))
+    if not stretches:
         return []
-    spans = [_span(rows, first, last) for first, last in runs]
+    spans = [span_text(rows.instants, first, last) for first, last in stretches]
     names = [f"footprint-{number}" for number in range(len(FRAME_CORNERS))]
-    on_ground = np.concatenate([np.arange(first, last + 1) for first, last in runs])
+    on_ground = np.concatenate([np.arange(first, last + 1) for first, last in stretches])
     return [
         *(
             {
                 "id": name,
                 "availability": spans,
-                "position": _sample(
-                    "cartesian", rows, corners.end_itrf_m[:, number], 2, which=on_ground
+                "position": samples(
+                    "cartesian", rows.instants, corners.end_itrf_m[:, number], 2, which=on_ground
                 ),
             }
             for number, name in enumerate(names)
@@ -177,7 +154,7 @@ def _footprint(rows: TableStates, platform: TwoAxisPlatform) -> list[Json]:
             "availability": spans,
             "polygon": {
                 "positions": {"references": [f"{name}#position" for name in names]},
-                "material": _solid(_FRAME_RGBA),
+                "material": solid(AREA_RGBA),
                 "height": 0,
             },
         },
@@ -202,75 +179,26 @@ def _target(number: int, session: Session, rows: TableStates, c_itrf: Array) -> 
         where = "the direction counts, not the distance"
     else:
         return
+    name = session_label(session, number)
     yield {
         "id": f"target-{number}",
-        "name": f"target of session {number} ({target.mode})",
-        "description": _html([where]),
-        "availability": _interval(session.start, session.stop),
+        "name": f"target of {name} ({target.mode})",
+        "description": html_text([where]),
+        "availability": interval_text(session.start, session.stop),
         "position": _place(rows, place_itrf_m, which),
-        "point": {"pixelSize": 9, "color": {"rgba": _TARGET_RGBA}},
-        "label": {"text": f"session {number}", "font": "12pt sans-serif", "showBackground": True},
+        "point": {"pixelSize": 9, "color": {"rgba": TARGET_RGBA}},
+        "label": label(name),
     }
 
 
-def _place(rows: TableStates, place_itrf_m: Array, which: NDArray[np.int_]) -> Json:
+def _place(rows: TableStates, place_itrf_m: Array, which: Indices) -> Json:
     if np.ptp(place_itrf_m, axis=0).max() == 0.0:
         return {"cartesian": np.round(place_itrf_m[0], 3).tolist()}
     positions = np.zeros((len(rows.instants), 3))
     positions[which] = place_itrf_m
-    return _sample("cartesian", rows, positions, 3, degree=5, which=which)
-
-
-def _orientation(rows: TableStates, q_from_eci_xyzw: Array, c_itrf: Array) -> Json:
-    q_itrf = Rotation.from_matrix(c_itrf) * Rotation.from_quat(q_from_eci_xyzw).inv()
-    return _sample("unitQuaternion", rows, continuous(q_itrf), 13, degree=3)
-
-
-def _sample(
-    key: str,
-    rows: TableStates,
-    value_by_row: Array,
-    decimals: int,
-    *,
-    degree: int = 1,
-    which: NDArray[np.int_] | None = None,
-) -> Json:
-    """Time-tagged samples, seconds from the first row; value_by_row has a line for every row."""
-    t_s = rows.instants.t_s - rows.instants.t_s[0]
-    samples = np.column_stack([np.round(t_s, 1), np.round(value_by_row, decimals) + 0.0])
-    samples = samples if which is None else samples[which]
-    return {
-        "epoch": utc_text(rows.instants.utc(0), 1),
-        "interpolationAlgorithm": "LINEAR" if degree == 1 else "LAGRANGE",
-        "interpolationDegree": degree,
-        key: samples.ravel().tolist(),
-    }
-
-
-def _runs(flags: NDArray[np.bool_]) -> Iterable[tuple[int, int]]:
-    """First and last index of every stretch of at least two true flags."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    for first, after in edges.reshape(-1, 2).tolist():
-        if after - first > 1:
-            yield first, after - 1
+    return samples("cartesian", rows.instants, positions, 3, degree=5, which=which)
 
 
 def _row_at(rows: TableStates, moment_utc: datetime) -> int:
     since_s = elapsed_s(moment_utc, rows.instants.epoch_utc)
     return int(np.argmin(np.abs(rows.instants.t_s - since_s)))
-
-
-def _span(rows: TableStates, first: int, last: int) -> str:
-    return _interval(rows.instants.utc(first), rows.instants.utc(last))
-
-
-def _interval(start_utc: datetime, stop_utc: datetime) -> str:
-    return f"{utc_text(start_utc, 6)}/{utc_text(stop_utc, 6)}"
-
-
-def _solid(rgba: Sequence[int]) -> Json:
-    return {"solidColor": {"color": {"rgba": list(rgba)}}}
-
-
-def _html(lines: Iterable[str]) -> str:
-    return "".join(f"<p>{html.escape(line)}</p>" for line in lines)

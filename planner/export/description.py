@@ -12,6 +12,7 @@ from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import utc_text
 from planner.orbits import OemOrbit, OmmOrbit, OpmOrbit, Orbit, TleOrbit
 from planner.platforms import TwoAxisPlatform
+from planner.scenario import Session
 
 DECIMALS = 9  # 1e-9 deg is 4 microarcsec, 1/25,000 of what the table promises
 TEXT_MAX = 200  # a KVN line may have 254 characters
@@ -115,3 +116,8 @@ def _degrees(values_rad: Array) -> Array:
 
 def _vector(unit: tuple[float, ...] | Array) -> str:
     return "[" + ", ".join(f"{value + 0.0:.12g}" for value in unit) + "]"
+
+
+def session_label(session: Session, number: int) -> str:
+    """What it is called on maps and in lists."""
+    return f"session {number}"

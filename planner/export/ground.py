@@ -10,6 +10,7 @@ from planner.arrays import Array
 from planner.export.table_states import TableStates
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
+from planner.frames.time_scales import Instants
 from planner.platforms import TwoAxisPlatform
 from planner.targets.apparent import aberrate
 
@@ -36,14 +37,24 @@ def sights(rows: TableStates, rays_payload: Array) -> Sights:
     refraction and the Earth's turning during the light time (1.4 m).
     """
     n, k = len(rows.instants), len(rays_payload)
-    c_itrf = c_itrf_from_eci(rows.instants)
     q_eci_from_payload = Rotation.from_quat(rows.q_payload_from_eci_xyzw).inv()
-    unit = rays_payload / np.linalg.norm(rays_payload, axis=1, keepdims=True)
-    seen_eci = np.stack([q_eci_from_payload.apply(ray) for ray in unit], axis=1)
+    seen_eci = turned_rays(q_eci_from_payload, rays_payload)
     v_eci_m_s = np.repeat(rows.states.v_sat_eci_m_s, k, axis=0)
     natural_eci = aberrate(seen_eci.reshape(-1, 3), -v_eci_m_s).reshape(n, k, 3)
-    direction_itrf = np.einsum("nij,nkj->nki", c_itrf, natural_eci)
-    r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, rows.states.r_sat_eci_m)
+    return ends_on_ground(rows.instants, rows.states.r_sat_eci_m, natural_eci)
+
+
+def turned_rays(q: Rotation, ray_directions: Array) -> Array:
+    """Unit vectors along k rays (k, 3), turned by n rotations, shape (n, k, 3)."""
+    unit = ray_directions / np.linalg.norm(ray_directions, axis=1, keepdims=True)
+    return np.stack([q.apply(ray) for ray in unit], axis=1)
+
+
+def ends_on_ground(instants: Instants, r_sat_eci_m: Array, direction_eci: Array) -> Sights:
+    """Where straight lines from the carrier, (n, 3), along directions, (n, k, 3), end."""
+    c_itrf = c_itrf_from_eci(instants)
+    direction_itrf = np.einsum("nij,nkj->nki", c_itrf, direction_eci)
+    r_sat_itrf_m = np.einsum("nij,nj->ni", c_itrf, r_sat_eci_m)
     return _on_ellipsoid(r_sat_itrf_m[:, None, :], direction_itrf)
 
 

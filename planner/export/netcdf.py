@@ -22,7 +22,11 @@ from planner.export.description import (
 )
 from planner.export.exporter import KINDS, FlightPlan
 from planner.export.ground import BORESIGHT_PAYLOAD, sights
-from planner.export.table_states import TableStates, table_states
+from planner.export.table_states import (
+    TableStates,
+    omega_payload_from_eci_rad_s,
+    table_states,
+)
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 
@@ -42,24 +46,24 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
     rows = table_states(plan)
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", version=2) as file:
-        _global_attributes(file, plan, created_utc)
+        write_global_attributes(file, plan, created_utc)
         file.createDimension("time", len(plan.table.t_s))
         file.createDimension("xyz", 3)
         file.createDimension("xyzw", 4)
-        file.createDimension("utc_characters", _TEXT)
-        _times(file, plan)
+        write_times(file, Instants(plan.table.epoch_utc, plan.table.t_s))
         for column in columns(plan.table):
             motion = "rate" if "s-1" in column.unit else "angle"
             meaning = f"{motion} of axis {one_line(column.axis)}"
             _write(file, _identifier(column, plan), column.value_by_row, column.unit, meaning)
         _segments(file, plan)
-        _attitude(file, rows)
+        _attitude(file, plan, rows)
         _ground(file, rows)
         file.flush()
         return buffer.getvalue()
 
 
-def _global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetime) -> None:
+def write_global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetime) -> None:
+    """What the file is of, and its frames."""
     scenario = plan.scenario
     spacecraft = carrier_name(scenario.orbit)
     describe(
@@ -78,20 +82,20 @@ def _global_attributes(file: netcdf_file, plan: FlightPlan, created_utc: datetim
     )
 
 
-def _times(file: netcdf_file, plan: FlightPlan) -> None:
-    table = plan.table
-    instants = Instants(table.epoch_utc, table.t_s)
-    texts = instants.utc_text(1)
+def write_times(file: netcdf_file, instants: Instants) -> None:
+    """Along the dimension `time`, counted from the epoch, which is a row of a table."""
+    texts, epoch = instants.utc_text(1), utc_text(instants.epoch_utc, 1)
     time = file.createVariable("time", "d", ("time",))
-    time[:] = table.t_s
+    time[:] = instants.t_s
     describe(
         time,
         standard_name="time",
         long_name="SI seconds since row 0",
-        units=f"seconds since {texts[0].replace('T', ' ').removesuffix('Z')}",
+        units=f"seconds since {epoch.replace('T', ' ').removesuffix('Z')}",
         calendar="utc" if _holds_leap_second(instants) else "standard",
         axis="T",
     )
+    file.createDimension("utc_characters", _TEXT)
     utc = file.createVariable("utc", "c", ("time", "utc_characters"))
     utc[:] = np.array([list(text) for text in texts], dtype="S1")
     describe(utc, long_name="UTC of the row, RFC 3339; a leap second reads 23:59:60")
@@ -131,13 +135,13 @@ def _segments(file: netcdf_file, plan: FlightPlan) -> None:
     )
 
 
-def _attitude(file: netcdf_file, rows: TableStates) -> None:
+def _attitude(file: netcdf_file, plan: FlightPlan, rows: TableStates) -> None:
     for name, values, unit, meaning in (
         ("q_payload_from_gcrf_xyzw", rows.q_payload_from_eci_xyzw, "1", "attitude of the payload"),
         ("q_body_from_gcrf_xyzw", rows.q_body_from_eci_xyzw, "1", "attitude of the carrier"),
         (
             "omega_payload_deg_s",
-            np.degrees(rows.omega_payload_rad_s),
+            np.degrees(omega_payload_from_eci_rad_s(plan, rows)),
             "degree s-1",
             "angular velocity of the payload against gcrf, payload axes",
         ),
@@ -161,12 +165,16 @@ def _ground(file: netcdf_file, rows: TableStates) -> None:
         describe(variable, standard_name=name)
 
 
-def _identifier(column: Column, plan: FlightPlan) -> str:
+def axis_identifiers(names: tuple[str, ...]) -> tuple[str, ...]:
     """NetCDF has no names with blanks or slashes: such axes are numbered."""
-    names = plan.table.axis_names
     if all(name.isascii() and name.isidentifier() for name in names):
-        return column.name
-    return f"axis{names.index(column.axis)}" + column.name.removeprefix(column.axis)
+        return names
+    return tuple(f"axis{number}" for number in range(len(names)))
+
+
+def _identifier(column: Column, plan: FlightPlan) -> str:
+    names = plan.table.axis_names
+    return axis_identifiers(names)[names.index(column.axis)] + column.name.removeprefix(column.axis)
 
 
 def _write(

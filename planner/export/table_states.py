@@ -6,12 +6,12 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.errors import OutsideCoverage
 from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants, elapsed_s
-from planner.orbits import OrbitStates
+from planner.orbits import Ephemeris, OrbitStates
 from planner.platforms import TwoAxisPlatform
 
 _DEGREE = 5
@@ -19,56 +19,72 @@ _DEGREE = 5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TableStates:
-    """n rows of the table, from `first_row` to its end, with orbit and attitude.
+    """Rows of the table, (n,), from `first_row` to its end, with orbit and attitude.
 
     first_row: 0, or the first tracking row where orbit or attitude is not known before.
     q_body_from_eci_xyzw, q_payload_from_eci_xyzw, q_payload_from_body_xyzw: shape (n, 4),
     unit, scalar last, neighbours of like sign; they turn coordinates.
-    omega_payload_rad_s: shape (n, 3), of the payload against ECI, payload axes.
     """
 
     first_row: int
+    row: Indices
     instants: Instants
+    ephemeris: Ephemeris
     states: OrbitStates
     q_body_from_eci_xyzw: Array
     q_payload_from_body_xyzw: Array
     q_payload_from_eci_xyzw: Array
-    omega_payload_rad_s: Array
 
 
-def table_states(plan: FlightPlan) -> TableStates:
-    """Raises OutsideCoverage when orbit or attitude is unknown while a target is tracked."""
+def table_states(plan: FlightPlan, row: Indices | None = None) -> TableStates:
+    """Of rows by their ascending numbers, (n,); of all unless given.
+
+    Raises OutsideCoverage when orbit or attitude is unknown while a target is tracked.
+    """
+    row = np.arange(len(plan.table.t_s)) if row is None else row
     try:
-        return _states_from(plan, 0)
+        return _states_from(plan, row, 0)
     except OutsideCoverage:
         first_row = _first_tracking_row(plan)
         if first_row == 0:
             raise
-        return _states_from(plan, first_row)
+        return _states_from(plan, row, first_row)
 
 
-def _states_from(plan: FlightPlan, first_row: int) -> TableStates:
+def _states_from(plan: FlightPlan, row: Indices, first_row: int) -> TableStates:
     scenario, table = plan.scenario, plan.table
-    t_s = table.t_s[first_row:]
-    instants = Instants(table.epoch_utc, t_s)
-    states = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1)).states(instants)
+    row = row[row >= first_row]
+    instants = Instants(table.epoch_utc, table.t_s[row])
+    ephemeris = scenario.orbit.ephemeris(instants.utc(0), instants.utc(-1))
+    states = ephemeris.states(instants)
     q_body_from_eci = scenario.attitude.q_body_from_eci(instants, states)
     platform = scenario.platform
-    angle_rad, rate_rad_s = table.angle_rad[first_row:], table.rate_rad_s[first_row:]
     q_payload_from_body = (
-        q_payload_from_platform(platform, angle_rad) * platform.q_platform_from_body
+        q_payload_from_platform(platform, table.angle_rad[row]) * platform.q_platform_from_body
     )
-    q_body_from_eci_xyzw = continuous(q_body_from_eci)
-    omega_base_rad_s = q_payload_from_body.apply(_omega_body_rad_s(t_s, q_body_from_eci_xyzw))
     return TableStates(
         first_row=first_row,
+        row=row,
         instants=instants,
+        ephemeris=ephemeris,
         states=states,
-        q_body_from_eci_xyzw=q_body_from_eci_xyzw,
+        q_body_from_eci_xyzw=continuous(q_body_from_eci),
         q_payload_from_body_xyzw=continuous(q_payload_from_body),
         q_payload_from_eci_xyzw=continuous(q_payload_from_body * q_body_from_eci),
-        omega_payload_rad_s=omega_base_rad_s + omega_payload_rad_s(platform, angle_rad, rate_rad_s),
     )
+
+
+def omega_payload_from_eci_rad_s(plan: FlightPlan, rows: TableStates) -> Array:
+    """Angular velocity of the payload against ECI, payload axes, shape (n, 3), of all rows.
+
+    That of the body is the derivative of a quintic through the rows.
+    """
+    q_payload_from_body = Rotation.from_quat(rows.q_payload_from_body_xyzw)
+    omega_body_rad_s = _omega_body_rad_s(rows.instants.t_s, rows.q_body_from_eci_xyzw)
+    on_platform_rad_s = omega_payload_rad_s(
+        plan.scenario.platform, plan.table.angle_rad[rows.row], plan.table.rate_rad_s[rows.row]
+    )
+    return np.asarray(q_payload_from_body.apply(omega_body_rad_s) + on_platform_rad_s)
 
 
 def q_payload_from_platform(platform: TwoAxisPlatform, angle_rad: Array) -> Rotation:

@@ -77,7 +77,7 @@ def carrier_over(
     r_sat_itrf_m = _to_itrf(rows.c_itrf, rows.states.r_sat_eci_m)
     v_sat_itrf_m_s = _to_itrf(rows.c_itrf, rows.states.v_sat_eci_m_s)
     r_sun_itrf_m, r_moon_itrf_m = (
-        _to_itrf(rows.c_itrf, _apparent_geocentric_m(name, rows.instants))
+        _to_itrf(rows.c_itrf, apparent_geocentric_m(name, rows.instants))
         for name in ("sun", "moon")
     )
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
@@ -143,7 +143,7 @@ def _perigee_rate_rad_s(states: OrbitStates) -> float:
     return float(np.linalg.norm(h_m2_s) / perigee_m**2)
 
 
-def _apparent_geocentric_m(body: str, instants: Instants) -> Array:
+def apparent_geocentric_m(body: str, instants: Instants) -> Array:
     """Where the Earth's centre sees the Sun's or Moon's, GCRF axes, shape (n, 3)."""
     r_earth_bary_m, v_earth_bary_m_s = earth_bary_state(instants)
     direction, range_m = BodyTarget(name=body).seen_from(instants, r_earth_bary_m)

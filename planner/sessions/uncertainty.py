@@ -118,9 +118,9 @@ def pointing_budget(
     a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
-    scene = _Scene(los, attitude, target, platform, angle_rad, SAMPLES)
+    scene = Scene(los, attitude, target, platform, angle_rad, SAMPLES)
     errors = attitude.errors(scene.instants)
-    biases = _biases(scene, los, ephemeris, errors, clock_s)
+    biases = error_biases(scene, los, ephemeris, errors, clock_s)
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
     worst = int(np.argmax(total_rad))
     range_m = float(scene.range_m[worst])
@@ -168,12 +168,12 @@ def probabilities_at(
 
     By every 16th point of the budget's, good to 0.01.
     """
-    scene = _Scene(los, attitude, target, platform, angle_rad, len(los.instants))
+    scene = Scene(los, attitude, target, platform, angle_rad, len(los.instants))
     half_rad = _half_rad(platform)
     if not (half_rad > 0.0).all():
         return np.zeros(len(los.instants))
     errors = attitude.errors_each(scene.instants)
-    biases = _biases(scene, los, ephemeris, errors, clock_s)
+    biases = error_biases(scene, los, ephemeris, errors, clock_s)
     constant = _constant(biases)
     swings = [
         part
@@ -197,7 +197,7 @@ def _half_rad(platform: TwoAxisPlatform) -> Array:
     return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
 
 
-class _Scene:
+class Scene:
     """The session at a few instants, and where a disturbance puts the target in the image.
 
     off_rad: (n, 2), where the target is without errors; the instants are those, one of each
@@ -274,7 +274,7 @@ def _farthest(shares: Array, rows: Indices) -> Indices:
     return np.array([np.argmax(np.where(nearest == i, shares, -1.0)) for i in range(len(rows))])
 
 
-class _Bias(NamedTuple):
+class Bias(NamedTuple):
     """Where a 1-sigma error of one cause puts the target in the image, (n, 2).
 
     quarter_later_rad: of a sinusoid of unknown phase, the same a quarter turn later.
@@ -295,15 +295,15 @@ class _Bias(NamedTuple):
         return np.asarray(np.sqrt(0.5 * squares))
 
 
-def _constant(biases: Sequence[_Bias]) -> list[Array]:
+def _constant(biases: Sequence[Bias]) -> list[Array]:
     """Those that don't swing, Laplace's last."""
     steady = [bias for bias in biases if bias.quarter_later_rad is None]
     return [bias.offsets_rad for bias in sorted(steady, key=lambda bias: bias.is_laplace)]
 
 
-def _biases(
-    scene: _Scene, los: LineOfSight, ephemeris: Ephemeris, errors: AttitudeErrors, clock_s: float
-) -> list[_Bias]:
+def error_biases(
+    scene: Scene, los: LineOfSight, ephemeris: Ephemeris, errors: AttitudeErrors, clock_s: float
+) -> list[Bias]:
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
     *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
     return [
@@ -330,8 +330,8 @@ def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
 
 
 def _orbit_offsets(
-    scene: _Scene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
-) -> list[_Bias]:
+    scene: Scene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
+) -> list[Bias]:
     """Radial, along-track and cross-track, as independent causes.
 
     moved_platform: where the target is seen from each of the `_disturbed_orbits`.
@@ -340,7 +340,7 @@ def _orbit_offsets(
     sizes_m = (sigma.radial_m, sigma.along_m, sigma.cross_m)
     laplace = (False, sigma.is_along_laplace, False)
     return [
-        _Bias(
+        Bias(
             _Cause("orbit", sigma.basis, sigma.better),
             scene.in_image(direction - scene.los_platform) * (size_m / _PROBE_M)[:, None],
             is_laplace=is_laplace,
@@ -349,7 +349,7 @@ def _orbit_offsets(
     ]
 
 
-def _attitude_offsets(scene: _Scene, errors: AttitudeErrors) -> list[_Bias]:
+def _attitude_offsets(scene: Scene, errors: AttitudeErrors) -> list[Bias]:
     """Turns about the body axes, constant and swinging with the orbit."""
     sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
     r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
@@ -358,19 +358,19 @@ def _attitude_offsets(scene: _Scene, errors: AttitudeErrors) -> list[_Bias]:
     cause = _Cause("attitude", errors.basis, errors.better)
     about = np.stack([scene.turned_about_body(axis) for axis in range(3)])
     biases = [
-        _Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
+        Bias(cause, np.einsum("na,ani->ni", mode_rad, about)) for mode_rad in errors.modes_body_rad
     ]
     for axis, swing_rms_rad in enumerate(errors.swing_rms_body_rad):
         turned = about[axis]
         if not len(errors.modes_body_rad):
-            biases.append(_Bias(cause, sigma_body_rad[:, axis, None] * turned))
+            biases.append(Bias(cause, sigma_body_rad[:, axis, None] * turned))
         if swing_rms_rad > 0.0:
             swing = swing_rms_rad * turned
-            biases.append(_Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))
+            biases.append(Bias(cause, swing * np.cos(phase_rad), swing * np.sin(phase_rad)))
     return biases
 
 
-def _earth_offsets(scene: _Scene, passing_platform: Array) -> _Bias:
+def _earth_offsets(scene: Scene, passing_platform: Array) -> Bias:
     """UT1; the pole's part is a tenth of it.
 
     passing_platform: how far the Earth's turning moves the target from `_PROBE_S` before to after.
@@ -386,14 +386,14 @@ def _earth_offsets(scene: _Scene, passing_platform: Array) -> _Bias:
         "Bulletin A's 0.25 ms x days^0.75",
         "newer Earth orientation data",
     )
-    return _Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * _PROBE_S)))
+    return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * _PROBE_S)))
 
 
-def _clock_offsets(scene: _Scene, los: LineOfSight, clock_s: float) -> _Bias:
+def _clock_offsets(scene: Scene, los: LineOfSight, clock_s: float) -> Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
     cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")
-    return _Bias(cause, drift * clock_s)
+    return Bias(cause, drift * clock_s)
 
 
 def _ground_m(sigma_rad: float, range_m: float) -> float | None:

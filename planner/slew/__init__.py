@@ -4,7 +4,7 @@ from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spli
 from planner.slew.feasibility import next_duration_s, require_brakable, verdict
 from planner.slew.on_rows import fit_to_rows
 from planner.slew.optimal import optimal_slew
-from planner.slew.paper_cubic import in_paper_time, paper_slew
+from planner.slew.paper_cubic import in_paper_time, paper_profiles, paper_slew
 from planner.slew.problem import AxisState, SlewProblem, broken_limit
 from planner.slew.solution import SlewSolution
 
@@ -20,6 +20,7 @@ __all__ = [
     "in_paper_time",
     "next_duration_s",
     "optimal_slew",
+    "paper_profiles",
     "paper_slew",
     "require_brakable",
     "verdict",

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,26 +29,16 @@ def paper_slew(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
     low-pass as it must be for a continuous acceleration.
     """
     began_s = time.perf_counter()
-    duration_s = problem.duration_s
-    lag_s = 0.0
-    if options.filter_cutoff_hz is not None:
-        lag_s = 1.0 / (2.0 * math.pi * options.filter_cutoff_hz)
-    aim_ahead_s = lag_s if options.filter_lag_compensation else 0.0
-    profiles = [
-        _filter_cubic(start, _extrapolate(end, aim_ahead_s), duration_s, lag_s)
-        if lag_s
-        else cubic_profile(start, end, duration_s)
-        for start, end in zip(problem.start, problem.end, strict=True)
-    ]
+    profiles = paper_profiles(problem.start, problem.end, problem.duration_s, options)
     broken = [
         violation
         for name, profile, limits in zip(problem.axis_names, profiles, problem.limits, strict=True)
         for violation in violations(name, profile, limits)
     ]
-    last_rad = [float(profile.evaluate(np.array([duration_s]))[0][0]) for profile in profiles]
+    last_rad = [float(profile.end_values[1, 0]) for profile in profiles]
     return SlewSolution(
         problem=problem,
-        profiles=tuple(profiles),
+        profiles=profiles,
         status=("cubic",) * len(profiles),
         iterations=0,
         wall_s=time.perf_counter() - began_s,
@@ -55,8 +46,29 @@ def paper_slew(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
         end_error_rad=tuple(
             angle - end.angle_rad for angle, end in zip(last_rad, problem.end, strict=True)
         ),
-        settling_s=lag_s,
+        settling_s=filter_lag_s(options),
     )
+
+
+def paper_profiles(
+    start: Sequence[AxisState], end: Sequence[AxisState], duration_s: float, options: SlewOptions
+) -> tuple[AxisProfile, ...]:
+    """The motion of each axis, as `paper_slew` says."""
+    lag_s = filter_lag_s(options)
+    if not lag_s:
+        return tuple(cubic_profile(a, b, duration_s) for a, b in zip(start, end, strict=True))
+    aim_ahead_s = lag_s if options.filter_lag_compensation else 0.0
+    return tuple(
+        _filter_cubic(a, _extrapolate(b, aim_ahead_s), duration_s, lag_s)
+        for a, b in zip(start, end, strict=True)
+    )
+
+
+def filter_lag_s(options: SlewOptions) -> float:
+    """The time constant of the filter; 0 without one."""
+    if options.filter_cutoff_hz is None:
+        return 0.0
+    return 1.0 / (2.0 * math.pi * options.filter_cutoff_hz)
 
 
 def in_paper_time(problem: SlewProblem) -> SlewProblem:

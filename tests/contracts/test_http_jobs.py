@@ -350,7 +350,7 @@ def test_imaging_sessions_are_kept_the_same_way(client):
     strip = {**SPACECRAFT_EXAMPLES["geojson"][1], "simulation_runs": 0}
     path = "/v1/spacecraft/plans"
     dry = client.post(f"{path}?dry_run=true", json=strip).json()
-    assert (dry["valid"], dry["requests"]) == (True, 1)
+    assert (dry["flies"], dry["requests"], dry["left_out"]) == (True, 1, [])
     made = client.post(path, json=strip)
     assert made.status_code == 201, made.text
     location = made.headers["location"]

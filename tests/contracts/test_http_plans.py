@@ -232,9 +232,22 @@ def test_a_dry_run_plans_nothing(client):
     answer = client.post("/v1/plans?dry_run=true", content=body, headers=JSON)
     assert answer.status_code == 200
     said = answer.json()
-    assert said["valid"] is True
+    assert (said["valid"], said["flies"], said["rows"]) == (True, True, 1151)
     assert "table" not in said
     assert said["provenance"]["input_sha256"] == hashlib.sha256(body.encode()).hexdigest()
+
+
+def test_a_dry_run_says_what_its_plan_would(client):
+    kept = len(client.get("/v1/plans?limit=200").json()["plans"])
+    [session] = LAS_VEGAS["sessions"]
+    soon = LAS_VEGAS | {"sessions": [session | {"start": "2015-02-27T17:34:02Z"}]}
+    dry = client.post("/v1/plans?dry_run=true", json=soon)
+    assert dry.status_code == 422
+    assert dry.json()["earliest_feasible_start"] == "2015-02-27T17:34:26.600Z"
+    spline = client.post("/v1/plans?dry_run=true", json=PLAN_EXAMPLES["spline"][1]).json()
+    assert not spline["flies"]
+    assert spline["warnings"]
+    assert len(client.get("/v1/plans?limit=200").json()["plans"]) == kept
 
 
 def test_a_platform_copied_from_the_list_plans_the_same(client, plan):

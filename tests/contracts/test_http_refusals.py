@@ -43,7 +43,8 @@ def test_command_refuses(case: Refused):
     result = CliRunner().invoke(main, ["plan", "-"], input=case.body)
     assert result.exit_code == 2, result.output
     assert result.stdout == ""
-    [line] = result.stderr.splitlines()
+    line, *ways_out = result.stderr.splitlines()
+    assert all(way.startswith("  ") for way in ways_out)
     assert line.startswith(f"slewtrack: {case.field}:" if case.field else "slewtrack: "), line
     assert case.says in line or case.name == "no kind", line
 

@@ -14,6 +14,7 @@ from planner.spacecraft.export import IMAGING_EXPORTERS
 
 STORED = Path(__file__).parents[1] / "data" / "store" / "written_by_4cb22da.sqlite3.gz"
 FORMATS = {"plans": EXPORTERS, "spacecraft/plans": IMAGING_EXPORTERS}
+VIEWS = {"plans": "PlanViewResponse", "spacecraft/plans": "SpacecraftViewResponse"}
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +72,8 @@ def test_plans_are_read_and_exported(client, resource, schema, made):
             file = client.get(f"/v1/{resource}/{plan_id}/table?format={name}")
             assert file.status_code == 200, file.text
             assert file.content
+        view = got(client, f"{resource}/{plan_id}/view")
+        assert wrong(client, VIEWS[resource], view) == []
 
 
 def test_refusal_is_read(client):

@@ -132,9 +132,18 @@ def _made(answers: Answers, path: str) -> None:
     answers.ask("GET", f"{path}/{{id}}/events", made_id=made_id)
     if formats:
         answers.ask("GET", f"{path}/{{id}}/table", made_id=made_id)
+        _seen(answers, path, made_id, formats)
     for name in formats:
         table = f"{path}/{{id}}/table"
         answers.ask("GET", table, name=name, made_id=made_id, query=f"?format={name}")
+
+
+def _seen(answers: Answers, path: str, made_id: str, formats: dict[str, Any]) -> None:
+    view = f"{path}/{{id}}/view"
+    answers.ask("GET", view, made_id=made_id)
+    for name, exporter in formats.items():
+        if exporter.shows:
+            answers.ask("GET", view, name=name, made_id=made_id, query=f"?format={name}")
 
 
 def _asked_at_once(answers: Answers) -> None:

@@ -99,13 +99,17 @@ def test_curl_examples_of_a_plan_that_is_kept(address):
     status, _, told = curl(events, address, ID=plan_id)
     assert status == 200
     assert '"state": "done"' in told.decode()
-    listed, one, table, delete = kept
+    listed, one, table, delete, view, picture = kept
     status, _, answer = curl(listed.replace("name=Vegas", "name=Athens"), address)
     assert plan_id in [plan["id"] for plan in json.loads(answer)["plans"]]
     status, _, answer = curl(one, address, ID=plan_id)
     assert json.loads(answer)["state"] == "done"
     status, _, answer = curl(table, address, ID=plan_id)
     assert answer.startswith(b"CDF")  # NetCDF's magic number
+    status, _, answer = curl(view, address, ID=plan_id)
+    assert json.loads(answer)["step_s"] == 1.0
+    status, _, answer = curl(picture, address, ID=plan_id)
+    assert answer.startswith(b"\x89PNG")
     status, _, answer = curl(delete, address, ID=plan_id)
     assert (status, answer) == (204, b"")
 

@@ -46,7 +46,9 @@ router = APIRouter(tags=["campaigns"], prefix=RESOURCE.path)
 class CampaignPost(Parameters):
     """Parameters of the POST."""
 
-    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+    dry_run: bool = Field(
+        default=False, description="Only see whether the request can be read; nothing is chosen."
+    )
 
 
 @router.post(

@@ -1,6 +1,7 @@
 """Query parameters of the resources that hold plans; a misspelled one is refused."""
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, TypeVar
 
 from fastapi import Header, Path
 from pydantic import AfterValidator, Field, create_model
@@ -9,6 +10,7 @@ from app.http.query import Parameters
 from app.http.routes.resources import PlanResource
 from app.store.ids import JobState, is_id
 from planner.errors import InvalidInput
+from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC
 
 LIST_MAX = 200
 _KEY_CHARACTERS_MAX = 255
@@ -49,35 +51,72 @@ class TableQuery(Parameters):
     format: str | None = None
 
 
+class ViewQuery(TableQuery):
+    """How closely to look at a plan, and in which format to show it."""
+
+    step_s: float | None = Field(
+        default=None,
+        gt=0.0,
+        allow_inf_nan=False,
+        description="From row to row of JSON and NetCDF, a multiple of 0.2 s; unless given, the "
+        "least that shows at most 1,000 rows.",
+    )
+
+
+class PlanViewQuery(ViewQuery):
+    """How closely to look at a plan, and in which format to show it."""
+
+    pixel_arcsec: float = Field(
+        default=HRC_PIXEL_ARCSEC,
+        ge=PIXELS_ARCSEC[0],
+        le=PIXELS_ARCSEC[1],
+        allow_inf_nan=False,
+        description="Angle a pixel sees, for the ground samples of JSON and NetCDF.",
+    )
+
+
+Formatted = TypeVar("Formatted", bound=TableQuery)
+
+
 class PostQuery(TableQuery):
     """How to plan."""
 
-    dry_run: bool = Field(default=False, description="Only see whether the request is sound.")
+    dry_run: bool = Field(default=False, description="Only see whether it flies; nothing is kept.")
     revises: PlanId | None = Field(
         default=None,
         description="The plan this one replaces: it becomes the next revision, the old one stays.",
     )
 
 
-def with_formats(query: type[TableQuery], resource: PlanResource) -> type[TableQuery]:
-    """The same parameters, `format` one of the resource's."""
-    names = list(resource.exporters)
+def with_formats(
+    query: type[Formatted], text: str, title_by_name: Mapping[str, str]
+) -> type[Formatted]:
+    """The same parameters, `format` one of these; text: what it chooses."""
+    names = list(title_by_name)
 
     def require_registered(name: str) -> str:
         if name not in names:
             raise ValueError(f"must be one of {', '.join(names)}")
         return name
 
-    text = "The table by itself in this format, whatever the Accept header says: " + "; ".join(
-        f"`{name}` {exporter.title}" for name, exporter in resource.exporters.items()
+    titles = "; ".join(f"`{name}` {title}" for name, title in title_by_name.items())
+    field = Field(
+        default=None,
+        description=f"{text}, whatever the Accept header says: {titles}",
+        json_schema_extra={"enum": [*names]},
     )
-    field = Field(default=None, description=text, json_schema_extra={"enum": [*names]})
     return create_model(
         query.__name__,
         __base__=query,
         __doc__=query.__doc__,
         format=(Annotated[str, AfterValidator(require_registered)] | None, field),
     )
+
+
+def with_table_formats(query: type[Formatted], resource: PlanResource) -> type[Formatted]:
+    """The same parameters, `format` one of those of a resource's tables."""
+    titles = {name: exporter.title for name, exporter in resource.exporters.items()}
+    return with_formats(query, "The table by itself in this format", titles)
 
 
 async def idempotency_key(

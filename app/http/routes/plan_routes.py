@@ -4,7 +4,7 @@ The same for every resource that holds plans.
 """
 
 import hashlib
-from datetime import UTC, datetime
+from dataclasses import replace
 from http import HTTPStatus
 from typing import Annotated, Any
 
@@ -13,8 +13,8 @@ from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from pydantic import BaseModel
 
 from app.answers.job import JobResponse, PlanList, job_json, list_json
-from app.answers.members import provenance, to_json
 from app.answers.ranges import NotNegative
+from app.http.blocking import answer_in_child
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
@@ -26,18 +26,26 @@ from app.http.routes.plan_queries import (
     PostQuery,
     TableQuery,
     idempotency_key,
-    with_formats,
+    with_table_formats,
 )
 from app.http.routes.resources import PlanResource
-from app.http.routes.stored_plans import find, immutable_tag, table_answer, whole_json
+from app.http.routes.stored_plans import (
+    REVALIDATE,
+    UNCHANGED,
+    find,
+    immutable_tag,
+    not_modified,
+    table_answer,
+    whole_json,
+)
+from app.http.routes.views import add_view
 from app.http.waiting import WAIT_S, patience, wait_for_end
+from app.jobs.child import Bounds
 from app.jobs.refusals import Conflict
 from app.store import jobs
 from app.store.database import Database
 from app.store.jobs import Job
 from planner.errors import InvalidInput
-
-_REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
 
 
 def plan_routes(resource: PlanResource) -> APIRouter:
@@ -47,13 +55,14 @@ def plan_routes(resource: PlanResource) -> APIRouter:
     _add_list(router, resource)
     _add_one(router, resource)
     _add_table(router, resource)
+    add_view(router, resource)
     add_delete(router, resource)
     add_events(router, resource)
     return router
 
 
 def _add_post(router: APIRouter, resource: PlanResource) -> None:
-    query_model = with_formats(PostQuery, resource)
+    query_model = with_table_formats(PostQuery, resource)
 
     async def post(
         request: Request,
@@ -66,9 +75,8 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         database = request.app.state.database
         body = await anyio.to_thread.run_sync(resource.fill_in, database, body)
         if query.dry_run:
-            spec = await anyio.to_thread.run_sync(resource.read, body)
-            found = resource.dry_run(spec, provenance(datetime.now(UTC), body))
-            return Response(to_json(found), media_type=JSON)
+            bounds = _dry_run_bounds(request, resource)
+            return await answer_in_child(request, body, resource.read, bounds, resource.dry_run)
         job = await anyio.to_thread.run_sync(_accept_plan, request, resource, body, query, key)
         waits = patience(prefer, WAIT_S)
         plan = await wait_for_end(request, job.id, waits.wait_s)
@@ -121,10 +129,20 @@ class TableAlone(BaseModel, extra="allow"):
     description: dict[str, Any]
 
 
+def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
+    """Those of the plan itself."""
+    bounds = resource.kind.bounds
+    deadline_s = min(bounds.deadline_s, request.app.state.settings.job_deadline_s)
+    return replace(bounds, deadline_s=deadline_s)
+
+
 def _answers_to_post(resource: PlanResource) -> dict[int | str, dict[str, Any]]:
     location = {"Location": {"description": "Where the plan is", "schema": {"type": "string"}}}
     return {
-        200: {"model": resource.dry_run_response, "description": "`dry_run`: the request is sound"},
+        200: {
+            "model": resource.dry_run_response,
+            "description": "`dry_run`: what its plan would be",
+        },
         201: {
             "description": "The plan; or its table by itself, as `format` or Accept asks",
             "content": {media_type: {} for media_type in resource.format_by_media_type},
@@ -195,7 +213,7 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         "/{id}",
         summary="A plan, or where the work on it stands",
         response_model=resource.response | JobResponse,
-        responses={304: _UNCHANGED, 404: no_such(resource)},
+        responses={304: UNCHANGED, 404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
     )
     async def get_plan(request: Request, plan_id: PathId) -> Response:
@@ -204,20 +222,13 @@ def _add_one(router: APIRouter, resource: PlanResource) -> None:
         state = job_json(job)
         tag = immutable_tag(plan) if plan else f'"{hashlib.sha256(state).hexdigest()[:32]}"'
         if is_known_already(request, tag):
-            return _not_modified(tag)
+            return not_modified(tag)
         answer = await whole_json(request, resource, plan) if plan else state
-        return Response(answer, HTTPStatus.OK, _REVALIDATE | {"ETag": tag}, JSON)
-
-
-_UNCHANGED = {"description": "If-None-Match names what the plan still is"}
-
-
-def _not_modified(tag: str) -> Response:
-    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=_REVALIDATE | {"ETag": tag})
+        return Response(answer, HTTPStatus.OK, REVALIDATE | {"ETag": tag}, JSON)
 
 
 def _add_table(router: APIRouter, resource: PlanResource) -> None:
-    query_model = with_formats(TableQuery, resource)
+    query_model = with_table_formats(TableQuery, resource)
 
     async def get_table(
         request: Request, plan_id: PathId, query: Annotated[TableQuery, Query()]
@@ -232,8 +243,8 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
             )
         tag = immutable_tag(plan, form or "table")
         if is_known_already(request, tag):
-            return _not_modified(tag)
-        headers = _REVALIDATE | {"ETag": tag}
+            return not_modified(tag)
+        headers = REVALIDATE | {"ETag": tag}
         return await table_answer(request, resource, plan, form, HTTPStatus.OK, headers)
 
     get_table.__annotations__["query"] = Annotated[query_model, Query()]
@@ -246,7 +257,7 @@ def _add_table(router: APIRouter, resource: PlanResource) -> None:
                 "description": "As JSON the `table` of the plan",
                 "content": {media: {} for media in (JSON, *resource.format_by_media_type)},
             },
-            304: _UNCHANGED,
+            304: UNCHANGED,
             404: no_such(resource),
             409: {"description": "There is no table, or not yet"},
             422: {"description": "A table the judge rejects is in the whole plan only"},

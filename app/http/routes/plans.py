@@ -1,26 +1,17 @@
 """Plans of the two-axis platform over HTTP."""
 
-from app.answers.members import ProvenanceOut
 from app.answers.plan import DryRunResponse, PlanResponse
+from app.answers.view import PlanViewResponse
 from app.http.routes.end_of_plan import from_end_of_plan
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
 from app.requests.examples.plan import PLAN_EXAMPLES
-from app.requests.plan import PlanRequest, read_plan_request
-from app.work.plan import stored_table_file, stored_table_json
+from app.requests.plan import read_plan_request
+from app.work.plan import stored_table_file, stored_table_json, try_plan
+from app.work.view import DRAWN, stored_plan_view
 from planner.export import EXPORTERS
-
-
-def _dry_run(spec: PlanRequest, provenance: ProvenanceOut) -> DryRunResponse:
-    return DryRunResponse(
-        valid=True,
-        name=spec.name,
-        platform=spec.platform.name,
-        sessions=len(spec.sessions),
-        provenance=provenance,
-    )
-
+from planner.view import VIEW_EXPORTERS
 
 PLANS = PlanResource(
     kind=PLAN,
@@ -36,12 +27,16 @@ PLANS = PlanResource(
     examples=PLAN_EXAMPLES,
     response=PlanResponse,
     read=read_plan_request,
-    dry_run=_dry_run,
+    dry_run=try_plan,
     dry_run_response=DryRunResponse,
     exporters=EXPORTERS,
     table_json=stored_table_json,
     table_file=stored_table_file,
+    view_response=PlanViewResponse,
+    view_exporters=VIEW_EXPORTERS | DRAWN,
+    view_file=stored_plan_view,
     file_stem="plan",
+    takes_pixel=True,
     in_campaigns=True,
     fill_in=from_end_of_plan,
 )

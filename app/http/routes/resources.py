@@ -9,6 +9,7 @@ from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.jobs.kinds import JobKind
 from app.store.database import Database
+from app.work.view import AskedView
 from planner.export.exporter import Exporter
 
 
@@ -25,10 +26,13 @@ class JobResource:
 class PlanResource(JobResource):
     """One that holds plans.
 
-    read: the request, which has a `name`, or InvalidRequest.  dry_run: what to say of it when
-    nothing is planned.  table_json: a stored table as the answer holds it.
+    read: the request, which has a `name`, or InvalidRequest.  dry_run: the answer that says
+    whether it flies; done in a child.  table_json: a stored table as the answer holds it.
     table_file: of (request, stored table, format, date the file states) the file's bytes; done
-    in a child.  file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
+    in a child.  view_response: what there is to see of a plan, as JSON.  view_exporters: its other
+    formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
+    file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
+    takes_pixel: its views are told what a pixel sees, as no camera is defined.
     fill_in: a request with what only the store can tell.
     """
 
@@ -39,12 +43,16 @@ class PlanResource(JobResource):
     examples: dict[str, tuple[str, dict[str, Any]]]
     response: type
     read: Callable[[bytes], Any]
-    dry_run: Callable[[Any, ProvenanceOut], object]
+    dry_run: Callable[[Any, ProvenanceOut], bytes]
     dry_run_response: type
     exporters: Mapping[str, Exporter[Any]]
     table_json: Callable[[bytes], bytes]
     table_file: Callable[[bytes, bytes, str, datetime], bytes]
+    view_response: type
+    view_exporters: Mapping[str, Exporter[Any]]
+    view_file: Callable[[bytes, bytes, AskedView], bytes]
     file_stem: str
+    takes_pixel: bool = False
     in_campaigns: bool = False
     fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 

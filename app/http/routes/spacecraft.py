@@ -1,26 +1,15 @@
 """Imaging sessions of the spacecraft over HTTP."""
 
-from app.answers.members import ProvenanceOut
 from app.answers.spacecraft import SpacecraftDryRunResponse, SpacecraftPlanResponse
+from app.answers.spacecraft_view import SpacecraftViewResponse
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import SPACECRAFT_PLAN
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
 from app.requests.spacecraft import read_spacecraft_request
-from app.work.spacecraft import stored_session_file, stored_session_json
+from app.work.spacecraft import stored_session_file, stored_session_json, try_session
+from app.work.view import DRAWN_SESSION, stored_session_view
 from planner.spacecraft.export import IMAGING_EXPORTERS
-from planner.spacecraft.requests import ImagingPlanRequest
-
-
-def _dry_run(spec: ImagingPlanRequest, provenance: ProvenanceOut) -> SpacecraftDryRunResponse:
-    return SpacecraftDryRunResponse(
-        valid=True,
-        name=spec.name,
-        spacecraft=spec.definition().name,
-        requests=len(spec.requests),
-        provenance=provenance,
-    )
-
 
 _PLANS = PlanResource(
     kind=SPACECRAFT_PLAN,
@@ -37,11 +26,14 @@ _PLANS = PlanResource(
     examples=SPACECRAFT_EXAMPLES,
     response=SpacecraftPlanResponse,
     read=read_spacecraft_request,
-    dry_run=_dry_run,
+    dry_run=try_session,
     dry_run_response=SpacecraftDryRunResponse,
     exporters=IMAGING_EXPORTERS,
     table_json=stored_session_json,
     table_file=stored_session_file,
+    view_response=SpacecraftViewResponse,
+    view_exporters=DRAWN_SESSION,
+    view_file=stored_session_view,
     file_stem="session",
 )
 

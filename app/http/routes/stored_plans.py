@@ -22,9 +22,15 @@ from app.versions import VERSION
 EXPORT_BOUNDS = Bounds(deadline_s=120.0, memory_mib=2000)
 # Turning more than this of a packed table into JSON would hold the interpreter for long.
 _PACKED_MAX_BYTES = 200_000
-
-
 _NAME_MAX = 60
+
+REVALIDATE = {"Cache-Control": "private, no-cache", "Vary": "Accept"}
+UNCHANGED = {"description": "If-None-Match names what the plan still is"}
+
+
+def not_modified(tag: str) -> Response:
+    """Of what the client has already."""
+    return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=REVALIDATE | {"ETag": tag})
 
 
 async def find(
@@ -80,12 +86,12 @@ async def table_answer(
         format_name,
         plan.planned_utc,
     )
-    name = _file_name(plan.name, resource.file_stem, exporter.suffix)
+    name = file_name(plan.name, resource.file_stem, exporter.suffix)
     headers |= {"Content-Disposition": f'attachment; filename="{name}"'}
     return Response(content, status, headers, exporter.media_type)
 
 
-def _file_name(name: str, otherwise: str, suffix: str) -> str:
+def file_name(name: str, otherwise: str, suffix: str) -> str:
     """From a plan's name, in letters, digits and hyphens."""
     words = re.findall(r"[A-Za-z0-9]+", name)
     return ("-".join(words)[:_NAME_MAX] or otherwise) + suffix

@@ -1,7 +1,6 @@
-"""The formats that an imaging session's table is exported in."""
+"""The table of an imaging session as CSV, NetCDF and CCSDS AEM."""
 
 import io
-from dataclasses import dataclass
 from datetime import datetime
 from typing import NamedTuple
 
@@ -12,28 +11,14 @@ from planner.arrays import Array
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
 from planner.export.csv import rows_csv
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
-from planner.export.exporter import Exporter
 from planner.export.netcdf import describe
 from planner.export.table_states import continuous
 from planner.frames.time_scales import Instants, utc_text
-from planner.spacecraft.requests import ImagingPlanRequest
+from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 _BODY_AXES = "body: X along flight, Y up (the optical axis is -Y), Z = X x Y; eci: GCRF axes"
 _BETWEEN = "between rows: quintic Hermite in modified Rodrigues parameters; gimbal rates are held"
-
-
-@dataclass(frozen=True, kw_only=True)
-class SessionTable:
-    """What every format is written from: what was asked, and the table that does it."""
-
-    request: ImagingPlanRequest
-    table: AttitudeTable
-
-    @property
-    def spacecraft(self) -> AgileSpacecraft:
-        return self.request.definition()
 
 
 _PARTS_BY_SIDE = {
@@ -73,7 +58,8 @@ def _degrees(name: str, side: str, unit: str, values_rad: Array) -> _Column:
     return _Column(name, side, unit, np.degrees(values_rad) + 0.0)
 
 
-def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
+def session_notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
+    """Lines of one text each, for headers and comments."""
     return (
         f"slewtrack imaging session {one_line(plan.request.name) or 'without a name'}, "
         f"spacecraft {one_line(plan.spacecraft.name)}, written {utc_text(created_utc)}",
@@ -92,7 +78,7 @@ def _notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
 
 def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
-    head = "".join(f"# {note}\n" for note in _notes(plan, created_utc))
+    head = "".join(f"# {note}\n" for note in session_notes(plan, created_utc))
     columns = _columns(plan.table)
     parts = [(column, part) for column in columns for part in _PARTS_BY_SIDE[column.side]]
     names = [f"{column.name}_{part}".rstrip("_") for column, part in parts]
@@ -111,7 +97,7 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
             Conventions="CF-1.12",
             title=one_line(plan.request.name) or "slewtrack imaging session",
             history=f"{utc_text(created_utc)} written by slewtrack",
-            comment="\n".join(_notes(plan, created_utc)),
+            comment="\n".join(session_notes(plan, created_utc)),
         )
         file.createDimension("time", len(table.t_s))
         for side, parts in _PARTS_BY_SIDE.items():
@@ -142,21 +128,10 @@ def write_aem(plan: SessionTable, created_utc: datetime) -> bytes:
     table = plan.table
     return attitude_message(
         created_utc,
-        _notes(plan, created_utc),
+        session_notes(plan, created_utc),
         plan.request.orbit,
         "SC_BODY_1",
         Instants(table.epoch_utc, table.t_s),
         continuous(table.q_body_from_eci),
         table.omega_body_rad_s,
     )
-
-
-IMAGING_EXPORTERS: dict[str, Exporter[SessionTable]] = {
-    "csv": Exporter("attitude, rates and gimbals", "text/csv", ".csv", write_csv),
-    "netcdf": Exporter(
-        "attitude, rates and gimbals (CF-1.12)", "application/x-netcdf", ".nc", write_netcdf
-    ),
-    "aem": Exporter(
-        "attitude of the body (CCSDS AEM 2.0, KVN)", "text/x-ccsds-aem", ".aem", write_aem
-    ),
-}

@@ -1,0 +1,198 @@
+"""The answer to what there is to see of an imaging session: columns over time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.answers.columns import columns_of, numbers
+from app.answers.members import to_json
+from app.answers.ranges import (
+    Count,
+    ElevationDeg,
+    HalfTurnDeg,
+    LatitudeDeg,
+    LongitudeDeg,
+    NotNegative,
+    Signed,
+)
+from app.answers.view import BodyTrackOut, CarrierTrackOut
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.spacecraft.export.map import asked_rad
+from planner.spacecraft.table import TICK_S
+from planner.view.spacecraft import NO_WINDOW, SessionView
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineTraceOut:
+    """Where the camera looks; null where a ray passes the Earth by.
+
+    latitude_deg: where the optical axis meets the WGS84 ellipsoid.
+    longitude_deg: of that point; east positive.
+    range_m: to that point.
+    left_latitude_deg: of the scanned line's left end on the ellipsoid.
+    left_longitude_deg: of the scanned line's left end; east positive.
+    right_latitude_deg: of the scanned line's right end on the ellipsoid.
+    right_longitude_deg: of the scanned line's right end; east positive.
+    off_nadir_deg: of the optical axis from the geocentric nadir.
+    along_deg: of the optical axis from nadir, positive ahead.
+    across_deg: of the optical axis from nadir, positive to the right of flight.
+    ground_sample_across_m: width of a pixel on the ground, across the lean of the axis.
+    sun_elevation_deg: of the Sun's centre in the sky of the point looked at, without refraction.
+    sun_separation_deg: of the optical axis from the Sun's centre.
+    moon_separation_deg: of the optical axis from the Moon's centre.
+    """
+
+    latitude_deg: list[LatitudeDeg | None]
+    longitude_deg: list[LongitudeDeg | None]
+    range_m: list[NotNegative | None]
+    left_latitude_deg: list[LatitudeDeg | None]
+    left_longitude_deg: list[LongitudeDeg | None]
+    right_latitude_deg: list[LatitudeDeg | None]
+    right_longitude_deg: list[LongitudeDeg | None]
+    off_nadir_deg: list[HalfTurnDeg]
+    along_deg: list[Signed]
+    across_deg: list[Signed]
+    ground_sample_across_m: list[NotNegative | None]
+    sun_elevation_deg: list[ElevationDeg | None]
+    sun_separation_deg: list[HalfTurnDeg]
+    moon_separation_deg: list[HalfTurnDeg]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SwathOut:
+    """What one window images: the ring around it, its places in order.
+
+    request: name of the request it belongs to.
+    look: which strip, look or leg of the request, from 0.
+    start: first row; UTC.
+    stop: last row; UTC.
+    latitude_deg: of each place around it; empty where it isn't all on the Earth.
+    longitude_deg: of each place around it; east positive.
+    """
+
+    request: str
+    look: Count
+    start: str
+    stop: str
+    latitude_deg: list[LatitudeDeg]
+    longitude_deg: list[LongitudeDeg]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedPlacesOut:
+    """One request: the places of its line, or around its polygon.
+
+    name: of the request.
+    mode: of the request.
+    imaged: whether any of it is.
+    latitude_deg: of each place.
+    longitude_deg: of each place; east positive.
+    """
+
+    name: str
+    mode: str
+    imaged: bool
+    latitude_deg: list[LatitudeDeg]
+    longitude_deg: list[LongitudeDeg]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpacecraftViewResponse:
+    """What there is to see of an imaging session: a line for each row shown, in every column.
+
+    Vectors are [x, y, z] in body axes, gimbals 1 to 4.
+
+    id: of the plan, as its address names it.
+    name: of the session.
+    spacecraft: its name.
+    verified: whether the plan's verification passed.
+    epoch: of row 0; UTC.
+    step_s: from row to row shown; the table's last row is shown too.
+    t_s: of each row, since the epoch.
+    window: number of the swath being imaged, from 0; null while none is.
+    omega_body_deg_s: body relative to ECI, in body axes.
+    alpha_body_deg_s2: its derivative, in body axes.
+    gimbal_deg: angles of the four gyros' gimbals.
+    gimbal_rate_deg_s: rates of the four gyros' gimbals.
+    swaths: what each window images.
+    requests: what was asked for, imaged or not.
+    """
+
+    id: str
+    name: str
+    spacecraft: str
+    verified: bool
+    epoch: str
+    step_s: NotNegative
+    t_s: list[NotNegative]
+    window: list[Count | None]
+    omega_body_deg_s: list[list[Signed]]
+    alpha_body_deg_s2: list[list[Signed]]
+    gimbal_deg: list[list[Signed]]
+    gimbal_rate_deg_s: list[list[Signed]]
+    carrier: CarrierTrackOut
+    line: LineTraceOut
+    sun: BodyTrackOut
+    moon: BodyTrackOut
+    swaths: list[SwathOut]
+    requests: list[AskedPlacesOut]
+
+
+def spacecraft_view_json(view: SessionView, plan_id: str, *, verified: bool) -> bytes:
+    """The whole answer as UTF-8 JSON."""
+    request, table = view.plan.request, view.plan.table
+    return to_json(
+        columns_of(
+            SpacecraftViewResponse,
+            view,
+            id=plan_id,
+            name=request.name,
+            spacecraft=view.plan.spacecraft.name,
+            verified=verified,
+            epoch=utc_text(table.epoch_utc, 1),
+            step_s=view.step_s,
+            t_s=view.t_s.tolist(),
+            window=[None if one == NO_WINDOW else one for one in view.window.tolist()],
+            carrier=columns_of(CarrierTrackOut, view.carrier),
+            line=columns_of(LineTraceOut, view.line),
+            sun=columns_of(BodyTrackOut, view.sun),
+            moon=columns_of(BodyTrackOut, view.moon),
+            swaths=_swaths(view),
+            requests=_asked(view),
+        )
+    )
+
+
+def _swaths(view: SessionView) -> list[SwathOut]:
+    epoch_utc = view.plan.table.epoch_utc
+    nowhere = np.zeros(0), np.zeros(0)
+    return [
+        SwathOut(
+            request=window.request,
+            look=window.look,
+            start=utc_text(shifted_utc(epoch_utc, window.first_row * TICK_S)),
+            stop=utc_text(shifted_utc(epoch_utc, window.last_row * TICK_S)),
+            latitude_deg=numbers(np.degrees(ring_rad[0]), 1.0, 6),
+            longitude_deg=numbers(np.degrees(ring_rad[1]), 1.0, 6),
+        )
+        for window, ring_rad in zip(
+            view.plan.table.windows, (ring or nowhere for ring in view.swath_rad), strict=True
+        )
+    ]
+
+
+def _asked(view: SessionView) -> list[AskedPlacesOut]:
+    imaged = {window.request for window in view.plan.table.windows}
+    asked = []
+    for request in view.plan.request.requests:
+        latitude_rad, longitude_rad = asked_rad(request)
+        asked.append(
+            AskedPlacesOut(
+                name=request.name,
+                mode=request.mode,
+                imaged=request.name in imaged,
+                latitude_deg=numbers(np.degrees(latitude_rad), 1.0, 6),
+                longitude_deg=numbers((np.degrees(longitude_rad) + 180.0) % 360.0 - 180.0, 1.0, 6),
+            )
+        )
+    return asked

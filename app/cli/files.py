@@ -1,0 +1,97 @@
+"""What commands read and write: files, or with `-` the standard streams."""
+
+import json
+import sys
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from planner.errors import InvalidInput, Refusal, Unverified
+
+STANDARD_STREAM = Path("-")
+
+RequestFile = Annotated[str, typer.Argument(help="The request as JSON; - reads standard input.")]
+WholeAnswer = Annotated[
+    Path | None,
+    typer.Option(
+        help="Write the whole answer of the HTTP service here, the problem where it is a refusal; "
+        "- is standard output."
+    ),
+]
+Exports = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="FORMAT=PATH",
+        help="Write the table in a format that says its frames and units: docs/http.md lists "
+        "them, and so does the refusal of an unknown one (may be repeated).",
+    ),
+]
+
+
+def read_request(file: str) -> tuple[bytes, datetime]:
+    """A request as it stands in its file, and when it was read."""
+    body = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
+    return body, datetime.now(UTC)
+
+
+def write(path: Path, content: bytes) -> None:
+    """The folder is made where there is none."""
+    if path == STANDARD_STREAM:
+        sys.stdout.buffer.write(content)
+        sys.stdout.buffer.flush()
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+
+
+def takes_standard_output(*paths: Path | None) -> bool:
+    """Whether one of them does: the report then goes to stderr; raises InvalidInput for two."""
+    count = sum(path == STANDARD_STREAM for path in paths)
+    if count > 1:
+        raise InvalidInput("only one output can be -, standard output", field="-")
+    return count == 1
+
+
+def formats_and_paths(
+    texts: list[str] | None, formats: Collection[str]
+) -> Iterator[tuple[str, Path]]:
+    """Of `FORMAT=PATH`."""
+    for text in texts or ():
+        name, _, path = text.partition("=")
+        if name not in formats or not path:
+            raise InvalidInput(
+                f"{text[:80]!r} is no FORMAT=PATH; the formats are {', '.join(formats)}",
+                field="--export",
+            )
+        yield name, Path(path)
+
+
+@contextmanager
+def problem_to(path: Path | None) -> Iterator[None]:
+    """A refusal of what is inside is written there, as the service would answer it.
+
+    Not of a table alone: the whole answer tells its verdict.
+    """
+    try:
+        yield
+    except Unverified:
+        raise
+    except Refusal as refusal:
+        if path is not None:
+            write(path, json.dumps(_problem(refusal)).encode() + b"\n")
+        raise
+
+
+def _problem(refusal: Refusal) -> dict[str, Any]:
+    """Its members, a service's own where one refused it."""
+    from app.answers.problem import problem_of
+    from app.store.ids import new_id
+
+    there = getattr(refusal, "problem", None)
+    if there is not None:
+        return dict(there.members)
+    return problem_of(refusal) | {"instance": f"urn:uuid:{new_id()}"}

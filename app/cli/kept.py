@@ -1,0 +1,119 @@
+"""Plans that a running service keeps: listed, shown, exported, followed."""
+
+from collections.abc import Callable
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.text import Text
+
+from app.cli.files import (
+    WholeAnswer,
+    formats_and_paths,
+    problem_to,
+    takes_standard_output,
+    write,
+)
+from app.cli.one_line import FAILED
+from app.cli.report_parts import print_table, report_console, report_table
+
+if TYPE_CHECKING:
+    from slewtrack import Client, Progress
+
+_SECOND = 19  # characters of a time to the second
+
+Url = Annotated[
+    str | None,
+    typer.Option(
+        help="The service; SLEWTRACK_URL unless given, or http://127.0.0.1:8000. An API "
+        "key is taken from SLEWTRACK_KEY."
+    ),
+]
+Id = Annotated[str, typer.Argument(metavar="ID", help="As `slewtrack list` shows it.")]
+
+
+def list_plans(
+    url: Url = None,
+    limit: Annotated[int, typer.Option(min=1, help="Most plans to list.")] = 20,
+    state: Annotated[
+        str | None,
+        typer.Option(help="Only those queued, running, done, refused, failed or cancelled."),
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="Only those with this in the name.")] = None,
+    json: WholeAnswer = None,
+) -> None:
+    """List the plans that a service keeps, the latest first."""
+    from app.cli.service import json_of, service
+
+    with problem_to(json):
+        console = report_console(to_stderr=takes_standard_output(json))
+        with service(url) as client:
+            found = client.plans(limit=limit, state=state, name=name)
+        table = report_table(None, "<id", "<state", "<created", "<name", wrapped="name")
+        for job in found:
+            created = job.created[:_SECOND].replace("T", " ")
+            table.add_row(job.id, job.state, created, Text(job.name))
+        print_table(console, table)
+        if not found:
+            console.print("there are none")
+        if json:
+            write(json, json_of({"plans": [dict(job.members) for job in found]}))
+
+
+def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:
+    """Report on a plan that a service keeps."""
+    from app.cli.service import json_of, print_kept, service
+
+    with problem_to(json):
+        console = report_console(to_stderr=takes_standard_output(json))
+        with service(url) as client:
+            plan = client.get(plan_id)
+        print_kept(console, plan.members)
+        if json:
+            write(json, json_of(plan.members))
+
+
+def export(
+    plan_id: Id,
+    files: Annotated[
+        list[str],
+        typer.Argument(metavar="FORMAT=PATH...", help="As --export of `slewtrack plan` has them."),
+    ],
+    url: Url = None,
+) -> None:
+    """Write the table of a plan that a service keeps, in one format or several."""
+    from app.cli.service import service
+    from planner.export import EXPORTERS
+
+    wanted = list(formats_and_paths(files, EXPORTERS))
+    takes_standard_output(*(path for _, path in wanted))
+    with service(url) as client:
+        for name, path in wanted:
+            write(path, client.export(plan_id, name))
+
+
+def watch(plan_id: Id, url: Url = None) -> None:
+    """Follow a plan or a campaign until it has ended; 0 done, 1 failed or cancelled, 2 refused."""
+    from app.cli.service import service
+
+    console = report_console()
+
+    def tell(now: "Progress") -> None:
+        parts = "" if now.of is None else f" {now.done} of {now.of}"
+        console.print(Text(f"{now.state}{': ' if now.stage else ''}{now.stage or ''}{parts}"))
+
+    with service(url) as client:
+        has_passed = _follow(client, plan_id, tell)
+    if not has_passed:
+        raise typer.Exit(FAILED)
+
+
+def _follow(client: "Client", job_id: str, tell: "Callable[[Progress], None]") -> bool:
+    from slewtrack import Refused
+
+    try:
+        return client.wait(job_id, progress=tell).passed
+    except Refused as refused:
+        if refused.problem.status != HTTPStatus.NOT_FOUND:
+            raise
+    return client.wait_for_campaign(job_id, progress=tell).state == "done"

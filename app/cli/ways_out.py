@@ -1,0 +1,38 @@
+"""What a refusal tells beside its line: each fault, each offer, and commands that would work."""
+
+import shlex
+from collections.abc import Iterator, Sequence
+
+from slewtrack.problems import Offer, Problem
+
+
+def ways_out(problem: Problem, words: Sequence[str]) -> Iterator[str]:
+    """Lines; words: of the command that was refused, the program's name first."""
+    for fault in problem.errors[1:]:
+        yield f"{fault.field}: {fault.detail}"
+    for offer in problem.give_up:
+        yield f"with on_conflict {offer.on_conflict}, {_loss(offer)}"
+    if words[1:2] == ["plan"]:
+        for number, change in enumerate(_changes(problem)):
+            sets = [f"--set={field}={value}" for field, value in change.items()]
+            yield f"{'or:  ' if number else 'try: '}{shlex.join([*words, *sets])}"
+
+
+def _loss(offer: Offer) -> str:
+    losses = {
+        f"starts {offer.start_later_s:.1f} s later": offer.start_later_s,
+        f"stops {offer.stop_earlier_s:.1f} s earlier": offer.stop_earlier_s,
+    }
+    told = " and ".join(text for text, lost_s in losses.items() if lost_s > 0.0)
+    return f"session {offer.session} {told or 'loses nothing'}"
+
+
+def _changes(problem: Problem) -> Iterator[dict[str, str]]:
+    """Fields and what to set them to; each was tried by planning the request with it."""
+    session = (problem.field or "").rpartition(".")[0]
+    start = problem.earliest_feasible_start
+    if start is not None and session.startswith("sessions.") and not problem.costs_sessions:
+        stop = problem.feasible_stop
+        yield {f"{session}.start": start, **({f"{session}.stop": stop} if stop else {})}
+    for name in dict.fromkeys(offer.on_conflict for offer in problem.give_up):
+        yield {"on_conflict": name}

@@ -1,0 +1,61 @@
+"""What a child makes of a stored plan that is looked at."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from app.answers.spacecraft_view import spacecraft_view_json
+from app.answers.view import view_json
+from app.store.packed import unpack
+from app.work.plan import require_verified_table, stored_plan
+from app.work.spacecraft import stored_session
+from planner.export import EXPORTERS, Exporter, FlightPlan
+from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
+from planner.view import VIEW_EXPORTERS, view_plan
+from planner.view.spacecraft import view_session
+
+DRAWN: dict[str, Exporter[FlightPlan]] = {
+    name: exporter for name, exporter in EXPORTERS.items() if exporter.shows
+}
+DRAWN_SESSION: dict[str, Exporter[SessionTable]] = {
+    name: exporter for name, exporter in IMAGING_EXPORTERS.items() if exporter.shows
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedView:
+    """Of which plan, and how.
+
+    verified: whether its verification passed.  format_name: None for JSON.
+    step_s: None to have it chosen.  pixel_arcsec: of a platform's plans.  created_utc: the date a
+    file states.
+    """
+
+    plan_id: str
+    verified: bool
+    format_name: str | None
+    step_s: float | None
+    pixel_arcsec: float
+    created_utc: datetime
+
+
+def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
+    """Raises InvalidInput for the step, OutsideCoverage, and Unverified of all but JSON."""
+    packed = unpack(table_columns)
+    plan = stored_plan(request, packed)
+    if asked.format_name is None:
+        view = view_plan(plan, asked.step_s, asked.pixel_arcsec)
+        return view_json(view, asked.plan_id, asked.pixel_arcsec, verified=asked.verified)
+    require_verified_table(packed)
+    if asked.format_name in DRAWN:
+        return DRAWN[asked.format_name].write(plan, asked.created_utc)
+    view = view_plan(plan, asked.step_s, asked.pixel_arcsec)
+    return VIEW_EXPORTERS[asked.format_name].write(view, asked.created_utc)
+
+
+def stored_session_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
+    """Of an imaging session; raises InvalidInput for the step."""
+    session = stored_session(request, table_columns)
+    if asked.format_name is not None:
+        return DRAWN_SESSION[asked.format_name].write(session, asked.created_utc)
+    view = view_session(session, asked.step_s)
+    return spacecraft_view_json(view, asked.plan_id, verified=asked.verified)

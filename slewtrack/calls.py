@@ -1,0 +1,331 @@
+"""What is asked of a service and what its answers mean, without doing any input or output.
+
+Each call is a generator that yields what to ask and is sent the reply; `Client` and
+`AsyncClient` carry them out, each in its own way.  A service that is busy (429, 503) is asked
+again when it says, one that can't be reached after a pause that grows; a POST carries an
+Idempotency-Key, so that asking twice makes one plan.
+"""
+
+import json
+import time
+import uuid
+from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from email.utils import parsedate_to_datetime
+from typing import Any, NoReturn, TypeVar
+
+from slewtrack import answers
+from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan
+from slewtrack.events import Events, OnProgress, TimeIsUp
+from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, problem_of
+
+T = TypeVar("T")
+Json = bytes | Mapping[str, Any]
+
+PLANS, SPACECRAFT, CAMPAIGNS = "/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"
+SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
+PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
+WAIT_S = 30  # of a POST, for what takes no longer
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ask:
+    """One HTTP request.
+
+    parts: of a multipart body, (name, file's name, bytes, media type).  after_s: to wait before.
+    silence_s: most time without a byte of the answer.  on_line: is given each line of a good
+    answer as it comes; the reply's body is empty then.
+    """
+
+    method: str
+    path: str
+    query: Mapping[str, str] = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
+    body: bytes | None = None
+    parts: Sequence[tuple[str, str, bytes, str]] = ()
+    after_s: float = 0.0
+    silence_s: float = SILENCE_S
+    on_line: Callable[[str], None] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reply:
+    """The answer to it; headers by their names in lower case."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+
+Call = Generator[Ask, Reply, T]
+
+
+def good(ask: Ask, patience_s: float) -> Call[Reply]:
+    """The reply when it is good; raises Refused, or NoAnswer when patience is at its end."""
+    until_s = time.monotonic() + patience_s
+    pause_s = PAUSE_S
+    while True:
+        why: Refused | NoAnswer
+        try:
+            reply = yield ask
+        except NoAnswer as lost:
+            why, after_s = lost, pause_s
+        else:
+            if reply.status < 400:
+                return reply
+            why = Refused(_problem(reply))
+            if reply.status not in (429, 503):
+                raise why
+            after_s = _retry_after_s(reply.headers.get("retry-after", ""), pause_s)
+        if time.monotonic() + after_s > until_s:
+            raise why
+        ask = replace(ask, after_s=after_s)
+        pause_s = min(2.0 * pause_s, PAUSE_MAX_S)
+
+
+def document(ask: Ask, patience_s: float) -> Call[Members]:
+    """The JSON object of a good reply."""
+    return _members(ask, (yield from good(ask, patience_s)))
+
+
+def _members(ask: Ask, reply: Reply) -> Members:
+    try:
+        members = json.loads(reply.body)
+    except ValueError:
+        members = None
+    if not isinstance(members, dict):
+        raise NoAnswer(f"{ask.method} {ask.path} isn't answered by a slewtrack service")
+    return members
+
+
+def _problem(reply: Reply) -> Problem:
+    try:
+        members = json.loads(reply.body)
+    except ValueError:  # of a proxy, perhaps
+        members = None
+    if not isinstance(members, dict):
+        members = {"detail": f"the service answered with the status {reply.status}"}
+    return problem_of({"status": reply.status, **members})
+
+
+def _retry_after_s(text: str, else_s: float) -> float:
+    """Seconds, or until a date: RFC 9110, 10.2.3."""
+    if text.strip().isdecimal():
+        return float(text)
+    try:
+        return max((parsedate_to_datetime(text) - datetime.now(UTC)).total_seconds(), 0.0)
+    except (ValueError, TypeError):
+        return else_s
+
+
+def body_of(request: Json) -> bytes:
+    """As it stands, or the dictionary as JSON."""
+    return request if isinstance(request, bytes) else json.dumps(request).encode()
+
+
+def post(
+    path: str, request: Json, *, query: Mapping[str, str] | None = None, prefer: str | None = None
+) -> Ask:
+    """A request under a key of its own."""
+    headers = {"Content-Type": "application/json", "Idempotency-Key": uuid.uuid4().hex}
+    if prefer is not None:
+        headers["Prefer"] = prefer
+    return Ask(method="POST", path=path, query=query or {}, headers=headers, body=body_of(request))
+
+
+def submit(path: str, request: Json, revises: str | None, patience_s: float) -> Call[Job]:
+    """Accepted, not waited for."""
+    query = {} if revises is None else {"revises": revises}
+    ask = post(path, request, query=query, prefer="respond-async")
+    return answers.job_of((yield from document(ask, patience_s)))
+
+
+def plan(
+    path: str,
+    request: Json,
+    revises: str | None,
+    progress: OnProgress | None,
+    timeout_s: float | None,
+    patience_s: float,
+) -> Call[Plan]:
+    """Submitted and waited for: in one exchange where nobody asks how far it is."""
+    wait_s = WAIT_S if timeout_s is None else min(WAIT_S, int(timeout_s))
+    ask = post(
+        path,
+        request,
+        query={} if revises is None else {"revises": revises},
+        prefer=f"wait={wait_s}" if progress is None else "respond-async",
+    )
+    members = yield from document(ask, patience_s)
+    if "table" in members:
+        return answers.plan_of(members)
+    if timeout_s is not None and progress is None:
+        timeout_s -= wait_s
+    return (yield from wait_for_plan(path, members["id"], progress, timeout_s, patience_s))
+
+
+def wait_for_plan(
+    path: str,
+    job_id: str,
+    progress: OnProgress | None,
+    timeout_s: float | None,
+    patience_s: float,
+) -> Call[Plan]:
+    """The plan once it is made; raises Refused, Cancelled, NotFinished."""
+    members = yield from _wait(path, job_id, progress, timeout_s, patience_s)
+    if "table" not in members:
+        _raise_unmade(members)
+    return answers.plan_of(members)
+
+
+def campaign(
+    request: Json, progress: OnProgress | None, timeout_s: float | None, patience_s: float
+) -> Call[Campaign]:
+    """Submitted and waited for, all passes planned."""
+    job = yield from submit(CAMPAIGNS, request, None, patience_s)
+    return (yield from wait_for_campaign(job.id, progress, timeout_s, patience_s))
+
+
+def wait_for_campaign(
+    job_id: str, progress: OnProgress | None, timeout_s: float | None, patience_s: float
+) -> Call[Campaign]:
+    """The campaign once all its passes are planned."""
+    members = yield from _wait(CAMPAIGNS, job_id, progress, timeout_s, patience_s)
+    if members.get("choice") is None or members["state"] == "cancelled":
+        _raise_unmade(members)
+    return answers.campaign_of(members)
+
+
+def _raise_unmade(members: Members) -> NoReturn:
+    if problem := members.get("problem"):
+        raise Refused(problem_of(problem))
+    raise Cancelled(members["id"])
+
+
+def _wait(
+    path: str,
+    job_id: str,
+    progress: OnProgress | None,
+    timeout_s: float | None,
+    patience_s: float,
+) -> Call[Members]:
+    """What is at the address when the work on it has ended."""
+    until_s = None if timeout_s is None else time.monotonic() + timeout_s
+    one = Ask(method="GET", path=f"{path}/{job_id}")
+    heard = Events(progress, until_s)
+    while True:
+        members = yield from document(one, patience_s)
+        if members["state"] not in ("queued", "running"):
+            yield from _catch_up(f"{path}/{job_id}/events", heard)
+            return members
+        if until_s is not None and time.monotonic() >= until_s:
+            raise NotFinished(job_id, members["state"])
+        yield from _listen(f"{path}/{job_id}/events", heard)
+        one = replace(one, after_s=0.0 if heard.has_ended else PAUSE_S)
+
+
+def _catch_up(path: str, heard: Events) -> Call[None]:
+    """With what a broken connection kept from who wants to be told."""
+    seen: str | None = ""  # no event's id
+    while heard.is_wanted and not heard.has_ended and seen != heard.last_id:
+        seen = heard.last_id
+        yield from _listen(path, heard)
+
+
+def _listen(path: str, heard: Events) -> Call[None]:
+    """To its events until they end, the connection breaks or time is up: then it is looked at."""
+    ask = Ask(
+        method="GET",
+        path=path,
+        headers=heard.headers,
+        on_line=heard.take,
+        silence_s=heard.silence_s,
+    )
+    try:
+        reply = yield ask
+    except (NoAnswer, TimeIsUp):
+        return
+    if reply.status >= 400 and reply.status not in (429, 503):
+        raise Refused(_problem(reply))
+
+
+def plan_at(path: str, plan_id: str, patience_s: float) -> Call[Plan]:
+    """One that is made; raises Refused with 404 or with why it was not made, NotFinished."""
+    ask = Ask(method="GET", path=f"{path}/{plan_id}")
+    members = yield from document(ask, patience_s)
+    if members["state"] in ("queued", "running"):
+        raise NotFinished(plan_id, members["state"])
+    if "table" not in members:
+        _raise_unmade(members)
+    return answers.plan_of(members)
+
+
+def table(path: str, plan_id: str, patience_s: float) -> Call[Columns]:
+    """Its columns."""
+    ask = Ask(method="GET", path=f"{path}/{plan_id}/table", headers={"Accept": "application/json"})
+    return answers.columns_of((yield from document(ask, patience_s)))
+
+
+def export(path: str, plan_id: str, format_name: str, patience_s: float) -> Call[bytes]:
+    """A file of its table."""
+    ask = Ask(method="GET", path=f"{path}/{plan_id}/table", query={"format": format_name})
+    return (yield from good(ask, patience_s)).body
+
+
+def view(path: str, plan_id: str, step_s: float | None, patience_s: float) -> Call[Columns]:
+    """What there is to see along it."""
+    query = {} if step_s is None else {"step_s": repr(step_s)}
+    ask = Ask(method="GET", path=f"{path}/{plan_id}/view", query=query)
+    return answers.columns_of((yield from document(ask, patience_s)))
+
+
+def jobs(
+    path: str, limit: int, filters: Mapping[str, str | None], patience_s: float
+) -> Call[list[Job]]:
+    """The latest first, page after page until there are so many."""
+    found: list[Job] = []
+    query = {name: value for name, value in filters.items() if value is not None}
+    while len(found) < limit:
+        page = {**query, "limit": str(min(limit - len(found), 200))}
+        members = yield from document(Ask(method="GET", path=path, query=page), patience_s)
+        found += map(answers.job_of, members[path.rpartition("/")[2]])
+        if members["next"] is None:
+            break
+        query["cursor"] = members["next"]
+    return found
+
+
+def opportunities(request: Json, patience_s: float) -> Call[Opportunities]:
+    """Windows of a request."""
+    return answers.opportunities_of(
+        (yield from document(post("/v1/opportunities", request), patience_s))
+    )
+
+
+def estimate_vertical(images: Sequence[bytes], request: Json, patience_s: float) -> Call[Members]:
+    """The members of a horizon estimate."""
+    parts = [("request", "request.json", body_of(request), "application/json")]
+    parts += [
+        ("images", f"image-{number}", image, "application/octet-stream")
+        for number, image in enumerate(images)
+    ]
+    ask = Ask(method="POST", path="/v1/horizon/estimates", parts=parts)
+    return (yield from document(ask, patience_s))
+
+
+def platforms(patience_s: float) -> Call[Sequence[Members]]:
+    """Each as a request may write out its own."""
+    members = yield from document(Ask(method="GET", path="/v1/platforms"), patience_s)
+    found: Sequence[Members] = members["platforms"]
+    return found
+
+
+def check(path: str, request: Json, patience_s: float) -> Call[Members]:
+    """The answer to a dry run; raises Refused when it doesn't fly."""
+    return (yield from document(post(path, request, query={"dry_run": "true"}), patience_s))
+
+
+def delete(path: str, job_id: str, patience_s: float) -> Call[None]:
+    """Cancelled, or deleted when it is finished."""
+    yield from good(Ask(method="DELETE", path=f"{path}/{job_id}"), patience_s)

@@ -1,0 +1,344 @@
+"""Does the client plan, wait, follow, and raise what a served instance refuses?"""
+
+import asyncio
+import inspect
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+from urllib.request import urlopen
+
+import httpx
+import numpy as np
+import pytest
+from live_service import live_service
+from relay import Relay
+
+import slewtrack
+from planner.errors import InvalidInput
+from slewtrack.connection import Service
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LAS_VEGAS = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())
+CITIES = (EXAMPLES / "campaign_cities.json").read_bytes()
+GALLERY = (EXAMPLES / "opportunities_gallery.json").read_bytes()
+TOO_EARLY = LAS_VEGAS | {"sessions": [LAS_VEGAS["sessions"][0] | {"start": "2015-02-27T17:34:02Z"}]}
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory):
+    with live_service(tmp_path_factory.mktemp("service")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def client(service):
+    with slewtrack.Client(service.address) as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def plan(client):
+    return client.plan(LAS_VEGAS)
+
+
+def test_a_table_holds_the_numbers_that_were_answered(service, client, plan):
+    with urlopen(f"{service.address}/v1/plans/{plan.id}") as answer:
+        told = json.load(answer)["table"]
+    for table in (plan.table, client.get(plan.id).table, client.table(plan.id)):
+        assert set(table) == set(told) - {"epoch", "step_s"}
+        assert table.epoch == told["epoch"]
+        for name, values in table.items():
+            assert values.dtype == np.float64
+            assert values.tolist() == told[name]
+    assert str(plan.table.utc[-1]) == "2015-02-27T17:37:50.000000000"
+
+
+def test_a_table_in_pandas_and_xarray(plan):
+    frame = plan.table.to_pandas()
+    assert frame["alpha_deg"].tolist() == plan.table["alpha_deg"].tolist()
+    assert frame.index[1].isoformat() == "2015-02-27T17:34:00.200000+00:00"
+    dataset = plan.table.to_xarray()
+    assert dataset["beta_rate_deg_s"].values.tolist() == plan.table["beta_rate_deg_s"].tolist()
+    assert dataset.attrs["step_s"] == 0.2
+
+
+def test_the_view_in_columns_along_the_table(service, client, plan):
+    with urlopen(f"{service.address}/v1/plans/{plan.id}/view?step_s=10.0") as answer:
+        told = json.load(answer)
+    view = client.view(plan.id, step_s=10.0)
+    assert view["carrier.latitude_deg"].tolist() == told["carrier"]["latitude_deg"]
+    azimuth_deg = np.array(told["targets"][0]["azimuth_deg"], dtype=float)  # NaN for null
+    np.testing.assert_array_equal(view["targets.0.azimuth_deg"], azimuth_deg)
+    assert view["footprint.latitude_deg"].shape == (len(view.t_s), 4)
+    assert view["activity"].tolist() == told["activity"]
+    assert view.facts["targets"][0]["name"] == told["targets"][0]["name"]
+    assert view.to_xarray().sizes["t_s"] == len(view.to_pandas()) == len(view.t_s)
+
+
+def test_the_same_calls_without_a_service(client, plan):
+    here = slewtrack.plan(LAS_VEGAS)
+    ours, theirs = slewtrack.view(here, step_s=10.0), client.view(plan.id, step_s=10.0)
+    assert set(ours) == set(theirs)
+    for name, values in ours.items():
+        np.testing.assert_array_equal(values, theirs[name])
+    rows = [
+        [line for line in file.splitlines() if not line.startswith(b"#")]
+        for file in (slewtrack.export(here, "csv"), client.export(plan.id, "csv"))
+    ]
+    assert rows[0] == rows[1]
+    with pytest.raises(InvalidInput, match="netcdf"):
+        slewtrack.export(here, "xlsx")
+
+
+def test_progress_ends_with_what_became_of_it(client):
+    told = []
+    assert client.plan(LAS_VEGAS, progress=told.append).passed
+    assert [told[0].state, told[-1].state] == ["queued", "done"]
+
+
+@pytest.mark.parametrize("progress", [None, lambda _: None])
+def test_a_refusal_carries_its_problem(client, progress):
+    with pytest.raises(slewtrack.Refused) as refused:
+        client.plan(TOO_EARLY, progress=progress)
+    problem = refused.value.problem
+    assert problem.type == "urn:slewtrack:problem:infeasible-slew"
+    assert (problem.status, problem.field, problem.axis) == (422, "sessions.0.start", "alpha")
+    better = LAS_VEGAS["sessions"][0] | {"start": problem.earliest_feasible_start}
+    assert client.plan(LAS_VEGAS | {"sessions": [better]}).passed
+
+
+def test_a_refusal_lists_what_each_way_out_costs_and_every_field_at_fault(client):
+    sequence = json.loads((EXAMPLES / "three_sessions.json").read_text())
+    sequence |= {"on_conflict": "refuse"}
+    sequence["sessions"][1]["start"] = sequence["sessions"][0]["stop"]
+    with pytest.raises(slewtrack.Refused) as refused:
+        client.plan(sequence)
+    offer = refused.value.problem.give_up[0]
+    client.check(sequence | {"on_conflict": offer.on_conflict})
+    with pytest.raises(slewtrack.Refused) as refused:
+        client.plan(LAS_VEGAS | {"platform": "hubble", "nmae": "x"})
+    assert {fault.field for fault in refused.value.problem.errors} == {"platform", "nmae"}
+
+
+def test_what_is_kept_is_listed_exported_revised_and_deleted(client):
+    first = client.wait(client.submit(LAS_VEGAS | {"name": "kept"}).id)
+    second = client.plan(LAS_VEGAS | {"name": "kept"}, revises=first.id)
+    assert (first.revision, second.revision) == (1, 2)
+    assert [job.id for job in client.plans(name="kept")] == [second.id, first.id]
+    assert len(client.plans(limit=1)) == 1
+    assert client.export(first.id, "netcdf").startswith(b"CDF")
+    client.delete(first.id)
+    with pytest.raises(slewtrack.Refused) as refused:
+        client.get(first.id)
+    assert refused.value.problem.status == 404
+
+
+def test_windows_are_sessions_that_plan(client):
+    found = client.opportunities(GALLERY)
+    window = next(one for one in found.windows if one.target == "Las Vegas")
+    assert window.rise < window.set
+    assert window.rise.utcoffset().total_seconds() == 0.0
+    session = LAS_VEGAS["sessions"][0] | window.session
+    assert client.plan(LAS_VEGAS | {"sessions": [session]}).passed
+
+
+def test_a_campaign_is_followed_over_broken_connections(service):
+    """Each time it is told something, the connection breaks: nothing is lost or told twice."""
+    relay = Relay("127.0.0.1", service.port)
+    told = []
+
+    def break_it(progress):
+        told.append(progress)
+        relay.hang_up()
+
+    with slewtrack.Client(f"http://127.0.0.1:{relay.port}") as client:
+        campaign = client.campaign(CITIES, progress=break_it)
+        assert [client.get(one["plan"]).passed for one in campaign.passes] == [True, True]
+    assert campaign.value <= campaign.bound
+    assert [progress.done for progress in told if progress.stage == "plans"] == [1, 2]
+    assert [progress.state for progress in told].count("done") == 1
+
+
+def test_the_callers_own_exception_comes_through(client):
+    def broken(_):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        client.plan(LAS_VEGAS, progress=broken)
+
+
+def test_images_and_imaging(client):
+    images = [(EXAMPLES / f"horizon_{side}.png").read_bytes() for side in ("ahead", "right")]
+    request = (EXAMPLES / "horizon_estimate.json").read_bytes()
+    assert client.estimate_vertical(images, request)["verdict"] == "consistent"
+    session = client.plan_imaging((EXAMPLES / "spacecraft_four_modes.json").read_bytes())
+    assert session.table["q_body_from_eci_xyzw"].shape == (len(session.table.t_s), 4)
+
+
+def test_many_at_once_with_await(service):
+    async def plans():
+        async with slewtrack.AsyncClient(service.address) as client:
+            told = []
+            made = await asyncio.gather(
+                client.plan(LAS_VEGAS),
+                client.plan(LAS_VEGAS, progress=told.append),
+                client.plan(TOO_EARLY),
+                return_exceptions=True,
+            )
+            return made, told, await client.export(made[0].id, "csv")
+
+    (one, other, refused), told, csv = asyncio.run(plans())
+    np.testing.assert_array_equal(one.table["alpha_deg"], other.table["alpha_deg"])
+    assert told[-1].state == "done"
+    assert refused.problem.field == "sessions.0.start"
+    assert b"alpha_deg" in csv
+
+
+def test_both_clients_have_the_same_calls():
+    def calls(kind):
+        return {
+            name: inspect.signature(call)
+            for name, call in inspect.getmembers(kind, inspect.isfunction)
+            if not name.startswith("_")
+        }
+
+    assert calls(slewtrack.Client) == calls(slewtrack.AsyncClient)
+
+
+def test_a_key_is_sent_and_its_lack_told(tmp_path):
+    with (
+        live_service(tmp_path, SLEWTRACK_REQUIRE_KEYS="true") as service,
+        slewtrack.Client(service.address) as client,
+        slewtrack.Client(service.address, "st_wrong") as other,
+    ):
+        for one, said in ((client, "send an API key"), (other, "unknown or revoked")):
+            with pytest.raises(slewtrack.Refused, match=said) as refused:
+                one.plans()
+            assert refused.value.problem.status == 401
+
+
+def test_a_rate_limit_is_waited_out(tmp_path):
+    with (
+        live_service(tmp_path, SLEWTRACK_RATE_PER_MINUTE="60") as service,
+        slewtrack.Client(service.address) as client,
+    ):
+        began_s = time.monotonic()
+        for _ in range(62):
+            client.plans()
+    assert time.monotonic() - began_s > 0.5  # 60 at once, one more each second
+
+
+def scripted(*answers):
+    """A client whose requests are answered so, and the requests."""
+    left, asked = list(answers), []
+
+    def answer(request):
+        asked.append(request)
+        one = left.pop(0)
+        if isinstance(one, Exception):
+            raise one
+        return one
+
+    return slewtrack.Client("http://service", transport=httpx.MockTransport(answer)), asked
+
+
+def busy(after):
+    problem = {"type": "urn:slewtrack:problem:queue-full", "status": 503, "detail": "full"}
+    return httpx.Response(503, json=problem, headers={"Retry-After": after})
+
+
+def accepted():
+    return httpx.Response(202, json={"id": "1", "state": "queued", "name": ""})
+
+
+@pytest.mark.parametrize("first", [busy("0"), httpx.ReadError("lost"), httpx.ConnectError("no")])
+def test_asking_again_makes_no_second_plan(first):
+    client, asked = scripted(first, accepted())
+    assert client.submit(LAS_VEGAS).is_open
+    one, other = (request.headers["Idempotency-Key"] for request in asked)
+    assert one == other
+    assert asked[0].content == asked[1].content
+
+
+def test_waiting_has_an_end():
+    still = {"id": "1", "state": "running", "name": ""}
+    client, asked = scripted(
+        accepted(),
+        httpx.Response(200, json=still),
+        httpx.ReadTimeout("silent"),
+        httpx.Response(200, json=still),
+        httpx.ReadTimeout("silent"),
+        httpx.Response(200, json=still),
+    )
+    with pytest.raises(slewtrack.NotFinished) as late:
+        client.plan(LAS_VEGAS, progress=lambda _: None, timeout_s=0.6)
+    assert late.value.job_id == "1"
+    assert [request.url.path for request in asked[1:3]] == ["/v1/plans/1", "/v1/plans/1/events"]
+
+
+def test_what_is_cancelled_says_so():
+    ended = {"id": "1", "state": "cancelled", "name": "", "problem": None}
+    client, _ = scripted(accepted(), httpx.Response(200, json=ended))
+    with pytest.raises(slewtrack.Cancelled):
+        client.plan(LAS_VEGAS)
+
+
+def test_patience_ends_with_the_reason():
+    client, asked = scripted(busy("3600"))
+    with pytest.raises(slewtrack.Refused, match="full") as refused:
+        client.submit(LAS_VEGAS)
+    assert refused.value.problem.status == 503
+    assert len(asked) == 1
+
+
+def test_a_service_that_is_not_there():
+    with (
+        slewtrack.Client("http://127.0.0.1:9", patience_s=0.0) as client,
+        pytest.raises(slewtrack.NoAnswer, match="slewtrack serve"),
+    ):
+        client.plans()
+
+
+@pytest.mark.parametrize("answer", [httpx.Response(200, text="<html>"), httpx.Response(200)])
+def test_another_service_at_the_address(answer):
+    client, _ = scripted(answer)
+    with pytest.raises(slewtrack.NoAnswer, match="isn't answered by a slewtrack service"):
+        client.plans()
+
+
+def test_a_proxys_page_of_an_error_is_a_problem():
+    client, _ = scripted(httpx.Response(502, text="<html>Bad gateway"))
+    with pytest.raises(slewtrack.Refused, match="502"):
+        client.plans()
+
+
+@pytest.mark.parametrize("url", ["service", "ftp://service", "http://"])
+def test_an_address_that_is_none(url):
+    with pytest.raises(ValueError, match="http://HOST"):
+        slewtrack.Client(url)
+
+
+def test_address_and_key_of_the_environment(monkeypatch):
+    monkeypatch.setenv("SLEWTRACK_URL", "https://plans.example/")
+    monkeypatch.setenv("SLEWTRACK_KEY", "st_1")
+    service = Service()
+    assert service.url == "https://plans.example"
+    assert service.options["headers"] == {"Authorization": "Bearer st_1"}
+
+
+def test_the_pages_example(service):
+    page = (EXAMPLES.parent / "docs" / "python.md").read_text()
+    [example] = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    [shown] = re.findall(r"```\n(done .*?)```", page, re.DOTALL)
+    done = subprocess.run(
+        [sys.executable, "-c", example],
+        capture_output=True,
+        text=True,
+        cwd=EXAMPLES.parent,
+        env=os.environ | {"SLEWTRACK_URL": service.address},
+    )
+    assert done.stdout == shown, done.stderr

@@ -1,0 +1,455 @@
+"""Does a plan's view over HTTP hold what there is to see, in every format?"""
+
+import io
+import json
+import math
+from datetime import datetime
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from lxml import etree
+from PIL import Image
+from refusal_cases import request
+from scipy.io import netcdf_file
+from waiting import PatientClient
+
+from app.http.app import create_app
+from app.http.routes import plans as plan_routes
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.work.view import DRAWN, DRAWN_SESSION
+
+FILL = 9.969209968386869e36  # NetCDF's own default for doubles
+STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
+SUN_CONE = next(
+    example for _, example in PLAN_EXAMPLES.values() if example.get("slew", {}).get("keep_out")
+)
+
+
+@pytest.fixture(scope="module")
+def client():
+    with PatientClient(create_app()) as client:
+        yield client
+
+
+def made(client, document, path="/v1/plans"):
+    answer = client.post(path, json=document)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+@pytest.fixture(scope="module")
+def plan(client):
+    return made(client, LAS_VEGAS)
+
+
+@pytest.fixture(scope="module")
+def session(client):
+    return made(client, STRIP, "/v1/spacecraft/plans")
+
+
+def seen(client, plan, query="", path="/v1/plans"):
+    answer = client.get(f"{path}/{plan['id']}/view{query}")
+    assert answer.status_code == 200, answer.text
+    return answer
+
+
+def refused(client, plan, query):
+    answer = client.get(f"/v1/plans/{plan['id']}/view{query}")
+    assert answer.status_code == 422, answer.text
+    return answer.json()
+
+
+@pytest.fixture(scope="module")
+def view(client, plan):
+    return seen(client, plan, "?step_s=0.2").json()
+
+
+def wrong(client, schema, document):
+    components = client.app.openapi()["components"]
+    check = Draft202012Validator(
+        {"$ref": f"#/components/schemas/{schema}", "components": components}
+    )
+    return [error.message for error in check.iter_errors(document)]
+
+
+def columns(section):
+    return {name: values for name, values in section.items() if isinstance(values, list)}
+
+
+def row_at(view, text):
+    since = datetime.fromisoformat(text) - datetime.fromisoformat(view["epoch"])
+    return view["t_s"].index(round(since.total_seconds(), 1))
+
+
+def test_views_are_as_the_schema_says(client, plan, session, view):
+    assert wrong(client, "PlanViewResponse", view) == []
+    whole = seen(client, session, path="/v1/spacecraft/plans").json()
+    assert wrong(client, "SpacecraftViewResponse", whole) == []
+
+
+def test_every_column_has_a_line_for_every_row(view, plan):
+    rows = len(plan["table"]["t_s"])
+    assert view["t_s"] == plan["table"]["t_s"]
+    assert len(view["activity"]) == len(view["session"]) == rows
+    sections = [view[name] for name in ("carrier", "boresight", "footprint", "sun", "moon")]
+    target = {k: v for k, v in view["targets"][0].items() if k != "windows"}
+    for section in (*sections, view["pointing"], target, *view["axes"].values()):
+        assert columns(section)
+        for name, values in columns(section).items():
+            assert len(values) == rows, name
+
+
+def test_the_axes_are_the_tables(view, plan):
+    for axis in ("alpha", "beta"):
+        motion, margins = view["axes"][axis], plan["margins"][axis]
+        assert motion["angle_deg"] == plan["table"][f"{axis}_deg"]
+        assert motion["rate_deg_s"] == plan["table"][f"{axis}_rate_deg_s"]
+        for order, limit in (("acceleration_deg_s2", "acceleration"), ("jerk_deg_s3", "jerk")):
+            # the judge looks at both ends of each cell, the view at one: a row's jerk apart
+            largest = max(map(abs, motion[order]))
+            assert largest == pytest.approx(abs(margins[limit]["extreme"]), rel=0.02)
+            assert view["limits"][axis][f"{limit}_max_{order.split('_', 1)[1]}"] == pytest.approx(
+                margins[limit]["limit"]
+            )
+
+
+def test_a_session_is_seen_as_its_plan_tells(view, plan):
+    [told], [target] = plan["pointing"], view["targets"]
+    first, last = row_at(view, target["start"]), row_at(view, target["stop"])
+    inside = slice(first, last + 1)
+    assert min(target["elevation_deg"][inside]) == pytest.approx(told["elevation_min_deg"], 1e-5)
+    assert min(target["range_m"][inside]) == pytest.approx(1e3 * told["range_min_km"], 1e-6)
+    assert view["activity"][first] == "track"
+    assert view["activity"][first - 1] == "slew"
+    assert set(view["session"]) == {0}
+    off = view["pointing"]["error_arcsec"]
+    assert max(off[inside]) < 0.1
+    assert {*off[:first], *off[last + 1 :]} == {None}
+
+
+def test_the_ellipse_is_that_of_the_budget(view, plan):
+    """The budget tells the mean of both axes at the worst of eleven instants."""
+    pointing = view["pointing"]
+    squares = [
+        (major**2 + minor**2) / 2.0
+        for major, minor in zip(
+            pointing["sigma_major_arcsec"], pointing["sigma_minor_arcsec"], strict=True
+        )
+        if major is not None
+    ]
+    [budget] = plan["uncertainty"]
+    assert math.sqrt(max(squares)) == pytest.approx(budget["sigma_arcsec"], rel=1e-3)
+
+
+def test_the_boresight_is_on_the_target(view):
+    [target] = view["targets"]
+    row = row_at(view, target["stop"])
+    apart_deg = abs(view["boresight"]["latitude_deg"][row] - target["latitude_deg"][row])
+    # its height, 610 m, is seen from 69 deg elevation: 0.002 deg
+    assert apart_deg < 0.01
+    corners = view["footprint"]["latitude_deg"][row]
+    assert min(corners) < target["latitude_deg"][row] < max(corners)
+
+
+def test_the_window_around_the_session(view):
+    [target] = view["targets"]
+    [window] = target["windows"]
+    assert window["rise"] < target["start"] < target["stop"] < window["set"]
+    assert window["closed_by"] == "elevation"
+
+
+def test_the_baseline_is_the_comparisons(view, plan):
+    [slew], [comparison] = view["baseline"], plan["comparison"]
+    first, last = (view["t_s"].index(slew["t_s"][k]) for k in (0, -1))
+    for axis in ("alpha", "beta"):
+        motion = slew["axes"][axis]
+        # the largest on rows beside the largest anywhere
+        spline = comparison["spline"][axis]
+        assert max(map(abs, motion["rate_deg_s"])) == pytest.approx(
+            spline["peak_rate_deg_s"], rel=1e-3
+        )
+        table = view["axes"][axis]["angle_deg"]
+        assert motion["angle_deg"][0] == pytest.approx(table[first], abs=1e-9)
+        # what its filter leaves; the view aims by three rows' acceleration: 0.01 arcsec
+        off_deg = motion["angle_deg"][-1] - table[last]
+        assert off_deg == pytest.approx(spline["end_error_arcsec"] / 3600.0, abs=0.01 / 3600.0)
+
+
+def test_cones_and_their_outlines(client):
+    plan = made(client, SUN_CONE)
+    view = seen(client, plan).json()
+    assert wrong(client, "PlanViewResponse", view) == []
+    for cone, margin in zip(view["keep_out"], plan["keep_out"], strict=True):
+        assert cone["half_angle_deg"] == margin["half_angle_deg"]
+        in_force = [
+            away
+            for away, counts in zip(cone["separation_deg"], cone["counts"], strict=True)
+            if counts
+        ]
+        if margin["away_min_deg"] is not None:
+            assert min(in_force) == pytest.approx(margin["away_min_deg"], abs=0.1)  # a step's turn
+        outlines = np.array(cone["outline_deg"]["alpha"], dtype=float)
+        assert outlines.shape == (len(cone["outline_t_s"]), 2, 37)
+        np.testing.assert_array_equal(outlines[..., 0], outlines[..., -1])
+
+
+def test_the_step_is_chosen_or_asked_for(client, plan):
+    rows = len(plan["table"]["t_s"])
+    chosen = seen(client, plan).json()
+    assert len(chosen["t_s"]) <= 1000
+    assert chosen["t_s"][-1] == plan["table"]["t_s"][-1]
+    coarse = seen(client, plan, "?step_s=7").json()
+    assert coarse["step_s"] == 7.0
+    assert coarse["t_s"] == [*np.arange(0, rows - 1, 35) / 5.0, (rows - 1) / 5.0]
+    one_row = seen(client, plan, "?step_s=86400").json()
+    assert one_row["t_s"] == [0.0, (rows - 1) / 5.0]
+
+
+@pytest.mark.parametrize(
+    "step", ["0", "-1", "0.1", "0.3", "nan", "inf", "1e308", "86400.2", "x", "", "0.2000001"]
+)
+def test_a_step_that_can_not_be_taken(client, plan, step):
+    problem = refused(client, plan, f"?step_s={step}")
+    assert problem["field"] == "query.step_s"
+
+
+def test_a_step_of_too_many_rows_names_one_that_works(client):
+    """A day of waiting before the session."""
+    early = request(("initial_state.epoch", "2015-02-26T18:00:00Z"))
+    plan = made(client, early)
+    problem = refused(client, plan, "?step_s=0.2")
+    assert problem["field"] == "query.step_s"
+    least_s = float(problem["detail"].split("use ")[1].split(" or")[0])
+    assert len(seen(client, plan, f"?step_s={least_s}").json()["t_s"]) <= 20_000
+
+
+@pytest.mark.parametrize("query", ["pixel_arcsec=0", "pixel_arcsec=nan", "steps=1", "format=xlsx"])
+def test_other_parameters_are_checked(client, plan, query):
+    name = query.split("=")[0]
+    assert refused(client, plan, f"?{query}")["field"] == f"query.{name}"
+
+
+def test_a_pixel_is_as_wide_as_asked(client, plan):
+    narrow, wide = (
+        seen(client, plan, f"?step_s=10&pixel_arcsec={angle}").json() for angle in (1.0, 2.0)
+    )
+    first, second = (one["targets"][0]["ground_sample_across_m"][-1] for one in (narrow, wide))
+    assert second == pytest.approx(2.0 * first, abs=1e-3)  # told to the millimetre
+    assert first == pytest.approx(
+        narrow["targets"][0]["range_m"][-1] * math.radians(1.0 / 3600.0), abs=1e-3
+    )
+
+
+def test_what_is_seen_is_known_again(client, plan):
+    answer = seen(client, plan)
+    tag = answer.headers["etag"]
+    path = f"/v1/plans/{plan['id']}/view"
+    again = client.get(path, headers={"If-None-Match": tag})
+    assert again.status_code == 304
+    assert seen(client, plan).content == answer.content
+    assert seen(client, plan, "?step_s=1").headers["etag"] != tag
+    assert client.head(path).status_code == 200
+
+
+def test_it_is_computed_once(client, plan, monkeypatch):
+    first = seen(client, plan, "?step_s=3")
+
+    def not_again(*_):
+        raise AssertionError("it was computed once more")
+
+    monkeypatch.setattr("app.http.routes.views.in_child", not_again)
+    assert seen(client, plan, "?step_s=3").content == first.content
+
+
+def test_what_is_not_there(client):
+    assert client.get("/v1/plans/01a203fd-cbae-73f8-8276-319f76b8842c/view").status_code == 404
+    low = request(("sessions.0.target.min_elevation_deg", 89.0))
+    client.post("/v1/plans", json=low)
+    [plan] = client.get("/v1/plans?state=refused&limit=1").json()["plans"]
+    answer = client.get(f"/v1/plans/{plan['id']}/view")
+    assert answer.status_code == 409
+    assert "refused" in answer.json()["detail"]
+
+
+def test_a_plan_that_failed_can_be_looked_at_but_not_taken_along(client):
+    plan = made(client, {**LAS_VEGAS, "slew": {"method": "spline"}})
+    view = seen(client, plan).json()
+    assert view["verified"] is False
+    assert view["baseline"] == []
+    assert max(off for off in view["pointing"]["error_arcsec"] if off is not None) > 0.1
+    for name in ("netcdf", "png"):
+        problem = refused(client, plan, f"?format={name}")
+        assert problem["type"] == "urn:slewtrack:problem:unverified"
+
+
+@pytest.mark.parametrize("name", ["json", *plan_routes.PLANS.view_exporters])
+def test_every_format_by_name_and_media_type(client, plan, name):
+    answer = seen(client, plan, f"?format={name}")
+    media_type = answer.headers["content-type"].split(";")[0]
+    by_type = client.get(f"/v1/plans/{plan['id']}/view", headers={"Accept": media_type})
+    assert by_type.content == answer.content
+    if name != "json":
+        suffix = plan_routes.PLANS.view_exporters[name].suffix
+        disposition = answer.headers["content-disposition"]
+        assert disposition == f'inline; filename="Las-Vegas{suffix}"'
+    if name in DRAWN:
+        assert client.get(f"/v1/plans/{plan['id']}/table?format={name}").content == answer.content
+
+
+def test_netcdf_holds_the_same(client, plan, view):
+    content = seen(client, plan, "?format=netcdf&step_s=0.2").content
+    with netcdf_file(io.BytesIO(content), mmap=False) as file:
+        compared = 0
+        for section in ("carrier", "boresight", "footprint", "sun", "moon", "pointing"):
+            for name, values in view[section].items():
+                compare(file.variables[f"{section}_{name}"], np.array(values, dtype=float))
+                compared += 1
+        for name, values in columns(view["targets"][0]).items():
+            if name != "windows":
+                compare(file.variables[f"target_{name}"], np.array([values], dtype=float))
+                compared += 1
+        for axis, motion in view["axes"].items():
+            compare(file.variables[f"{axis}_deg"], np.array(motion["angle_deg"]))
+            compare(file.variables[f"{axis}_jerk_deg_s3"], np.array(motion["jerk_deg_s3"]))
+        [slew] = view["baseline"]
+        compare(file.variables["baseline_t_s"], np.array(slew["t_s"]))
+        compare(
+            file.variables["baseline_alpha_rate_deg_s"],
+            np.array(slew["axes"]["alpha"]["rate_deg_s"]),
+        )
+        assert file.variables["window_session"][:].tolist() == [0]
+        assert file.variables["session"][:].tolist() == view["session"]
+        assert compared > 30
+
+
+def compare(variable, expected):
+    told = np.where(variable[:] == FILL, np.nan, variable[:])
+    # the JSON's rounding: half of 1e-6 deg, 1e-4 arcsec, 1e-3 m
+    np.testing.assert_allclose(told, expected, rtol=0, atol=6e-4)
+
+
+def test_the_map_holds_track_swath_footprints_and_target(client, plan, view):
+    shown = seen(client, plan, "?format=geojson").json()
+    kinds = [feature["properties"]["kind"] for feature in shown["features"]]
+    assert {"track", "boresight", "footprint", "swath", "target"} == {*kinds}
+    by_kind = dict(zip(kinds, shown["features"], strict=True))
+    track = by_kind["track"]["geometry"]["coordinates"]
+    assert track[0] == [view["carrier"][f"{name}itude_deg"][0] for name in ("long", "lat")]
+    place = by_kind["target"]["geometry"]["coordinates"]
+    assert place == pytest.approx([-115.1728, 36.1147, 610.0])
+    for kind in ("footprint", "swath"):
+        [ring] = by_kind[kind]["geometry"]["coordinates"]
+        assert ring[0] == ring[-1]
+        assert around(np.array(ring), place[:2])
+
+
+def around(ring, place):
+    """Whether a ring leads counter-clockwise around a place."""
+    off = ring - place
+    turn = np.diff(np.unwrap(np.arctan2(off[:, 1], off[:, 0]))).sum()
+    return turn == pytest.approx(2.0 * np.pi)
+
+
+def test_kml_holds_the_same_map(client, plan):
+    shown = seen(client, plan, "?format=geojson").json()
+    kml = etree.fromstring(seen(client, plan, "?format=kml").content)
+    space = {"k": "http://www.opengis.net/kml/2.2"}
+    marks = kml.findall(".//k:Placemark", space)
+    assert len(marks) == len(shown["features"])
+    track = next(one for one in marks if one.findtext("k:styleUrl", None, space) == "#track")
+    places = track.findtext(".//k:coordinates", None, space).split()
+    expected = shown["features"][0]["geometry"]["coordinates"]
+    np.testing.assert_allclose([[*map(float, p.split(","))] for p in places], expected, atol=1e-6)
+
+
+def test_pictures_are_pictures(client, plan, session):
+    for path, one in (("/v1/plans", plan), ("/v1/spacecraft/plans", session)):
+        with Image.open(io.BytesIO(seen(client, one, "?format=png", path).content)) as picture:
+            assert picture.format == "PNG"
+            assert picture.width == 1200
+            assert len(picture.getcolors(1 << 20)) > 5
+        drawn = etree.fromstring(seen(client, one, "?format=svg", path).content)
+        assert drawn.tag == "{http://www.w3.org/2000/svg}svg"
+        texts = " ".join(drawn.itertext())
+        assert "UTC on 20" in texts
+        assert one["name"] in texts
+
+
+def test_names_and_the_ground_track_are_on_the_globe(client, plan):
+    packets = {one["id"]: one for one in seen(client, plan, "?format=czml").json()}
+    assert packets["target-0"]["label"]["text"]
+    track = packets["ground-track"]["polyline"]
+    assert track["clampToGround"] is True
+    degrees = np.reshape(track["positions"]["cartographicDegrees"], (-1, 3))
+    shown = seen(client, plan, "?format=geojson").json()["features"][0]
+    np.testing.assert_allclose(degrees[:, :2], shown["geometry"]["coordinates"], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["json", *DRAWN_SESSION])
+def test_an_imaging_session_in_every_format(client, session, name):
+    answer = seen(client, session, f"?format={name}", "/v1/spacecraft/plans")
+    assert answer.content
+
+
+def test_an_imaging_session_over_the_ground(client, session):
+    view = seen(client, session, "?step_s=0.2", "/v1/spacecraft/plans").json()
+    table = session["table"]
+    assert view["omega_body_deg_s"] == table["omega_body_deg_s"]
+    assert view["gimbal_deg"] == table["gimbal_deg"]
+    [window], [swath], [asked] = session["windows"], view["swaths"], view["requests"]
+    inside = [row for row, number in enumerate(view["window"]) if number == 0]
+    assert (inside[0], inside[-1]) == (window["first_row"], window["last_row"])
+    line = view["line"]
+    ends = [(line["latitude_deg"][row], line["longitude_deg"][row]) for row in inside]
+    places = [*zip(asked["latitude_deg"], asked["longitude_deg"], strict=True)]
+    for end in (ends[0], ends[-1]):
+        nearest = min(max(abs(a - b) for a, b in zip(end, place, strict=True)) for place in places)
+        assert nearest < 0.009  # the last row is within a row's 1.1 km of the strip's end
+    for row in inside:
+        assert abs(line["along_deg"][row]) <= window["along_deg"] + 1e-3
+    left, right = (
+        np.array([line[f"{side}_{name}_deg"][inside[0]] for name in ("latitude", "longitude")])
+        for side in ("left", "right")
+    )
+    east_m = 111.2e3 * np.cos(np.radians(left[0]))
+    width_m = np.hypot(111.2e3 * (left - right)[0], east_m * (left - right)[1])
+    assert width_m == pytest.approx(12e3, rel=0.05)  # 9 deg off nadir widens it by 2 to 4 %
+    assert len(swath["latitude_deg"]) == len(swath["longitude_deg"]) > 100
+
+
+def test_an_imaging_session_on_the_map_and_the_globe(client, session):
+    shown = seen(client, session, "?format=geojson", "/v1/spacecraft/plans").json()
+    kinds = [feature["properties"]["kind"] for feature in shown["features"]]
+    assert {*kinds} == {"track", "boresight", "swath", "target"}
+    swath, asked = (shown["features"][kinds.index(kind)] for kind in ("swath", "target"))
+    [ring] = swath["geometry"]["coordinates"]
+    assert around(np.array(ring), np.mean(asked["geometry"]["coordinates"], axis=0))
+    packets = seen(client, session, "?format=czml", "/v1/spacecraft/plans").json()
+    ids = {packet["id"] for packet in packets}
+    assert ids >= {"document", "carrier", "ground-track", "boresight", "swath-0", "target-0"}
+
+
+def test_a_pixel_is_no_parameter_of_the_spacecraft(client, session):
+    answer = client.get(f"/v1/spacecraft/plans/{session['id']}/view?pixel_arcsec=1")
+    assert answer.status_code == 422
+    assert answer.json()["field"] == "query.pixel_arcsec"
+
+
+@pytest.mark.parametrize("name", PLAN_EXAMPLES)
+def test_every_worked_example_can_be_looked_at(client, name):
+    plan = made(client, PLAN_EXAMPLES[name][1])
+    view = seen(client, plan).json()
+    assert wrong(client, "PlanViewResponse", view) == []
+    assert len(view["targets"]) == len(PLAN_EXAMPLES[name][1]["sessions"])
+    if plan["state"] == "done":
+        for drawn in ("netcdf", *DRAWN):
+            assert seen(client, plan, f"?format={drawn}").content
+
+
+def test_json_holds_no_nan(client, plan):
+    def refuse(constant):
+        raise AssertionError(constant)
+
+    json.loads(seen(client, plan).content, parse_constant=refuse)

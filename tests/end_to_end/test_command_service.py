@@ -1,0 +1,118 @@
+"""Does the command plan by a running service, and list, show, export and follow what it keeps?"""
+
+import json
+from pathlib import Path
+
+import pytest
+from live_service import live_service
+from typer.testing import CliRunner
+
+import slewtrack
+from app.cli import main
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LAS_VEGAS = str(EXAMPLES / "las_vegas_2015.json")
+NOBODY = "01a203fd-cbae-73f8-8276-319f76b8842c"
+
+
+@pytest.fixture(scope="module")
+def url(tmp_path_factory):
+    with live_service(tmp_path_factory.mktemp("service")) as service:
+        yield service.address
+
+
+@pytest.fixture
+def run(url, monkeypatch):
+    monkeypatch.setenv("SLEWTRACK_URL", url)
+
+    def command(*words, **options):
+        return CliRunner().invoke(main, [*map(str, words)], **options)
+
+    return command
+
+
+@pytest.fixture(scope="module")
+def plan_id(url):
+    with slewtrack.Client(url) as client:
+        return client.plan(Path(LAS_VEGAS).read_bytes()).id
+
+
+def without_times(report):
+    return [line for line in report.splitlines() if "planned in" not in line]
+
+
+def test_a_service_plans_what_is_planned_here(run, url, tmp_path):
+    here = run("plan", LAS_VEGAS, "--csv", tmp_path / "here.csv")
+    words = ["--csv", tmp_path / "there.csv", "--json", tmp_path / "plan.json"]
+    there = run("plan", LAS_VEGAS, "--url", url, *words)
+    assert there.exit_code == 0, there.stderr
+    *report, kept = without_times(there.stdout)
+    assert report == without_times(here.stdout)
+    assert (tmp_path / "there.csv").read_text() == (tmp_path / "here.csv").read_text()
+    plan_id = json.loads((tmp_path / "plan.json").read_text())["id"]
+    assert kept == f"kept as {plan_id}"
+    listed = run("list", "--limit", "1")
+    assert listed.stdout.split()[4:7] == [plan_id, "done", listed.stdout.split()[6]]
+
+
+def test_a_dry_run_keeps_nothing(run, url):
+    before = run("list", "--limit", "1").stdout
+    done = run("plan", LAS_VEGAS, "--url", url, "--dry-run")
+    assert "flies: 1151 rows" in done.stdout
+    assert run("list", "--limit", "1").stdout == before
+
+
+def test_a_refusal_is_told_as_here(run, url, tmp_path):
+    soon = ["plan", LAS_VEGAS, "--set=sessions.0.start=2015-02-27T17:34:02Z"]
+    here = run(*soon)
+    there = run(*soon, "--url", url, "--json", tmp_path / "problem.json")
+    assert there.exit_code == 2
+    assert there.stderr.splitlines()[:3] == here.stderr.splitlines()[:3]
+    assert f"--url {url} " in there.stderr
+    problem = json.loads((tmp_path / "problem.json").read_text())
+    assert problem["earliest_feasible_start"] == "2015-02-27T17:34:26.600Z"
+
+
+def test_what_is_kept_is_shown_and_exported(run, plan_id, tmp_path):
+    shown = run("show", plan_id, "--json", "-")
+    assert json.loads(shown.stdout)["id"] == plan_id
+    assert "verification passed" in shown.stderr
+    done = run("export", plan_id, f"netcdf={tmp_path}/plan.nc", "csv=-")
+    assert done.exit_code == 0, done.stderr
+    assert "alpha_deg" in done.stdout
+    assert (tmp_path / "plan.nc").read_bytes().startswith(b"CDF")
+
+
+def test_a_plan_and_a_campaign_are_followed(run, url, plan_id):
+    followed = run("watch", plan_id)
+    assert followed.exit_code == 0
+    assert followed.stdout.splitlines()[-1] == "done"
+    with slewtrack.Client(url) as client, pytest.raises(slewtrack.NotFinished) as late:
+        client.campaign((EXAMPLES / "campaign_cities.json").read_bytes(), timeout_s=0.0)
+    followed = run("watch", late.value.job_id)
+    assert followed.exit_code == 0
+    assert "running: plans 2 of 2" in followed.stdout
+
+
+@pytest.mark.parametrize("words", [["show"], ["watch"], ["export", "csv=-"]])
+def test_what_is_not_kept(run, words):
+    verb, *rest = words
+    refused = run(verb, NOBODY, *rest)
+    assert refused.exit_code == 2
+    assert "there is no" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["list", "--url", "http://127.0.0.1:9"], "slewtrack serve"),
+        (["list", "--url", "somewhere"], "http://HOST:PORT"),
+        (["list", "--state", "lost"], "state"),
+        (["plan", LAS_VEGAS, "--url", "http://127.0.0.1:9", "--plot", "x.png"], "--plot"),
+    ],
+)
+def test_a_service_that_can_not_be_asked(run, words, said):
+    refused = run(*words)
+    assert refused.exit_code == 2
+    [line] = refused.stderr.splitlines()
+    assert said in line

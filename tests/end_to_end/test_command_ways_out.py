@@ -1,0 +1,188 @@
+"""Does a refused command tell what would work, and does that work?"""
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import main
+from app.requests.examples.plan import LAS_VEGAS
+
+SLEWTRACK = Path(sys.executable).with_name("slewtrack")
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LAS_VEGAS_FILE = str(EXAMPLES / "las_vegas_2015.json")
+SOON = f"--set=sessions.0.start={'2015-02-27T17:34:02Z'}"
+
+
+def run(*words, **options):
+    return CliRunner().invoke(main, [*map(str, words)], **options)
+
+
+def commands(stderr):
+    """Those offered, without the program's name."""
+    return [shlex.split(line)[1:] for line in re.findall(r"^  (?:try|or): (.*)$", stderr, re.M)]
+
+
+@pytest.fixture
+def conflict(tmp_path):
+    """Two sessions with no time between them."""
+    document = json.loads((EXAMPLES / "three_sessions.json").read_text()) | {
+        "on_conflict": "refuse"
+    }
+    document["sessions"][1]["start"] = document["sessions"][0]["stop"]
+    file = tmp_path / "conflict.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+def test_every_command_offered_plans(conflict):
+    for words in (["plan", LAS_VEGAS_FILE, SOON], ["plan", conflict]):
+        refused = run(*words)
+        assert refused.exit_code == 2
+        offered = commands(refused.stderr)
+        assert len(offered) >= 2
+        for command in offered:
+            done = run(*command)
+            assert done.exit_code == 0, (command, done.stderr)
+            assert "verification passed" in done.stdout
+
+
+def test_a_refusal_lists_what_each_way_costs(conflict):
+    refused = run("plan", conflict)
+    first, *rest = refused.stderr.splitlines()
+    assert first.startswith("slewtrack: sessions.1.start: ")
+    [earlier] = [line for line in rest if "shorten_earlier," in line]
+    assert re.fullmatch(
+        r"  with on_conflict shorten_earlier, session 0 stops [\d.]+ s earlier", earlier
+    )
+
+
+def test_every_field_at_fault_is_told():
+    document = LAS_VEGAS | {"nmae": "x", "platform": "hubble"}
+    refused = run("plan", "-", input=json.dumps(document))
+    assert refused.exit_code == 2
+    assert "nmae: " in refused.stderr
+    assert "platform: " in refused.stderr
+
+
+@pytest.mark.parametrize("to_file", [True, False])
+def test_json_holds_the_problem_of_a_refusal(conflict, tmp_path, to_file):
+    path = tmp_path / "problem.json" if to_file else "-"
+    refused = run("plan", conflict, "--json", path)
+    problem = json.loads(Path(path).read_text() if to_file else refused.stdout)
+    assert problem["type"] == "urn:slewtrack:problem:infeasible-slew"
+    assert {offer["on_conflict"] for offer in problem["give_up"]} == {
+        "shorten_later", "shorten_earlier", "least_loss",
+    }  # fmt: skip
+
+
+def test_a_dash_is_standard_output_and_the_report_goes_beside_it():
+    done = run("plan", LAS_VEGAS_FILE, "--csv", "-")
+    assert done.stdout.startswith("utc,t_s,alpha_deg")
+    assert len(done.stdout.splitlines()) == 1152
+    assert "verification passed" in done.stderr
+    refused = run("plan", LAS_VEGAS_FILE, "--csv", "-", "--json", "-")
+    assert refused.exit_code == 2
+    assert "only one output" in refused.stderr
+
+
+def test_the_next_pass_is_found_and_planned(tmp_path):
+    """Of a request whose session has no times yet; Skyfield has this pass culminate at 17:37:30."""
+    document = LAS_VEGAS | {"sessions": [{"target": LAS_VEGAS["sessions"][0]["target"]}]}
+    document.pop("initial_state")
+    words = ["plan", "-", "--next-pass", "--start", "2015-02-27T12:00:00Z", "--json"]
+    done = run(*words, tmp_path / "plan.json", input=json.dumps(document))
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.startswith("next pass: 2015-02-27T17:34:18")
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    [session] = plan["pointing"]
+    assert session["elevation_min_deg"] == pytest.approx(10.0, abs=0.02)  # 0.2 s of a rise
+    assert session["closest_at"].startswith("2015-02-27T17:37:3")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--next-pass", "--start", "yesterday"], "--start"),
+        (["--start", "now"], "--next-pass"),
+        (["--set", "name"], "FIELD=VALUE"),
+        (["--set", "sessions.7.start=x"], "nothing at"),
+        (["--next-pass"], "days"),  # of elements from 2015, now
+    ],
+)
+def test_changes_that_can_not_be_made(words, said):
+    refused = run("plan", LAS_VEGAS_FILE, *words)
+    assert refused.exit_code == 2
+    assert said in refused.stderr
+
+
+def test_several_sessions_have_no_next_pass():
+    refused = run("plan", EXAMPLES / "three_sessions.json", "--next-pass")
+    assert refused.exit_code == 2
+    assert "slewtrack campaign" in refused.stderr
+
+
+def test_a_dry_run_writes_nothing(tmp_path):
+    done = run("plan", LAS_VEGAS_FILE, "--dry-run", "--csv", tmp_path / "table.csv")
+    assert done.exit_code == 0
+    assert "flies: 1151 rows" in done.stdout
+    assert run("plan", LAS_VEGAS_FILE, "--dry-run", SOON).exit_code == 2
+    words = ["campaign", EXAMPLES / "campaign_cities.json", "--dry-run"]
+    done = run(*words, "--plans", tmp_path / "plans")
+    assert "4 looks in 2 passes" in done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_campaigns_json_holds_its_looks(tmp_path):
+    run("campaign", EXAMPLES / "campaign_cities.json", "--json", tmp_path / "told.json")
+    told = json.loads((tmp_path / "told.json").read_text())
+    assert [one["state"] for one in told["passes"]] == ["done", "done"]
+    assert sum(len(one["looks"]) for one in told["passes"]) == told["looks"]
+
+
+def test_version_help_and_completion():
+    assert re.fullmatch(r"slewtrack \d+\.\d+\.\d+\n", run("--version").stdout)
+    assert "Usage" in run("-h").stdout
+    assert "Usage" in run("plan", "-h").stdout
+    done = subprocess.run(
+        [SLEWTRACK],
+        env={
+            "_SLEWTRACK_COMPLETE": "complete_bash",
+            "COMP_WORDS": "slewtrack wi",
+            "COMP_CWORD": "1",
+        },
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout.split() == ["windows"]
+
+
+def test_who_has_read_enough_is_told_no_more(tmp_path):
+    command = shlex.join([str(SLEWTRACK), "plan", LAS_VEGAS_FILE, "--csv", "-"])
+    done = subprocess.run(
+        ["bash", "-c", f"{command} 2>errors | head -1; cat errors >&2"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert done.stdout.startswith("utc,t_s")
+    assert "ipe" not in done.stderr
+
+
+def test_progress_is_for_terminals():
+    """A pipe gets none of it; a terminal does, and keeps none."""
+    done = run("plan", LAS_VEGAS_FILE)
+    assert done.stderr == ""
+    told = subprocess.run(
+        ["script", "-qec", shlex.join([str(SLEWTRACK), "plan", LAS_VEGAS_FILE, "--csv=/dev/null"]),
+         "/dev/null"],
+        capture_output=True,
+        text=True,
+    ).stdout  # fmt: skip
+    assert "slews and tracks" in told or "orbit" in told or "planning" in told
+    assert "verification passed" in told

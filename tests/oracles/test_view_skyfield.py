@@ -1,0 +1,187 @@
+"""Does the view of ten passes show what Skyfield computes?
+
+The plans are tables with the axes at rest, so that the boresight is nadir; the orbit is the
+elements' on both sides.
+"""
+
+from dataclasses import dataclass
+from datetime import timedelta
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from opportunity_requests import ISS, START, iss_request, oco3_targets
+from skyfield.api import EarthSatellite, Loader, wgs84
+from skyfield.data import iers
+
+from planner.attitude.lvlh import LvlhAttitude
+from planner.commands import CommandTable
+from planner.export import FlightPlan, Segment
+from planner.frames.time_scales import Instants, shifted_utc
+from planner.opportunities import OpportunityConditions, find_opportunities
+from planner.platforms import ISS_HRC
+from planner.scenario import InitialState, Scenario, Session
+from planner.view import PlanView, view_plan
+
+PASSES = 10
+ANGLE_DEG, RANGE_M = 1e-3, 1.0  # promised
+
+
+@pytest.fixture(scope="module")
+def skyfield():
+    load = Loader(str(files("skyfield_data") / "data"))
+    timescale = load.timescale(builtin=False)
+    with load.open("finals2000A.all") as lines:
+        iers.install_polar_motion_table(timescale, iers.parse_x_y_dut1_from_finals_all(lines))
+    return timescale, load("de421.bsp"), EarthSatellite(ISS.line1, ISS.line2, ts=timescale)
+
+
+def at_rest(target, start_utc, stop_utc):
+    """A plan over a session, a minute before it and a minute after."""
+    epoch_utc = start_utc - timedelta(seconds=60)
+    rows = round((stop_utc - epoch_utc).total_seconds() * 5) + 301
+    names = ISS_HRC.axis_names
+    return FlightPlan(
+        scenario=Scenario(
+            orbit=ISS,
+            attitude=LvlhAttitude(),
+            platform=ISS_HRC,
+            initial_state=InitialState(epoch=epoch_utc, angles_deg=dict.fromkeys(names, 0.0)),
+            sessions=(Session(target=target, start=start_utc, stop=stop_utc),),
+        ),
+        segments=(Segment(kind="track", session=0, start_utc=start_utc, stop_utc=stop_utc),),
+        table=CommandTable(
+            epoch_utc=epoch_utc,
+            axis_names=names,
+            angle_rad=np.zeros((rows, 2)),
+            rate_rad_s=np.zeros((rows, 2)),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class Pass:
+    view: PlanView
+    target: object
+    moments: object
+
+
+@pytest.fixture(scope="module")
+def passes(skyfield):
+    """Ten, each of another target, by day and by night."""
+    targets = oco3_targets(every=40)
+    request = iss_request(
+        4.0, targets=targets, conditions=OpportunityConditions(min_duration_s=120.0)
+    )
+    windows = find_opportunities(request).windows
+    sessions_s = windows.sessions_s(START)
+    highest = np.lexsort((-windows.highest_rad, windows.target))
+    best = highest[np.unique(windows.target[highest], return_index=True)[1]]
+    found = []
+    for window in best[:PASSES]:
+        start_utc, stop_utc = (shifted_utc(START, t_s) for t_s in sessions_s[window])
+        plan = at_rest(targets[windows.target[window]].target, start_utc, stop_utc)
+        view = view_plan(plan, 5.0, 0.678)
+        moments = skyfield[0].tt_jd(*Instants(plan.table.epoch_utc, view.t_s).tt_jd())
+        found.append(Pass(view, plan.scenario.sessions[0].target, moments))
+    assert len(found) == PASSES
+    return found
+
+
+def off_deg(seen_rad, expected_deg):
+    """Around the circle."""
+    return np.abs((np.degrees(seen_rad) - expected_deg + 180.0) % 360.0 - 180.0).max()
+
+
+def test_azimuth_elevation_and_range(skyfield, passes):
+    highest = []
+    for one in passes:
+        [seen] = one.view.targets
+        site = wgs84.latlon(one.target.latitude_deg, one.target.longitude_deg)
+        elevation, azimuth, distance = (skyfield[2] - site).at(one.moments).altaz()
+        assert off_deg(seen.azimuth_rad, azimuth.degrees) < ANGLE_DEG
+        assert off_deg(seen.elevation_rad, elevation.degrees) < ANGLE_DEG
+        assert np.abs(seen.range_m - distance.m).max() < RANGE_M
+        highest.append(elevation.degrees.max())
+    assert min(highest) > 0.0
+    assert max(highest) > 45.0  # where azimuth runs
+
+
+def test_sun_over_the_target(skyfield, passes):
+    _, kernel, _ = skyfield
+    elevations_deg = []
+    for one in passes:
+        place = kernel["earth"] + wgs84.latlon(one.target.latitude_deg, one.target.longitude_deg)
+        sun = place.at(one.moments).observe(kernel["sun"]).apparent()
+        expected_deg = sun.altaz()[0].degrees
+        assert off_deg(one.view.targets[0].sun_elevation_rad, expected_deg) < ANGLE_DEG
+        elevations_deg += expected_deg.tolist()
+    assert min(elevations_deg) < -10.0 < 10.0 < max(elevations_deg)
+
+
+def test_the_point_below(skyfield, passes):
+    for one in passes:
+        below = wgs84.geographic_position_of(skyfield[2].at(one.moments))
+        carrier = one.view.carrier
+        assert off_deg(carrier.latitude_rad, below.latitude.degrees) < 1e-5  # 1 m
+        assert off_deg(carrier.longitude_rad, below.longitude.degrees) < 1e-4  # 1 m near the pole
+        assert np.abs(carrier.height_m - below.elevation.m).max() < RANGE_M
+
+
+def test_sun_and_moon_against_the_boresight(skyfield, passes):
+    """At rest it looks at the geocentre; the carrier's aberration included on both sides."""
+    _, kernel, satellite = skyfield
+    for one in passes:
+        carrier = (kernel["earth"] + satellite).at(one.moments)
+        down = -satellite.at(one.moments).position.m
+        for body, seen_rad in (
+            ("sun", one.view.boresight.sun_separation_rad),
+            ("moon", one.view.boresight.moon_separation_rad),
+        ):
+            toward = carrier.observe(kernel[body]).apparent().position.m
+            cosine = np.sum(down * toward, axis=0) / (
+                np.linalg.norm(down, axis=0) * np.linalg.norm(toward, axis=0)
+            )
+            assert off_deg(seen_rad, np.degrees(np.arccos(cosine))) < ANGLE_DEG
+
+
+def test_off_nadir_is_the_angle_at_the_carrier(skyfield, passes):
+    """By the triangle of carrier, target and geocentre."""
+    for one in passes:
+        r_m = skyfield[2].at(one.moments).position.m
+        site = wgs84.latlon(one.target.latitude_deg, one.target.longitude_deg)
+        to_target_m = site.at(one.moments).position.m - r_m
+        cosine = -np.sum(r_m * to_target_m, axis=0) / (
+            np.linalg.norm(r_m, axis=0) * np.linalg.norm(to_target_m, axis=0)
+        )
+        # the carrier's aberration, 5 arcsec, which Skyfield's geometry leaves out
+        seen_rad = one.view.targets[0].off_nadir_rad
+        assert off_deg(seen_rad, np.degrees(np.arccos(cosine))) < 2e-3
+
+
+def test_the_place_under_the_sun_and_under_the_moon(skyfield, passes):
+    _, kernel, _ = skyfield
+    for one in passes:
+        for body, track in (("sun", one.view.sun), ("moon", one.view.moon)):
+            k = len(one.view.t_s) // 2
+            place = wgs84.latlon(*np.degrees([track.latitude_rad[k], track.longitude_rad[k]]))
+            seen = (kernel["earth"] + place).at(one.moments[k]).observe(kernel[body]).apparent()
+            # the Earth's centre and the ellipsoid's normal part by 0.2 deg, which for the Moon,
+            # 60 radii away, is 0.003 deg of its place
+            assert seen.altaz()[0].degrees > 90.0 - (1e-3 if body == "sun" else 5e-3)
+
+
+def test_the_shadow_of_the_earth(skyfield):
+    """Over an orbit; Skyfield's shadow is sharp, of a sphere: off by up to 20 s at its edges."""
+    timescale, kernel, satellite = skyfield
+    start_utc = START.replace(microsecond=0)
+    orbit = at_rest(oco3_targets()[0].target, start_utc, start_utc + timedelta(seconds=5560))
+    view = view_plan(orbit, 5.0, 0.678)
+    moments = timescale.tt_jd(*Instants(orbit.table.epoch_utc, view.t_s).tt_jd())
+    lit = satellite.at(moments).is_sunlit(kernel)
+    share = view.carrier.sunlit_share
+    changes = np.flatnonzero(np.diff(lit.astype(int)))
+    assert len(changes) >= 2
+    near = (np.abs(np.arange(len(lit))[:, None] - changes) <= 4).any(axis=1)
+    np.testing.assert_array_equal(share[~near], lit[~near].astype(float))
+    assert ((share > 0.0) & (share < 1.0)).any()
