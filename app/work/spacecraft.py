@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 
 from app.answers.members import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
+from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from planner.frames.time_scales import utc_from_text, utc_text
@@ -36,6 +37,7 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
         document=zlib.compress(spacecraft_document(plan, origin)),
         table_columns=pack(_pack(plan.table)),
         planned_utc=now_utc,
+        listing=listing_of_imaging(plan.request),
     )
 
 

@@ -70,6 +70,13 @@ class StarTarget(SkyTarget):
             )
         super().__post_init__()
 
+    @property
+    def label(self) -> str:
+        """Its number, or its place among the stars."""
+        if self.hip is not None:
+            return f"HIP {self.hip}"
+        return f"RA {self.ra_deg:.4f}, Dec {self.dec_deg:.4f}"
+
     def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Uniform motion in space, parallax and Roemer delay; see `SkyTarget`.
 

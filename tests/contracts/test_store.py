@@ -23,9 +23,11 @@ from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
+from app.store.listing import Listing
 from app.store.migrate import open_migrated, upgrade
 from app.store.models import JobRow, PlanRow
 from app.store.packed import PackedColumns, pack, unpack
+from app.store.sought import Sought
 from planner.errors import InvalidInput
 
 KINDS = ("note",)
@@ -61,6 +63,9 @@ def test_what_an_older_version_stored_is_rewritten_once(database, tmp_path):
         plans.store_choice(connection, job_id, zlib.compress(json.dumps(chosen).encode()))
     for _ in range(2):
         with database.writing() as connection:
+            connection.execute(text("DROP TABLE searches"))
+            for added in Listing().columns(""):
+                connection.execute(text(f"ALTER TABLE jobs DROP COLUMN {added}"))
             connection.execute(text("UPDATE alembic_version SET version_num = '0004'"))
         upgrade(database)
         with database.reading() as connection:
@@ -253,7 +258,8 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
     job_id, _ = accepted(database, tmp_path, name=name)
     with database.writing() as connection:
         audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
-        assert [job.id for job in jobs.latest(connection, "note", 9, name=name)] == [job_id]
+        for sought in (Sought(name=name), Sought(text=name)):
+            assert [job.id for job in jobs.latest(connection, "note", 9, sought=sought)] == [job_id]
     KeyStore(database).create(name, ["read"])
 
 

@@ -18,7 +18,15 @@ from app.answers.ranges import NotNegative
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
-from app.http.routes.jobs import PREFER, accept_job, add_delete, add_events, list_jobs, no_such
+from app.http.routes.jobs import (
+    PREFER,
+    accept_job,
+    add_delete,
+    add_events,
+    add_request,
+    list_jobs,
+    no_such,
+)
 from app.http.routes.plan_queries import (
     ListQuery,
     PathId,
@@ -47,6 +55,7 @@ def plan_routes(resource: PlanResource) -> APIRouter:
     _add_list(router, resource)
     _add_one(router, resource)
     _add_table(router, resource)
+    add_request(router, resource)
     add_delete(router, resource)
     add_events(router, resource)
     return router
@@ -155,7 +164,7 @@ def _accept_plan(
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
     options = {} if query.revises is None else {"revises": query.revises}
-    return accept_job(request, resource.kind, spec, body, key, options)
+    return accept_job(request, resource, spec, body, key, options)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:

@@ -6,6 +6,7 @@ from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import SPACECRAFT_PLAN
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.spacecraft import stored_session_file, stored_session_json
 from planner.spacecraft.export import IMAGING_EXPORTERS
@@ -34,6 +35,7 @@ _PLANS = PlanResource(
     the nearest way out.
     """,
     request_schema="ImagingPlanRequest",
+    listing=listing_of_imaging,
     examples=SPACECRAFT_EXAMPLES,
     response=SpacecraftPlanResponse,
     read=read_spacecraft_request,
