@@ -72,6 +72,19 @@ class PlanList:
     next: str | None
 
 
+@dataclass(frozen=True, kw_only=True)
+class SearchList:
+    """Searches for opportunities, the latest first.
+
+    opportunities: those of this page.
+    next: `cursor` of what comes after, null at the end. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
+
+    opportunities: list[JobResponse]
+    next: str | None
+
+
 _PROBLEM = TypeAdapter(Problem)
 
 
@@ -106,3 +119,9 @@ def list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
     """A PlanList."""
     plans, after = page(jobs, limit)
     return to_json(PlanList(plans=plans, next=after))
+
+
+def search_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
+    """A SearchList."""
+    opportunities, after = page(jobs, limit)
+    return to_json(SearchList(opportunities=opportunities, next=after))

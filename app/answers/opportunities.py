@@ -2,13 +2,22 @@
 
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from app.answers.members import ProvenanceOut, to_json
-from app.answers.ranges import ElevationDeg, ElevationOrLimbDeg, HalfTurnDeg, NotNegative, Signed
+from app.answers.ranges import (
+    Count,
+    ElevationDeg,
+    ElevationOrLimbDeg,
+    HalfTurnDeg,
+    NotNegative,
+    Signed,
+)
+from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
+from app.store.ids import new_id
 from planner.arrays import Array
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
@@ -101,6 +110,9 @@ class WindowOut:
     closest: the view at the least range; of a target in space, at its greatest height above the
     limb.
     through: the view at instants spread evenly from rise to set.
+    place: where the target is as the carrier culminates; null for a target in space.
+    sky: the pass as pass tables have it: rise, culmination and set with azimuth and elevation, Sun
+    and local solar time; null for a target in space.
     branch: which of the two pairs of axis angles that point at the target is told, 0 or 1: the one
     with less turn of the inner axis.
     branches: which pairs keep within the stops through the window (none where the axes would have
@@ -118,45 +130,90 @@ class WindowOut:
     highest_deg: ElevationOrLimbDeg
     closest: SightingOut
     through: SightingsOut
+    place: PlaceOut | None
+    sky: TargetSkyOut | None
     branch: Branch
     branches: list[Branch]
 
 
 @dataclass(frozen=True, kw_only=True)
-class OpportunitiesResponse:
-    """Windows in the order of the request's targets, each target's in order of time.
+class OpportunitiesHead:
+    """What is known of a search beside its windows.
 
+    name: as the request gives it. E.g. `"cities in daylight"`.
     start: of the time searched; UTC.
     stop: of the time searched; UTC.
-    windows: all there are.
     unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
     warnings: what one should know before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
+    name: str
     start: str
     stop: str
-    windows: list[WindowOut]
     unseen: list[str]
     warnings: list[str]
     provenance: ProvenanceOut
 
 
-def opportunities_json(result: Opportunities, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON."""
-    return to_json(
-        OpportunitiesResponse(
-            start=utc_text(result.start_utc),
-            stop=utc_text(result.stop_utc),
-            windows=windows_out(result),
-            unseen=[
-                result.ids[row]
-                for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
-            ],
-            warnings=list(result.warnings),
-            provenance=provenance,
-        )
+@dataclass(frozen=True, kw_only=True)
+class OpportunitiesResponse(OpportunitiesHead):
+    """Windows in the order of the request's targets, each target's in order of time.
+
+    id: of what was found, as its address names it.
+    windows: all there are.
+    """
+
+    id: str
+    windows: list[WindowOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowsPage:
+    """Some of the windows found.
+
+    windows: those of this page.
+    next: `cursor` of what comes after; null at the end. E.g. `100`.
+    """
+
+    windows: list[WindowOut]
+    next: Count | None
+
+
+class FoundWindows(NamedTuple):
+    """An answer in parts. head: an `OpportunitiesHead`; windows: one JSON object each."""
+
+    head: bytes
+    windows: list[bytes]
+
+
+def found_windows(result: Opportunities, name: str, provenance: ProvenanceOut) -> FoundWindows:
+    """The answer without its id."""
+    head = OpportunitiesHead(
+        name=name,
+        start=utc_text(result.start_utc),
+        stop=utc_text(result.stop_utc),
+        unseen=[
+            result.ids[row]
+            for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
+        ],
+        warnings=list(result.warnings),
+        provenance=provenance,
     )
+    return FoundWindows(to_json(head), [to_json(window) for window in windows_out(result)])
+
+
+def whole_opportunities(search_id: str, found: FoundWindows) -> bytes:
+    """An OpportunitiesResponse as UTF-8 JSON."""
+    windows = b",".join(found.windows)
+    return b"".join(
+        [b'{"id":', to_json(search_id), b",", found.head[1:-1], b',"windows":[', windows, b"]}"]
+    )
+
+
+def opportunities_json(result: Opportunities, name: str, provenance: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON, under a new id."""
+    return whole_opportunities(new_id(), found_windows(result, name, provenance))
 
 
 def windows_out(result: Opportunities) -> list[WindowOut]:
@@ -174,6 +231,8 @@ def windows_out(result: Opportunities) -> list[WindowOut]:
         "highest_deg": _numbers(np.degrees(windows.highest_rad)),
         "closest": _sightings(SightingOut, result, windows.closest),
         "through": _sightings(SightingsOut, result, windows.through),
+        "place": places_out(windows.sky),
+        "sky": skies_out(result.start_utc, windows.sky),
         "branch": windows.branch.tolist(),
         "branches": [np.flatnonzero(usable).tolist() for usable in windows.branches],
     }

@@ -157,7 +157,7 @@ def windows(
     if csv:
         _write(csv, windows_csv(result.axis_names, answer).encode())
     if json:
-        _write(json, opportunities_json(result, provenance(read_utc, body)))
+        _write(json, opportunities_json(result, request.name, provenance(read_utc, body)))
 
 
 @main.command()

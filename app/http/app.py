@@ -188,5 +188,6 @@ def _answers() -> Iterator[object]:
 
 def _operation_id(route: APIRoute) -> str:
     """Method and path in words, such as get_plan_table: names of functions in generated clients."""
-    words = route.path.removeprefix("/v1").replace("s/{id}", "").split("/")
+    path = route.path.removeprefix("/v1").replace("ies/{id}", "y").replace("s/{id}", "")
+    words = path.split("/")
     return "_".join((*(route.methods or ()), *words[1:])).lower()

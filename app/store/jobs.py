@@ -138,11 +138,31 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
         "started_utc": None if token is None else now_utc,
         "cancel_requested": False,
     }
-    asked = {name: value for name, value in vars(new).items() if name != "listing"}
-    connection.execute(_NEW, asked | new.listing.columns(new.name) | begun)
+    connection.execute(_NEW, _asked(new) | begun)
     began = () if token is None else ({"state": "running", "attempt": 1},)
     events.begin(connection, new.id, {"state": "queued"}, *began)
     return token
+
+
+def record_done(connection: Connection, new: NewJob, begun_utc: datetime) -> None:
+    """Keep what was done before anybody else could be told of it."""
+    done = {
+        "state": "done",
+        "request": zlib.compress(new.request),
+        "attempts": 1,
+        "lease_token": None,
+        "lease_s": None,
+        "created_utc": begun_utc,
+        "started_utc": begun_utc,
+        "finished_utc": datetime.now(UTC),
+        "cancel_requested": False,
+    }
+    connection.execute(_NEW, _asked(new) | done)
+
+
+def _asked(new: NewJob) -> dict[str, Any]:
+    asked = {name: value for name, value in vars(new).items() if name != "listing"}
+    return asked | new.listing.columns(new.name)
 
 
 def get(connection: Connection, job_id: str) -> Job | None:

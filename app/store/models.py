@@ -141,13 +141,14 @@ class CampaignRow(Base):
 class SearchRow(Base):
     """The opportunities that were found.
 
-    document: the answer's JSON without its id, zlib.
+    head: the answer's JSON without its id and its windows, zlib.  windows: JSON, one a line, zlib.
     """
 
     __tablename__ = "searches"
 
     id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    document: Mapped[bytes] = mapped_column(LargeBinary)
+    head: Mapped[bytes] = mapped_column(LargeBinary)
+    windows: Mapped[bytes] = mapped_column(LargeBinary)
 
 
 class ProbeRow(Base):

@@ -9,7 +9,7 @@ from typing import Any
 
 from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
 from app.answers.members import ProvenanceOut, fill
-from app.answers.opportunities import opportunities_json
+from app.answers.opportunities import FoundWindows, found_windows
 from app.requests.campaign import read_campaign_request
 from app.store.listing import Listing
 from app.work.progress import Progress, report
@@ -60,9 +60,9 @@ class NewCampaign:
     parts: tuple[Part, ...]
 
 
-def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON."""
-    return opportunities_json(find_opportunities(request), provenance)
+def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
+    """The answer in parts."""
+    return found_windows(find_opportunities(request), request.name, provenance)
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:

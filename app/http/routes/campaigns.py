@@ -42,7 +42,7 @@ from app.store import jobs, plans
 from app.store.jobs import Job
 
 RESOURCE = JobResource(
-    kind=CAMPAIGN,
+    kind=CAMPAIGN.name,
     path="/v1/campaigns",
     request_schema="CampaignRequest",
     listing=listing_of_search,

@@ -19,6 +19,7 @@ from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
 from app.http.routes.resources import JobResource
 from app.http.waiting import wait_for_end
 from app.jobs.dispatcher import Dispatcher
+from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import KeyReused
 from app.store import audit, jobs
 from app.store.database import Database
@@ -46,7 +47,7 @@ def accept_job(
     options: Mapping[str, Any],
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    state, kind = request.app.state, resource.kind
+    state, kind = request.app.state, JOB_KINDS[resource.kind]
     dispatcher: Dispatcher = state.dispatcher
     key_id = getattr(request.state, "key_id", None)
     new = NewJob(
@@ -83,7 +84,7 @@ async def find_job(request: Request, resource: JobResource, job_id: str) -> Job:
 def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     """The job that makes one of them; raises 404."""
     job = jobs.get(connection, job_id)
-    if job is None or job.kind != resource.kind.name:
+    if job is None or job.kind != resource.kind:
         raise _not_found(resource)
     return job
 
@@ -103,7 +104,7 @@ async def list_jobs(
         request,
         lambda connection: jobs.latest(
             connection,
-            resource.kind.name,
+            resource.kind,
             query.limit + 1,  # to know whether more come after
             before=query.cursor,
             parent_id=campaign_id,
@@ -171,6 +172,28 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
             204: {"description": "Deleted; nothing but the audit trail remembers it"},
             404: no_such(resource),
         },
+        dependencies=[Depends(accepts_json)],
+        name=f"delete_{resource.singular}",
+    )(delete)
+
+
+def add_removal(router: APIRouter, resource: JobResource) -> None:
+    """DELETE one of what is never at work."""
+
+    async def delete(request: Request, job_id: PathId) -> Response:
+        """Nothing but the audit trail remembers it."""
+        job = await find_job(request, resource, job_id)
+        key_id = getattr(request.state, "key_id", None)
+        if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
+            raise _not_found(resource)  # another removed it just now
+        return Response(status_code=HTTPStatus.NO_CONTENT)
+
+    router.delete(
+        "/{id}",
+        summary=f"Delete {resource.singular}",
+        status_code=HTTPStatus.NO_CONTENT,
+        response_class=Response,
+        responses={404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
         name=f"delete_{resource.singular}",
     )(delete)

@@ -170,7 +170,7 @@ def _accept_plan(
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
     with database.reading() as connection:
         job = jobs.get(connection, plan_id)
-    if job is None or job.kind != resource.kind.name:
+    if job is None or job.kind != resource.kind:
         raise InvalidInput(
             f"there is no plan {plan_id}; GET {resource.path} lists them", field="query.revises"
         )

@@ -23,7 +23,7 @@ def _dry_run(spec: PlanRequest, provenance: ProvenanceOut) -> DryRunResponse:
 
 
 PLANS = PlanResource(
-    kind=PLAN,
+    kind=PLAN.name,
     path="/v1/plans",
     tag="plans",
     what="sessions: a verified command table",

@@ -7,20 +7,19 @@ from typing import Any
 
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
-from app.jobs.kinds import JobKind
 from app.store.listing import Listing
 from planner.export.exporter import Exporter
 
 
 @dataclass(frozen=True, kw_only=True)
 class JobResource:
-    """What is at `path` and made by jobs of one kind.
+    """What is at `path` and kept as jobs of one kind, by its name.
 
     singular: what one of them is called.  request_schema: name of the schema of its request.
     listing: what lists tell of a request, as it was read.
     """
 
-    kind: JobKind
+    kind: str
     path: str
     request_schema: str
     listing: Callable[[Any], Listing]

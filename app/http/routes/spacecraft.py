@@ -24,7 +24,7 @@ def _dry_run(spec: ImagingPlanRequest, provenance: ProvenanceOut) -> SpacecraftD
 
 
 _PLANS = PlanResource(
-    kind=SPACECRAFT_PLAN,
+    kind=SPACECRAFT_PLAN.name,
     path="/v1/spacecraft/plans",
     tag="spacecraft",
     what="an imaging session of the CMG spacecraft: attitude and gimbal table",

@@ -47,7 +47,8 @@ def upgrade() -> None:
     op.create_table(
         "searches",
         sa.Column("id", sa.String(36), nullable=False),
-        sa.Column("document", sa.LargeBinary(), nullable=False),
+        sa.Column("head", sa.LargeBinary(), nullable=False),
+        sa.Column("windows", sa.LargeBinary(), nullable=False),
         sa.ForeignKeyConstraint(["id"], ["jobs.id"], name="fk_searches_id", ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("id", name="pk_searches"),
     )
