@@ -27,7 +27,16 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
-from app.http.routes import campaigns, horizon, opportunities, plans, platforms, spacecraft, system
+from app.http.routes import (
+    campaigns,
+    horizon,
+    imaging_opportunities,
+    opportunities,
+    plans,
+    platforms,
+    spacecraft,
+    system,
+)
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.disposable import spare_children, start_server
 from app.jobs.executors import LocalExecutor, SolveExecutor
@@ -64,7 +73,16 @@ _TAGS = [
     )
 ]
 
-_OF_API = (plans, opportunities, campaigns, horizon, spacecraft, platforms, system)
+_OF_API = (
+    plans,
+    opportunities,
+    campaigns,
+    horizon,
+    spacecraft,
+    imaging_opportunities,
+    platforms,
+    system,
+)
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:

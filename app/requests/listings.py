@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from planner.campaigns import CampaignRequest
     from planner.opportunities import OpportunityRequest
     from planner.scenario import Scenario
+    from planner.spacecraft.opportunities import ImagingOpportunityRequest
     from planner.spacecraft.requests import ImagingPlanRequest
 
 
@@ -22,8 +23,10 @@ def listing_of_scenario(scenario: "Scenario") -> Listing:
     )
 
 
-def listing_of_imaging(request: "ImagingPlanRequest") -> Listing:
-    """Of an imaging session."""
+def listing_of_imaging(
+    request: "ImagingPlanRequest | ImagingOpportunityRequest",
+) -> Listing:
+    """Of an imaging session, or a search for passes."""
     return Listing(
         platform=request.spacecraft,
         start_utc=request.start,

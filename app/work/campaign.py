@@ -9,7 +9,7 @@ from typing import Any
 
 from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
 from app.answers.members import ProvenanceOut, fill
-from app.answers.opportunities import FoundWindows, found_windows
+from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
 from app.store.listing import Listing
 from app.work.progress import Progress, report
@@ -62,7 +62,8 @@ class NewCampaign:
 
 def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
     """The answer in parts."""
-    return found_windows(find_opportunities(request), request.name, provenance)
+    result = find_opportunities(request)
+    return found_windows(result, request.name, provenance, windows_out(result))
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:

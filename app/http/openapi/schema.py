@@ -21,10 +21,14 @@ from app.requests.horizon import (
 )
 from app.requests.opportunities import opportunity_request_json_schema
 from app.requests.plan import PlanRequest, plan_request_json_schema
-from app.requests.spacecraft import spacecraft_request_json_schema
+from app.requests.spacecraft import (
+    imaging_opportunity_json_schema,
+    spacecraft_request_json_schema,
+)
 from estimator.request import HorizonRequest
 from planner.campaigns import CampaignRequest
 from planner.opportunities import OpportunityRequest
+from planner.spacecraft.opportunities import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 
 _DATA = Path(__file__).parent / "data"
@@ -41,6 +45,7 @@ _REQUESTS = {
     "CampaignRequest": campaign_request_json_schema,
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
+    "ImagingOpportunityRequest": imaging_opportunity_json_schema,
 }
 
 _REQUEST_KINDS = (
@@ -48,6 +53,7 @@ _REQUEST_KINDS = (
     CampaignRequest,
     OpportunityRequest,
     ImagingPlanRequest,
+    ImagingOpportunityRequest,
     HorizonRequest,
     PredictionRequest,
     PictureRequest,
