@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from app.answers.opportunities_geojson import FeatureCollection
 from app.answers.problem import Problem
 from app.http.door.access import PROBES, scope_needed
 from app.http.openapi.examples import show_examples
@@ -86,11 +87,12 @@ def complete(document: dict[str, Any], answers: Iterable[object]) -> dict[str, A
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
     described |= horizon_request_json_schemas(REF)
-    described["Problem"] = TypeAdapter(Problem).json_schema(ref_template=REF)
+    for kind in (Problem, FeatureCollection):
+        described[kind.__name__] = TypeAdapter(kind).json_schema(ref_template=REF)
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
-    describe(schemas, (*_REQUEST_KINDS, Problem, *answers))
+    describe(schemas, (*_REQUEST_KINDS, Problem, FeatureCollection, *answers))
     _document_refusals(document)
     for path, operations in document["paths"].items():
         for method, operation in operations.items():
