@@ -3,7 +3,8 @@
 import json
 import unicodedata
 import zlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from typing import Any
 
@@ -54,7 +55,9 @@ def upgrade() -> None:
     )
     jobs = op.get_bind().scalars(sa.select(_JOBS.c.id)).all()
     if jobs:
-        _without_trigger(lambda: [_tell_of(job_id) for job_id in jobs])
+        with _plans_may_change():
+            for job_id in jobs:
+                _tell_of(job_id)
 
 
 def _tell_of(job_id: str) -> None:
@@ -234,15 +237,16 @@ def _utc(text: str | None) -> datetime | None:
     return datetime.fromisoformat(text.upper().replace(":60", ":59", 1)).astimezone(UTC)
 
 
-def _without_trigger(change: Callable[[], object]) -> None:
-    """While the database lets a plan be changed."""
+@contextmanager
+def _plans_may_change() -> Iterator[None]:
+    """The database refuses it before and after."""
     if op.get_bind().dialect.name != "sqlite":
         op.execute("ALTER TABLE plans DISABLE TRIGGER plans_are_immutable")
-        change()
+        yield
         op.execute("ALTER TABLE plans ENABLE TRIGGER plans_are_immutable")
         return
     op.execute("DROP TRIGGER plans_are_immutable")
-    change()
+    yield
     op.execute(
         "CREATE TRIGGER plans_are_immutable BEFORE UPDATE ON plans "
         "BEGIN SELECT RAISE(ABORT, 'plans are immutable'); END"
