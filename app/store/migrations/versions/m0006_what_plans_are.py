@@ -100,7 +100,7 @@ def _columns(
 def _summary(
     name: str, request: dict[str, Any], document: dict[str, Any], columns: Mapping[str, Any]
 ) -> dict[str, Any]:
-    told = {one["session"]: one["probability_in_frame"] for one in document["uncertainty"]}
+    told = {one["session"]: one["probability_in_frame"] for one in document.get("uncertainty", ())}
     sessions = [
         {
             "session": number,
