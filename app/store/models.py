@@ -141,13 +141,25 @@ class CampaignRow(Base):
 class SearchRow(Base):
     """The opportunities that were found.
 
-    head: the answer's JSON without its id and its windows, zlib.  windows: JSON, one a line, zlib.
+    head: the answer's JSON without its id and its windows, zlib.
     """
 
     __tablename__ = "searches"
 
     id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     head: Mapped[bytes] = mapped_column(LargeBinary)
+    window_count: Mapped[int]
+
+
+class SearchPageRow(Base):
+    """Some of a search's windows, in their order; windows: JSON, one a line, zlib."""
+
+    __tablename__ = "search_pages"
+
+    search_id: Mapped[str] = mapped_column(
+        ForeignKey("searches.id", ondelete="CASCADE"), primary_key=True
+    )
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
     windows: Mapped[bytes] = mapped_column(LargeBinary)
 
 

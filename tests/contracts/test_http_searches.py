@@ -11,6 +11,7 @@ from fastapi.testclient import TestClient
 from app.http.app import create_app
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.store.ids import new_id
+from app.store.searches import PAGE_WINDOWS
 
 CITIES = OPPORTUNITY_EXAMPLES["cities"][1] | {"name": "Cities by day"}
 SKY = OPPORTUNITY_EXAMPLES["sky"][1]
@@ -199,13 +200,19 @@ def test_many_windows_in_another_form(client):
     """Made in a child, past what would hold others up."""
     targets = [
         {"id": f"{n}", "target": {"mode": "ground", "latitude_deg": n / 2.0, "longitude_deg": n}}
-        for n in range(80)
+        for n in range(120)
     ]
     asked = CITIES | {"targets": targets, "conditions": {}}
     answer = client.post(PATH, json=asked)
     assert len(answer.content) > 200_000
-    features = client.get(answer.headers["Location"], headers=GEOJSON).json()["features"]
-    assert len(features) == len(answer.json()["windows"])
+    at, windows = answer.headers["Location"], answer.json()["windows"]
+    features = client.get(at, headers=GEOJSON).json()["features"]
+    assert len(features) == len(windows) > PAGE_WINDOWS + 20
+    for first in (0, PAGE_WINDOWS - 10, PAGE_WINDOWS, len(windows) - 10, len(windows)):
+        page = client.get(f"{at}/windows?cursor={first}&limit=20").json()
+        assert page["windows"] == windows[first : first + 20]
+        assert page["next"] == (first + 20 if first + 20 < len(windows) else None)
+    assert client.get(at).json()["windows"] == windows
 
 
 @pytest.mark.parametrize(

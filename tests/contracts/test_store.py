@@ -58,7 +58,8 @@ def test_migrations_lead_to_the_models(tmp_path):
 def as_of(database, version):
     """The tables as a version before 0006 left them."""
     with database.writing() as connection:
-        connection.execute(text("DROP TABLE searches"))
+        for table in ("search_pages", "searches"):
+            connection.execute(text(f"DROP TABLE {table}"))
         for added in Listing().columns(""):
             connection.execute(text(f"ALTER TABLE jobs DROP COLUMN {added}"))
         connection.execute(text(f"UPDATE alembic_version SET version_num = '{version}'"))

@@ -24,7 +24,14 @@ from app.http.blocking import in_child, read
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import REF, request_body
 from app.http.query import Parameters
-from app.http.routes.jobs import add_removal, add_request, job_of, list_jobs, no_such
+from app.http.routes.jobs import (
+    add_removal,
+    add_request,
+    find_job,
+    job_of,
+    list_jobs,
+    no_such,
+)
 from app.http.routes.plan_queries import ListQuery, PathId
 from app.http.routes.resources import JobResource
 from app.http.routes.stored_plans import EXPORT_BOUNDS
@@ -33,7 +40,7 @@ from app.store import audit, jobs, searches
 from app.store.database import Database
 from app.store.ids import new_id
 from app.store.jobs import NewJob
-from app.store.searches import StoredSearch
+from app.store.searches import StoredWindows
 from app.versions import VERSION
 from app.work.searches import CSV, GEOJSON, windows_in_form
 
@@ -125,28 +132,27 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
             deadline_s=resource.bounds.deadline_s,
             key_id=getattr(request.state, "key_id", None),
         )
-        search = await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
+        await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
-        answer = await _whole(request, new.id, search, form)
+        answer = await _whole(request, new.id, found, form)
         return Response(answer, HTTPStatus.OK, headers, form)
 
 
-def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> StoredSearch:
+def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
     database: Database = request.app.state.database
     search = searches.packed(found.head, found.windows)
     with database.writing() as connection:
         jobs.record_done(connection, new, begun_utc)
         searches.store(connection, new.id, search)
         audit.record(connection, key_id=new.key_id, action=f"{new.kind}.accept", subject=new.id)
-    return search
 
 
-async def _whole(request: Request, search_id: str, search: StoredSearch, form: str) -> bytes:
+async def _whole(request: Request, search_id: str, found: FoundWindows, form: str) -> bytes:
     """All that was found."""
-    head, windows = await anyio.to_thread.run_sync(search.unpacked)
     if form == JSON:
-        return whole_opportunities(search_id, FoundWindows(head, windows))
-    return await _in_form(request, form, windows, {"id": search_id, **json.loads(head)})
+        return whole_opportunities(search_id, found)
+    members = {"id": search_id, **json.loads(found.head)}
+    return await _in_form(request, form, found.windows, members)
 
 
 async def _in_form(
@@ -184,11 +190,13 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
     async def get_search(request: Request, search_id: PathId) -> Response:
         """It never changes."""
         form = preferred_type(request, FORMS)
-        search = await _find(request, resource, search_id)
         headers = _immutable(search_id, form)
         if is_known_already(request, headers["ETag"]):
+            await find_job(request, resource, search_id)
             return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
-        answer = await _whole(request, search_id, search, form)
+        search = await _find(request, resource, search_id)
+        found = FoundWindows(search.head, search.windows)
+        answer = await _whole(request, search_id, found, form)
         return Response(answer, HTTPStatus.OK, headers, form)
 
 
@@ -215,13 +223,16 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
     ) -> Response:
         """In the order of the request's targets, each target's in order of time."""
         form = preferred_type(request, FORMS)
-        search = await _find(request, resource, search_id)
-        _, windows = await anyio.to_thread.run_sync(search.unpacked)
-        if query.target is not None:
-            begins = b'{"target":' + to_json(query.target) + b","
-            windows = [window for window in windows if window.startswith(begins)]
         stop = query.cursor + query.limit
-        shown, after = windows[query.cursor : stop], stop if stop < len(windows) else None
+        if query.target is None:
+            search = await _find(request, resource, search_id, query.cursor, stop)
+            shown, count = search.windows, search.window_count
+        else:
+            begins = b'{"target":' + to_json(query.target) + b","
+            every = (await _find(request, resource, search_id)).windows
+            windows = [window for window in every if window.startswith(begins)]
+            shown, count = windows[query.cursor : stop], len(windows)
+        after = stop if stop < count else None
         headers = {"Vary": "Accept"}
         if after is not None:
             url = request.url.include_query_params(cursor=after)
@@ -233,12 +244,18 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
         return Response(answer, HTTPStatus.OK, headers, form)
 
 
-async def _find(request: Request, resource: SearchResource, search_id: str) -> StoredSearch:
-    """Raises 404."""
+async def _find(
+    request: Request,
+    resource: SearchResource,
+    search_id: str,
+    first: int = 0,
+    stop: int | None = None,
+) -> StoredWindows:
+    """With these windows; raises 404."""
 
-    def reading(connection: Connection) -> StoredSearch | None:
+    def reading(connection: Connection) -> StoredWindows | None:
         job_of(connection, resource, search_id)
-        return searches.get(connection, search_id)
+        return searches.get(connection, search_id, first, stop)
 
     search = await read(request, reading)
     if search is None:  # no job of this kind is without

@@ -49,9 +49,19 @@ def upgrade() -> None:
         "searches",
         sa.Column("id", sa.String(36), nullable=False),
         sa.Column("head", sa.LargeBinary(), nullable=False),
-        sa.Column("windows", sa.LargeBinary(), nullable=False),
+        sa.Column("window_count", sa.Integer(), nullable=False),
         sa.ForeignKeyConstraint(["id"], ["jobs.id"], name="fk_searches_id", ondelete="CASCADE"),
         sa.PrimaryKeyConstraint("id", name="pk_searches"),
+    )
+    op.create_table(
+        "search_pages",
+        sa.Column("search_id", sa.String(36), nullable=False),
+        sa.Column("number", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("windows", sa.LargeBinary(), nullable=False),
+        sa.ForeignKeyConstraint(
+            ["search_id"], ["searches.id"], name="fk_search_pages_search_id", ondelete="CASCADE"
+        ),
+        sa.PrimaryKeyConstraint("search_id", "number", name="pk_search_pages"),
     )
     jobs = op.get_bind().scalars(sa.select(_JOBS.c.id)).all()
     if jobs:
