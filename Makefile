@@ -6,6 +6,7 @@ LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --genera
 # What stores anything, to be run on PostgreSQL, too.
 STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py tests/contracts/test_*jobs.py tests/contracts/test_access.py \
 	$(wildcard tests/contracts/test_*campaign*.py) tests/contracts/test_http_plans.py \
+	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
 .PHONY: setup plan serve quick test test-postgres test-client lint check format answers notebook oracles bench requirements clean

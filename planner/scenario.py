@@ -67,6 +67,8 @@ class InitialState:
 class Session:
     """One target held from `start` to `stop`.
 
+    id: your name for it, different from the other sessions'; the plan tells it. E.g. `"LV-7"`.
+    name: what people call it; the plan tells it and lists it. E.g. `"Las Vegas, east"`.
     target: what is looked at.
     start: from when on the target is held; UTC.
     stop: until when it is held; UTC.
@@ -74,12 +76,17 @@ class Session:
     outer axis: refuse, or follow as near as the limits allow, in the frame.
     """
 
+    id: str | None = None
+    name: str | None = None
     target: Target
     start: datetime
     stop: datetime
     keyhole: Keyhole = "refuse"
 
     def __post_init__(self) -> None:
+        for text in ("id", "name"):
+            if getattr(self, text) == "":
+                raise ValueError(f"{text} must not be empty; leave it out for none")
         # Bound now, so that a session cut short later keeps the target's timetable.
         object.__setattr__(self, "target", self.target.starting(self.start))
         duration_s = elapsed_s(self.stop, self.start)
@@ -93,6 +100,11 @@ class Session:
                 f"{figures(duration_s, COMMAND_STEP_S)} s"
             )
         self.target.require_known("target", self.start, self.stop)
+
+    @property
+    def label(self) -> str:
+        """What it is called where it is listed; empty for a nameless test motion."""
+        return self.name or self.id or self.target.label
 
 
 @spec
@@ -223,9 +235,19 @@ class Scenario:
                     f"{what} ({utc_text(earliest_utc)})"
                 )
             earliest_utc, what = session.stop, f"sessions.{number}.stop"
+        self._check_ids()
         self._check_initial_state()
         if isinstance(self.final_state, FinalAngles):
             self._check_final_state(self.final_state)
+
+    def _check_ids(self) -> None:
+        seen: dict[str, int] = {}
+        for number, session in enumerate(self.sessions):
+            if session.id is not None and seen.setdefault(session.id, number) != number:
+                raise ValueError(
+                    f"sessions.{number}.id {session.id!r} is that of session "
+                    f"{seen[session.id]} already; ids must differ"
+                )
 
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names

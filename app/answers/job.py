@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from pydantic import TypeAdapter
+from pydantic import Field, TypeAdapter
 
 from app.answers.members import fill, to_json
 from app.answers.problem import Problem
-from app.answers.ranges import Count
+from app.answers.ranges import Count, Share
 from app.store.ids import JobState
 
 if TYPE_CHECKING:  # children answer without a database
@@ -22,6 +22,14 @@ class JobResponse:
     id: of what is made, as its address names it.
     state: where it stands.
     name: as the request gives it.
+    platform: name of the platform, or of the spacecraft.
+    start: of the first session, or of the time that is searched or planned; UTC, as asked for, and
+    as planned once it is.
+    stop: of the last session, or of that time; UTC.
+    targets: names, or else ids, or else the targets in a few words; the first 20.
+    target_count: of all targets.
+    probability_in_frame: the least of any session's; null before it is planned. E.g. `0.97`.
+    revision: of the plan, from 1; null until it is made. E.g. `1`.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     input_sha256: of the request's bytes.
@@ -35,6 +43,13 @@ class JobResponse:
     id: str
     state: JobState
     name: str
+    platform: str | None
+    start: str | None
+    stop: str | None
+    targets: list[str]
+    target_count: Count
+    probability_in_frame: Share | None
+    revision: Annotated[int, Field(ge=1)] | None
     revises: str | None
     input_sha256: str
     created: str
@@ -57,6 +72,19 @@ class PlanList:
     next: str | None
 
 
+@dataclass(frozen=True, kw_only=True)
+class SearchList:
+    """Searches for opportunities, the latest first.
+
+    opportunities: those of this page.
+    next: `cursor` of what comes after, null at the end. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
+
+    opportunities: list[JobResponse]
+    next: str | None
+
+
 _PROBLEM = TypeAdapter(Problem)
 
 
@@ -66,6 +94,8 @@ def job_out(job: "Job") -> JobResponse:
     return fill(
         JobResponse,
         job,
+        targets=list(job.targets or ()),
+        target_count=job.target_count or 0,
         revises=job.options.get("revises"),
         input_sha256=job.request_sha256,
         problem=None
@@ -89,3 +119,9 @@ def list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
     """A PlanList."""
     plans, after = page(jobs, limit)
     return to_json(PlanList(plans=plans, next=after))
+
+
+def search_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
+    """A SearchList."""
+    opportunities, after = page(jobs, limit)
+    return to_json(SearchList(opportunities=opportunities, next=after))

@@ -1,14 +1,24 @@
 """The answer to a request for opportunities: degrees, UTC text, plain numbers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from app.answers.members import ProvenanceOut, to_json
-from app.answers.ranges import ElevationDeg, ElevationOrLimbDeg, HalfTurnDeg, NotNegative, Signed
+from app.answers.ranges import (
+    Count,
+    ElevationDeg,
+    ElevationOrLimbDeg,
+    HalfTurnDeg,
+    NotNegative,
+    Signed,
+)
+from app.answers.target_sky import PlaceOut, TargetSkyOut, places_out, skies_out
+from app.store.ids import new_id
 from planner.arrays import Array
 from planner.assumed import Assumed
 from planner.frames.time_scales import Instants, utc_text
@@ -87,7 +97,7 @@ class SessionTimesOut:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WindowOut:
+class PassWindow:
     """One stretch in which all conditions hold for a target.
 
     target: id of the target, as the request gives it.
@@ -102,10 +112,9 @@ class WindowOut:
     closest: the view at the least range; of a target in space, at its greatest height above the
     limb.
     through: the view at instants spread evenly from rise to set.
-    branch: which of the two pairs of axis angles that point at the target is told, 0 or 1: the one
-    with less turn of the inner axis.
-    branches: which pairs keep within the stops through the window (none where the axes would have
-    to change over).
+    place: where the target is as the carrier culminates; null for a target in space.
+    sky: the pass as pass tables have it: rise, culmination and set with azimuth and elevation, Sun
+    and local solar time; null for a target in space.
     """
 
     target: str
@@ -119,75 +128,147 @@ class WindowOut:
     highest_deg: ElevationOrLimbDeg
     closest: SightingOut
     through: SightingsOut
+    place: PlaceOut | None
+    sky: TargetSkyOut | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowOut(PassWindow):
+    """One stretch in which all conditions hold for a target.
+
+    branch: which of the two pairs of axis angles that point at the target is told, 0 or 1: the one
+    with less turn of the inner axis.
+    branches: which pairs keep within the stops through the window (none where the axes would have
+    to change over).
+    """
+
     branch: Branch
     branches: list[Branch]
 
 
 @dataclass(frozen=True, kw_only=True)
-class OpportunitiesResponse:
-    """Windows in the order of the request's targets, each target's in order of time.
+class OpportunitiesHead:
+    """What is known of a search beside its windows.
 
+    name: as the request gives it. E.g. `"cities in daylight"`.
     start: of the time searched; UTC.
     stop: of the time searched; UTC.
-    windows: all there are.
     unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
     assumed: where the targets are that the request gives by name only.
     warnings: what one should know before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
+    name: str
     start: str
     stop: str
-    windows: list[WindowOut]
     unseen: list[str]
     assumed: list[Assumed]
     warnings: list[str]
     provenance: ProvenanceOut
 
 
-def opportunities_json(result: Opportunities, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON."""
-    return to_json(
-        OpportunitiesResponse(
-            start=utc_text(result.start_utc),
-            stop=utc_text(result.stop_utc),
-            windows=windows_out(result),
-            unseen=[
-                result.ids[row]
-                for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
-            ],
-            assumed=list(result.assumed),
-            warnings=list(result.warnings),
-            provenance=provenance,
-        )
+@dataclass(frozen=True, kw_only=True)
+class OpportunitiesResponse(OpportunitiesHead):
+    """Windows in the order of the request's targets, each target's in order of time.
+
+    id: of what was found, as its address names it.
+    windows: all there are.
+    """
+
+    id: str
+    windows: list[WindowOut]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowsPage:
+    """Some of the windows found.
+
+    windows: those of this page.
+    next: `cursor` of what comes after; null at the end. E.g. `100`.
+    """
+
+    windows: list[WindowOut]
+    next: Count | None
+
+
+class FoundWindows(NamedTuple):
+    """An answer in parts. head: an `OpportunitiesHead`; windows: one JSON object each."""
+
+    head: bytes
+    windows: list[bytes]
+
+
+def found_windows(
+    result: Opportunities,
+    name: str,
+    provenance: ProvenanceOut,
+    windows: Sequence[PassWindow],
+) -> FoundWindows:
+    """The answer without its id."""
+    head = OpportunitiesHead(
+        name=name,
+        start=utc_text(result.start_utc),
+        stop=utc_text(result.stop_utc),
+        unseen=[
+            result.ids[row]
+            for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
+        ],
+        assumed=list(result.assumed),
+        warnings=list(result.warnings),
+        provenance=provenance,
+    )
+    return FoundWindows(to_json(head), [to_json(window) for window in windows])
+
+
+def whole_opportunities(search_id: str, found: FoundWindows) -> bytes:
+    """An OpportunitiesResponse as UTF-8 JSON."""
+    windows = b",".join(found.windows)
+    return b"".join(
+        [b'{"id":', to_json(search_id), b",", found.head[1:-1], b',"windows":[', windows, b"]}"]
+    )
+
+
+def opportunities_json(result: Opportunities, name: str, provenance: ProvenanceOut) -> bytes:
+    """The whole answer as UTF-8 JSON, under a new id."""
+    return whole_opportunities(
+        new_id(), found_windows(result, name, provenance, windows_out(result))
     )
 
 
 def windows_out(result: Opportunities) -> list[WindowOut]:
     """All windows, in order."""
+    columns = pass_columns(result) | {
+        "branch": result.windows.branch.tolist(),
+        "branches": [np.flatnonzero(usable).tolist() for usable in result.windows.branches],
+    }
+    return [WindowOut(**row) for row in rows_of(columns)]
+
+
+def pass_columns(result: Opportunities) -> dict[str, Column]:
+    """By the names of a `PassWindow`."""
     windows = result.windows
-    columns: dict[str, Column] = {
+    return {
         "target": [result.ids[row] for row in windows.target],
-        "rise": _utc(result.start_utc, windows.rise_s),
-        "set": _utc(result.start_utc, windows.set_s),
+        "rise": times_of(result.start_utc, windows.rise_s),
+        "set": times_of(result.start_utc, windows.set_s),
         "duration_s": _numbers(windows.set_s - windows.rise_s),
         "session": _sessions(result),
         "opened_by": windows.opened_by.tolist(),
         "closed_by": windows.closed_by.tolist(),
-        "highest_at": _utc(result.start_utc, windows.highest_s),
+        "highest_at": times_of(result.start_utc, windows.highest_s),
         "highest_deg": _numbers(np.degrees(windows.highest_rad)),
         "closest": _sightings(SightingOut, result, windows.closest),
         "through": _sightings(SightingsOut, result, windows.through),
-        "branch": windows.branch.tolist(),
-        "branches": [np.flatnonzero(usable).tolist() for usable in windows.branches],
+        "place": places_out(windows.sky),
+        "sky": skies_out(result.start_utc, windows.sky),
     }
-    return [WindowOut(**row) for row in _rows(columns)]
 
 
 def _sessions(result: Opportunities) -> Column:
     times_s = result.windows.sessions_s(result.start_utc)
     fits = ~np.isnan(times_s[:, 0])
-    starts, stops = (_utc(result.start_utc, column[fits]) for column in times_s.T)
+    starts, stops = (times_of(result.start_utc, column[fits]) for column in times_s.T)
     sessions: Column = [None] * len(fits)
     for window, start, stop in zip(np.flatnonzero(fits), starts, stops, strict=True):
         sessions[window] = SessionTimesOut(start=start, stop=stop)
@@ -198,7 +279,7 @@ def _sightings(
     kind: type[SightingOut] | type[SightingsOut], result: Opportunities, seen: Sightings
 ) -> Column:
     columns: dict[str, Column] = {
-        "at": _utc(result.start_utc, seen.t_s),
+        "at": times_of(result.start_utc, seen.t_s),
         "range_km": _numbers(seen.range_m / 1e3),
         "ground_sample_across_m": _numbers(seen.ground_sample_across_m),
         "ground_sample_along_m": _numbers(seen.ground_sample_along_m),
@@ -209,21 +290,21 @@ def _sightings(
         if field.name not in columns:
             radians = getattr(seen, field.name.replace("_deg", "_rad"))
             columns[field.name] = _numbers(np.degrees(radians))
-    return [kind(**row) for row in _rows(columns)]
+    return [kind(**row) for row in rows_of(columns)]
 
 
 def _by_axis(axis_names: tuple[str, str], motion_rad: Array) -> Column:
     """motion_rad: shape (..., 2), rad or rad/s."""
-    return _rows(
+    return rows_of(
         {name: _numbers(np.degrees(motion_rad[..., axis])) for axis, name in enumerate(axis_names)}
     )
 
 
-def _rows(columns: dict[str, Column]) -> list[dict[str, Any]]:
+def rows_of(columns: dict[str, Column]) -> list[dict[str, Any]]:
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
-def _utc(start_utc: datetime, t_s: Array) -> Column:
+def times_of(start_utc: datetime, t_s: Array) -> Column:
     texts = np.array(Instants(start_utc, t_s.ravel()).utc_text(3), dtype=object)
     column: Column = texts.reshape(t_s.shape).tolist()
     return column

@@ -21,6 +21,7 @@ from app.answers.members import (
 from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
 from app.answers.solver import SolverOut, solver_out
+from app.answers.summary import PlanSummaryOut, summary_out
 from planner.assumed import Assumed
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
@@ -157,6 +158,7 @@ class PlanDocument:
 
     name: as the request gives it.
     platform: the platform's name.
+    summary: what the plan is of, session by session.
     segments: what the table does, in order of time.
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
@@ -175,6 +177,7 @@ class PlanDocument:
 
     name: str
     platform: str
+    summary: PlanSummaryOut
     segments: list[SegmentOut]
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
@@ -285,6 +288,7 @@ def plan_document(
         PlanDocument(
             name=plan.scenario.name,
             platform=plan.scenario.platform.name,
+            summary=summary_out(plan),
             segments=[_segment(segment) for segment in plan.segments],
             margins=margins_out(report.limits),
             keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],

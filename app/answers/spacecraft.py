@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from app.answers.imaging_summary import ImagingSummaryOut, imaging_summary_out
 from app.answers.members import (
     PlanHead,
     ProvenanceOut,
@@ -223,6 +224,7 @@ class SpacecraftPlanDocument:
 
     name: as the request gives it.
     spacecraft: the spacecraft's name.
+    summary: what the session is of, request by request.
     windows: what is imaged, in order of time.
     left_out: requests that don't fit, and why.
     choice: how good it is.
@@ -236,6 +238,7 @@ class SpacecraftPlanDocument:
 
     name: str
     spacecraft: str
+    summary: ImagingSummaryOut
     windows: list[ImagingWindowOut]
     left_out: list[LeftOut]
     choice: ImagingChoiceOut
@@ -308,6 +311,7 @@ def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
         SpacecraftPlanDocument(
             name=plan.request.name,
             spacecraft=plan.spacecraft.name,
+            summary=imaging_summary_out(plan),
             windows=[_window(found, plan.table) for found in plan.verification.windows],
             left_out=list(plan.left_out),
             choice=fill(ImagingChoiceOut, plan.choice),

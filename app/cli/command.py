@@ -121,7 +121,7 @@ def windows(
         if csv:
             write(csv, windows_csv(result.axis_names, answer).encode())
         if json:
-            write(json, opportunities_json(result, provenance(read_utc, body)))
+            write(json, opportunities_json(result, request.name, provenance(read_utc, body)))
 
 
 @main.command()

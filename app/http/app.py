@@ -29,7 +29,16 @@ from app.http.readiness import (
     earth_orientation_covers_now,
     solver_answers,
 )
-from app.http.routes import campaigns, horizon, opportunities, plans, platforms, spacecraft, system
+from app.http.routes import (
+    campaigns,
+    horizon,
+    imaging_opportunities,
+    opportunities,
+    plans,
+    platforms,
+    spacecraft,
+    system,
+)
 from app.http.view_cache import ViewCache
 from app.jobs.dispatcher import Dispatcher
 from app.jobs.disposable import spare_children, start_server
@@ -67,7 +76,16 @@ _TAGS = [
     )
 ]
 
-_OF_API = (plans, opportunities, campaigns, horizon, spacecraft, platforms, system)
+_OF_API = (
+    plans,
+    opportunities,
+    campaigns,
+    horizon,
+    spacecraft,
+    imaging_opportunities,
+    platforms,
+    system,
+)
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -196,5 +214,6 @@ def _answers() -> Iterator[object]:
 
 def _operation_id(route: APIRoute) -> str:
     """Method and path in words, such as get_plan_table: names of functions in generated clients."""
-    words = route.path.removeprefix("/v1").replace("s/{id}", "").split("/")
+    path = route.path.removeprefix("/v1").replace("ies/{id}", "y").replace("s/{id}", "")
+    words = path.split("/")
     return "_".join((*(route.methods or ()), *words[1:])).lower()

@@ -67,6 +67,7 @@ class JobKind:
 
 def _store_plan(connection: Connection, job: Job, new: NewPlan) -> Settled:
     revises = job.options.get("revises")
+    jobs.list_anew(connection, job, new.listing)
     return Settled(new.state, plans.store(connection, job.id, job.kind, revises, new))
 
 
@@ -168,5 +169,6 @@ def _accept_part(
             key_id=key_id,
             parent_id=whole_id,
             rank=_PART_RANK,
+            listing=part.listing,
         ),
     )

@@ -251,6 +251,7 @@ _DETAILS = {
     "int_parsing": "must be a whole number",
     "int_parsing_size": "must be a whole number of fewer digits",
     "string_type": "must be a string",
+    "string_too_short": "must have at least {min_length} character",
     "none_required": "must be null",
     "dataclass_type": "must be an object",
     "dict_type": "must be an object",

@@ -5,6 +5,7 @@ from typing import Any
 
 from app.requests.json_reader import JsonReader
 from planner.spacecraft.geojson import requests_from_features
+from planner.spacecraft.opportunities import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.vehicle.definition import SPACECRAFT
 
@@ -16,6 +17,7 @@ def _with_plain_requests(document: object) -> object:
 
 
 _READER = JsonReader(ImagingPlanRequest, plain=_with_plain_requests)
+_SEARCH_READER = JsonReader(ImagingOpportunityRequest, plain=_with_plain_requests)
 
 
 def read_spacecraft_request(body: bytes) -> ImagingPlanRequest:
@@ -26,9 +28,22 @@ def read_spacecraft_request(body: bytes) -> ImagingPlanRequest:
     return _READER.read(body)
 
 
+def read_imaging_opportunity_request(body: bytes) -> ImagingOpportunityRequest:
+    """What is to be imaged, and when it is searched for; raises as above."""
+    return _SEARCH_READER.read(body)
+
+
 def spacecraft_request_json_schema(ref_template: str) -> dict[str, Any]:
     """JSON Schema of the request; its `$defs` hold what it refers to by `ref_template`."""
-    schema = _READER.json_schema(ref_template)
+    return _with_features(_READER.json_schema(ref_template))
+
+
+def imaging_opportunity_json_schema(ref_template: str) -> dict[str, Any]:
+    """The same of a search."""
+    return _with_features(_SEARCH_READER.json_schema(ref_template))
+
+
+def _with_features(schema: dict[str, Any]) -> dict[str, Any]:
     schema["properties"]["spacecraft"]["enum"] = list(SPACECRAFT)
     features = {
         "type": "object",

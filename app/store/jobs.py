@@ -6,7 +6,7 @@ the work goes on, and asked for again when the result is stored: whoever lost it
 
 import secrets
 import zlib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
@@ -32,7 +32,9 @@ from sqlalchemy.orm import aliased
 from app.store import events
 from app.store.columns import database_now_s
 from app.store.ids import OPEN_STATES, JobState
-from app.store.models import JobRow
+from app.store.listing import Listing
+from app.store.models import JobRow, PlanRow
+from app.store.sought import EVERYTHING, Sought
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,13 +52,16 @@ class NewJob:
     idempotency: str | None = None
     parent_id: str | None = None
     rank: int = 0
+    listing: Listing = field(default_factory=Listing)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
     """A job as it stands, without its request.
 
-    cancel_requested: of itself, or of the job it is a part of.
+    cancel_requested: of itself, or of the job it is a part of.  platform, start_utc, stop_utc,
+    targets (the first of target_count), probability_in_frame: `app.store.listing`.
+    revision: of the plan it made.
     """
 
     id: str
@@ -74,6 +79,13 @@ class Job:
     finished_utc: datetime | None
     cancel_requested: bool
     problem: Mapping[str, Any] | None
+    platform: str | None
+    start_utc: datetime | None
+    stop_utc: datetime | None
+    targets: Sequence[str] | None
+    target_count: int | None
+    probability_in_frame: float | None
+    revision: int | None
 
     @property
     def is_open(self) -> bool:
@@ -95,8 +107,10 @@ _UNWANTED: ColumnElement[bool] = or_(
     JobRow.cancel_requested,
     exists().where(_WHOLE.id == JobRow.parent_id, _WHOLE.cancel_requested),
 )
+_REVISION = select(PlanRow.revision).where(PlanRow.id == JobRow.id).scalar_subquery()
+_FOUND = {"cancel_requested": _UNWANTED, "revision": _REVISION}
 _COLUMNS = tuple(
-    _UNWANTED.label(name) if name == "cancel_requested" else getattr(JobRow, name)
+    _FOUND[name].label(name) if name in _FOUND else getattr(JobRow, name)
     for name in Job.__dataclass_fields__
 )
 # Statements of every plan, built once: that takes longer than SQLite needs to answer them.
@@ -124,10 +138,31 @@ def accept(connection: Connection, new: NewJob, lease_s: float | None = None) ->
         "started_utc": None if token is None else now_utc,
         "cancel_requested": False,
     }
-    connection.execute(_NEW, vars(new) | begun)
+    connection.execute(_NEW, _asked(new) | begun)
     began = () if token is None else ({"state": "running", "attempt": 1},)
     events.begin(connection, new.id, {"state": "queued"}, *began)
     return token
+
+
+def record_done(connection: Connection, new: NewJob, begun_utc: datetime) -> None:
+    """Keep what was done before anybody else could be told of it."""
+    done = {
+        "state": "done",
+        "request": zlib.compress(new.request),
+        "attempts": 1,
+        "lease_token": None,
+        "lease_s": None,
+        "created_utc": begun_utc,
+        "started_utc": begun_utc,
+        "finished_utc": datetime.now(UTC),
+        "cancel_requested": False,
+    }
+    connection.execute(_NEW, _asked(new) | done)
+
+
+def _asked(new: NewJob) -> dict[str, Any]:
+    asked = {name: value for name, value in vars(new).items() if name != "listing"}
+    return asked | new.listing.columns(new.name)
 
 
 def get(connection: Connection, job_id: str) -> Job | None:
@@ -152,23 +187,23 @@ def latest(
     limit: int,
     *,
     before: str | None = None,
-    state: JobState | None = None,
-    name: str | None = None,
     parent_id: str | None = None,
+    sought: Sought = EVERYTHING,
 ) -> list[Job]:
-    """Jobs of a kind, the latest first; `before` an id, with `name` in theirs.
+    """Jobs of a kind, the latest first; `before` an id.
 
     Parts of the larger job, or without one those that are no parts.
     """
-    conditions: list[ColumnElement[bool]] = [JobRow.kind == kind, JobRow.parent_id == parent_id]
+    conditions = [JobRow.kind == kind, JobRow.parent_id == parent_id, *sought.conditions()]
     if before is not None:
         conditions.append(JobRow.id < before)
-    if state is not None:
-        conditions.append(JobRow.state == state)
-    if name is not None:
-        conditions.append(JobRow.name.contains(name, autoescape=True))
     found = connection.execute(_JOBS.where(*conditions).order_by(JobRow.id.desc()).limit(limit))
     return [_job(row) for row in found]
+
+
+def list_anew(connection: Connection, job: Job, listing: Listing) -> None:
+    """Tell of a job as it turned out."""
+    connection.execute(_CHANGE, {"of_job": job.id, **listing.columns(job.name)})
 
 
 def count_waiting(connection: Connection) -> int:

@@ -43,6 +43,8 @@ class JobRow(Base):
     idempotency: SHA-256 of who sent which Idempotency-Key where; None without one.
     rank: smaller goes first.  lease_until_s: by `database_now_s`; a running job without a lease
     waits for others.
+    platform ... target_words: `app.store.listing`; targets: the first of target_count.
+    words, target_words: what filters look into, `folded`.
     """
 
     __tablename__ = "jobs"
@@ -67,6 +69,14 @@ class JobRow(Base):
     finished_utc: Mapped[datetime | None] = mapped_column(UtcDateTime)
     cancel_requested: Mapped[bool]
     problem: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True))
+    platform: Mapped[str | None] = mapped_column(PlainText)
+    start_utc: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    stop_utc: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    targets: Mapped[list[str] | None] = mapped_column(JSON(none_as_null=True))
+    target_count: Mapped[int | None]
+    probability_in_frame: Mapped[float | None]
+    words: Mapped[str | None] = mapped_column(PlainText)
+    target_words: Mapped[str | None] = mapped_column(PlainText)
 
     __table_args__ = (
         CheckConstraint(f"state IN ({_STATES})", name="state"),
@@ -126,6 +136,31 @@ class CampaignRow(Base):
 
     id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     document: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class SearchRow(Base):
+    """The opportunities that were found.
+
+    head: the answer's JSON without its id and its windows, zlib.
+    """
+
+    __tablename__ = "searches"
+
+    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    head: Mapped[bytes] = mapped_column(LargeBinary)
+    window_count: Mapped[int]
+
+
+class SearchPageRow(Base):
+    """Some of a search's windows, in their order; windows: JSON, one a line, zlib."""
+
+    __tablename__ = "search_pages"
+
+    search_id: Mapped[str] = mapped_column(
+        ForeignKey("searches.id", ondelete="CASCADE"), primary_key=True
+    )
+    number: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    windows: Mapped[bytes] = mapped_column(LargeBinary)
 
 
 class ProbeRow(Base):

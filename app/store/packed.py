@@ -10,13 +10,14 @@ import math
 import struct
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.store.listing import Listing
 from planner.arrays import Array
 
 _LEVEL = 3  # 3 % larger than 6 in a third of the time
@@ -31,6 +32,7 @@ class NewPlan:
     state: `failed` where the judge rejects the table.  document: the answer's JSON without the
     table and without what only the service knows, zlib.  table_columns: packed.
     iterations: of the solver over all slews, where they are counted.
+    listing: what lists tell of it.
     """
 
     name: str
@@ -41,6 +43,7 @@ class NewPlan:
     table_columns: bytes
     planned_utc: datetime
     iterations: int | None = None
+    listing: Listing = field(default_factory=Listing)
 
 
 @dataclass(frozen=True, kw_only=True)

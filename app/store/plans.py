@@ -34,6 +34,7 @@ _PLAN = select(*(getattr(PlanRow, name) for name in StoredPlan.__dataclass_field
     PlanRow.id == bindparam("of_job")
 )
 _NEW = insert(PlanRow)
+_NOT_ITS_OWN = ("iterations", "listing")  # counted, and kept with the job
 
 
 def store(
@@ -47,7 +48,7 @@ def store(
         of_series = PlanRow.series == series
         connection.execute(select(PlanRow.id).where(of_series).with_for_update())  # one by one
         last = connection.scalar(select(func.max(PlanRow.revision)).where(of_series)) or 0
-    columns = {name: value for name, value in vars(new).items() if name != "iterations"}
+    columns = {name: value for name, value in vars(new).items() if name not in _NOT_ITS_OWN}
     place = {"series": series or job_id, "revision": last + 1, "revises": revises}
     connection.execute(_NEW, {"id": job_id, "kind": kind, **columns, **place})
     known = columns | place | {"id": job_id, "document": zlib.decompress(new.document)}

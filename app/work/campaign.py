@@ -9,8 +9,9 @@ from typing import Any
 
 from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
 from app.answers.members import ProvenanceOut, fill
-from app.answers.opportunities import opportunities_json
+from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
+from app.store.listing import Listing
 from app.work.progress import Progress, report
 from planner.campaigns import (
     Campaign,
@@ -21,7 +22,7 @@ from planner.campaigns import (
     choose_campaign,
     scenario_of,
 )
-from planner.frames.time_scales import utc_text
+from planner.frames.time_scales import utc_from_text, utc_text
 from planner.opportunities import OpportunityRequest, find_opportunities
 from planner.targets import BenchMotionTarget
 
@@ -39,6 +40,17 @@ class Part:
     request: bytes
     facts: Mapping[str, Any]
 
+    @property
+    def listing(self) -> Listing:
+        """By the targets' ids, from the first look to the last."""
+        platform, looks = json.loads(self.request)["platform"], self.facts["looks"]
+        return Listing(
+            platform=platform if isinstance(platform, str) else platform["name"],
+            start_utc=utc_from_text(looks[0]["start"]),
+            stop_utc=utc_from_text(looks[-1]["stop"]),
+            targets=tuple(look["target"] for look in looks),
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class NewCampaign:
@@ -48,9 +60,10 @@ class NewCampaign:
     parts: tuple[Part, ...]
 
 
-def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> bytes:
-    """The whole answer as UTF-8 JSON."""
-    return opportunities_json(find_opportunities(request), provenance)
+def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
+    """The answer in parts."""
+    result = find_opportunities(request)
+    return found_windows(result, request.name, provenance, windows_out(result))
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
@@ -120,6 +133,7 @@ def _part(
         "sessions": [
             *(
                 {
+                    "id": request.targets[look.target].id,
                     "target": document["targets"][look.target]["target"],
                     "start": utc_text(look.start_utc, 6),
                     "stop": utc_text(look.stop_utc, 6),

@@ -15,6 +15,7 @@ from app.answers.plan import (
     table_json,
     verdict_state,
 )
+from app.answers.summary import listing_of_plan
 from app.requests.plan import PlanRequest, read_plan_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
@@ -42,6 +43,7 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
         document=zlib.compress(plan_document(plan, checks, origin)),
         table_columns=pack(_pack(plan)),
         planned_utc=now_utc,
+        listing=listing_of_plan(plan),
         iterations=sum(run.iterations for run in plan.slews),
     )
 

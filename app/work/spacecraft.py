@@ -4,17 +4,24 @@ import zlib
 from dataclasses import asdict
 from datetime import UTC, datetime
 
+from app.answers.imaging_opportunities import found_passes
 from app.answers.members import ProvenanceOut, provenance
+from app.answers.opportunities import FoundWindows
 from app.answers.spacecraft import (
     attitude_table_json,
     spacecraft_document,
     spacecraft_dry_run_json,
 )
+from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.progress import Progress, report
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
+from planner.spacecraft.opportunities import (
+    ImagingOpportunityRequest,
+    find_imaging_opportunities,
+)
 from planner.spacecraft.plan import plan_imaging
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
@@ -44,12 +51,20 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
         document=zlib.compress(spacecraft_document(plan, origin)),
         table_columns=pack(_pack(plan.table)),
         planned_utc=now_utc,
+        listing=listing_of_imaging(plan.request),
     )
 
 
 def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes:
     """The answer to a dry run: planned, judged and flown, nothing kept; raises a Refusal."""
     return spacecraft_dry_run_json(plan_imaging(request), provenance)
+
+
+def answer_imaging_opportunities(
+    request: ImagingOpportunityRequest, provenance: ProvenanceOut
+) -> FoundWindows:
+    """The answer in parts."""
+    return found_passes(request, find_imaging_opportunities(request), provenance)
 
 
 def stored_session_json(table_columns: bytes) -> bytes:

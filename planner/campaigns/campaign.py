@@ -180,6 +180,7 @@ def scenario_of(request: CampaignRequest, flight: ChosenPass, number: int) -> Sc
         sessions=(
             *(
                 Session(
+                    id=request.targets[look.target].id,
                     target=request.targets[look.target].target,
                     start=look.start_utc,
                     stop=look.stop_utc,

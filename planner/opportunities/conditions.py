@@ -19,7 +19,14 @@ from planner.targets.apparent import aberrate
 from planner.targets.earth_limb import limb_clearance_rad
 
 Cause = Literal[
-    "interval", "elevation", "sun_elevation", "off_nadir", "sun_keep_out", "moon_keep_out", "reach"
+    "interval",
+    "elevation",
+    "sun_elevation",
+    "off_nadir",
+    "sun_keep_out",
+    "moon_keep_out",
+    "reach",
+    "across",
 ]
 
 HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3

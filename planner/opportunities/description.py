@@ -15,6 +15,7 @@ from planner.opportunities.conditions import (
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, Sight
 from planner.opportunities.spans import Margin, Spans, nodes_over, turning_point
+from planner.opportunities.target_sky import target_sky
 from planner.opportunities.windows import Sightings, Windows
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles, axis_motion
@@ -50,6 +51,9 @@ def describe_windows(
         highest_rad=sight.sighting(spans.target, highest_s).elevation_rad,
         closest=sightings.columns(0),
         through=sightings.columns(slice(1, None)),
+        sky=target_sky(
+            sight, spans.target, np.stack([spans.start_s, highest_s, spans.stop_s], axis=1)
+        ),
         branch=branch,
         branches=branches,
     )

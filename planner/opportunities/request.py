@@ -92,6 +92,7 @@ class OpportunityConditions:
 class OpportunityRequest:
     """A carrier, a platform on it, and the targets it may look at from `start` to `stop`.
 
+    name: yours, told in lists.
     targets: what may be looked at.
     start: when the search begins; UTC.
     stop: when it ends; UTC.
@@ -99,6 +100,7 @@ class OpportunityRequest:
     pixel_arcsec: angle a pixel sees, for the ground sample distance.
     """
 
+    name: str = ""
     platform: Platform
     orbit: Orbit
     attitude: Attitude = LvlhAttitude()

@@ -1,8 +1,9 @@
 """The search for opportunities, from the request to its windows."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier, carrier_over
-from planner.opportunities.conditions import Cause, conditions_of
+from planner.opportunities.conditions import Cause, Condition, conditions_of
 from planner.opportunities.description import describe_windows
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
@@ -69,10 +70,8 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         ephemeris, request.attitude, request.platform, request.start, request.stop
     )
     found = []
-    for numbers, sight, nodes, work in _batches(request, carrier):
-        spans = _windows(request, sight, nodes, work)
-        window_rows = work.window_rows + SAMPLE_ROWS * request.samples
-        effort.spend(window_rows * len(spans.target))
+    for numbers, sight, spans, work in found_spans(request, carrier):
+        spend_on(spans, work, request.samples)
         found.append(describe_windows(request, sight, numbers, spans))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(
@@ -88,6 +87,26 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         ),
         windows=in_order(found),
     )
+
+
+def found_spans(
+    request: OpportunityRequest,
+    carrier: Carrier,
+    more: Callable[[Sight], Iterable[Condition]] = lambda _: (),
+) -> Iterator[tuple[Indices, Sight, Spans, Work]]:
+    """When all conditions hold, for targets that are treated alike: their rows in the request, how
+    they are seen, the spans by their number among these, and the work of one window more.
+
+    more: conditions beside the request's.
+    """
+    for numbers, sight, nodes, work in _batches(request, carrier):
+        conditions = chain(conditions_of(request.conditions, request.platform, sight), more(sight))
+        yield numbers, sight, _windows(request, conditions, sight, nodes, work), work
+
+
+def spend_on(spans: Spans, work: Work, samples: int) -> None:
+    """The work of describing windows."""
+    effort.spend((work.window_rows + SAMPLE_ROWS * samples) * len(spans.target))
 
 
 def _batches(
@@ -146,11 +165,17 @@ def _least_rad(target: object, asked_rad: float) -> float:
     return max(math.radians(own_deg), asked_rad)
 
 
-def _windows(request: OpportunityRequest, sight: Sight, nodes: Nodes, work: Work) -> Spans:
+def _windows(
+    request: OpportunityRequest,
+    conditions: Iterable[Condition],
+    sight: Sight,
+    nodes: Nodes,
+    work: Work,
+) -> Spans:
     """When all conditions hold, condition after condition."""
     interval = np.full(len(nodes.target), "interval")
     spans = _holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
-    for condition in conditions_of(request.conditions, request.platform, sight):
+    for condition in conditions:
         nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
         edges = spans.opened_by, spans.closed_by
         spans = _holding(condition.margin, nodes, condition.cause, *edges, work)

@@ -103,12 +103,18 @@ class EarthSight:
             elevation_rad=self._elevation_rad(which, t_s, r_target_m),
         )
 
-    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
-        """Parallax and diurnal aberration included."""
+    def to_sun_itrf(self, which: Indices, t_s: Array) -> Array:
+        """Where the target sees the Sun, unit vectors (n, 3); parallax, diurnal aberration
+        included."""
         r_target_m = self.places.r_target_itrf_m(which, t_s)
         to_sun_m = self.carrier.r_sun_itrf_m.at(t_s) - r_target_m
-        direction = aberrate(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
-        return _arcsin(_dot(direction, self.places.up_itrf(which, r_target_m)))
+        return aberrate(to_sun_m / _norm(to_sun_m)[:, None], _carried_m_s(r_target_m))
+
+    def sun_elevation_rad(self, which: Indices, t_s: Array) -> Array:
+        """Of `to_sun_itrf`."""
+        r_target_m = self.places.r_target_itrf_m(which, t_s)
+        up_itrf = self.places.up_itrf(which, r_target_m)
+        return _arcsin(_dot(self.to_sun_itrf(which, t_s), up_itrf))
 
     def nearest_passage(self, which: Indices, t_s: Array) -> tuple[Array, Array]:
         """Target and carrier on straight lines in ITRF."""

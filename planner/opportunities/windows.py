@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from planner.arrays import Array, Indices
 from planner.assumed import Assumed
 from planner.commands import ROWS_PER_S
+from planner.opportunities.target_sky import TargetSky
 
 T = TypeVar("T")
 GRID_TOLERANCE_ROWS = 5e-5  # 10 us
@@ -58,6 +59,7 @@ class Windows:
     highest_s, highest_rad: greatest elevation within the window.
     closest: at the least range (for a target in space, at the greatest height above the limb).
     through: at instants spread evenly from rise to set.
+    sky: the carrier and the Sun in the target's sky at rise, greatest elevation and set.
     branches: (windows, 2), which rows of `axis_angles` stay within the stops, at the samples
     and the closest approach; none of them where the axes would have to change over.
     branch: the one reported, that with less turn of the inner axis (Sumarokov 2016, p. 88).
@@ -72,6 +74,7 @@ class Windows:
     highest_rad: Array
     closest: Sightings
     through: Sightings
+    sky: TargetSky
     branch: NDArray[np.intp]
     branches: NDArray[np.bool_]
 

@@ -54,6 +54,11 @@ class BenchMotionTarget(TimedTarget):
         if not self.axes:
             raise ValueError("axes must name a motion for each axis of the platform")
 
+    @property
+    def label(self) -> str:
+        """None: lists tell of what is looked at."""
+        return ""
+
     def axis_motion(self, axis_names: tuple[str, ...], t_s: Array) -> AxisMotion:
         """Analytic derivatives; raises InvalidInput unless `axes` are the platform's."""
         if set(self.axes) != set(axis_names):

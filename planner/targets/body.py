@@ -33,6 +33,11 @@ class BodyTarget(SkyTarget):
             raise ValueError(f"name must be one of {', '.join(BODIES)}, not {self.name[:40]!r}")
         super().__post_init__()
 
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return self.name
+
     def body_seen(self) -> str:
         """The ephemeris's name."""
         return self.name.lower()

@@ -87,5 +87,10 @@ class EarthFixedTarget(VisibleTarget):
         )
 
 
+def place_text(latitude_deg: float, longitude_deg: float) -> str:
+    """As maps search for it, to 11 m."""
+    return f"{latitude_deg:.4f}, {longitude_deg:.4f}"
+
+
 def _eci(c: Array, vector_itrf: Array) -> Array:
     return np.asarray(np.einsum("nji,nj->ni", c, vector_itrf))

@@ -9,7 +9,7 @@ from planner.arrays import Array
 from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import Instants
 from planner.spec import spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, place_text
 from planner.targets.refraction import Refraction
 
 
@@ -27,6 +27,11 @@ class GroundTarget(EarthFixedTarget):
     height_m: HeightM = 0.0
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
+
+    @property
+    def label(self) -> str:
+        """Its place."""
+        return place_text(self.latitude_deg, self.longitude_deg)
 
     def r_target_itrf_m(self, instants: Instants) -> Array:
         """Shape (n, 3), the same point n times."""

@@ -9,7 +9,7 @@ from planner.frames.geodesic import geodesic_end
 from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 from planner.spec import Within, spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, place_text
 from planner.targets.refraction import Refraction
 
 LEAD_MAX_S = 2.0 * DAY_S  # a ship on a long leg; nothing goes straight on for longer
@@ -38,6 +38,11 @@ class MovingGroundTarget(EarthFixedTarget):
     speed_m_s: Annotated[float, Within(0.0, 10e3)]
     min_elevation_deg: ElevationDeg = 0.0
     refraction: Refraction = "none"
+
+    @property
+    def label(self) -> str:
+        """Where it was at its epoch."""
+        return f"moving from {place_text(self.latitude_deg, self.longitude_deg)}"
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
         """Refuse to look at it too far from its epoch; `name` is this target's own."""

@@ -15,7 +15,7 @@ from planner.frames.geodesic import geodesic_between, geodesic_end
 from planner.frames.geodesy import HeightM, LatitudeDeg, LongitudeDeg, itrf_from_geodetic
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.spec import Within, spec
-from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg
+from planner.targets.earth_fixed import EarthFixedTarget, ElevationDeg, place_text
 from planner.targets.refraction import Refraction
 from planner.targets.session_target import TimedTarget
 from planner.targets.smooth_step import ramp
@@ -84,6 +84,15 @@ class GroundPathTarget(TimedTarget, EarthFixedTarget):
                     "corner; "
                     "lower corner_s or the speed, or leave out a point"
                 )
+
+    @property
+    def label(self) -> str:
+        """Its ends."""
+        first, last = (
+            place_text(p.latitude_deg, p.longitude_deg)
+            for p in self.points[:: len(self.points) - 1]
+        )
+        return f"path from {first} to {last}"
 
     @property
     def duration_s(self) -> float:

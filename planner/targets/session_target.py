@@ -16,6 +16,12 @@ class SessionTarget:
 
     has_windows: ClassVar[bool] = True
     rests_on_earth: ClassVar[bool] = False
+    mode: str
+
+    @property
+    def label(self) -> str:
+        """A few words by which people know it, where the request gives it no name."""
+        return self.mode
 
     def starting(self, start_utc: datetime) -> Self:
         """The same in a session that starts then."""

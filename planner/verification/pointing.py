@@ -80,11 +80,14 @@ def _sky_view(flight: TableSession, sky: SkyDirection) -> SkyView:
 def _earth_fixed_view(
     flight: TableSession, sight: EarthFixedSight, boresight_eci: Array, error_rad: Array
 ) -> EarthFixedView:
-    lowest, nearest = int(np.argmin(sight.elevation_rad)), int(np.argmin(sight.range_m))
+    lowest, highest = int(np.argmin(sight.elevation_rad)), int(np.argmax(sight.elevation_rad))
+    nearest = int(np.argmin(sight.range_m))
     is_up = sight.elevation_rad[lowest] > 0.0
     return EarthFixedView(
         elevation_min_rad=float(sight.elevation_rad[lowest]),
         elevation_min_utc=flight.utc(lowest),
+        elevation_max_rad=float(sight.elevation_rad[highest]),
+        elevation_max_utc=flight.utc(highest),
         range_min_m=float(sight.range_m[nearest]),
         range_min_utc=flight.utc(nearest),
         range_max_m=float(sight.range_m.max()),

@@ -78,7 +78,7 @@ class PointingError:
 class EarthFixedView:
     """How an Earth-fixed target is seen over a session.
 
-    elevation_min_rad: of the carrier in the target's sky, geodetic, without refraction.
+    elevation_*_rad: of the carrier in the target's sky, geodetic, without refraction.
     range_*_m: geometric, both ends at the same instant.
     miss_across_max_m: pointing error at the target, across the line of sight.
     miss_on_ground_max_m: the same carried along the line of sight onto the target's
@@ -87,6 +87,8 @@ class EarthFixedView:
 
     elevation_min_rad: float
     elevation_min_utc: datetime
+    elevation_max_rad: float
+    elevation_max_utc: datetime
     range_min_m: float
     range_min_utc: datetime
     range_max_m: float

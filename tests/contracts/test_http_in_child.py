@@ -13,7 +13,8 @@ from refusal_cases import request
 from waiting import PatientClient, alive, eventually
 
 from app.http.app import create_app
-from app.http.routes import horizon, opportunities, stored_plans
+from app.http.routes import horizon, stored_plans
+from app.http.routes.opportunities import OPPORTUNITIES
 from app.http.routes.plans import PLANS
 from app.http.serving import server
 from app.jobs.child import Bounds
@@ -27,7 +28,7 @@ SHORT = request(
 # What a route hands to its child, its bounds, and a request that gets so far.
 ROUTES = {
     "/v1/opportunities": (
-        (opportunities, "answer_opportunities", "SEARCH_BOUNDS"),
+        (OPPORTUNITIES, "find", "bounds"),
         {"json": CITIES},
     ),
     "/v1/horizon/estimates": (
@@ -90,8 +91,8 @@ def refused_as_documented(client, answer, bound, path, method="post"):
 def test_work_beyond_its_bounds_is_refused(client, monkeypatch, notes, wild, path):
     (module, work, bounds), asked = ROUTES[path]
     doing, within, bound = wild
-    monkeypatch.setattr(module, work, doing)
-    monkeypatch.setattr(module, bounds, within)
+    monkeypatch.setitem(vars(module), work, doing)
+    monkeypatch.setitem(vars(module), bounds, within)
     refused_as_documented(client, client.post(path, **asked), bound, path)
     assert eventually(lambda: not any(map(alive, notes.pids())))
 
@@ -122,7 +123,7 @@ def test_a_picture_whose_child_dies_is_not_put_down_to_the_request(client, monke
 def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, notes):
     """Over a real connection: that it has gone is told through all layers of the service."""
     hanging = partial(hang, os.fsencode(notes.file))
-    monkeypatch.setattr(opportunities, "answer_opportunities", hanging)
+    monkeypatch.setitem(vars(OPPORTUNITIES), "find", hanging)
     service = server("127.0.0.1", 0, own_settings(tmp_path))
     children = service.config.app.state.children
     listening = socket.create_server(("127.0.0.1", 0))

@@ -25,7 +25,7 @@ from app.requests.examples.horizon import (
 )
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.horizon import (
     horizon_request_json_schemas,
     read_estimate_request,
@@ -34,7 +34,12 @@ from app.requests.horizon import (
 )
 from app.requests.opportunities import opportunity_request_json_schema, read_opportunity_request
 from app.requests.plan import plan_request_json_schema, read_plan_request
-from app.requests.spacecraft import read_spacecraft_request, spacecraft_request_json_schema
+from app.requests.spacecraft import (
+    imaging_opportunity_json_schema,
+    read_imaging_opportunity_request,
+    read_spacecraft_request,
+    spacecraft_request_json_schema,
+)
 from app.work.horizon_series import _SESSION
 from planner.errors import InvalidInput, InvalidRequest
 
@@ -145,6 +150,10 @@ def _kinds() -> tuple[Asked, ...]:
               opportunity_request_json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
         Asked("spacecraft", read_spacecraft_request, spacecraft_request_json_schema(template),
               (*_shown(SPACECRAFT_EXAMPLES), _SPACECRAFT)),
+        Asked("imaging opportunities", read_imaging_opportunity_request,
+              imaging_opportunity_json_schema(template),
+              tuple(d | {"settings": _SPACECRAFT["settings"], "conditions": {}}
+                    for d in _shown(IMAGING_OPPORTUNITY_EXAMPLES))),
         Asked("estimate", read_estimate_request, horizon["HorizonRequest"],
               (ESTIMATE_EXAMPLE | {"body": {}},)),
         Asked("prediction", read_prediction_request, horizon["PredictionRequest"],

@@ -124,6 +124,6 @@ def test_head_is_among_the_methods_allowed(client, path):
 
 
 def test_head_is_refused_where_there_is_no_get(client):
-    answer = client.head("/v1/opportunities")
+    answer = client.head("/v1/horizon/images")
     assert answer.status_code == 405
     assert answer.headers["allow"] == "POST"

@@ -15,8 +15,8 @@ from job_cases import KINDS
 from live_service import live_service
 from waiting import eventually
 
-from app.http import blocking
 from app.http.app import create_app
+from app.http.routes import searches
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
@@ -88,13 +88,13 @@ def _spin(*_: object) -> None:
 
 def test_direct_answers_are_given_up(client, monkeypatch):
     begun = threading.Event()
-    real = blocking.in_child
+    real = searches.in_child
 
     async def in_child(request, bounds, _work, *_given):
         begun.set()
         return await real(request, bounds, _spin)
 
-    monkeypatch.setattr(blocking, "in_child", in_child)
+    monkeypatch.setattr(searches, "in_child", in_child)
     example = OPPORTUNITY_EXAMPLES["cities"][1]
     answer = answered(client, lambda: client.post("/v1/opportunities", json=example), begun.is_set)
     assert answer.status_code == 503

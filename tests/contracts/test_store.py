@@ -4,6 +4,7 @@ import io
 import json
 import zlib
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -23,9 +24,11 @@ from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
+from app.store.listing import Listing
 from app.store.migrate import open_migrated, upgrade
 from app.store.models import JobRow, PlanRow
 from app.store.packed import PackedColumns, pack, unpack
+from app.store.sought import Sought
 from planner.errors import InvalidInput
 
 KINDS = ("note",)
@@ -52,6 +55,16 @@ def test_migrations_lead_to_the_models(tmp_path):
             assert compare_metadata(context, models.Base.metadata) == []
 
 
+def as_of(database, version):
+    """The tables as a version before 0006 left them."""
+    with database.writing() as connection:
+        for table in ("search_pages", "searches"):
+            connection.execute(text(f"DROP TABLE {table}"))
+        for added in Listing().columns(""):
+            connection.execute(text(f"ALTER TABLE jobs DROP COLUMN {added}"))
+        connection.execute(text(f"UPDATE alembic_version SET version_num = '{version}'"))
+
+
 def test_what_an_older_version_stored_is_rewritten_once(database, tmp_path):
     """On PostgreSQL too; a whole SQLite database of that version: test_older_stores.py."""
     harmonic = {"attitude": {"law": "harmonic", "content": "...", "lead_s": 900.0}}
@@ -60,13 +73,67 @@ def test_what_an_older_version_stored_is_rewritten_once(database, tmp_path):
     with database.writing() as connection:
         plans.store_choice(connection, job_id, zlib.compress(json.dumps(chosen).encode()))
     for _ in range(2):
-        with database.writing() as connection:
-            connection.execute(text("UPDATE alembic_version SET version_num = '0004'"))
+        as_of(database, "0004")
         upgrade(database)
         with database.reading() as connection:
             request = json.loads(jobs.request_of(connection, job_id))
             assert request == {"attitude": {"law": "harmonic", "content": "..."}}
             assert plans.choice_of(connection, job_id) == {**chosen, "unseen": [{"target": "Oslo"}]}
+
+
+TARGETS = [
+    {"mode": "ground", "latitude_deg": 1.0, "longitude_deg": -2.25},
+    {"mode": "ground_moving", "latitude_deg": 3.0, "longitude_deg": 4.0},
+    {"mode": "ground_path", "points": [{"latitude_deg": n, "longitude_deg": n} for n in (5, 6)]},
+    {"mode": "star", "hip": 91262},
+    {"mode": "star", "ra_deg": 7.0, "dec_deg": -8.0},
+    {"mode": "body", "name": "moon"},
+    {"mode": "test_motion"},
+]
+LABELS = [
+    "1.0000, -2.2500",
+    "moving from 3.0000, 4.0000",
+    "path from 5.0000, 5.0000 to 6.0000, 6.0000",
+    "HIP 91262",
+    "RA 7.0000, Dec -8.0000",
+    "moon",
+]
+
+
+def test_plans_of_older_versions_say_what_they_are(database, tmp_path):
+    """Though the database refuses to change a plan, before and after; on PostgreSQL too."""
+    sessions = [
+        {
+            "target": target,
+            "start": "2016-12-31T23:59:60.5z",
+            "stop": f"2017-01-01T00:0{n}:00+00:00",
+        }
+        for n, target in enumerate(TARGETS, start=1)
+    ]
+    asked = {"platform": {"name": "own"}, "sessions": sessions}
+    pointing = [{"session": n, "start": "planned", "stop": "planned"} for n in range(1, 6)]
+    budgets = [{"session": n, "probability_in_frame": n / 10.0} for n in (4, 2)]
+    document = {"name": "old", "pointing": pointing, "uncertainty": budgets, "kept": [1.5]}
+    new = new_job("plan", tmp_path, name="o\u202eld", request=json.dumps(asked).encode())
+    made_then = replace(made(), document=zlib.compress(json.dumps(document).encode()))
+    with database.writing() as connection:
+        jobs.accept(connection, new)
+        plans.store(connection, new.id, "plan", None, made_then)
+    as_of(database, "0005")
+    upgrade(database)
+    with database.reading() as connection:
+        [job] = jobs.latest(connection, "plan", 9, sought=Sought(target="HIP", text="OWN"))
+        told = json.loads(plans.get(connection, new.id).document)
+    assert (job.name, job.platform, job.targets, job.target_count) == ("old", "own", LABELS, 6)
+    assert job.start_utc == datetime(2016, 12, 31, 23, 59, 59, 500_000, tzinfo=UTC)
+    assert job.stop_utc == datetime(2017, 1, 1, 0, 7, tzinfo=UTC)
+    assert (job.probability_in_frame, job.revision) == (0.2, 1)
+    summary = told.pop("summary")
+    assert told == document
+    assert [one["target"] for one in summary["sessions"]] == [*LABELS, ""]
+    assert [one["start"] for one in summary["sessions"]][1:6] == ["planned"] * 5
+    with pytest.raises(DatabaseError, match="immutable"), database.writing() as connection:
+        connection.execute(update(PlanRow).values(name="other"))
 
 
 @pytest.mark.usefixtures("patient_store")
@@ -253,7 +320,8 @@ def test_any_text_can_be_stored_and_looked_for(database, tmp_path, name):
     job_id, _ = accepted(database, tmp_path, name=name)
     with database.writing() as connection:
         audit.record(connection, key_id=None, action="x", subject=job_id, detail=name)
-        assert [job.id for job in jobs.latest(connection, "note", 9, name=name)] == [job_id]
+        for sought in (Sought(name=name), Sought(text=name)):
+            assert [job.id for job in jobs.latest(connection, "note", 9, sought=sought)] == [job_id]
     KeyStore(database).create(name, ["read"])
 
 

@@ -17,10 +17,10 @@ from app.requests.examples.horizon import PREDICTION_EXAMPLES
 from app.requests.examples.messages import OEM
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.requests.opportunities import read_opportunity_request
 from app.requests.plan import read_plan_request
-from app.requests.spacecraft import read_spacecraft_request
+from app.requests.spacecraft import read_imaging_opportunity_request, read_spacecraft_request
 from planner.errors import InvalidInput, Refusal
 
 MOST = 200
@@ -28,6 +28,7 @@ READERS: dict[Callable[[bytes], object], dict] = {
     read_plan_request: PLAN_EXAMPLES,
     read_campaign_request: CAMPAIGN_EXAMPLES,
     read_opportunity_request: OPPORTUNITY_EXAMPLES,
+    read_imaging_opportunity_request: IMAGING_OPPORTUNITY_EXAMPLES,
     read_spacecraft_request: SPACECRAFT_EXAMPLES,
 }
 EXAMPLES = [

@@ -27,15 +27,20 @@ from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
 from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
-from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
 from app.settings import Settings
 from app.store import jobs
 from app.store.ids import new_id
 from app.store.jobs import NewJob
+from app.work.searches import CSV, GEOJSON
 from planner.export import EXPORTERS
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+SEARCHES = {
+    "/v1/opportunities": OPPORTUNITY_EXAMPLES["cities"][1],
+    "/v1/spacecraft/opportunities": IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1],
+}
 LIST_MAX, LIST_SHOWN = 10, 5
 LINES_MAX = 12
 TEXT_MAX, TEXT_SHOWN = 1000, 60
@@ -129,6 +134,7 @@ def _made(answers: Answers, path: str) -> None:
         answers.ask("POST", path, name=name, query=f"?format={name}", **given)
     answers.ask("GET", path)
     answers.ask("GET", f"{path}/{{id}}", made_id=made_id)
+    answers.ask("GET", f"{path}/{{id}}/request", made_id=made_id)
     answers.ask("GET", f"{path}/{{id}}/events", made_id=made_id)
     if formats:
         answers.ask("GET", f"{path}/{{id}}/table", made_id=made_id)
@@ -147,7 +153,8 @@ def _seen(answers: Answers, path: str, made_id: str, formats: dict[str, Any]) ->
 
 
 def _asked_at_once(answers: Answers) -> None:
-    answers.ask("POST", "/v1/opportunities", json=OPPORTUNITY_EXAMPLES["cities"][1])
+    for path, request in SEARCHES.items():
+        _searched(answers, path, request)
     answers.ask("POST", "/v1/horizon/predictions", json=PREDICTION_EXAMPLES["pass"][1])
     accept = {"Accept": JSON}
     answers.ask("POST", "/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1], headers=accept)
@@ -157,6 +164,23 @@ def _asked_at_once(answers: Answers) -> None:
     ]
     request = {"request": json.dumps(ESTIMATE_EXAMPLE)}
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
+
+
+def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:
+    """The example's answer once; what says the same in another form of one target only."""
+    answers.ask("POST", path, json=request)
+    [name] = {"targets", "requests"} & request.keys()
+    little = request | {name: request[name][:1], "samples": 2}
+    made_id = answers.client.post(path, json=little).json()["id"]
+    for media_type in (JSON, GEOJSON, CSV):
+        accept = {"Accept": media_type}
+        if media_type != JSON:
+            answers.ask("POST", path, json=little, headers=accept)
+        answers.ask("GET", f"{path}/{{id}}", made_id=made_id, headers=accept)
+        windows = {"made_id": made_id, "query": "?limit=1", "headers": accept}
+        answers.ask("GET", f"{path}/{{id}}/windows", **windows)
+    answers.ask("GET", path)
+    answers.ask("GET", f"{path}/{{id}}/request", made_id=made_id)
 
 
 def _under_way(answers: Answers, path: str) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from app.answers.opportunities_geojson import FeatureCollection
 from app.answers.problem import Problem
 from app.http.door.access import PROBES, scope_needed
 from app.http.openapi.examples import show_examples
@@ -21,10 +22,14 @@ from app.requests.horizon import (
 )
 from app.requests.opportunities import opportunity_request_json_schema
 from app.requests.plan import PlanRequest, plan_request_json_schema
-from app.requests.spacecraft import spacecraft_request_json_schema
+from app.requests.spacecraft import (
+    imaging_opportunity_json_schema,
+    spacecraft_request_json_schema,
+)
 from estimator.request import HorizonRequest
 from planner.campaigns import CampaignRequest
 from planner.opportunities import OpportunityRequest
+from planner.spacecraft.opportunities import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 
 _DATA = Path(__file__).parent / "data"
@@ -41,6 +46,7 @@ _REQUESTS = {
     "CampaignRequest": campaign_request_json_schema,
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
+    "ImagingOpportunityRequest": imaging_opportunity_json_schema,
 }
 
 _REQUEST_KINDS = (
@@ -48,6 +54,7 @@ _REQUEST_KINDS = (
     CampaignRequest,
     OpportunityRequest,
     ImagingPlanRequest,
+    ImagingOpportunityRequest,
     HorizonRequest,
     PredictionRequest,
     PictureRequest,
@@ -80,11 +87,12 @@ def complete(document: dict[str, Any], answers: Iterable[object]) -> dict[str, A
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     described = {name: json_schema(REF) for name, json_schema in _REQUESTS.items()}
     described |= horizon_request_json_schemas(REF)
-    described["Problem"] = TypeAdapter(Problem).json_schema(ref_template=REF)
+    for kind in (Problem, FeatureCollection):
+        described[kind.__name__] = TypeAdapter(kind).json_schema(ref_template=REF)
     for name, schema in described.items():
         schemas |= schema.pop("$defs", {})
         schemas[name] = schema
-    describe(schemas, (*_REQUEST_KINDS, Problem, *answers))
+    describe(schemas, (*_REQUEST_KINDS, Problem, FeatureCollection, *answers))
     _document_refusals(document)
     for path, operations in document["paths"].items():
         for method, operation in operations.items():

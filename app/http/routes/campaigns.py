@@ -26,6 +26,7 @@ from app.http.routes.jobs import (
     accept_job,
     add_delete,
     add_events,
+    add_request,
     job_of,
     list_jobs,
     no_such,
@@ -36,10 +37,17 @@ from app.http.waiting import patience, wait_for_end
 from app.jobs.kinds import CAMPAIGN
 from app.requests.campaign import read_campaign_request
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.listings import listing_of_search
 from app.store import jobs, plans
 from app.store.jobs import Job
 
-RESOURCE = JobResource(kind=CAMPAIGN, path="/v1/campaigns", singular="campaign")
+RESOURCE = JobResource(
+    kind=CAMPAIGN.name,
+    path="/v1/campaigns",
+    request_schema="CampaignRequest",
+    listing=listing_of_search,
+    singular="campaign",
+)
 router = APIRouter(tags=["campaigns"], prefix=RESOURCE.path)
 
 
@@ -64,7 +72,7 @@ class CampaignPost(Parameters):
             "headers": {"Location": {"schema": {"type": "string"}}},
         },
     },
-    openapi_extra=request_body("CampaignRequest", CAMPAIGN_EXAMPLES),
+    openapi_extra=request_body(RESOURCE.request_schema, CAMPAIGN_EXAMPLES),
     dependencies=[Depends(accepts_json)],
 )
 async def post_campaign(
@@ -82,7 +90,7 @@ async def post_campaign(
     if query.dry_run:
         sound = CampaignDryRun(valid=True, name=spec.name, targets=len(spec.targets))
         return Response(to_json(sound), media_type=JSON)
-    job = await anyio.to_thread.run_sync(accept_job, request, CAMPAIGN, spec, body, key, {})
+    job = await anyio.to_thread.run_sync(accept_job, request, RESOURCE, spec, body, key, {})
     waits = patience(prefer, 0)
     await wait_for_end(request, job.id, waits.wait_s)
     job, answer = await _find_campaign(request, job.id)
@@ -119,6 +127,7 @@ async def get_campaign(request: Request, campaign_id: PathId) -> Response:
     return Response(answer, media_type=JSON, headers={"Cache-Control": "no-cache"})
 
 
+add_request(router, RESOURCE)
 add_delete(router, RESOURCE)
 add_events(router, RESOURCE)
 

@@ -13,12 +13,13 @@ from sqlalchemy import Connection
 from app.answers.job import JobResponse, job_json
 from app.http.blocking import read
 from app.http.event_stream import EVENT_STREAM, last_seq, stream_events
-from app.http.negotiation import JSON, accepts_json, preferred_type
+from app.http.negotiation import JSON, accepts_json, is_known_already, preferred_type
+from app.http.openapi.schema import REF
 from app.http.routes.plan_queries import ListQuery, PathId, last_event_id
 from app.http.routes.resources import JobResource
 from app.http.waiting import wait_for_end
 from app.jobs.dispatcher import Dispatcher
-from app.jobs.kinds import JobKind
+from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import KeyReused
 from app.store import audit, jobs
 from app.store.database import Database
@@ -39,20 +40,21 @@ def no_such(resource: JobResource) -> dict[str, Any]:
 
 def accept_job(
     request: Request,
-    kind: JobKind,
+    resource: JobResource,
     spec: Any,  # noqa: ANN401 (what the kind reads)
     body: bytes,
     key: str | None,
     options: Mapping[str, Any],
 ) -> Job:
     """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
-    state = request.app.state
+    state, kind = request.app.state, JOB_KINDS[resource.kind]
     dispatcher: Dispatcher = state.dispatcher
     key_id = getattr(request.state, "key_id", None)
     new = NewJob(
         id=new_id(),
         kind=kind.name,
         name=spec.name,
+        listing=resource.listing(spec),
         request=body,
         request_sha256=hashlib.sha256(body).hexdigest(),
         deadline_s=min(kind.bounds.deadline_s, state.settings.job_deadline_s),
@@ -82,7 +84,7 @@ async def find_job(request: Request, resource: JobResource, job_id: str) -> Job:
 def job_of(connection: Connection, resource: JobResource, job_id: str) -> Job:
     """The job that makes one of them; raises 404."""
     job = jobs.get(connection, job_id)
-    if job is None or job.kind != resource.kind.name:
+    if job is None or job.kind != resource.kind:
         raise _not_found(resource)
     return job
 
@@ -102,14 +104,44 @@ async def list_jobs(
         request,
         lambda connection: jobs.latest(
             connection,
-            resource.kind.name,
+            resource.kind,
             query.limit + 1,  # to know whether more come after
             before=query.cursor,
-            state=query.state,
-            name=query.name,
             parent_id=campaign_id,
+            sought=query.sought(),
         ),
     )
+
+
+def add_request(router: APIRouter, resource: JobResource) -> None:
+    """GET what one of them was asked for by."""
+
+    @router.get(
+        "/{id}/request",
+        summary=f"The request for a {resource.singular}, as it was sent",
+        response_class=Response,
+        responses={
+            200: {
+                "description": "Byte for byte; a POST takes it as it is",
+                "content": {JSON: {"schema": {"$ref": REF.format(model=resource.request_schema)}}},
+            },
+            304: {"description": "If-None-Match names it: it never changes"},
+            404: no_such(resource),
+        },
+        dependencies=[Depends(accepts_json)],
+        name=f"get_{resource.singular}_request",
+    )
+    async def get_request(request: Request, job_id: PathId) -> Response:
+        """Of a campaign's pass the request that the campaign wrote."""
+        job = await find_job(request, resource, job_id)
+        tag = f'"{job.request_sha256}"'
+        headers = {"Cache-Control": "private, no-cache", "ETag": tag}
+        if is_known_already(request, tag):
+            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+        body = await read(request, lambda connection: jobs.request_of(connection, job_id))
+        if body is None:
+            raise _not_found(resource)  # removed just now
+        return Response(body, headers=headers, media_type=JSON)
 
 
 def add_delete(router: APIRouter, resource: JobResource) -> None:
@@ -140,6 +172,28 @@ def add_delete(router: APIRouter, resource: JobResource) -> None:
             204: {"description": "Deleted; nothing but the audit trail remembers it"},
             404: no_such(resource),
         },
+        dependencies=[Depends(accepts_json)],
+        name=f"delete_{resource.singular}",
+    )(delete)
+
+
+def add_removal(router: APIRouter, resource: JobResource) -> None:
+    """DELETE one of what is never at work."""
+
+    async def delete(request: Request, job_id: PathId) -> Response:
+        """Nothing but the audit trail remembers it."""
+        job = await find_job(request, resource, job_id)
+        key_id = getattr(request.state, "key_id", None)
+        if not await anyio.to_thread.run_sync(_remove, request, job, key_id):
+            raise _not_found(resource)  # another removed it just now
+        return Response(status_code=HTTPStatus.NO_CONTENT)
+
+    router.delete(
+        "/{id}",
+        summary=f"Delete {resource.singular}",
+        status_code=HTTPStatus.NO_CONTENT,
+        response_class=Response,
+        responses={404: no_such(resource)},
         dependencies=[Depends(accepts_json)],
         name=f"delete_{resource.singular}",
     )(delete)

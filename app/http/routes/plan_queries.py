@@ -9,7 +9,9 @@ from pydantic import AfterValidator, Field, create_model
 from app.http.query import Parameters
 from app.http.routes.resources import PlanResource
 from app.store.ids import JobState, is_id
+from app.store.sought import Sought
 from planner.errors import InvalidInput
+from planner.frames.time_scales import utc_from_text
 from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC
 
 LIST_MAX = 200
@@ -26,6 +28,18 @@ PlanId = Annotated[str, AfterValidator(_id)]
 PathId = Annotated[PlanId, Path(alias="id", description="Which one, as its answer names it.")]
 
 
+def _time(text: str) -> str:
+    utc_from_text(text)
+    return text
+
+
+QueryTime = Annotated[
+    str,
+    AfterValidator(_time),
+    Field(json_schema_extra={"format": "date-time"}, examples=["2015-02-27T17:00:00Z"]),
+]
+
+
 class ListQuery(Parameters):
     """Which plans to list."""
 
@@ -35,6 +49,39 @@ class ListQuery(Parameters):
     name: str | None = Field(
         default=None, min_length=1, max_length=200, description="Only those with this in the name."
     )
+    target: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=200,
+        description="Only those with this in a target's name, id or words; case doesn't matter.",
+    )
+    text: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=200,
+        description="Only those with this in the name, the platform's name or a target's; case "
+        "doesn't matter.",
+    )
+    after: QueryTime | None = Field(
+        default=None,
+        description="Only those that end after this time: their `stop`, not when they were made.",
+    )
+    before: QueryTime | None = Field(
+        default=None,
+        description="Only those that begin before this time: their `start`, not when they were "
+        "made. With `after`: all that lie in between, in part or in whole.",
+    )
+
+    def sought(self) -> Sought:
+        """What the store looks for."""
+        return Sought(
+            state=self.state,
+            name=self.name,
+            target=self.target,
+            text=self.text,
+            begins_before_utc=None if self.before is None else utc_from_text(self.before),
+            ends_after_utc=None if self.after is None else utc_from_text(self.after),
+        )
 
 
 class PlanListQuery(ListQuery):

@@ -18,7 +18,15 @@ from app.http.blocking import answer_in_child
 from app.http.negotiation import JSON, accepts_json, is_known_already, json_body, preferred_type
 from app.http.openapi.schema import request_body
 from app.http.problems import problem_answer
-from app.http.routes.jobs import PREFER, accept_job, add_delete, add_events, list_jobs, no_such
+from app.http.routes.jobs import (
+    PREFER,
+    accept_job,
+    add_delete,
+    add_events,
+    add_request,
+    list_jobs,
+    no_such,
+)
 from app.http.routes.plan_queries import (
     ListQuery,
     PathId,
@@ -41,6 +49,7 @@ from app.http.routes.stored_plans import (
 from app.http.routes.views import add_view
 from app.http.waiting import WAIT_S, patience, wait_for_end
 from app.jobs.child import Bounds
+from app.jobs.kinds import JOB_KINDS
 from app.jobs.refusals import Conflict
 from app.store import jobs
 from app.store.database import Database
@@ -56,6 +65,7 @@ def plan_routes(resource: PlanResource) -> APIRouter:
     _add_one(router, resource)
     _add_table(router, resource)
     add_view(router, resource)
+    add_request(router, resource)
     add_delete(router, resource)
     add_events(router, resource)
     return router
@@ -131,7 +141,7 @@ class TableAlone(BaseModel, extra="allow"):
 
 def _dry_run_bounds(request: Request, resource: PlanResource) -> Bounds:
     """Those of the plan itself."""
-    bounds = resource.kind.bounds
+    bounds = JOB_KINDS[resource.kind].bounds
     deadline_s = min(bounds.deadline_s, request.app.state.settings.job_deadline_s)
     return replace(bounds, deadline_s=deadline_s)
 
@@ -175,13 +185,13 @@ def _accept_plan(
     if query.revises is not None:
         _require_made(request.app.state.database, resource, query.revises)
     options = {} if query.revises is None else {"revises": query.revises}
-    return accept_job(request, resource.kind, spec, body, key, options)
+    return accept_job(request, resource, spec, body, key, options)
 
 
 def _require_made(database: Database, resource: PlanResource, plan_id: str) -> None:
     with database.reading() as connection:
         job = jobs.get(connection, plan_id)
-    if job is None or job.kind != resource.kind.name:
+    if job is None or job.kind != resource.kind:
         raise InvalidInput(
             f"there is no plan {plan_id}; GET {resource.path} lists them", field="query.revises"
         )

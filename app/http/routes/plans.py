@@ -7,6 +7,7 @@ from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
 from app.requests.examples.plan import PLAN_EXAMPLES
+from app.requests.listings import listing_of_scenario
 from app.requests.plan import read_plan_request
 from app.work.plan import stored_table_file, stored_table_json, try_plan
 from app.work.view import DRAWN, stored_plan_view
@@ -14,7 +15,7 @@ from planner.export import EXPORTERS
 from planner.view import VIEW_EXPORTERS
 
 PLANS = PlanResource(
-    kind=PLAN,
+    kind=PLAN.name,
     path="/v1/plans",
     tag="plans",
     what="sessions: a verified command table",
@@ -24,6 +25,7 @@ PLANS = PlanResource(
     flown is refused with the axis, the limit and the earliest start that works.
     """,
     request_schema="PlanRequest",
+    listing=listing_of_scenario,
     examples=PLAN_EXAMPLES,
     response=PlanResponse,
     read=read_plan_request,

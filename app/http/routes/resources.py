@@ -7,18 +7,24 @@ from typing import Any
 
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
-from app.jobs.kinds import JobKind
 from app.store.database import Database
+from app.store.listing import Listing
 from app.work.view import AskedView
 from planner.export.exporter import Exporter
 
 
 @dataclass(frozen=True, kw_only=True)
 class JobResource:
-    """What is at `path` and made by jobs of one kind; singular: what one of them is called."""
+    """What is at `path` and kept as jobs of one kind, by its name.
 
-    kind: JobKind
+    singular: what one of them is called.  request_schema: name of the schema of its request.
+    listing: what lists tell of a request, as it was read.
+    """
+
+    kind: str
     path: str
+    request_schema: str
+    listing: Callable[[Any], Listing]
     singular: str = "plan"
 
 
@@ -39,7 +45,6 @@ class PlanResource(JobResource):
     tag: str
     what: str
     about: str
-    request_schema: str
     examples: dict[str, tuple[str, dict[str, Any]]]
     response: type
     read: Callable[[bytes], Any]

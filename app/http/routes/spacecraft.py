@@ -6,13 +6,14 @@ from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import SPACECRAFT_PLAN
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.listings import listing_of_imaging
 from app.requests.spacecraft import read_spacecraft_request
 from app.work.spacecraft import stored_session_file, stored_session_json, try_session
 from app.work.view import DRAWN_SESSION, stored_session_view
 from planner.spacecraft.export import IMAGING_EXPORTERS
 
 _PLANS = PlanResource(
-    kind=SPACECRAFT_PLAN,
+    kind=SPACECRAFT_PLAN.name,
     path="/v1/spacecraft/plans",
     tag="spacecraft",
     what="an imaging session of the CMG spacecraft: attitude and gimbal table",
@@ -23,6 +24,7 @@ _PLANS = PlanResource(
     the nearest way out.
     """,
     request_schema="ImagingPlanRequest",
+    listing=listing_of_imaging,
     examples=SPACECRAFT_EXAMPLES,
     response=SpacecraftPlanResponse,
     read=read_spacecraft_request,

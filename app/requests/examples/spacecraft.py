@@ -72,3 +72,17 @@ SPACECRAFT_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
         },
     ),
 }
+
+IMAGING_OPPORTUNITY_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
+    "four modes": (
+        "A strip, a stereo pair, a corridor and an area over a day, by day",
+        {
+            "name": "Atlantic, by day",
+            "orbit": _ORBIT,
+            "start": "2024-06-01T10:00:00Z",
+            "stop": "2024-06-02T10:00:00Z",
+            "requests": FOUR_MODES["requests"],
+            "conditions": {"sun_elevation_min_deg": 10.0},
+        },
+    ),
+}

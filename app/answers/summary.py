@@ -1,0 +1,104 @@
+"""What a plan is: which sessions it holds, of what, when, and how well they can be seen."""
+
+import math
+from dataclasses import dataclass, replace
+
+from app.answers.ranges import Count, ElevationDeg, Share
+from app.requests.listings import listing_of_scenario
+from app.store.listing import Listing
+from planner.frames.time_scales import utc_text
+from planner.sessions.plan import Plan
+from planner.verification import EarthFixedView
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionSummaryOut:
+    """One session as it is planned.
+
+    session: its number, from 0.
+    id: as the request gives it; null for none. E.g. `"LV-7"`.
+    name: as the request gives it; null for none. E.g. `"Las Vegas, east"`.
+    mode: of the target. E.g. `"ground"`.
+    target: the target in a few words. E.g. `"36.1147, -115.1728"`.
+    start: its first row; UTC.
+    stop: its last row; UTC.
+    best_elevation_deg: the carrier's highest in the target's sky during the session; null unless
+    the target is on the Earth, and of plans that older versions made. E.g. `72.3`.
+    best_at: when that is; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
+    probability_in_frame: that the target stays inside the camera's frame over the whole session;
+    null for a test motion. E.g. `0.97`.
+    """
+
+    session: Count
+    id: str | None
+    name: str | None
+    mode: str
+    target: str
+    start: str
+    stop: str
+    best_elevation_deg: ElevationDeg | None
+    best_at: str | None
+    probability_in_frame: Share | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanSummaryOut:
+    """What the plan is of.
+
+    name: as the request gives it.
+    platform: the platform's name.
+    targets: what its sessions look at, each once: names, or else ids, or else the target in a few
+    words.
+    start: of the first session; UTC.
+    stop: of the last session; UTC.
+    probability_in_frame: the least of any session's; null without any. E.g. `0.97`.
+    sessions: in order of time.
+    """
+
+    name: str
+    platform: str
+    targets: list[str]
+    start: str
+    stop: str
+    probability_in_frame: Share | None
+    sessions: list[SessionSummaryOut]
+
+
+def summary_out(plan: Plan) -> PlanSummaryOut:
+    """Of a plan as it was made."""
+    listing = listing_of_plan(plan)
+    sessions = plan.scenario.sessions
+    return PlanSummaryOut(
+        name=plan.scenario.name,
+        platform=listing.platform,
+        targets=list(listing.targets),
+        start=utc_text(sessions[0].start),
+        stop=utc_text(sessions[-1].stop),
+        probability_in_frame=listing.probability_in_frame,
+        sessions=[_session_out(plan, number) for number in range(len(sessions))],
+    )
+
+
+def _session_out(plan: Plan, number: int) -> SessionSummaryOut:
+    session, budget = plan.scenario.sessions[number], plan.budgets[number]
+    seen = [report.view for report in plan.verification.sessions if report.number == number]
+    view = seen[0] if seen and isinstance(seen[0], EarthFixedView) else None
+    return SessionSummaryOut(
+        session=number,
+        id=session.id,
+        name=session.name,
+        mode=session.target.mode,
+        target=session.target.label,
+        start=utc_text(session.start),
+        stop=utc_text(session.stop),
+        best_elevation_deg=None if view is None else math.degrees(view.elevation_max_rad),
+        best_at=None if view is None else utc_text(view.elevation_max_utc),
+        probability_in_frame=None if budget is None else budget.probability_in_frame,
+    )
+
+
+def listing_of_plan(plan: Plan) -> Listing:
+    """Of a plan as it was made."""
+    told = [budget.probability_in_frame for budget in plan.budgets if budget is not None]
+    listing = listing_of_scenario(plan.scenario)
+    return replace(listing, probability_in_frame=min(told, default=None))

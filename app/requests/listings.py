@@ -1,0 +1,50 @@
+"""What lists tell of a request until it is fulfilled."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from app.store.listing import Listing
+
+if TYPE_CHECKING:
+    from planner.campaigns import CampaignRequest
+    from planner.opportunities import OpportunityRequest
+    from planner.scenario import Scenario
+    from planner.spacecraft.opportunities import ImagingOpportunityRequest
+    from planner.spacecraft.requests import ImagingPlanRequest
+
+
+def listing_of_scenario(scenario: "Scenario") -> Listing:
+    """Of a plan."""
+    return Listing(
+        platform=scenario.platform.name,
+        start_utc=scenario.sessions[0].start,
+        stop_utc=scenario.sessions[-1].stop,
+        targets=_each_once(session.label for session in scenario.sessions),
+    )
+
+
+def listing_of_imaging(
+    request: "ImagingPlanRequest | ImagingOpportunityRequest",
+) -> Listing:
+    """Of an imaging session, or a search for passes."""
+    return Listing(
+        platform=request.spacecraft,
+        start_utc=request.start,
+        stop_utc=request.stop,
+        targets=_each_once(one.name for one in request.requests),
+    )
+
+
+def listing_of_search(request: "CampaignRequest | OpportunityRequest") -> Listing:
+    """Of a campaign or of opportunities."""
+    return Listing(
+        platform=request.platform.name,
+        start_utc=request.start,
+        stop_utc=request.stop,
+        targets=_each_once(one.id for one in request.targets),
+    )
+
+
+def _each_once(labels: Iterable[str]) -> tuple[str, ...]:
+    """In their order, without empty ones."""
+    return tuple(dict.fromkeys(label for label in labels if label))

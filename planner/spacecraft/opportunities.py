@@ -1,0 +1,358 @@
+"""When the imaging spacecraft passes what is to be imaged.
+
+Its camera looks from orbital orientation, so far along the track and so far across it: the search
+for a platform of two axes serves, with these angles for its stops.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import FailFast, Field
+
+from planner import effort
+from planner.arrays import Array, Indices
+from planner.attitude.lvlh import LvlhAttitude
+from planner.effort import at_most
+from planner.errors import InvalidInput, SearchEnded
+from planner.frames.earth_orientation import earth_orientation_warnings
+from planner.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_from_geodetic
+from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
+from planner.opportunities.carrier import Carrier, carrier_over
+from planner.opportunities.conditions import TURN_MAX_RAD, Condition
+from planner.opportunities.description import describe_windows
+from planner.opportunities.request import (
+    DAYS_MAX,
+    SAMPLES,
+    TARGETS_MAX,
+    WINDOW_COUNTS,
+    WORK_MAX,
+    OpportunityConditions,
+    OpportunityRequest,
+    OpportunityTarget,
+)
+from planner.opportunities.search import RESTING, SHORTEST_S, found_spans, spend_on
+from planner.opportunities.sights import EarthSight, FixedPlaces, Sight
+from planner.opportunities.spans import Spans
+from planner.opportunities.windows import Opportunities, Sightings
+from planner.orbits import Orbit
+from planner.platforms import AxisLimits, TwoAxisPlatform
+from planner.spacecraft.geojson import Position
+from planner.spacecraft.imaging.session import HEIGHT_MAX_M
+from planner.spacecraft.requests import AreaRequest, Request, SpacecraftSettings
+from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft, Camera
+from planner.spec import Within, spec
+from planner.targets import GroundTarget
+
+REQUESTS_MAX = 1000
+# Windows this far apart are of two passes: a low orbit lasts an hour and a half.
+_PASSES_APART_S = 1800.0
+
+
+@spec
+class ImagingOpportunityRequest:
+    """An orbit, the spacecraft on it, and what it may image from `start` to `stop`.
+
+    The camera looks from orbital orientation, by the angles along and across the track that the
+    settings have.
+
+    name: yours, told in lists.
+    spacecraft: by its registered name.
+    requests: what is to be imaged, as in a plan; `window_start`, `window_stop` and `start` count.
+    start: when the search begins; UTC.
+    stop: when it ends; UTC.
+    conditions: to be met for all of a request's positions.
+    samples: instants per window, its edges included, at which the view is told.
+    """
+
+    name: str = ""
+    orbit: Orbit
+    spacecraft: str = "agile-cmg"
+    settings: SpacecraftSettings = SpacecraftSettings()
+    requests: Annotated[tuple[Request, ...], Field(max_length=REQUESTS_MAX), FailFast()]
+    start: datetime
+    stop: datetime
+    conditions: OpportunityConditions = OpportunityConditions()
+    samples: Annotated[int, Within(*SAMPLES)] = 5
+
+    def __post_init__(self) -> None:
+        if self.spacecraft not in SPACECRAFT:
+            raise ValueError(
+                f"spacecraft {self.spacecraft!r} is unknown; there is {', '.join(SPACECRAFT)}"
+            )
+        if elapsed_s(self.stop, self.start) < 1.0:
+            raise ValueError(
+                f"stop ({utc_text(self.stop)}) must come a second or more after start "
+                f"({utc_text(self.start)})"
+            )
+        if not self.requests:
+            raise ValueError("requests must hold at least one request")
+        seen: set[str] = set()
+        for number, request in enumerate(self.requests):
+            if request.name in seen:
+                raise ValueError(
+                    f"requests.{number}.name {request.name!r} is taken already; windows are told "
+                    "by name"
+                )
+            seen.add(request.name)
+        self._require_bounds()
+
+    def _require_bounds(self) -> None:
+        days = elapsed_s(self.stop, self.start) / DAY_S
+        if days > DAYS_MAX:
+            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
+        count = sum(len(positions_of(request)) for request in self.requests)
+        if count > TARGETS_MAX or count * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
+            raise ValueError(
+                f"requests must have at most {TARGETS_MAX} positions together, and positions times "
+                f"days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX}, which these "
+                f"{count} over {days:.1f} days with {self.samples} samples do; ask for fewer at a "
+                "time"
+            )
+
+    def definition(self) -> AgileSpacecraft:
+        """The spacecraft with the settings."""
+        return self.settings.applied_to(SPACECRAFT[self.spacecraft])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ImagingOpportunities(Opportunities):
+    """Windows of requests: from when its first position is within the camera's angles until the
+    last is no more, of the passes in which every one is.
+
+    The view is that of the middle of its positions; axis_names: `along` and `across` the track.
+    whole_s: shape (windows, 2), since start_utc, while all of it is within them at once; NaN where
+    it never is.
+    """
+
+    whole_s: Array
+
+
+def positions_of(request: Request) -> tuple[Position, ...]:
+    """Longitude and latitude, deg, of a line's positions or a polygon's corners."""
+    if isinstance(request, AreaRequest):
+        return request.geometry.coordinates[0][:-1]
+    return request.geometry.coordinates
+
+
+def find_imaging_opportunities(request: ImagingOpportunityRequest) -> ImagingOpportunities:
+    """All passes over all requests, by no more work than one request may make.
+
+    Edges are those of the exact orbit and frames to 0.1 ms.  Neglected: the yaw with which the
+    camera steers against the Earth's turn, which moves what it looks at by nothing, and how long
+    scans and turns take: the plan tells whether they fit.
+    Raises InvalidInput for a high orbit, OutsideCoverage, SearchEnded.
+    """
+    with at_most(effort.PLAN):
+        return _found(request)
+    raise SearchEnded(
+        f"the passes over these {len(request.requests)} requests take more work than one request "
+        "may make; ask for fewer requests, days, samples or conditions at a time",
+        field="requests",
+    )
+
+
+def _found(request: ImagingOpportunityRequest) -> ImagingOpportunities:
+    camera = request.definition().camera
+    ephemeris = request.orbit.ephemeris(request.start, request.stop)
+    asked, owner = _search(request, camera)
+    carrier = carrier_over(ephemeris, asked.attitude, asked.platform, request.start, request.stop)
+    _require_low(carrier)
+    of_positions = _spans_of_positions(asked, carrier, camera)
+    spans, whole_s = _passes(request, owner, of_positions)
+    spend_on(spans, RESTING, request.samples)
+    sight = EarthSight(carrier, _middles(request, carrier), np.zeros(len(request.requests)))
+    numbers = np.arange(len(request.requests))
+    windows = describe_windows(asked, sight, numbers, spans)
+    ends = Instants(request.start, np.array([0.0, carrier.span_s]))
+    return ImagingOpportunities(
+        start_utc=request.start,
+        stop_utc=request.stop,
+        ids=tuple(one.name for one in request.requests),
+        axis_names=asked.platform.axis_names,
+        assumed=(),
+        warnings=(*ephemeris.warnings, *earth_orientation_warnings(ends)),
+        windows=replace(
+            windows,
+            closest=_in_camera_angles(windows.closest),
+            through=_in_camera_angles(windows.through),
+        ),
+        whole_s=whole_s,
+    )
+
+
+def _require_low(carrier: Carrier) -> None:
+    height_m = float(np.linalg.norm(carrier.r_sat_itrf_m.at(np.zeros(1))[0])) - WGS84_A_M
+    if height_m > HEIGHT_MAX_M:
+        raise InvalidInput(
+            f"the orbit is {height_m / 1e3:.0f} km high at the start; this spacecraft images from "
+            f"low orbits, up to {HEIGHT_MAX_M / 1e3:.0f} km: give the orbit of such a one",
+            field="orbit",
+        )
+
+
+def _search(
+    request: ImagingOpportunityRequest, camera: Camera
+) -> tuple[OpportunityRequest, Indices]:
+    """The search for every position, and the number of the request each belongs to."""
+    places = [
+        (number, GroundTarget(longitude_deg=p[0], latitude_deg=p[1], height_m=one.height_m))
+        for number, one in enumerate(request.requests)
+        for p in positions_of(one)
+    ]
+    asked = OpportunityRequest(
+        platform=_camera_as_axes(camera),
+        orbit=request.orbit,
+        attitude=LvlhAttitude(),
+        targets=tuple(
+            OpportunityTarget(id=str(row), target=target) for row, (_, target) in enumerate(places)
+        ),
+        start=request.start,
+        stop=request.stop,
+        conditions=replace(request.conditions, min_duration_s=0.0),  # of the whole window
+        samples=request.samples,
+        pixel_arcsec=math.degrees(camera.pixel_rad) * 3600.0,
+    )
+    return asked, np.array([number for number, _ in places])
+
+
+def _camera_as_axes(camera: Camera) -> TwoAxisPlatform:
+    """LVLH axes: the outer angle is that along the track, the inner one is free."""
+
+    def limits(angle_max_deg: float) -> AxisLimits:
+        angle_max_rad = math.radians(angle_max_deg)
+        return AxisLimits(
+            angle_min_rad=-angle_max_rad,
+            angle_max_rad=angle_max_rad,
+            rate_max_rad_s=1.0,
+            acceleration_max_rad_s2=1.0,
+            jerk_max_rad_s3=1.0,
+        )
+
+    return TwoAxisPlatform(
+        name="camera",
+        outer_name="along",
+        outer_axis_platform=(0.0, 1.0, 0.0),
+        outer_limits=limits(camera.along_max_deg),
+        inner_name="across",
+        inner_axis_platform=(-1.0, 0.0, 0.0),
+        inner_limits=limits(90.0),
+        zero_direction_platform=(0.0, 0.0, 1.0),
+    )
+
+
+def _spans_of_positions(asked: OpportunityRequest, carrier: Carrier, camera: Camera) -> Spans:
+    across_max_rad = math.radians(camera.across_max_deg)
+
+    def across(sight: Sight) -> Iterator[Condition]:
+        def margin(which: Indices, t_s: Array) -> Array:
+            los = carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
+            return across_max_rad - np.abs(np.arctan2(los[:, 1], los[:, 2]))
+
+        yield Condition("across", margin, float(carrier.node_s[1]), TURN_MAX_RAD)
+
+    found = [
+        replace(spans, target=numbers[spans.target])
+        for numbers, _, spans, _ in found_spans(asked, carrier, across)
+    ]
+    columns = zip(*(vars(spans).values() for spans in found), strict=True)
+    return Spans(*map(np.concatenate, columns))
+
+
+class _Pass(NamedTuple):
+    """whole_s: while all positions are seen at once, NaN where never."""
+
+    request: int
+    start_s: float
+    stop_s: float
+    opened_by: str
+    closed_by: str
+    whole_s: tuple[float, float]
+
+
+def _passes(
+    request: ImagingOpportunityRequest, owner: Indices, of_positions: Spans
+) -> tuple[Spans, Array]:
+    """Those in which every position of a request is seen, and while all are at once."""
+    passes = [
+        found
+        for number, one in enumerate(request.requests)
+        for spans in _by_pass(of_positions.select(owner[of_positions.target] == number))
+        if len(np.unique(spans.target)) == np.count_nonzero(owner == number)
+        for found in _passes_that_serve(request, number, one, spans)
+    ]
+    columns = list(zip(*passes, strict=True)) or [()] * len(_Pass._fields)
+    spans = Spans(
+        target=np.array(columns[0], dtype=np.intp),
+        start_s=np.array(columns[1], dtype=np.float64),
+        stop_s=np.array(columns[2], dtype=np.float64),
+        opened_by=np.array(columns[3], dtype=np.str_),
+        closed_by=np.array(columns[4], dtype=np.str_),
+    )
+    return spans, np.array(columns[5], dtype=np.float64).reshape(-1, 2)
+
+
+def _by_pass(spans: Spans) -> Iterator[Spans]:
+    in_order = spans.select(np.argsort(spans.start_s))
+    begins = in_order.start_s[1:] > np.maximum.accumulate(in_order.stop_s)[:-1] + _PASSES_APART_S
+    for rows in np.split(np.arange(len(in_order.start_s)), np.flatnonzero(begins) + 1):
+        if rows.size:
+            yield in_order.select(rows)
+
+
+def _passes_that_serve(
+    request: ImagingOpportunityRequest, number: int, one: Request, spans: Spans
+) -> Iterator[_Pass]:
+    """The pass of these spans, within the times the request itself asks for; or none."""
+    first, last = int(np.argmin(spans.start_s)), int(np.argmax(spans.stop_s))
+    opens_s = elapsed_s(one.window_start or request.start, request.start)
+    closes_s = elapsed_s(one.window_stop or request.stop, request.start)
+    start_s, stop_s = max(spans.start_s[first], opens_s), min(spans.stop_s[last], closes_s)
+    if stop_s - start_s < max(request.conditions.min_duration_s, SHORTEST_S):
+        return
+    if one.start is not None and not start_s <= elapsed_s(one.start, request.start) <= stop_s:
+        return
+    each = [spans.select(spans.target == position) for position in np.unique(spans.target)]
+    from_s = max(start_s, *(span.start_s.min() for span in each))
+    until_s = min(stop_s, *(span.stop_s.max() for span in each))
+    yield _Pass(
+        request=number,
+        start_s=start_s,
+        stop_s=stop_s,
+        opened_by=str(spans.opened_by[first]) if spans.start_s[first] == start_s else "interval",
+        closed_by=str(spans.closed_by[last]) if spans.stop_s[last] == stop_s else "interval",
+        whole_s=(from_s, until_s) if from_s < until_s else (math.nan, math.nan),
+    )
+
+
+def _middles(request: ImagingOpportunityRequest, carrier: Carrier) -> FixedPlaces:
+    targets = []
+    for one in request.requests:
+        longitude_rad, latitude_rad = np.deg2rad([p[:2] for p in positions_of(one)]).T
+        r_itrf_m = itrf_from_geodetic(latitude_rad, longitude_rad, one.height_m).mean(axis=0)
+        latitude, longitude, _ = np.rad2deg(geodetic_from_itrf(r_itrf_m))
+        targets.append(
+            GroundTarget(
+                latitude_deg=float(latitude), longitude_deg=float(longitude), height_m=one.height_m
+            )
+        )
+    return FixedPlaces(carrier, targets)
+
+
+def _in_camera_angles(seen: Sightings) -> Sightings:
+    """The inner axis's angle b on an outer one at a, as the angle atan(tan b / cos a) across."""
+    along_rad, b_rad = seen.angle_rad[..., 0], seen.angle_rad[..., 1]
+    along_rad_s, b_rad_s = seen.rate_rad_s[..., 0], seen.rate_rad_s[..., 1]
+    slope = np.tan(b_rad) / np.cos(along_rad)
+    slope_per_s = (
+        b_rad_s / np.cos(b_rad) ** 2 / np.cos(along_rad) + slope * np.tan(along_rad) * along_rad_s
+    )
+    across_rad, across_rad_s = np.arctan(slope), slope_per_s / (1.0 + slope**2)
+    return replace(
+        seen,
+        angle_rad=np.stack([along_rad, across_rad], axis=-1),
+        rate_rad_s=np.stack([along_rad_s, across_rad_s], axis=-1),
+    )

@@ -1,0 +1,231 @@
+"""Are opportunities kept, paged, and given as GeoJSON and as a pass table?"""
+
+import csv
+import io
+import json
+
+import pytest
+from databases import own_settings
+from fastapi.testclient import TestClient
+
+from app.http.app import create_app
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.store.ids import new_id
+from app.store.searches import PAGE_WINDOWS
+
+CITIES = OPPORTUNITY_EXAMPLES["cities"][1] | {"name": "Cities by day"}
+SKY = OPPORTUNITY_EXAMPLES["sky"][1]
+PATH = "/v1/opportunities"
+GEOJSON, CSV = {"Accept": "application/geo+json"}, {"Accept": "text/csv"}
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory):
+    with TestClient(create_app(own_settings(tmp_path_factory.mktemp("searches")))) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def posted(client):
+    return client.post(PATH, json=CITIES)
+
+
+@pytest.fixture(scope="module")
+def cities(posted):
+    return posted.json()
+
+
+def rows(answer):
+    assert answer.headers["content-type"].startswith("text/csv")
+    return list(csv.DictReader(io.StringIO(answer.text)))
+
+
+def test_what_was_found_is_kept(client, posted, cities):
+    assert posted.status_code == 200
+    assert posted.headers["Location"] == f"{PATH}/{cities['id']}"
+    again = client.get(posted.headers["Location"])
+    assert again.content == posted.content
+    assert cities["name"] == "Cities by day"
+    tag = {"If-None-Match": again.headers["ETag"]}
+    assert client.get(posted.headers["Location"], headers=tag).status_code == 304
+    other = client.get(posted.headers["Location"], headers=tag | GEOJSON)
+    assert other.status_code == 200  # another form of it
+    sent = client.get(f"{posted.headers['Location']}/request")
+    assert sent.json() == CITIES
+    assert client.post(PATH, json=sent.json()).json()["windows"] == cities["windows"]
+
+
+def test_searches_are_listed_and_deleted(client):
+    made_id = client.post(PATH, json=CITIES | {"name": "to go"}).json()["id"]
+    answer = client.get(f"{PATH}?name=to go&target=london&after=2015-03-01T11:00:00Z").json()
+    [row] = answer["opportunities"]
+    assert (row["id"], row["state"], row["targets"]) == (made_id, "done", ["Las Vegas", "London"])
+    assert (row["start"], row["stop"]) == ("2015-02-27T12:00:00.000Z", "2015-03-01T12:00:00.000Z")
+    assert client.delete(f"{PATH}/{made_id}").status_code == 204
+    for method, tail in (("GET", ""), ("GET", "/windows"), ("GET", "/request"), ("DELETE", "")):
+        gone = client.request(method, f"{PATH}/{made_id}{tail}")
+        assert gone.status_code == 404, (method, tail)
+        assert f"GET {PATH} lists them" in gone.json()["detail"]
+    assert client.get(f"{PATH}?name=to go").json() == {"opportunities": [], "next": None}
+    audit = client.get("/v1/audit").json()["entries"]
+    deeds = [entry["action"] for entry in audit if entry["subject"] == made_id]
+    assert deeds == ["opportunities.delete", "opportunities.accept"]
+
+
+def test_an_id_of_something_else_is_none(client):
+    plans = client.get("/v1/plans").json()["plans"]
+    assert client.get(f"{PATH}/{new_id()}").status_code == 404
+    assert plans == []
+    search_id = client.post(PATH, json=SKY).json()["id"]
+    for path in ("plans", "campaigns", "spacecraft/plans"):
+        assert client.get(f"/v1/{path}/{search_id}").status_code == 404
+
+
+def test_windows_come_in_pages(client, cities):
+    found, url = [], f"{PATH}/{cities['id']}/windows?limit=2"
+    while url:
+        answer = client.get(url)
+        page = answer.json()
+        assert 0 < len(page["windows"]) <= 2
+        found += page["windows"]
+        link = answer.links.get("next")
+        assert (link is None) == (page["next"] is None)
+        assert link is None or f"cursor={page['next']}" in link["url"]
+        url = link and link["url"]
+    assert found == cities["windows"]
+    assert len(found) > 2
+
+
+def test_windows_of_one_target(client, cities):
+    of_london = [window for window in cities["windows"] if window["target"] == "London"]
+    answer = client.get(f"{PATH}/{cities['id']}/windows?target=London").json()
+    assert answer == {"windows": of_london, "next": None}
+    assert client.get(f"{PATH}/{cities['id']}/windows?target=Lon").json()["windows"] == []
+
+
+def test_a_target_of_any_name_is_found_by_it(client):
+    name = 'Zürich "§\\7, 東京'
+    target = {"id": name, "target": CITIES["targets"][0]["target"]}
+    made_id = client.post(PATH, json=CITIES | {"targets": [target]}).json()["id"]
+    answer = client.get(f"{PATH}/{made_id}/windows", params={"target": name}).json()
+    assert {window["target"] for window in answer["windows"]} == {name}
+
+
+@pytest.mark.parametrize(
+    ("query", "field", "says"),
+    [
+        ("limit=0", "limit", "at least 1"),
+        ("limit=1001", "limit", "at most 1000"),
+        ("limit=x", "limit", "whole number"),
+        ("cursor=-1", "cursor", "at least 0"),
+        ("target=%07", "target", "can't be seen"),
+        ("page=2", "page", "not known here"),
+    ],
+)
+def test_pages_that_there_can_t_be_are_refused(client, cities, query, field, says):
+    answer = client.get(f"{PATH}/{cities['id']}/windows?{query}")
+    assert answer.status_code == 422
+    assert answer.json()["field"] == f"query.{field}"
+    assert says in answer.json()["detail"]
+
+
+def test_pass_table(cities):
+    """As people know it; against Skyfield: tests/oracles/test_pass_table_skyfield.py."""
+    for window in cities["windows"]:
+        sky = window["sky"]
+        times = [sky[event]["at"] for event in ("rise", "culmination", "set")]
+        assert times == [window["rise"], window["highest_at"], window["set"]]
+        assert sky["culmination"]["elevation_deg"] == window["highest_deg"]
+        assert sky["rise"]["elevation_deg"] == window["through"]["elevation_deg"][0]
+        assert sky["set"]["sun_elevation_deg"] == window["through"]["sun_elevation_deg"][-1]
+        # Local solar time follows the Sun: before noon it stands in the east.
+        is_morning = sky["rise"]["local_solar_time"] < "12:00:00"
+        assert is_morning == (sky["rise"]["sun_azimuth_deg"] < 180.0)
+    vegas = CITIES["targets"][0]["target"]
+    place = cities["windows"][0]["place"]
+    assert place == pytest.approx({k: vegas[k] for k in place}, abs=1e-3)
+
+
+def test_as_geojson(client, cities):
+    answer = client.post(PATH, json=CITIES, headers=GEOJSON)
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "application/geo+json"
+    assert answer.headers["vary"] == "Accept"
+    collection = answer.json()
+    kept = client.get(answer.headers["Location"], headers=GEOJSON).json()
+    assert kept == collection
+    assert collection["id"] in answer.headers["Location"]
+    assert (collection["type"], collection["unseen"]) == ("FeatureCollection", [])
+    ids = [feature["id"] for feature in collection["features"]]
+    assert len({*ids}) == len(ids) == len(cities["windows"])
+    for feature, window in zip(collection["features"], cities["windows"], strict=True):
+        told, place = feature["properties"], window["place"]
+        point = [place["longitude_deg"], place["latitude_deg"], place["height_m"]]
+        assert feature["geometry"] == {"type": "Point", "coordinates": point}
+        assert told["datetime"] == f"{window['rise']}/{window['set']}"
+        assert told["session"] == window["session"]
+        assert told["off_nadir_deg"] == window["closest"]["off_nadir_deg"]
+        assert told["culmination_azimuth_deg"] == window["sky"]["culmination"]["azimuth_deg"]
+        assert told["sun_elevation_deg"] == window["sky"]["culmination"]["sun_elevation_deg"]
+    page = client.get(f"{kept and answer.headers['Location']}/windows?limit=1", headers=GEOJSON)
+    assert page.json()["features"] == collection["features"][:1]
+    assert page.json()["next"] == 1
+
+
+def test_as_a_table(client, cities):
+    found = rows(client.get(f"{PATH}/{cities['id']}", headers=CSV))
+    assert len(found) == len(cities["windows"])
+    for row, window in zip(found, cities["windows"], strict=True):
+        assert (row["target"], row["rise"]) == (window["target"], window["rise"])
+        assert row["culmination"] == window["highest_at"]
+        assert float(row["set_azimuth_deg"]) == window["sky"]["set"]["azimuth_deg"]
+        assert row["local_solar_time"] == window["sky"]["culmination"]["local_solar_time"]
+        assert float(row["range_km"]) == window["closest"]["range_km"]
+    assert list(found[0])[:4] == ["target", "rise", "rise_azimuth_deg", "rise_elevation_deg"]
+
+
+def test_what_is_in_space_has_no_ground(client):
+    sky = client.post(PATH, json=SKY)
+    assert {json.dumps([w["sky"], w["place"]]) for w in sky.json()["windows"]} == {"[null, null]"}
+    at = sky.headers["Location"]
+    features = client.get(at, headers=GEOJSON).json()["features"]
+    assert {feature["geometry"] for feature in features} == {None}
+    assert {feature["properties"]["sun_elevation_deg"] for feature in features} == {None}
+    [*found] = rows(client.get(at, headers=CSV))
+    assert {row["rise_azimuth_deg"] for row in found} == {""}
+    assert all(row["culmination"] for row in found)
+
+
+def test_many_windows_in_another_form(client):
+    """Made in a child, past what would hold others up."""
+    targets = [
+        {"id": f"{n}", "target": {"mode": "ground", "latitude_deg": n / 2.0, "longitude_deg": n}}
+        for n in range(120)
+    ]
+    asked = CITIES | {"targets": targets, "conditions": {}}
+    answer = client.post(PATH, json=asked)
+    assert len(answer.content) > 200_000
+    at, windows = answer.headers["Location"], answer.json()["windows"]
+    features = client.get(at, headers=GEOJSON).json()["features"]
+    assert len(features) == len(windows) > PAGE_WINDOWS + 20
+    for first in (0, PAGE_WINDOWS - 10, PAGE_WINDOWS, len(windows) - 10, len(windows)):
+        page = client.get(f"{at}/windows?cursor={first}&limit=20").json()
+        assert page["windows"] == windows[first : first + 20]
+        assert page["next"] == (first + 20 if first + 20 < len(windows) else None)
+    assert client.get(at).json()["windows"] == windows
+
+
+@pytest.mark.parametrize(
+    ("method", "tail"), [("POST", ""), ("GET", "/{id}"), ("GET", "/{id}/windows")]
+)
+def test_other_forms_are_not_to_be_had(client, cities, method, tail):
+    path = PATH + tail.format(id=cities["id"])
+    answer = client.request(method, path, json=CITIES, headers={"Accept": "image/png"})
+    assert answer.status_code == 406
+    assert "application/geo+json" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("name", ["a" * 201, "a\nb", "a\u202eb"])
+def test_names_are_short_and_visible(client, name):
+    answer = client.post(PATH, json=CITIES | {"name": name})
+    assert (answer.status_code, answer.json()["field"]) == (422, "name")
