@@ -83,7 +83,7 @@ def least_jerk(
             step = min(1.0, _way(slack, slack_step), _way(push, push_step))
             if corrector == 0:
                 after = np.mean((slack + step * slack_step) * (push + step * push_step))
-                centring, bend = mu * (after / mu) ** 3, slack_step * push_step
+                centring, bend = mu * (after / mu) ** 3, step * slack_step * push_step
         if not np.isfinite(step):
             break
         slack, push, jerks = slack + step * slack_step, push + step * push_step, jerks + step * turn
@@ -99,6 +99,13 @@ def least_jerk(
         low, high = limits[ORDERS[row]]
         pushes[:, row] *= 2.0 / (high - low)
     return found, pushes, iterations, best <= STALLED
+
+
+@compiled
+def bounded_values(widths: Array, flat: Mask, ends: Array, limits: Array, jerks: Array) -> Array:
+    """What `least_jerk` bounds of given jerks, (n, 11), at most 1 where the limits are kept."""
+    steps, rows = _bounded_rows(widths, flat, limits)
+    return _values(rows, _roll_out(steps, ends[0], jerks), jerks, 1.0)
 
 
 @compiled

@@ -17,7 +17,7 @@ import numpy as np
 from planner import effort
 from planner.arrays import Array, Mask
 from planner.slew.flown import cells_that_break, cells_that_leave
-from planner.slew.interior_point import ORDERS, least_jerk
+from planner.slew.interior_point import ORDERS, bounded_values, least_jerk
 from planner.slew.jerk_spans import meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import NormalisedSlew, normalised
@@ -81,16 +81,16 @@ def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Sm
     """
     problem = normalised(slew)
     for knots in _ways_to_begin(problem, known, rows):
-        found = _from_knots(problem, slew, knots, rows)
+        found = _from_knots(problem, slew, known, knots, rows)
         if found is not None:
             return found
     return None
 
 
 def _from_knots(
-    problem: NormalisedSlew, slew: AxisSlew, knots: Array, rows: int | None
+    problem: NormalisedSlew, slew: AxisSlew, known: AxisProfile | None, knots: Array, rows: int | None
 ) -> Smoothest | None:
-    found = _solve(problem, knots, rows)
+    found = _solve(problem, known, knots, rows)
     if found is None:
         return None
     motion, bound = found
@@ -126,17 +126,13 @@ def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
     return problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
 
 
-def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
+def _solve(problem: NormalisedSlew, known: AxisProfile | None, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
     """The motion and its lower bound, on knots that are added to until the gap is closed."""
     best: _Motion | None = None
-    bound, iterations, halved = 0.0, 0, False
-    guess = _free_jerks(problem, knots)
+    bound, iterations = 0.0, 0
+    guess = _free_jerks(problem, knots) if known is None else _known_jerks(problem, known, knots)
     for _ in range(ROUNDS):
         motion = _on_knots(problem, knots, rows, guess)
-        if motion is None and best is not None and not halved:
-            knots, halved = _halved(knots, rows), True
-            guess = _guess(problem, best, knots)
-            continue
         if motion is None:
             break
         iterations += motion.iterations
@@ -146,7 +142,10 @@ def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Mo
         if cost - bound <= GAP_WANTED * cost:
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
-        finer = _spaced(np.union1d(knots, _cuts(motion, rows)[cut]), rows)
+        cuts = _cuts(knots, motion.states, np.abs(motion.pushes))
+        if rows is not None:
+            cuts = np.clip(cuts, knots[:-1] + 1.0 / rows, knots[1:] - 1.0 / rows)
+        finer = _spaced(np.union1d(knots, cuts[cut]), rows)
         if len(finer) == len(knots):
             break
         guess = _guess(problem, motion, finer)
@@ -172,9 +171,7 @@ def _ways_to_begin(
     it would at any time, or on any of them.
     """
     knots = _first_knots(problem, known, rows)
-    yield knots
-    if rows is None:
-        yield _halved(knots, rows)
+    yield knots if rows is not None or known is None else _that_hold(problem, known, knots)
     if rows is not None and known is not None:
         around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
         changes = known.breakpoints_s[:, None] / known.duration_s + around
@@ -199,9 +196,20 @@ def _first_span(problem: NormalisedSlew, end: int) -> float:
     return width
 
 
-def _halved(knots: Array, rows: int | None) -> Array:
-    """What few spans hold only just, or not at all, more of them hold."""
-    return _spaced(np.union1d(knots, (knots[:-1] + knots[1:]) / 2.0), rows)
+def _that_hold(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> Array:
+    """Knots added until a known motion keeps what bounds it on each span."""
+    for _ in range(ROUNDS):
+        widths, jerks = np.diff(knots), _known_jerks(problem, known, knots)
+        flat = np.zeros(len(widths), dtype=bool)
+        values = bounded_values(widths, flat, problem.ends, problem.limits, jerks)
+        excess = np.maximum(np.abs(values) - 1.0 - INSIDE, 0.0)
+        states = trajectory(widths, flat, problem.ends[0], jerks)
+        cuts = _cuts(knots, states, excess)[excess.any(axis=1)]
+        finer = _spaced(np.union1d(knots, cuts), None)
+        if len(finer) == len(knots):
+            break
+        knots = finer
+    return knots
 
 
 def _spaced(knots: Array, rows: int | None) -> Array:
@@ -229,14 +237,21 @@ def _free_jerks(problem: NormalisedSlew, knots: Array) -> Array:
     return np.column_stack([at_knots[:-1], at_knots[1:]])
 
 
+def _known_jerks(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> Array:
+    """The jerks of a motion that is known, just within each span."""
+    inside = 1e-6 * np.diff(knots)
+    at_s = np.column_stack([knots[:-1] + inside, knots[1:] - inside]) * problem.duration_s
+    jerk = known.evaluate(at_s.ravel())[3].reshape(at_s.shape)
+    return jerk * problem.duration_s**3 / problem.scale_rad
+
+
 def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
     """The motion's jerks on finer knots, a little within their limit."""
     owner = np.searchsorted(motion.knots, (knots[:-1] + knots[1:]) / 2.0) - 1
     begin, width = motion.knots[owner], np.diff(motion.knots)[owner]
     early, late = motion.jerks[owner].T
     jerks = [early + (at - begin) / width * (late - early) for at in (knots[:-1], knots[1:])]
-    most = GUESS_INSIDE * problem.limits[3, 1]
-    return np.asarray(np.clip(np.column_stack(jerks), -most, most))
+    return np.column_stack(jerks)
 
 
 def _on_knots(
@@ -311,22 +326,16 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     return bound, missed + held_back
 
 
-def _cuts(motion: _Motion, rows: int | None) -> Array:
-    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle.
-
-    On rows at least one row from either end, where the span has more than one.
+def _cuts(knots: Array, states: Array, pushed: Array) -> Array:
+    """Where to cut each span, (n,): where a quantity that is pushed (n, 11) turns, or in the middle.
     """
-    pushed = np.abs(motion.pushes)
-    at = np.full(len(motion.jerks), 0.5)
-    slopes = (motion.states[:, 1], motion.states[:, 2])
+    at = np.full(len(pushed), 0.5)
     for order, bounds in ((0, slice(5, 8)), (1, slice(8, 10))):
-        before, after = slopes[order][:-1], slopes[order][1:]
+        before, after = states[:-1, order + 1], states[1:, order + 1]
         turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
         share = before / np.where(turns, before - after, 1.0)
         at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
-    begin, end = motion.knots[:-1], motion.knots[1:]
-    cuts = begin + at * (end - begin)
-    return cuts if rows is None else np.clip(cuts, begin + 1.0 / rows, end - 1.0 / rows)
+    return knots[:-1] + at * np.diff(knots)
 
 
 def _carried(
