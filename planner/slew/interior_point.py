@@ -1,6 +1,6 @@
 """The least integral of squared jerk over motions whose jerk is linear on given spans.
 
-A quadratic programme with the structure of optimal control: five numbers a span (angle, rate,
+A convex programme with the structure of optimal control: five numbers a span (angle, rate,
 acceleration at its begin, jerk at its begin and end), coupled to the next span by the motion
 alone.  Mehrotra's predictor and corrector with a Riccati recursion solve it in time
 proportional to the spans.  All in normalised time: the motion lasts 1.
@@ -22,6 +22,7 @@ CENTRED = 0.995  # of the way to the nearest bound
 SHORT_STEP, STALLS_BORNE = 0.1, 3  # then all pairs are centred anew
 START_COMPLEMENTARITY = 0.3  # of the cost
 START_SLACK = 0.05  # of half a bound's range
+FOLLOWED = 0.1  # of a slack: a turn's bound with less room than that is still broken
 CONVERGED = 1e-9  # of the cost, and of the bounds' half ranges
 STALLED = 1e-6  # what may be left when rounding stops further progress
 
@@ -35,25 +36,28 @@ def least_jerk(
     echoes: Array,
     echo_weights: Array,
     guess: Array,
-) -> tuple[Array, Array, int, bool]:
+) -> tuple[Array, Array, Array, int, bool]:
     """The jerks (n, 2) at both ends of n spans, the pushes (n, 11) of their bounds, how it went.
 
-    flat: spans of constant jerk.  ends (2, 3): angle, rate, acceleration at start and end.
+    flat: spans of constant jerk; in them angle and rate are bounded where they turn.  ends (2, 3): angle, rate, acceleration at start and end.
     limits (4, 2): least and greatest angle, rate, acceleration, jerk.  echoes (m, n, 2): linear
     functionals of the jerks whose squares, times echo_weights (m,), are added to the cost, the
     integral of squared jerk.  guess (n, 2): jerks to start at.
     A push is the price of a unit of its bounded quantity, positive at the upper bound.
-    Returns jerks, pushes, iterations, and whether they converged.
+    Returns jerks, pushes, where in flat spans angle and rate turn, shares of the span (n, 2),
+    iterations, and whether they converged.
     """
     steps, rows = _bounded_rows(widths, flat, limits)
     scale = 1.0 / max(_jerk_cost(widths, guess), 1e-12)
     jerks, weights = guess.copy(), scale * echo_weights
     states = _roll_out(steps, ends[0], jerks)
+    turns, curving = np.zeros((len(widths), 2)), np.zeros((len(widths), 2))
+    _bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
     value = _values(rows, states, jerks, 1.0)
     slack = np.maximum(_within(value, 1.0), START_SLACK)
     begin = scale * _jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
     push = START_COMPLEMENTARITY * begin / len(widths) / slack
-    best, found, kept = np.inf, jerks.copy(), push.copy()
+    best, found, kept, turned = np.inf, jerks.copy(), push.copy(), turns.copy()
     iterations, dual_left, stalls = 0, 1.0, 0
     for _ in range(ITERATIONS_MAX):
         room = _within(value, 1.0) - slack
@@ -62,11 +66,13 @@ def least_jerk(
         cost = scale * _jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
         left = max(mu * slack.size / cost, np.max(np.abs(room)), np.max(np.abs(missed)), dual_left)
         if left < best:
-            best, found, kept = left, jerks.copy(), push.copy()
+            best, found, kept, turned = left, jerks.copy(), push.copy(), turns.copy()
         if left <= CONVERGED:
             break
         iterations += 1
-        gains, inverse = factor(steps, _hessian(widths, rows, scale, push / slack))
+        hessian = _hessian(widths, rows, scale, push / slack)
+        _add_curving(hessian, turns, curving, widths, push)
+        gains, inverse = factor(steps, hessian)
         unit = _unit_responses(steps, gains, inverse, echoes)
         centring, bend = 0.0, np.zeros_like(slack)
         for corrector in range(2):
@@ -88,7 +94,9 @@ def least_jerk(
             break
         slack, push, jerks = slack + step * slack_step, push + step * push_step, jerks + step * turn
         states = _roll_out(steps, ends[0], jerks)
+        _bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
         value = _values(rows, states, jerks, 1.0)
+        _follow_turns(slack, _within(value, 1.0), flat)
         dual_left *= 1.0 - step
         stalls = stalls + 1 if step < SHORT_STEP else 0
         if stalls == STALLS_BORNE:
@@ -98,7 +106,7 @@ def least_jerk(
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         pushes[:, row] *= 2.0 / (high - low)
-    return found, pushes, iterations, best <= STALLED
+    return found, pushes, turned, iterations, best <= STALLED
 
 
 @compiled
@@ -114,7 +122,8 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
 
     Rows times a span's five numbers and 1 lie between -1 and 1: angle, rate, acceleration at
     the begin, both jerks, then the inner Bernstein coefficients of angle (3), rate (2) and
-    acceleration (1), which with the values at both ends bound them throughout.
+    acceleration (1), which with the values at both ends bound them throughout; in flat spans
+    `_bound_turns` has these.
     """
     n = len(widths)
     steps, rows = np.empty((n, 3, 5)), np.zeros((n, ROWS, 6))
@@ -129,19 +138,104 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
         rows[k, 8, 1] = rows[k, 9, 1] = 1.0
         rows[k, 8, 2], rows[k, 9, 2], rows[k, 9, 3] = h / 3.0, 2.0 * h / 3.0, h * h / 6.0
         rows[k, 10, 2], rows[k, 10, 3] = 1.0, h / 2.0
-        if flat[k]:
-            for row in (7, 9, 10):
-                rows[k, row, 3] /= 2.0
-                rows[k, row, 4] = rows[k, row, 3]
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         rows[:, row] *= 2.0 / (high - low)
         rows[:, row, 5] = -(high + low) / (high - low)
+    rows[flat, 5:] = 0.0
     for row in GIVEN_BY_START:
         rows[0, row] = 0.0
     for row in GIVEN_BY_END:
         rows[n - 1, row] = 0.0
     return steps, rows
+
+
+@compiled
+def _bound_turns(
+    rows: Array,
+    turns: Array,
+    curving: Array,
+    widths: Array,
+    flat: Mask,
+    limits: Array,
+    states: Array,
+    jerks: Array,
+) -> None:
+    """Sets rows 6 and 8 of flat spans to angle and rate where they turn, or else at an end.
+
+    As a function of the span's numbers an extremum's slope is that of the value at its instant,
+    and it curves by the square of the slope's change in time over the second derivative:
+    turns (n, 2) are the instants, as shares of the span, curving (n, 2) the second
+    derivative's inverse, 0 at an end.
+    """
+    n = len(widths)
+    for k in range(n):
+        if not flat[k]:
+            continue
+        h, jerk = widths[k], (jerks[k, 0] + jerks[k, 1]) / 2.0
+        _, rate, acceleration = states[k]
+        x, y = _turn_of_angle(rate, acceleration, jerk, h), -acceleration / jerk
+        for order, at in ((0, x), (1, y)):
+            row, scale = 6 + 2 * order, 2.0 / (limits[order, 1] - limits[order, 0])
+            inside = 0.0 < at < h
+            if not inside:
+                at = h if k == 0 else 0.0
+            bend = jerk if order == 1 else acceleration + at * jerk
+            turns[k, order] = at / h
+            curving[k, order] = scale / bend if inside and bend != 0.0 else 0.0
+            rows[k, row] = 0.0
+            if k == 0 and k == n - 1:
+                continue
+            rows[k, row, order], rows[k, row, order + 1] = scale, scale * at
+            if order == 0:
+                rows[k, row, 2] = scale * at * at / 2.0
+            last = scale * at**3 / 6.0 if order == 0 else scale * at * at / 2.0
+            rows[k, row, 3] = rows[k, row, 4] = last / 2.0
+            rows[k, row, 5] = -(limits[order, 1] + limits[order, 0]) * scale / 2.0
+
+
+@compiled
+def _follow_turns(slack: Array, room: Array, flat: Mask) -> None:
+    """Sets the slack of turns' bounds to what there is: a turn that comes or goes changes it."""
+    n = len(flat)
+    for i in range(len(slack)):
+        k, row = (i // ROWS) % n, i % ROWS
+        if flat[k] and row in (6, 8) and room[i] > FOLLOWED * slack[i]:
+            slack[i] = room[i]
+
+
+@compiled
+def _turn_of_angle(rate: float, acceleration: float, jerk: float, h: float) -> float:
+    """When the rate passes zero, at first if twice in h, else anywhere outside it."""
+    root = np.sqrt(max(acceleration * acceleration - 2.0 * jerk * rate, 0.0))
+    q = -acceleration - np.copysign(root, acceleration)
+    first, second = q / jerk, 2.0 * rate / q
+    if 0.0 < first < h and not 0.0 < second < first:
+        return first
+    return second
+
+
+@compiled
+def _add_curving(
+    hessian: Array, turns: Array, curving: Array, widths: Array, push: Array
+) -> None:
+    """What the bounds of turns add to the upper triangle of the programme's second derivative."""
+    half, change = push.size // 2, np.empty(5)
+    pushes = (push[half:] - push[:half]).reshape(len(widths), ROWS)
+    for k in range(len(widths)):
+        for order in range(2):
+            weight = -pushes[k, 6 + 2 * order] * curving[k, order]
+            if weight <= 0.0:
+                continue
+            at = turns[k, order] * widths[k]
+            change[:] = 0.0
+            change[order + 1] = 1.0
+            if order == 0:
+                change[2] = at
+            change[3] = change[4] = (at if order == 1 else at * at / 2.0) / 2.0
+            for i in range(5):
+                for j in range(i, 5):
+                    hessian[k, i, j] += weight * change[i] * change[j]
 
 
 @compiled

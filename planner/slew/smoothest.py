@@ -61,10 +61,11 @@ class Smoothest(NamedTuple):
 
 
 class _Motion(NamedTuple):
-    """A solved motion on its knots, in normalised time; pushes (n, 11)."""
+    """A solved motion on its knots, in normalised time; pushes (n, 11) at places (n, 11)."""
 
     knots: Array
     flat: Mask
+    places: Array
     states: Array
     jerks: Array
     pushes: Array
@@ -269,7 +270,7 @@ def _on_knots(
     )
     if echoes is None:
         echoes = np.zeros((0, len(widths), 2))
-    jerks, pushes, iterations, converged = least_jerk(
+    jerks, pushes, turns, iterations, converged = least_jerk(
         widths, flat, problem.ends, inner, echoes, weights, guess
     )
     effort.spend(SOLVE)
@@ -281,7 +282,9 @@ def _on_knots(
     if rows is not None:
         jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
     states = trajectory(widths, flat, problem.ends[0], jerks)
-    return _Motion(knots, flat, states, jerks, pushes, iterations)
+    places = np.tile(_AT, (len(widths), 1))
+    places[flat, 6], places[flat, 8] = turns[flat].T
+    return _Motion(knots, flat, places, states, jerks, pushes, iterations)
 
 
 def _flat(knots: Array, rows: int | None) -> Mask:
@@ -301,7 +304,7 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     Bernstein coefficient holds back where the motion itself is still away from the limit.
     """
     widths, pushes, limits = np.diff(motion.knots), motion.pushes, problem.limits
-    after = _AT * widths[:, None]
+    after = motion.places * widths[:, None]
     early, slope = motion.jerks[:, :1], np.diff(motion.jerks, axis=1) / widths[:, None]
     angle, rate, acceleration = (motion.states[:-1, order, None] for order in range(3))
     values = np.where(
