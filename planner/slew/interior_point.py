@@ -23,6 +23,7 @@ SHORT_STEP, STALLS_BORNE = 0.1, 3  # then all pairs are centred anew
 START_COMPLEMENTARITY = 0.3  # of the cost
 START_SLACK = 0.05  # of half a bound's range
 FOLLOWED = 0.1  # of a slack: a turn's bound with less room than that is still broken
+STRAIGHT = 1e-9  # of half a bound's range: what a quantity may bend within a span and not turn
 CONVERGED = 1e-9  # of the cost, and of the bounds' half ranges
 STALLED = 1e-6  # what may be left when rounding stops further progress
 
@@ -90,7 +91,7 @@ def least_jerk(
             if corrector == 0:
                 after = np.mean((slack + step * slack_step) * (push + step * push_step))
                 centring, bend = mu * (after / mu) ** 3, step * slack_step * push_step
-        if not np.isfinite(step):
+        if np.isnan(np.sum(turn)):
             break
         slack, push, jerks = slack + step * slack_step, push + step * push_step, jerks + step * turn
         states = _roll_out(steps, ends[0], jerks)
@@ -110,10 +111,10 @@ def least_jerk(
 
 
 @compiled
-def bounded_values(widths: Array, flat: Mask, ends: Array, limits: Array, jerks: Array) -> Array:
-    """What `least_jerk` bounds of given jerks, (n, 11), at most 1 where the limits are kept."""
-    steps, rows = _bounded_rows(widths, flat, limits)
-    return _values(rows, _roll_out(steps, ends[0], jerks), jerks, 1.0)
+def bounded_values(widths: Array, states: Array, limits: Array, jerks: Array) -> Array:
+    """What `least_jerk` bounds of a given motion, (n, 11), at most 1 where the limits are kept."""
+    _, rows = _bounded_rows(widths, np.zeros(len(widths), dtype=np.bool_), limits)
+    return _values(rows, states, jerks, 1.0)
 
 
 @compiled
@@ -182,7 +183,8 @@ def _bound_turns(
                 at = h if k == 0 else 0.0
             bend = jerk if order == 1 else acceleration + at * jerk
             turns[k, order] = at / h
-            curving[k, order] = scale / bend if inside and bend != 0.0 else 0.0
+            is_turn = inside and scale * abs(bend) * h * h > STRAIGHT
+            curving[k, order] = scale / bend if is_turn else 0.0
             rows[k, row] = 0.0
             if k == 0 and k == n - 1:
                 continue
@@ -359,11 +361,9 @@ def _prices(
 
 @compiled
 def _way(value: Array, change: Array) -> float:
-    """What multiple of the change leaves every value positive; NaN where it isn't a number."""
+    """What multiple of the change leaves every value positive."""
     way = np.inf
     for i in range(len(value)):
-        if np.isnan(change[i]):
-            return np.nan
         if change[i] < 0.0:
             way = min(way, -CENTRED * value[i] / change[i])
     return way

@@ -29,9 +29,11 @@ GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times 
 FIRST_SPANS = 24
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
 ROUNDS = 14
+HOLDING_ROUNDS = 6
 ROWS_AROUND = 6
 ALL_ROWS_MAX = 700  # 140 s: more than any platform's least time
 NARROWEST = 1e-6
+HELD = 1e-7  # of half a range: what a known motion may pass a limit by
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
 LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
@@ -131,7 +133,7 @@ def _solve(problem: NormalisedSlew, known: AxisProfile | None, knots: Array, row
     """The motion and its lower bound, on knots that are added to until the gap is closed."""
     best: _Motion | None = None
     bound, iterations = 0.0, 0
-    guess = _free_jerks(problem, knots) if known is None else _known_jerks(problem, known, knots)
+    guess = _free_jerks(problem, knots) if known is None else _known(problem, known, knots)[0]
     for _ in range(ROUNDS):
         motion = _on_knots(problem, knots, rows, guess)
         if motion is None:
@@ -140,7 +142,7 @@ def _solve(problem: NormalisedSlew, known: AxisProfile | None, knots: Array, row
         best, cost = motion, _cost(motion)
         proven, losses = _losses(problem, motion)
         bound = max(bound, proven)
-        if cost - bound <= GAP_WANTED * cost:
+        if min(cost - bound, losses[~motion.flat].sum()) <= GAP_WANTED * cost:
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
         cuts = _cuts(knots, motion.states, np.abs(motion.pushes))
@@ -199,12 +201,10 @@ def _first_span(problem: NormalisedSlew, end: int) -> float:
 
 def _that_hold(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> Array:
     """Knots added until a known motion keeps what bounds it on each span."""
-    for _ in range(ROUNDS):
-        widths, jerks = np.diff(knots), _known_jerks(problem, known, knots)
-        flat = np.zeros(len(widths), dtype=bool)
-        values = bounded_values(widths, flat, problem.ends, problem.limits, jerks)
-        excess = np.maximum(np.abs(values) - 1.0 - INSIDE, 0.0)
-        states = trajectory(widths, flat, problem.ends[0], jerks)
+    for _ in range(HOLDING_ROUNDS):
+        jerks, states = _known(problem, known, knots)
+        values = bounded_values(np.diff(knots), states, problem.limits, jerks)
+        excess = np.maximum(np.abs(values) - 1.0 - HELD, 0.0)
         cuts = _cuts(knots, states, excess)[excess.any(axis=1)]
         finer = _spaced(np.union1d(knots, cuts), None)
         if len(finer) == len(knots):
@@ -238,12 +238,20 @@ def _free_jerks(problem: NormalisedSlew, knots: Array) -> Array:
     return np.column_stack([at_knots[:-1], at_knots[1:]])
 
 
-def _known_jerks(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> Array:
-    """The jerks of a motion that is known, just within each span."""
-    inside = 1e-6 * np.diff(knots)
-    at_s = np.column_stack([knots[:-1] + inside, knots[1:] - inside]) * problem.duration_s
-    jerk = known.evaluate(at_s.ravel())[3].reshape(at_s.shape)
-    return jerk * problem.duration_s**3 / problem.scale_rad
+def _known(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
+    """Jerks (n, 2) of a known motion just within each span, states (n + 1, 3) at the knots.
+
+    What it does on stretches too short for a knot is in the mean of the jerks.
+    """
+    widths = np.diff(knots)
+    inside = np.column_stack([knots[:-1] + 1e-6 * widths, knots[1:] - 1e-6 * widths])
+    units = problem.duration_s ** np.arange(4)[:, None] / problem.scale_rad
+    T = problem.duration_s
+    states = (known.evaluate(knots * T) * units)[:3].T
+    states[:, 0] -= problem.start_angle_rad / problem.scale_rad
+    jerks = (known.evaluate(inside.ravel() * T) * units)[3].reshape(inside.shape)
+    missed = np.diff(states[:, 2]) / widths - jerks.mean(axis=1)
+    return jerks + missed[:, None], states
 
 
 def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
