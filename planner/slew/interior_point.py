@@ -40,7 +40,8 @@ def least_jerk(
 ) -> tuple[Array, Array, Array, int, bool]:
     """The jerks (n, 2) at both ends of n spans, the pushes (n, 11) of their bounds, how it went.
 
-    flat: spans of constant jerk; in them angle and rate are bounded where they turn.  ends (2, 3): angle, rate, acceleration at start and end.
+    flat: spans of constant jerk; in them angle and rate are bounded where they turn.
+    ends (2, 3): angle, rate, acceleration at start and end.
     limits (4, 2): least and greatest angle, rate, acceleration, jerk.  echoes (m, n, 2): linear
     functionals of the jerks whose squares, times echo_weights (m,), are added to the cost, the
     integral of squared jerk.  guess (n, 2): jerks to start at.
@@ -49,6 +50,10 @@ def least_jerk(
     iterations, and whether they converged.
     """
     steps, rows = _bounded_rows(widths, flat, limits)
+    for row in GIVEN_BY_START:
+        rows[0, row] = 0.0
+    for row in GIVEN_BY_END:
+        rows[-1, row] = 0.0
     scale = 1.0 / max(_jerk_cost(widths, guess), 1e-12)
     jerks, weights = guess.copy(), scale * echo_weights
     states = _roll_out(steps, ends[0], jerks)
@@ -144,10 +149,6 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
         rows[:, row] *= 2.0 / (high - low)
         rows[:, row, 5] = -(high + low) / (high - low)
     rows[flat, 5:] = 0.0
-    for row in GIVEN_BY_START:
-        rows[0, row] = 0.0
-    for row in GIVEN_BY_END:
-        rows[n - 1, row] = 0.0
     return steps, rows
 
 
@@ -218,9 +219,7 @@ def _turn_of_angle(rate: float, acceleration: float, jerk: float, h: float) -> f
 
 
 @compiled
-def _add_curving(
-    hessian: Array, turns: Array, curving: Array, widths: Array, push: Array
-) -> None:
+def _add_curving(hessian: Array, turns: Array, curving: Array, widths: Array, push: Array) -> None:
     """What the bounds of turns add to the upper triangle of the programme's second derivative."""
     half, change = push.size // 2, np.empty(5)
     pushes = (push[half:] - push[:half]).reshape(len(widths), ROWS)

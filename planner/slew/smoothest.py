@@ -8,7 +8,7 @@ loses, so the spans that lose most are cut, until the gap is closed.  Within, al
 normalised time: the motion lasts 1.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from planner import effort
 from planner.arrays import Array, Mask
+from planner.slew.closed_forms import least_jerk_profile
 from planner.slew.flown import cells_that_break, cells_that_leave
 from planner.slew.interior_point import ORDERS, bounded_values, least_jerk
 from planner.slew.jerk_spans import meet_end, trajectory
@@ -28,16 +29,14 @@ from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_resi
 GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
 FIRST_SPANS = 24
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
-ROUNDS = 14
+ROUNDS = 20
 HOLDING_ROUNDS = 6
 ROWS_AROUND = 6
-ALL_ROWS_MAX = 700  # 140 s: more than any platform's least time
-NARROWEST = 1e-6
+NARROWEST = 3e-8
 HELD = 1e-7  # of half a range: what a known motion may pass a limit by
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
 LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
-GUESS_INSIDE = 0.9  # of the jerk's limit
 MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
 WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
@@ -77,21 +76,24 @@ class _Motion(NamedTuple):
 def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
-    known: any motion with these ends; near the least time its breakpoints tell where the jerk
-    must change.  rows: in how many equal steps the jerk may change only between them, on spans
-    of one step not at all within; a cubic Hermite through the rows then flies the motion.
-    avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
+    known: a motion with these ends within the limits, to begin at.  rows: in how many equal
+    steps the jerk may change only between them, on spans of one step not at all within; a cubic
+    Hermite through the rows then flies the motion.  avoid_modes of the slew are left as calm as
+    the limits allow, see `planner.slew.vibration`.
     """
-    problem = normalised(slew)
-    for knots in _ways_to_begin(problem, known, rows):
-        found = _from_knots(problem, slew, known, knots, rows)
-        if found is not None:
-            return found
-    return None
+    problem, known = normalised(slew), known or _without_limits(slew)
+    found = _from_knots(problem, slew, known, _first_knots(problem, known, rows), rows)
+    if found is None and rows is not None:
+        found = _from_knots(problem, slew, known, _knots_around(problem, known, rows), rows)
+    return found
 
 
 def _from_knots(
-    problem: NormalisedSlew, slew: AxisSlew, known: AxisProfile | None, knots: Array, rows: int | None
+    problem: NormalisedSlew,
+    slew: AxisSlew,
+    known: AxisProfile | None,
+    knots: Array,
+    rows: int | None,
 ) -> Smoothest | None:
     found = _solve(problem, known, knots, rows)
     if found is None:
@@ -120,20 +122,26 @@ def bound_without_contacts(slew: AxisSlew) -> float:
     """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
     problem = normalised(slew)
     knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    jerks = _free_jerks(problem, knots)
+    jerks, _ = _known(problem, _without_limits(slew), knots)
     bound, _ = lower_bound(problem.ends, problem.limits, np.zeros((0, 3)), knots, jerks)
     return bound * problem.cost_unit_rad2_s5
+
+
+def _without_limits(slew: AxisSlew) -> AxisProfile:
+    return least_jerk_profile(slew.start, slew.end, slew.duration_s)
 
 
 def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
     return problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
 
 
-def _solve(problem: NormalisedSlew, known: AxisProfile | None, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
+def _solve(
+    problem: NormalisedSlew, known: AxisProfile, knots: Array, rows: int | None
+) -> tuple[_Motion, float] | None:
     """The motion and its lower bound, on knots that are added to until the gap is closed."""
     best: _Motion | None = None
     bound, iterations = 0.0, 0
-    guess = _free_jerks(problem, knots) if known is None else _known(problem, known, knots)[0]
+    guess, _ = _known(problem, known, knots)
     for _ in range(ROUNDS):
         motion = _on_knots(problem, knots, rows, guess)
         if motion is None:
@@ -145,9 +153,7 @@ def _solve(problem: NormalisedSlew, known: AxisProfile | None, knots: Array, row
         if min(cost - bound, losses[~motion.flat].sum()) <= GAP_WANTED * cost:
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
-        cuts = _cuts(knots, motion.states, np.abs(motion.pushes))
-        if rows is not None:
-            cuts = np.clip(cuts, knots[:-1] + 1.0 / rows, knots[1:] - 1.0 / rows)
+        cuts = _cuts(knots, motion.states, np.abs(motion.pushes), rows)
         finer = _spaced(np.union1d(knots, cuts[cut]), rows)
         if len(finer) == len(knots):
             break
@@ -156,61 +162,32 @@ def _solve(problem: NormalisedSlew, known: AxisProfile | None, knots: Array, row
     return None if best is None else (best._replace(iterations=iterations), bound)
 
 
-def _first_knots(problem: NormalisedSlew, known: AxisProfile | None, rows: int | None) -> Array:
+def _first_knots(problem: NormalisedSlew, known: AxisProfile, rows: int | None) -> Array:
+    """Knots on which a known motion keeps what bounds it on each span."""
     x = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    knots = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
-    if known is not None:
-        knots = np.union1d(knots, known.breakpoints_s / known.duration_s)
-    knots = np.concatenate([knots, [_first_span(problem, 0)], [1.0 - _first_span(problem, 1)]])
-    return _spaced(np.unique(knots), rows)
-
-
-def _ways_to_begin(
-    problem: NormalisedSlew, known: AxisProfile | None, rows: int | None
-) -> Iterator[Array]:
-    """Knots to begin with, more where those before don't lead to a motion.
-
-    Within a row or so of the least time the jerk must change on the right rows: near those where
-    it would at any time, or on any of them.
-    """
-    knots = _first_knots(problem, known, rows)
-    yield knots if rows is not None or known is None else _that_hold(problem, known, knots)
-    if rows is not None and known is not None:
-        around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
-        changes = known.breakpoints_s[:, None] / known.duration_s + around
-        yield _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
-    if rows is not None and rows <= ALL_ROWS_MAX:
-        yield np.arange(rows + 1) / rows
-
-
-def _first_span(problem: NormalisedSlew, end: int) -> float:
-    """How long the Bernstein coefficients that an end alone determines keep the limits."""
-    angle, rate, acceleration = problem.ends[end] * (
-        (1.0, 1.0, 1.0) if end == 0 else (1.0, -1.0, 1.0)
-    )
-    width = 1.0 / FIRST_SPANS
-    for value, slope, (low, high), share in (
-        (angle, rate, problem.limits[0], 0.25),
-        (rate, acceleration, problem.limits[1], 1.0 / 3.0),
-    ):
-        room = high - value if slope > 0.0 else value - low
-        if room < share * width * abs(slope):
-            width = max(room / (share * abs(slope)), NARROWEST)
-    return width
-
-
-def _that_hold(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> Array:
-    """Knots added until a known motion keeps what bounds it on each span."""
+    even = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
+    knots = _spaced(np.union1d(even, known.breakpoints_s / known.duration_s), rows)
     for _ in range(HOLDING_ROUNDS):
         jerks, states = _known(problem, known, knots)
         values = bounded_values(np.diff(knots), states, problem.limits, jerks)
         excess = np.maximum(np.abs(values) - 1.0 - HELD, 0.0)
-        cuts = _cuts(knots, states, excess)[excess.any(axis=1)]
-        finer = _spaced(np.union1d(knots, cuts), None)
+        cuts = _cuts(knots, states, excess, rows)[excess.any(axis=1)]
+        finer = _spaced(np.union1d(knots, cuts), rows)
         if len(finer) == len(knots):
             break
         knots = finer
     return knots
+
+
+def _knots_around(problem: NormalisedSlew, known: AxisProfile, rows: int) -> Array:
+    """Knots on the rows near those where the jerk would change at any time.
+
+    Within a row or so of the least time it must change on the right ones.
+    """
+    around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
+    changes = known.breakpoints_s[:, None] / known.duration_s + around
+    knots = _first_knots(problem, known, rows)
+    return _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
 
 
 def _spaced(knots: Array, rows: int | None) -> Array:
@@ -220,22 +197,6 @@ def _spaced(knots: Array, rows: int | None) -> Array:
     knots = knots[np.append(np.diff(knots) > NARROWEST, True)]
     knots[0] = 0.0
     return np.asarray(knots)
-
-
-def _free_jerks(problem: NormalisedSlew, knots: Array) -> Array:
-    """The jerks (n, 2) of the quintic through both ends, cut off within their limit."""
-    start, end = problem.ends
-    turned = np.array(
-        [
-            end[0] - start[0] - start[1] - start[2] / 2.0,
-            end[1] - start[1] - start[2],
-            end[2] - start[2],
-        ]
-    )
-    jerk = turned @ np.array([[60.0, -360.0, 360.0], [-24.0, 168.0, -180.0], [3.0, -24.0, 30.0]])
-    most = GUESS_INSIDE * problem.limits[3, 1]
-    at_knots = np.clip(np.polynomial.polynomial.polyval(knots, jerk), -most, most)
-    return np.column_stack([at_knots[:-1], at_knots[1:]])
 
 
 def _known(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
@@ -251,7 +212,8 @@ def _known(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> tuple[A
     states[:, 0] -= problem.start_angle_rad / problem.scale_rad
     jerks = (known.evaluate(inside.ravel() * T) * units)[3].reshape(inside.shape)
     missed = np.diff(states[:, 2]) / widths - jerks.mean(axis=1)
-    return jerks + missed[:, None], states
+    jerk_max = problem.limits[3, 1]
+    return np.clip(jerks + missed[:, None], -jerk_max, jerk_max), states
 
 
 def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
@@ -337,8 +299,10 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     return bound, missed + held_back
 
 
-def _cuts(knots: Array, states: Array, pushed: Array) -> Array:
-    """Where to cut each span, (n,): where a quantity that is pushed (n, 11) turns, or in the middle.
+def _cuts(knots: Array, states: Array, pushed: Array, rows: int | None) -> Array:
+    """Where to cut each span, (n,): where what is pushed (n, 11) turns, or in the middle.
+
+    On rows at least one row from either end, where the span has more than one.
     """
     at = np.full(len(pushed), 0.5)
     for order, bounds in ((0, slice(5, 8)), (1, slice(8, 10))):
@@ -346,7 +310,9 @@ def _cuts(knots: Array, states: Array, pushed: Array) -> Array:
         turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
         share = before / np.where(turns, before - after, 1.0)
         at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
-    return knots[:-1] + at * np.diff(knots)
+    begin, end = knots[:-1], knots[1:]
+    cuts = begin + at * (end - begin)
+    return cuts if rows is None else np.clip(cuts, begin + 1.0 / rows, end - 1.0 / rows)
 
 
 def _carried(
