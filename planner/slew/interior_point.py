@@ -11,19 +11,16 @@ import numpy as np
 
 from planner.arrays import Array, Mask
 from planner.compiled import compiled
-from planner.slew.jerk_spans import reach, solved
+from planner.slew.jerk_spans import jerk_cost, reach, solved
 from planner.slew.riccati import factor, follow, respond
+from planner.slew.row_turns import ROWS, add_curving, bound_turns, follow_turns
 
-ROWS = 11  # bounded in a span, see `_bounded_rows`
 ORDERS = np.array([0, 1, 2, 3, 3, 0, 0, 0, 1, 1, 2])  # of each: 0 angle to 3 jerk
 GIVEN_BY_START, GIVEN_BY_END = (0, 1, 2, 5, 6, 8), (6, 7, 9)  # and not to be chosen
 ITERATIONS_MAX = 80
 CENTRED = 0.995  # of the way to the nearest bound
-SHORT_STEP, STALLS_BORNE = 0.1, 3  # then all pairs are centred anew
 START_COMPLEMENTARITY = 0.3  # of the cost
 START_SLACK = 0.05  # of half a bound's range
-FOLLOWED = 0.1  # of a slack: a turn's bound with less room than that is still broken
-STRAIGHT = 1e-9  # of half a bound's range: what a quantity may bend within a span and not turn
 CONVERGED = 1e-9  # of the cost, and of the bounds' half ranges
 STALLED = 1e-6  # what may be left when rounding stops further progress
 
@@ -50,69 +47,92 @@ def least_jerk(
     iterations, and whether they converged.
     """
     steps, rows = _bounded_rows(widths, flat, limits)
-    for row in GIVEN_BY_START:
-        rows[0, row] = 0.0
-    for row in GIVEN_BY_END:
-        rows[-1, row] = 0.0
-    scale = 1.0 / max(_jerk_cost(widths, guess), 1e-12)
+    _leave_out_given(rows)
+    scale = 1.0 / max(jerk_cost(widths, guess), 1e-12)
     jerks, weights = guess.copy(), scale * echo_weights
     states = _roll_out(steps, ends[0], jerks)
     turns, curving = np.zeros((len(widths), 2)), np.zeros((len(widths), 2))
-    _bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
+    bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
     value = _values(rows, states, jerks, 1.0)
     slack = np.maximum(_within(value, 1.0), START_SLACK)
-    begin = scale * _jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
+    begin = scale * jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
     push = START_COMPLEMENTARITY * begin / len(widths) / slack
     best, found, kept, turned = np.inf, jerks.copy(), push.copy(), turns.copy()
-    iterations, dual_left, stalls = 0, 1.0, 0
+    iterations, dual_left = 0, 1.0
     for _ in range(ITERATIONS_MAX):
         room = _within(value, 1.0) - slack
-        mu = np.sum(slack * push) / slack.size
-        missed = (ends[1] - states[-1]) * 2.0 / (limits[:3, 1] - limits[:3, 0])
-        cost = scale * _jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
-        left = max(mu * slack.size / cost, np.max(np.abs(room)), np.max(np.abs(missed)), dual_left)
+        missed = ends[1] - states[-1]
+        cost = scale * jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
+        left = max(
+            np.sum(slack * push) / cost,
+            np.max(np.abs(room)),
+            np.max(np.abs(missed) * 2.0 / (limits[:3, 1] - limits[:3, 0])),
+            dual_left,
+        )
         if left < best:
             best, found, kept, turned = left, jerks.copy(), push.copy(), turns.copy()
         if left <= CONVERGED:
             break
         iterations += 1
         hessian = _hessian(widths, rows, scale, push / slack)
-        _add_curving(hessian, turns, curving, widths, push)
-        gains, inverse = factor(steps, hessian)
-        unit = _unit_responses(steps, gains, inverse, echoes)
-        centring, bend = 0.0, np.zeros_like(slack)
-        for corrector in range(2):
-            pull = (centring - bend - push * room) / slack
-            half = pull.size // 2
-            gradient = _gradient(widths, rows, scale, jerks, pull[half:] - pull[:half])
-            move, turn = respond(steps, gains, inverse, gradient, np.zeros(3))
-            prices = _prices(ends[1] - states[-1], move, turn, unit, echoes, weights, jerks)
-            for c in range(len(prices)):
-                move += prices[c] * unit[0][c]
-                turn += prices[c] * unit[1][c]
-            slack_step = _within(_values(rows, move, turn, 0.0), 0.0) + room
-            push_step = (centring - bend - push * slack_step) / slack - push
-            step = min(1.0, _way(slack, slack_step), _way(push, push_step))
-            if corrector == 0:
-                after = np.mean((slack + step * slack_step) * (push + step * push_step))
-                centring, bend = mu * (after / mu) ** 3, step * slack_step * push_step
+        add_curving(hessian, turns, curving, widths, push)
+        turn, slack_step, push_step, step = _newton_step(
+            steps, rows, widths, hessian, scale, jerks, slack, push, room, missed, echoes, weights
+        )
         if np.isnan(np.sum(turn)):
             break
         slack, push, jerks = slack + step * slack_step, push + step * push_step, jerks + step * turn
         states = _roll_out(steps, ends[0], jerks)
-        _bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
+        bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
         value = _values(rows, states, jerks, 1.0)
-        _follow_turns(slack, _within(value, 1.0), flat)
+        follow_turns(slack, _within(value, 1.0), flat)
         dual_left *= 1.0 - step
-        stalls = stalls + 1 if step < SHORT_STEP else 0
-        if stalls == STALLS_BORNE:
-            stalls, dual_left, push = 0, 1.0, mu / slack
     half = kept.size // 2
     pushes = ((kept[half:] - kept[:half]) / scale).reshape(len(widths), ROWS)
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         pushes[:, row] *= 2.0 / (high - low)
     return found, pushes, turned, iterations, best <= STALLED
+
+
+@compiled
+def _newton_step(
+    steps: Array,
+    rows: Array,
+    widths: Array,
+    hessian: Array,
+    scale: float,
+    jerks: Array,
+    slack: Array,
+    push: Array,
+    room: Array,
+    missed: Array,
+    echoes: Array,
+    weights: Array,
+) -> tuple[Array, Array, Array, float]:
+    """Changes of jerks, slacks and pushes, and how far they may go.
+
+    First straight at the optimum, then centred by what that reached and corrected for what it
+    bent, as far as its own step went: further, the iterates may swing to and fro.
+    """
+    gains, inverse = factor(steps, hessian)
+    unit = _unit_responses(steps, gains, inverse, echoes)
+    mu, half = float(np.mean(slack * push)), push.size // 2
+    centring, bend = 0.0, np.zeros_like(slack)
+    for _ in range(2):
+        pull = (centring - bend - push * room) / slack
+        gradient = _gradient(widths, rows, scale, jerks, pull[half:] - pull[:half])
+        move, turn = respond(steps, gains, inverse, gradient, np.zeros(3))
+        prices = _prices(missed, move, turn, unit, echoes, weights, jerks)
+        for c in range(len(prices)):
+            move += prices[c] * unit[0][c]
+            turn += prices[c] * unit[1][c]
+        slack_step = _within(_values(rows, move, turn, 0.0), 0.0) + room
+        push_step = (centring - bend - push * slack_step) / slack - push
+        step = min(1.0, _way(slack, slack_step), _way(push, push_step))
+        after = float(np.mean((slack + step * slack_step) * (push + step * push_step)))
+        centring, bend = mu * (after / mu) ** 3, step * slack_step * push_step
+    return turn, slack_step, push_step, step
 
 
 @compiled
@@ -129,7 +149,7 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
     Rows times a span's five numbers and 1 lie between -1 and 1: angle, rate, acceleration at
     the begin, both jerks, then the inner Bernstein coefficients of angle (3), rate (2) and
     acceleration (1), which with the values at both ends bound them throughout; in flat spans
-    `_bound_turns` has these.
+    `planner.slew.row_turns` has these.
     """
     n = len(widths)
     steps, rows = np.empty((n, 3, 5)), np.zeros((n, ROWS, 6))
@@ -153,90 +173,11 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
 
 
 @compiled
-def _bound_turns(
-    rows: Array,
-    turns: Array,
-    curving: Array,
-    widths: Array,
-    flat: Mask,
-    limits: Array,
-    states: Array,
-    jerks: Array,
-) -> None:
-    """Sets rows 6 and 8 of flat spans to angle and rate where they turn, or else at an end.
-
-    As a function of the span's numbers an extremum's slope is that of the value at its instant,
-    and it curves by the square of the slope's change in time over the second derivative:
-    turns (n, 2) are the instants, as shares of the span, curving (n, 2) the second
-    derivative's inverse, 0 at an end.
-    """
-    n = len(widths)
-    for k in range(n):
-        if not flat[k]:
-            continue
-        h, jerk = widths[k], (jerks[k, 0] + jerks[k, 1]) / 2.0
-        _, rate, acceleration = states[k]
-        x, y = _turn_of_angle(rate, acceleration, jerk, h), -acceleration / jerk
-        for order, at in ((0, x), (1, y)):
-            row, scale = 6 + 2 * order, 2.0 / (limits[order, 1] - limits[order, 0])
-            inside = 0.0 < at < h
-            if not inside:
-                at = h if k == 0 else 0.0
-            bend = jerk if order == 1 else acceleration + at * jerk
-            turns[k, order] = at / h
-            is_turn = inside and scale * abs(bend) * h * h > STRAIGHT
-            curving[k, order] = scale / bend if is_turn else 0.0
-            rows[k, row] = 0.0
-            if k == 0 and k == n - 1:
-                continue
-            rows[k, row, order], rows[k, row, order + 1] = scale, scale * at
-            if order == 0:
-                rows[k, row, 2] = scale * at * at / 2.0
-            last = scale * at**3 / 6.0 if order == 0 else scale * at * at / 2.0
-            rows[k, row, 3] = rows[k, row, 4] = last / 2.0
-            rows[k, row, 5] = -(limits[order, 1] + limits[order, 0]) * scale / 2.0
-
-
-@compiled
-def _follow_turns(slack: Array, room: Array, flat: Mask) -> None:
-    """Sets the slack of turns' bounds to what there is: a turn that comes or goes changes it."""
-    n = len(flat)
-    for i in range(len(slack)):
-        k, row = (i // ROWS) % n, i % ROWS
-        if flat[k] and row in (6, 8) and room[i] > FOLLOWED * slack[i]:
-            slack[i] = room[i]
-
-
-@compiled
-def _turn_of_angle(rate: float, acceleration: float, jerk: float, h: float) -> float:
-    """When the rate passes zero, at first if twice in h, else anywhere outside it."""
-    root = np.sqrt(max(acceleration * acceleration - 2.0 * jerk * rate, 0.0))
-    q = -acceleration - np.copysign(root, acceleration)
-    first, second = q / jerk, 2.0 * rate / q
-    if 0.0 < first < h and not 0.0 < second < first:
-        return first
-    return second
-
-
-@compiled
-def _add_curving(hessian: Array, turns: Array, curving: Array, widths: Array, push: Array) -> None:
-    """What the bounds of turns add to the upper triangle of the programme's second derivative."""
-    half, change = push.size // 2, np.empty(5)
-    pushes = (push[half:] - push[:half]).reshape(len(widths), ROWS)
-    for k in range(len(widths)):
-        for order in range(2):
-            weight = -pushes[k, 6 + 2 * order] * curving[k, order]
-            if weight <= 0.0:
-                continue
-            at = turns[k, order] * widths[k]
-            change[:] = 0.0
-            change[order + 1] = 1.0
-            if order == 0:
-                change[2] = at
-            change[3] = change[4] = (at if order == 1 else at * at / 2.0) / 2.0
-            for i in range(5):
-                for j in range(i, 5):
-                    hessian[k, i, j] += weight * change[i] * change[j]
+def _leave_out_given(rows: Array) -> None:
+    for row in GIVEN_BY_START:
+        rows[0, row] = 0.0
+    for row in GIVEN_BY_END:
+        rows[-1, row] = 0.0
 
 
 @compiled
@@ -244,12 +185,6 @@ def _within(value: Array, edge: float) -> Array:
     """How far above the lower edge, then how far below the upper one: (2 * n * 11,)."""
     values = value.ravel()
     return np.concatenate((edge + values, edge - values))
-
-
-@compiled
-def _jerk_cost(widths: Array, jerks: Array) -> float:
-    early, late = jerks[:, 0], jerks[:, 1]
-    return np.sum(widths * (early * early + early * late + late * late)) / 3.0
 
 
 @compiled

@@ -19,7 +19,7 @@ from planner.arrays import Array, Mask
 from planner.slew.closed_forms import least_jerk_profile
 from planner.slew.flown import cells_that_break, cells_that_leave
 from planner.slew.interior_point import ORDERS, bounded_values, least_jerk
-from planner.slew.jerk_spans import meet_end, trajectory
+from planner.slew.jerk_spans import jerk_cost, meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import NormalisedSlew, normalised
 from planner.slew.problem import AxisSlew
@@ -81,17 +81,17 @@ def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Sm
     Hermite through the rows then flies the motion.  avoid_modes of the slew are left as calm as
     the limits allow, see `planner.slew.vibration`.
     """
-    problem, known = normalised(slew), known or _without_limits(slew)
-    found = _from_knots(problem, slew, known, _first_knots(problem, known, rows), rows)
+    problem, begun = normalised(slew), known or _without_limits(slew)
+    found = _from_knots(problem, slew, begun, _first_knots(problem, begun, rows), rows)
     if found is None and rows is not None:
-        found = _from_knots(problem, slew, known, _knots_around(problem, known, rows), rows)
+        found = _from_knots(problem, slew, begun, _knots_around(problem, begun, rows), rows)
     return found
 
 
 def _from_knots(
     problem: NormalisedSlew,
     slew: AxisSlew,
-    known: AxisProfile | None,
+    known: AxisProfile,
     knots: Array,
     rows: int | None,
 ) -> Smoothest | None:
@@ -208,9 +208,9 @@ def _known(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> tuple[A
     inside = np.column_stack([knots[:-1] + 1e-6 * widths, knots[1:] - 1e-6 * widths])
     units = problem.duration_s ** np.arange(4)[:, None] / problem.scale_rad
     T = problem.duration_s
-    states = (known.evaluate(knots * T) * units)[:3].T
+    states = (np.array(known.evaluate(knots * T)) * units)[:3].T
     states[:, 0] -= problem.start_angle_rad / problem.scale_rad
-    jerks = (known.evaluate(inside.ravel() * T) * units)[3].reshape(inside.shape)
+    jerks = (np.array(known.evaluate(inside.ravel() * T)) * units)[3].reshape(inside.shape)
     missed = np.diff(states[:, 2]) / widths - jerks.mean(axis=1)
     jerk_max = problem.limits[3, 1]
     return np.clip(jerks + missed[:, None], -jerk_max, jerk_max), states
@@ -263,8 +263,7 @@ def _flat(knots: Array, rows: int | None) -> Mask:
 
 
 def _cost(motion: _Motion) -> float:
-    early, late = motion.jerks.T
-    return float(np.diff(motion.knots) @ (early * early + early * late + late * late)) / 3.0
+    return jerk_cost(np.diff(motion.knots), motion.jerks)
 
 
 def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
