@@ -7,17 +7,54 @@ can be flown from rows exactly.
 """
 
 import math
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from planner.commands import COMMAND_STEP_S
 from planner.platforms import AxisLimits
 from planner.slew.closed_forms import JerkPhase, profile_from_jerk
-from planner.slew.problem import AxisState
-from planner.slew.solution import AxisProfile
+from planner.slew.problem import AxisSlew, AxisState
+from planner.slew.solution import AxisProfile, chain_profiles
 from planner.slew.stops import hardest_jerks, stop_margin_rad
 
 NEAR_STOP_S = 5.0  # at the rate limit: with more way in hand the axis is free
 NEAR_SHARE = 0.1  # of the rate limit: with more in hand the axis is free
 ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class BrakedEnds:
+    """first, last: motions in `rows` rows together at either end, None where the axis is free.
+
+    free: the slew that is left between them.
+    """
+
+    first: AxisProfile | None
+    free: AxisSlew
+    last: AxisProfile | None
+    rows: int
+
+    def around(self, free: AxisProfile) -> AxisProfile:
+        """The whole motion, free between the ends."""
+        return chain_profiles([part for part in (self.first, free, self.last) if part is not None])
+
+
+def braked_ends(slew: AxisSlew) -> BrakedEnds | None:
+    """How both ends are braked, or None where neither end needs to be."""
+    first = brake(slew.start, slew.limits)
+    last = brake(slew.end.backwards(), slew.limits)
+    parts = [part for part in (first, last) if part is not None]
+    if not parts:
+        return None
+    rows = round(sum(part.duration_s for part in parts) / COMMAND_STEP_S)
+    free = replace(
+        slew,
+        start=_end_state(first) if first else slew.start,
+        end=_end_state(last).backwards() if last else slew.end,
+        duration_s=slew.duration_s - rows * COMMAND_STEP_S,
+    )
+    return BrakedEnds(first=first, free=free, last=_backwards(last) if last else None, rows=rows)
 
 
 def brake(state: AxisState, limits: AxisLimits) -> AxisProfile | None:
@@ -49,3 +86,16 @@ def _brake_before_stop(state: AxisState, limits: AxisLimits) -> AxisProfile | No
     towards = state if sign > 0.0 else state.mirror_image()
     jerks = [sign * jerk for _, jerk in hardest_jerks(towards, limits)]
     return profile_from_jerk(state, [JerkPhase(COMMAND_STEP_S, jerk) for jerk in jerks])
+
+
+def _end_state(profile: AxisProfile) -> AxisState:
+    angle, rate, acceleration, _ = profile.end_values[1].tolist()
+    return AxisState(angle_rad=angle, rate_rad_s=rate, acceleration_rad_s2=acceleration)
+
+
+def _backwards(profile: AxisProfile) -> AxisProfile | None:
+    """Pieces of constant jerk with time running backwards."""
+    jerks = profile.coefficients[::-1, 3] * -6.0
+    widths = np.diff(profile.breakpoints_s)[::-1]
+    phases = map(JerkPhase, widths.tolist(), jerks.tolist())
+    return profile_from_jerk(_end_state(profile).backwards(), list(phases))

@@ -8,6 +8,7 @@ loses, so the spans that lose most are cut, until the gap is closed.  Within, al
 normalised time: the motion lasts 1.
 """
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
@@ -16,7 +17,9 @@ import numpy as np
 
 from planner import effort
 from planner.arrays import Array, Mask
+from planner.slew.braking import braked_ends
 from planner.slew.closed_forms import least_jerk_profile
+from planner.slew.feasibility import verdict
 from planner.slew.flown import cells_that_break, cells_that_leave
 from planner.slew.interior_point import ORDERS, bounded_values, least_jerk
 from planner.slew.jerk_spans import jerk_cost, meet_end, trajectory
@@ -85,7 +88,28 @@ def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Sm
     found = _from_knots(problem, slew, begun, _first_knots(problem, begun, rows), rows)
     if found is None and rows is not None:
         found = _from_knots(problem, slew, begun, _knots_around(problem, begun, rows), rows)
-    return found
+    return found or _with_braked_ends(slew, rows)
+
+
+def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
+    """Braked at the ends, and the smoothest between.
+
+    Where an end all but determines how the axis leaves or reaches it, no motion near it is left
+    to search among.
+    """
+    ends = braked_ends(slew)
+    if ends is None or ends.rows >= (rows or math.inf) or ends.free.duration_s <= 0.0:
+        return None
+    possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
+    between = None if possible.limit else smoothest(ends.free, possible.profile, None)
+    if between is not None and rows is not None:
+        between = smoothest(ends.free, between.profile, rows - ends.rows)
+    if between is None:
+        return None
+    profile = ends.around(between.profile)
+    if not obeys(profile, slew.start, slew.end, slew.limits):
+        return None
+    return Smoothest(profile, bound_without_contacts(slew), between.iterations)
 
 
 def _from_knots(
