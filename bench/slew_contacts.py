@@ -42,7 +42,7 @@ def contacts(slew: AxisSlew, profile: AxisProfile) -> Array:
     jerks = np.column_stack([jerk[0], jerk[0] + jerk[1] * width_s])
     jerks *= profile.duration_s**3 / problem.scale_rad
     widths = np.diff(knots)
-    _, pushes, _, _ = least_jerk(
+    _, pushes, _, _, _ = least_jerk(
         widths,
         np.zeros(len(widths), dtype=bool),
         problem.ends,

@@ -21,9 +21,9 @@ class SlewRunOut:
     wall_s: time it took to solve.
     duration_s: of the slew.
     minimum_s: the least time the limits allow.
-    cost_deg2_s5: the integral of squared jerk of all axes; null for the spline.
-    lower_bound_deg2_s5: no motion between the same states within the limits costs less; null for
-    the spline.
+    cost: the integral of squared jerk of all axes; null for the spline. [deg2/s5]
+    lower_bound: no motion between the same states within the limits costs less, in the cost's
+    unit; null for the spline.
     gap: share of the cost above the bound: what is called optimal has at most 0.001; null for the
     spline.
     """
@@ -35,8 +35,8 @@ class SlewRunOut:
     wall_s: NotNegative
     duration_s: NotNegative
     minimum_s: NotNegative
-    cost_deg2_s5: NotNegative | None = None
-    lower_bound_deg2_s5: NotNegative | None = None
+    cost: NotNegative | None = None
+    lower_bound: NotNegative | None = None
     gap: Share | None = None
 
 
@@ -66,8 +66,8 @@ def _slew_run(run: SlewRun) -> SlewRunOut:
     return fill(
         SlewRunOut,
         run,
-        cost_deg2_s5=None if cost is None else cost * squared,
-        lower_bound_deg2_s5=None if bound is None else bound * squared,
+        cost=None if cost is None else cost * squared,
+        lower_bound=None if bound is None else bound * squared,
     )
 
 

@@ -1,6 +1,6 @@
 """The least integral of squared jerk over motions whose jerk is linear on given spans.
 
-A quadratic programme with the structure of optimal control: five numbers a span (angle, rate,
+A convex programme with the structure of optimal control: five numbers a span (angle, rate,
 acceleration at its begin, jerk at its begin and end), coupled to the next span by the motion
 alone.  Mehrotra's predictor and corrector with a Riccati recursion solve it in time
 proportional to the spans.  All in normalised time: the motion lasts 1.
@@ -11,15 +11,14 @@ import numpy as np
 
 from planner.arrays import Array, Mask
 from planner.compiled import compiled
-from planner.slew.jerk_spans import reach, solved
+from planner.slew.jerk_spans import jerk_cost, reach, solved
 from planner.slew.riccati import factor, follow, respond
+from planner.slew.row_turns import ROWS, add_curving, bound_turns, follow_turns
 
-ROWS = 11  # bounded in a span, see `_bounded_rows`
 ORDERS = np.array([0, 1, 2, 3, 3, 0, 0, 0, 1, 1, 2])  # of each: 0 angle to 3 jerk
 GIVEN_BY_START, GIVEN_BY_END = (0, 1, 2, 5, 6, 8), (6, 7, 9)  # and not to be chosen
 ITERATIONS_MAX = 80
 CENTRED = 0.995  # of the way to the nearest bound
-SHORT_STEP, STALLS_BORNE = 0.1, 3  # then all pairs are centred anew
 START_COMPLEMENTARITY = 0.3  # of the cost
 START_SLACK = 0.05  # of half a bound's range
 CONVERGED = 1e-9  # of the cost, and of the bounds' half ranges
@@ -35,70 +34,112 @@ def least_jerk(
     echoes: Array,
     echo_weights: Array,
     guess: Array,
-) -> tuple[Array, Array, int, bool]:
+) -> tuple[Array, Array, Array, int, bool]:
     """The jerks (n, 2) at both ends of n spans, the pushes (n, 11) of their bounds, how it went.
 
-    flat: spans of constant jerk.  ends (2, 3): angle, rate, acceleration at start and end.
+    flat: spans of constant jerk; in them angle and rate are bounded where they turn.
+    ends (2, 3): angle, rate, acceleration at start and end.
     limits (4, 2): least and greatest angle, rate, acceleration, jerk.  echoes (m, n, 2): linear
     functionals of the jerks whose squares, times echo_weights (m,), are added to the cost, the
     integral of squared jerk.  guess (n, 2): jerks to start at.
     A push is the price of a unit of its bounded quantity, positive at the upper bound.
-    Returns jerks, pushes, iterations, and whether they converged.
+    Returns jerks, pushes, where in flat spans angle and rate turn, shares of the span (n, 2),
+    iterations, and whether they converged.
     """
     steps, rows = _bounded_rows(widths, flat, limits)
-    scale = 1.0 / max(_jerk_cost(widths, guess), 1e-12)
+    _leave_out_given(rows)
+    scale = 1.0 / max(jerk_cost(widths, guess), 1e-12)
     jerks, weights = guess.copy(), scale * echo_weights
     states = _roll_out(steps, ends[0], jerks)
+    turns, curving = np.zeros((len(widths), 2)), np.zeros((len(widths), 2))
+    bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
     value = _values(rows, states, jerks, 1.0)
     slack = np.maximum(_within(value, 1.0), START_SLACK)
-    begin = scale * _jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
+    begin = scale * jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
     push = START_COMPLEMENTARITY * begin / len(widths) / slack
-    best, found, kept = np.inf, jerks.copy(), push.copy()
-    iterations, dual_left, stalls = 0, 1.0, 0
+    best, found, kept, turned = np.inf, jerks.copy(), push.copy(), turns.copy()
+    iterations, dual_left = 0, 1.0
     for _ in range(ITERATIONS_MAX):
         room = _within(value, 1.0) - slack
-        mu = np.sum(slack * push) / slack.size
-        missed = (ends[1] - states[-1]) * 2.0 / (limits[:3, 1] - limits[:3, 0])
-        cost = scale * _jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
-        left = max(mu * slack.size / cost, np.max(np.abs(room)), np.max(np.abs(missed)), dual_left)
+        missed = ends[1] - states[-1]
+        cost = scale * jerk_cost(widths, jerks) + _echo_cost(echoes, weights, jerks)
+        left = max(
+            np.sum(slack * push) / cost,
+            np.max(np.abs(room)),
+            np.max(np.abs(missed) * 2.0 / (limits[:3, 1] - limits[:3, 0])),
+            dual_left,
+        )
         if left < best:
-            best, found, kept = left, jerks.copy(), push.copy()
+            best, found, kept, turned = left, jerks.copy(), push.copy(), turns.copy()
         if left <= CONVERGED:
             break
         iterations += 1
-        gains, inverse = factor(steps, _hessian(widths, rows, scale, push / slack))
-        unit = _unit_responses(steps, gains, inverse, echoes)
-        centring, bend = 0.0, np.zeros_like(slack)
-        for corrector in range(2):
-            pull = (centring - bend - push * room) / slack
-            half = pull.size // 2
-            gradient = _gradient(widths, rows, scale, jerks, pull[half:] - pull[:half])
-            move, turn = respond(steps, gains, inverse, gradient, np.zeros(3))
-            prices = _prices(ends[1] - states[-1], move, turn, unit, echoes, weights, jerks)
-            for c in range(len(prices)):
-                move += prices[c] * unit[0][c]
-                turn += prices[c] * unit[1][c]
-            slack_step = _within(_values(rows, move, turn, 0.0), 0.0) + room
-            push_step = (centring - bend - push * slack_step) / slack - push
-            step = min(1.0, _way(slack, slack_step), _way(push, push_step))
-            if corrector == 0:
-                after = np.mean((slack + step * slack_step) * (push + step * push_step))
-                centring, bend = mu * (after / mu) ** 3, slack_step * push_step
-        if not np.isfinite(step):
+        hessian = _hessian(widths, rows, scale, push / slack)
+        add_curving(hessian, turns, curving, widths, push)
+        turn, slack_step, push_step, step = _newton_step(
+            steps, rows, widths, hessian, scale, jerks, slack, push, room, missed, echoes, weights
+        )
+        if np.isnan(np.sum(turn)):
             break
         slack, push, jerks = slack + step * slack_step, push + step * push_step, jerks + step * turn
         states = _roll_out(steps, ends[0], jerks)
+        bound_turns(rows, turns, curving, widths, flat, limits, states, jerks)
         value = _values(rows, states, jerks, 1.0)
+        follow_turns(slack, _within(value, 1.0), flat)
         dual_left *= 1.0 - step
-        stalls = stalls + 1 if step < SHORT_STEP else 0
-        if stalls == STALLS_BORNE:
-            stalls, dual_left, push = 0, 1.0, mu / slack
     half = kept.size // 2
     pushes = ((kept[half:] - kept[:half]) / scale).reshape(len(widths), ROWS)
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         pushes[:, row] *= 2.0 / (high - low)
-    return found, pushes, iterations, best <= STALLED
+    return found, pushes, turned, iterations, best <= STALLED
+
+
+@compiled
+def _newton_step(
+    steps: Array,
+    rows: Array,
+    widths: Array,
+    hessian: Array,
+    scale: float,
+    jerks: Array,
+    slack: Array,
+    push: Array,
+    room: Array,
+    missed: Array,
+    echoes: Array,
+    weights: Array,
+) -> tuple[Array, Array, Array, float]:
+    """Changes of jerks, slacks and pushes, and how far they may go.
+
+    First straight at the optimum, then centred by what that reached and corrected for what it
+    bent, as far as its own step went: further, the iterates may swing to and fro.
+    """
+    gains, inverse = factor(steps, hessian)
+    unit = _unit_responses(steps, gains, inverse, echoes)
+    mu, half = float(np.mean(slack * push)), push.size // 2
+    centring, bend = 0.0, np.zeros_like(slack)
+    for _ in range(2):
+        pull = (centring - bend - push * room) / slack
+        gradient = _gradient(widths, rows, scale, jerks, pull[half:] - pull[:half])
+        move, turn = respond(steps, gains, inverse, gradient, np.zeros(3))
+        prices = _prices(missed, move, turn, unit, echoes, weights, jerks)
+        for c in range(len(prices)):
+            move += prices[c] * unit[0][c]
+            turn += prices[c] * unit[1][c]
+        slack_step = _within(_values(rows, move, turn, 0.0), 0.0) + room
+        push_step = (centring - bend - push * slack_step) / slack - push
+        step = min(1.0, _way(slack, slack_step), _way(push, push_step))
+        after = float(np.mean((slack + step * slack_step) * (push + step * push_step)))
+        centring, bend = mu * (after / mu) ** 3, step * slack_step * push_step
+    return turn, slack_step, push_step, step
+
+
+@compiled
+def bounded_values(widths: Array, states: Array, limits: Array, jerks: Array) -> Array:
+    """What `least_jerk` bounds of a given motion, (n, 11), at most 1 where the limits are kept."""
+    _, rows = _bounded_rows(widths, np.zeros(len(widths), dtype=np.bool_), limits)
+    return _values(rows, states, jerks, 1.0)
 
 
 @compiled
@@ -107,7 +148,8 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
 
     Rows times a span's five numbers and 1 lie between -1 and 1: angle, rate, acceleration at
     the begin, both jerks, then the inner Bernstein coefficients of angle (3), rate (2) and
-    acceleration (1), which with the values at both ends bound them throughout.
+    acceleration (1), which with the values at both ends bound them throughout; in flat spans
+    `planner.slew.row_turns` has these.
     """
     n = len(widths)
     steps, rows = np.empty((n, 3, 5)), np.zeros((n, ROWS, 6))
@@ -122,19 +164,20 @@ def _bounded_rows(widths: Array, flat: Mask, limits: Array) -> tuple[Array, Arra
         rows[k, 8, 1] = rows[k, 9, 1] = 1.0
         rows[k, 8, 2], rows[k, 9, 2], rows[k, 9, 3] = h / 3.0, 2.0 * h / 3.0, h * h / 6.0
         rows[k, 10, 2], rows[k, 10, 3] = 1.0, h / 2.0
-        if flat[k]:
-            for row in (7, 9, 10):
-                rows[k, row, 3] /= 2.0
-                rows[k, row, 4] = rows[k, row, 3]
     for row in range(ROWS):
         low, high = limits[ORDERS[row]]
         rows[:, row] *= 2.0 / (high - low)
         rows[:, row, 5] = -(high + low) / (high - low)
+    rows[flat, 5:] = 0.0
+    return steps, rows
+
+
+@compiled
+def _leave_out_given(rows: Array) -> None:
     for row in GIVEN_BY_START:
         rows[0, row] = 0.0
     for row in GIVEN_BY_END:
-        rows[n - 1, row] = 0.0
-    return steps, rows
+        rows[-1, row] = 0.0
 
 
 @compiled
@@ -142,12 +185,6 @@ def _within(value: Array, edge: float) -> Array:
     """How far above the lower edge, then how far below the upper one: (2 * n * 11,)."""
     values = value.ravel()
     return np.concatenate((edge + values, edge - values))
-
-
-@compiled
-def _jerk_cost(widths: Array, jerks: Array) -> float:
-    early, late = jerks[:, 0], jerks[:, 1]
-    return np.sum(widths * (early * early + early * late + late * late)) / 3.0
 
 
 @compiled
@@ -258,11 +295,9 @@ def _prices(
 
 @compiled
 def _way(value: Array, change: Array) -> float:
-    """What multiple of the change leaves every value positive; NaN where it isn't a number."""
+    """What multiple of the change leaves every value positive."""
     way = np.inf
     for i in range(len(value)):
-        if np.isnan(change[i]):
-            return np.nan
         if change[i] < 0.0:
             way = min(way, -CENTRED * value[i] / change[i])
     return way

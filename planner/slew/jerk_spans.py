@@ -30,6 +30,13 @@ def reach(width: float, flat: bool, matrix: Array) -> None:
 
 
 @compiled
+def jerk_cost(widths: Array, jerks: Array) -> float:
+    """The integral of squared jerk, of jerks (n, 2)."""
+    early, late = jerks[:, 0], jerks[:, 1]
+    return float(np.sum(widths * (early * early + early * late + late * late))) / 3.0
+
+
+@compiled
 def trajectory(widths: Array, flat: Mask, start: Array, jerks: Array) -> Array:
     """Angle, rate, acceleration at all knots, (n + 1, 3), of jerks (n, 2)."""
     states, step = np.empty((len(widths) + 1, 3)), np.empty((3, 5))

@@ -5,12 +5,11 @@ from dataclasses import replace
 
 from planner.commands import COMMAND_STEP_S
 from planner.errors import InfeasibleSlew
-from planner.slew.braking import braked_ends
 from planner.slew.flown import reproduces
-from planner.slew.optimal import how_good, smoothest_motion
+from planner.slew.optimal import how_good
 from planner.slew.problem import AxisSlew
 from planner.slew.smoothest import Smoothest, smoothest
-from planner.slew.solution import AxisProfile, SlewSolution, obeys
+from planner.slew.solution import AxisProfile, SlewSolution
 
 
 def rows_in(duration_s: float) -> int:
@@ -69,35 +68,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
 
 def _smoothest_on_rows(profile: AxisProfile, slew: AxisSlew, rows: int) -> Smoothest | None:
     """The smoothest of the motions that rows can carry."""
-    slew = replace(slew, duration_s=profile.duration_s)
-    found = smoothest(slew, profile, rows)
-    if found is not None and _is_carried(found.profile, slew, rows):
-        return found
-    return _with_braked_ends(slew, rows)
-
-
-def _with_braked_ends(slew: AxisSlew, rows: int) -> Smoothest | None:
-    """Braked at the ends in whole rows, and between them as rows can carry it; None if it can't.
-
-    An end so near a limit that the jerk of the first rows is given leaves no choice to search in.
-    """
-    ends = braked_ends(slew)
-    if ends is None or ends.rows >= rows:
+    found = smoothest(replace(slew, duration_s=profile.duration_s), profile, rows)
+    if found is None or not reproduces(found.profile, rows, slew.limits):
         return None
-    free_rows = rows - ends.rows
-    between = replace(ends.free, duration_s=free_rows * COMMAND_STEP_S)
-    found = smoothest_motion(between)
-    if found is None:
-        return None
-    free = smoothest(between, found.profile, free_rows)
-    if free is None:
-        return None
-    whole = ends.around(free.profile)
-    if not _is_carried(whole, slew, rows):
-        return None
-    return Smoothest(whole, 0.0, free.iterations)
-
-
-def _is_carried(profile: AxisProfile, slew: AxisSlew, rows: int) -> bool:
-    keeps = obeys(profile, slew.start, slew.end, slew.limits)
-    return keeps and reproduces(profile, rows, slew.limits)
+    return found

@@ -1,13 +1,11 @@
 """The slew of least squared jerk within all limits, solved axis by axis."""
 
 import time
-from dataclasses import replace
 from typing import NamedTuple
 
-from planner.slew.braking import braked_ends
-from planner.slew.closed_forms import LONGEST_S, least_jerk_profile, with_wait
+from planner.slew.closed_forms import least_jerk_profile
 from planner.slew.feasibility import axis_refusal, verdict
-from planner.slew.problem import AxisSlew, SlewProblem, within
+from planner.slew.problem import AxisSlew, SlewProblem
 from planner.slew.smoothest import Smoothest, bound_without_contacts, smoothest
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 
@@ -57,40 +55,6 @@ def _solve_axis(name: str, slew: AxisSlew) -> AxisSolution:
     return found
 
 
-def _with_wait(slew: AxisSlew) -> AxisSolution | None:
-    """Smoothly to rest, a wait, and smoothly on, where stops leave no choice at the ends."""
-    rest, part_s = slew.start.at_rest(), LONGEST_S / 2.0
-    to_rest = on = None
-    if slew.start != rest:
-        to_rest = smoothest_motion(replace(slew, end=rest, duration_s=part_s))
-    if slew.end != rest:
-        on = smoothest_motion(replace(slew, start=rest, duration_s=part_s))
-    if (to_rest is None and slew.start != rest) or (on is None and slew.end != rest):
-        return None
-    parts = [part for part in (to_rest, on) if part is not None]
-    profile = with_wait(
-        rest, to_rest.profile if to_rest else None, on.profile if on else None, slew.duration_s
-    )
-    if profile is None:
-        return None
-    return AxisSolution(
-        profile,
-        ", a wait, ".join(part.status for part in parts),
-        bound_without_contacts(slew),
-        sum(part.iterations for part in parts),
-    )
-
-
-def smoothest_motion(slew: AxisSlew) -> AxisSolution | None:
-    """None where there is none: the same without a reason."""
-    if slew.duration_s <= 0.0:
-        return None
-    if not (within(slew.start, slew.limits) and within(slew.end, slew.limits)):
-        return None
-    found = _smoothest(slew)
-    return None if isinstance(found, str) else found
-
-
 def _smoothest(slew: AxisSlew) -> AxisSolution | str:
     """The smoothest motion, or the limit that forbids any."""
     start, end, limits = slew.start, slew.end, slew.limits
@@ -103,12 +67,6 @@ def _smoothest(slew: AxisSlew) -> AxisSolution | str:
     found = smoothest(slew, possible.profile, None)
     if found is not None:
         return AxisSolution(found.profile, how_good(found, found.lower_bound_rad2_s5), *found[1:3])
-    waiting = _with_wait(slew) if slew.duration_s > LONGEST_S else None
-    if waiting is not None:
-        return waiting
-    braked = _with_braked_ends(slew)
-    if braked is not None:
-        return braked
     if possible.profile is None:
         return "angle"
     bound = bound_without_contacts(slew)
@@ -121,20 +79,3 @@ def how_good(found: Smoothest, lower_bound_rad2_s5: float) -> str:
         return "modes spared"
     gap = 1.0 - lower_bound_rad2_s5 / found.profile.jerk_squared_integral
     return "optimal" if gap <= OPTIMAL_GAP else f"smooth, gap {gap:.1%}"
-
-
-def _with_braked_ends(slew: AxisSlew) -> AxisSolution | None:
-    """Braked at the ends where the rate comes near its limit, and the smoothest between.
-
-    Where an end all but determines how the axis leaves or reaches it, no motion is left to
-    search among.
-    """
-    ends = braked_ends(slew)
-    free = None if ends is None else smoothest_motion(ends.free)
-    if ends is None or free is None:
-        return None
-    profile = ends.around(free.profile)
-    if not obeys(profile, slew.start, slew.end, slew.limits):
-        return None
-    status = f"braked at the ends, {free.status} between"
-    return AxisSolution(profile, status, bound_without_contacts(slew), free.iterations)

@@ -8,7 +8,8 @@ loses, so the spans that lose most are cut, until the gap is closed.  Within, al
 normalised time: the motion lasts 1.
 """
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -16,9 +17,12 @@ import numpy as np
 
 from planner import effort
 from planner.arrays import Array, Mask
+from planner.slew.braking import braked_ends
+from planner.slew.closed_forms import least_jerk_profile
+from planner.slew.feasibility import verdict
 from planner.slew.flown import cells_that_break, cells_that_leave
-from planner.slew.interior_point import ORDERS, least_jerk
-from planner.slew.jerk_spans import meet_end, trajectory
+from planner.slew.interior_point import ORDERS, bounded_values, least_jerk
+from planner.slew.jerk_spans import jerk_cost, meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import NormalisedSlew, normalised
 from planner.slew.problem import AxisSlew
@@ -28,14 +32,14 @@ from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_resi
 GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
 FIRST_SPANS = 24
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
-ROUNDS = 14
+ROUNDS = 20
+HOLDING_ROUNDS = 6
 ROWS_AROUND = 6
-ALL_ROWS_MAX = 700  # 140 s: more than any platform's least time
-NARROWEST = 1e-6
+NARROWEST = 3e-8
+HELD = 1e-7  # of half a range: what a known motion may pass a limit by
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
 LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
-GUESS_INSIDE = 0.9  # of the jerk's limit
 MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
 WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
@@ -61,10 +65,11 @@ class Smoothest(NamedTuple):
 
 
 class _Motion(NamedTuple):
-    """A solved motion on its knots, in normalised time; pushes (n, 11)."""
+    """A solved motion on its knots, in normalised time; pushes (n, 11) at places (n, 11)."""
 
     knots: Array
     flat: Mask
+    places: Array
     states: Array
     jerks: Array
     pushes: Array
@@ -74,23 +79,47 @@ class _Motion(NamedTuple):
 def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
-    known: any motion with these ends; near the least time its breakpoints tell where the jerk
-    must change.  rows: in how many equal steps the jerk may change only between them, on spans
-    of one step not at all within; a cubic Hermite through the rows then flies the motion.
-    avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
+    known: a motion with these ends within the limits, to begin at.  rows: in how many equal
+    steps the jerk may change only between them, on spans of one step not at all within; a cubic
+    Hermite through the rows then flies the motion.  avoid_modes of the slew are left as calm as
+    the limits allow, see `planner.slew.vibration`.
     """
-    problem = normalised(slew)
-    for knots in _ways_to_begin(problem, known, rows):
-        found = _from_knots(problem, slew, knots, rows)
-        if found is not None:
-            return found
-    return None
+    problem, begun = normalised(slew), known or _without_limits(slew)
+    found = _from_knots(problem, slew, begun, _first_knots(problem, begun, rows), rows)
+    if found is None and rows is not None:
+        found = _from_knots(problem, slew, begun, _knots_around(problem, begun, rows), rows)
+    return found or _with_braked_ends(slew, rows)
+
+
+def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
+    """Braked at the ends, and the smoothest between.
+
+    Where an end all but determines how the axis leaves or reaches it, no motion near it is left
+    to search among.
+    """
+    ends = braked_ends(slew)
+    if ends is None or ends.rows >= (rows or math.inf) or ends.free.duration_s <= 0.0:
+        return None
+    possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
+    between = None if possible.limit else smoothest(ends.free, possible.profile, None)
+    if between is not None and rows is not None:
+        between = smoothest(ends.free, between.profile, rows - ends.rows)
+    if between is None:
+        return None
+    profile = ends.around(between.profile)
+    if not obeys(profile, slew.start, slew.end, slew.limits):
+        return None
+    return Smoothest(profile, bound_without_contacts(slew), between.iterations)
 
 
 def _from_knots(
-    problem: NormalisedSlew, slew: AxisSlew, knots: Array, rows: int | None
+    problem: NormalisedSlew,
+    slew: AxisSlew,
+    known: AxisProfile,
+    knots: Array,
+    rows: int | None,
 ) -> Smoothest | None:
-    found = _solve(problem, knots, rows)
+    found = _solve(problem, known, knots, rows)
     if found is None:
         return None
     motion, bound = found
@@ -117,36 +146,39 @@ def bound_without_contacts(slew: AxisSlew) -> float:
     """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
     problem = normalised(slew)
     knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    jerks = _free_jerks(problem, knots)
+    jerks, _ = _known(problem, _without_limits(slew), knots)
     bound, _ = lower_bound(problem.ends, problem.limits, np.zeros((0, 3)), knots, jerks)
     return bound * problem.cost_unit_rad2_s5
+
+
+def _without_limits(slew: AxisSlew) -> AxisProfile:
+    return least_jerk_profile(slew.start, slew.end, slew.duration_s)
 
 
 def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
     return problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
 
 
-def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Motion, float] | None:
+def _solve(
+    problem: NormalisedSlew, known: AxisProfile, knots: Array, rows: int | None
+) -> tuple[_Motion, float] | None:
     """The motion and its lower bound, on knots that are added to until the gap is closed."""
     best: _Motion | None = None
-    bound, iterations, halved = 0.0, 0, False
-    guess = _free_jerks(problem, knots)
+    bound, iterations = 0.0, 0
+    guess, _ = _known(problem, known, knots)
     for _ in range(ROUNDS):
         motion = _on_knots(problem, knots, rows, guess)
-        if motion is None and best is not None and not halved:
-            knots, halved = _halved(knots, rows), True
-            guess = _guess(problem, best, knots)
-            continue
         if motion is None:
             break
         iterations += motion.iterations
         best, cost = motion, _cost(motion)
         proven, losses = _losses(problem, motion)
         bound = max(bound, proven)
-        if cost - bound <= GAP_WANTED * cost:
+        if min(cost - bound, losses[~motion.flat].sum()) <= GAP_WANTED * cost:
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
-        finer = _spaced(np.union1d(knots, _cuts(motion, rows)[cut]), rows)
+        cuts = _cuts(knots, motion.states, np.abs(motion.pushes), rows)
+        finer = _spaced(np.union1d(knots, cuts[cut]), rows)
         if len(finer) == len(knots):
             break
         guess = _guess(problem, motion, finer)
@@ -154,54 +186,32 @@ def _solve(problem: NormalisedSlew, knots: Array, rows: int | None) -> tuple[_Mo
     return None if best is None else (best._replace(iterations=iterations), bound)
 
 
-def _first_knots(problem: NormalisedSlew, known: AxisProfile | None, rows: int | None) -> Array:
+def _first_knots(problem: NormalisedSlew, known: AxisProfile, rows: int | None) -> Array:
+    """Knots on which a known motion keeps what bounds it on each span."""
     x = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    knots = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
-    if known is not None:
-        knots = np.union1d(knots, known.breakpoints_s / known.duration_s)
-    knots = np.concatenate([knots, [_first_span(problem, 0)], [1.0 - _first_span(problem, 1)]])
-    return _spaced(np.unique(knots), rows)
+    even = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
+    knots = _spaced(np.union1d(even, known.breakpoints_s / known.duration_s), rows)
+    for _ in range(HOLDING_ROUNDS):
+        jerks, states = _known(problem, known, knots)
+        values = bounded_values(np.diff(knots), states, problem.limits, jerks)
+        excess = np.maximum(np.abs(values) - 1.0 - HELD, 0.0)
+        cuts = _cuts(knots, states, excess, rows)[excess.any(axis=1)]
+        finer = _spaced(np.union1d(knots, cuts), rows)
+        if len(finer) == len(knots):
+            break
+        knots = finer
+    return knots
 
 
-def _ways_to_begin(
-    problem: NormalisedSlew, known: AxisProfile | None, rows: int | None
-) -> Iterator[Array]:
-    """Knots to begin with, more where those before don't lead to a motion.
+def _knots_around(problem: NormalisedSlew, known: AxisProfile, rows: int) -> Array:
+    """Knots on the rows near those where the jerk would change at any time.
 
-    Within a row or so of the least time the jerk must change on the right rows: near those where
-    it would at any time, or on any of them.
+    Within a row or so of the least time it must change on the right ones.
     """
+    around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
+    changes = known.breakpoints_s[:, None] / known.duration_s + around
     knots = _first_knots(problem, known, rows)
-    yield knots
-    if rows is None:
-        yield _halved(knots, rows)
-    if rows is not None and known is not None:
-        around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
-        changes = known.breakpoints_s[:, None] / known.duration_s + around
-        yield _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
-    if rows is not None and rows <= ALL_ROWS_MAX:
-        yield np.arange(rows + 1) / rows
-
-
-def _first_span(problem: NormalisedSlew, end: int) -> float:
-    """How long the Bernstein coefficients that an end alone determines keep the limits."""
-    angle, rate, acceleration = problem.ends[end] * (
-        (1.0, 1.0, 1.0) if end == 0 else (1.0, -1.0, 1.0)
-    )
-    width = 1.0 / FIRST_SPANS
-    for value, slope, (low, high), share in (
-        (angle, rate, problem.limits[0], 0.25),
-        (rate, acceleration, problem.limits[1], 1.0 / 3.0),
-    ):
-        room = high - value if slope > 0.0 else value - low
-        if room < share * width * abs(slope):
-            width = max(room / (share * abs(slope)), NARROWEST)
-    return width
-
-
-def _halved(knots: Array, rows: int | None) -> Array:
-    """What few spans hold only just, or not at all, more of them hold."""
-    return _spaced(np.union1d(knots, (knots[:-1] + knots[1:]) / 2.0), rows)
+    return _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
 
 
 def _spaced(knots: Array, rows: int | None) -> Array:
@@ -213,20 +223,21 @@ def _spaced(knots: Array, rows: int | None) -> Array:
     return np.asarray(knots)
 
 
-def _free_jerks(problem: NormalisedSlew, knots: Array) -> Array:
-    """The jerks (n, 2) of the quintic through both ends, cut off within their limit."""
-    start, end = problem.ends
-    turned = np.array(
-        [
-            end[0] - start[0] - start[1] - start[2] / 2.0,
-            end[1] - start[1] - start[2],
-            end[2] - start[2],
-        ]
-    )
-    jerk = turned @ np.array([[60.0, -360.0, 360.0], [-24.0, 168.0, -180.0], [3.0, -24.0, 30.0]])
-    most = GUESS_INSIDE * problem.limits[3, 1]
-    at_knots = np.clip(np.polynomial.polynomial.polyval(knots, jerk), -most, most)
-    return np.column_stack([at_knots[:-1], at_knots[1:]])
+def _known(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
+    """Jerks (n, 2) of a known motion just within each span, states (n + 1, 3) at the knots.
+
+    What it does on stretches too short for a knot is in the mean of the jerks.
+    """
+    widths = np.diff(knots)
+    inside = np.column_stack([knots[:-1] + 1e-6 * widths, knots[1:] - 1e-6 * widths])
+    units = problem.duration_s ** np.arange(4)[:, None] / problem.scale_rad
+    T = problem.duration_s
+    states = (np.array(known.evaluate(knots * T)) * units)[:3].T
+    states[:, 0] -= problem.start_angle_rad / problem.scale_rad
+    jerks = (np.array(known.evaluate(inside.ravel() * T)) * units)[3].reshape(inside.shape)
+    missed = np.diff(states[:, 2]) / widths - jerks.mean(axis=1)
+    jerk_max = problem.limits[3, 1]
+    return np.clip(jerks + missed[:, None], -jerk_max, jerk_max), states
 
 
 def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
@@ -235,8 +246,7 @@ def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
     begin, width = motion.knots[owner], np.diff(motion.knots)[owner]
     early, late = motion.jerks[owner].T
     jerks = [early + (at - begin) / width * (late - early) for at in (knots[:-1], knots[1:])]
-    most = GUESS_INSIDE * problem.limits[3, 1]
-    return np.asarray(np.clip(np.column_stack(jerks), -most, most))
+    return np.column_stack(jerks)
 
 
 def _on_knots(
@@ -254,7 +264,7 @@ def _on_knots(
     )
     if echoes is None:
         echoes = np.zeros((0, len(widths), 2))
-    jerks, pushes, iterations, converged = least_jerk(
+    jerks, pushes, turns, iterations, converged = least_jerk(
         widths, flat, problem.ends, inner, echoes, weights, guess
     )
     effort.spend(SOLVE)
@@ -266,7 +276,9 @@ def _on_knots(
     if rows is not None:
         jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
     states = trajectory(widths, flat, problem.ends[0], jerks)
-    return _Motion(knots, flat, states, jerks, pushes, iterations)
+    places = np.tile(_AT, (len(widths), 1))
+    places[flat, 6], places[flat, 8] = turns[flat].T
+    return _Motion(knots, flat, places, states, jerks, pushes, iterations)
 
 
 def _flat(knots: Array, rows: int | None) -> Mask:
@@ -275,8 +287,7 @@ def _flat(knots: Array, rows: int | None) -> Mask:
 
 
 def _cost(motion: _Motion) -> float:
-    early, late = motion.jerks.T
-    return float(np.diff(motion.knots) @ (early * early + early * late + late * late)) / 3.0
+    return jerk_cost(np.diff(motion.knots), motion.jerks)
 
 
 def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
@@ -286,7 +297,7 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     Bernstein coefficient holds back where the motion itself is still away from the limit.
     """
     widths, pushes, limits = np.diff(motion.knots), motion.pushes, problem.limits
-    after = _AT * widths[:, None]
+    after = motion.places * widths[:, None]
     early, slope = motion.jerks[:, :1], np.diff(motion.jerks, axis=1) / widths[:, None]
     angle, rate, acceleration = (motion.states[:-1, order, None] for order in range(3))
     values = np.where(
@@ -311,20 +322,18 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     return bound, missed + held_back
 
 
-def _cuts(motion: _Motion, rows: int | None) -> Array:
-    """Where to cut each span, (n,): where a pushed quantity turns, or in the middle.
+def _cuts(knots: Array, states: Array, pushed: Array, rows: int | None) -> Array:
+    """Where to cut each span, (n,): where what is pushed (n, 11) turns, or in the middle.
 
     On rows at least one row from either end, where the span has more than one.
     """
-    pushed = np.abs(motion.pushes)
-    at = np.full(len(motion.jerks), 0.5)
-    slopes = (motion.states[:, 1], motion.states[:, 2])
+    at = np.full(len(pushed), 0.5)
     for order, bounds in ((0, slice(5, 8)), (1, slice(8, 10))):
-        before, after = slopes[order][:-1], slopes[order][1:]
+        before, after = states[:-1, order + 1], states[1:, order + 1]
         turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
         share = before / np.where(turns, before - after, 1.0)
         at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
-    begin, end = motion.knots[:-1], motion.knots[1:]
+    begin, end = knots[:-1], knots[1:]
     cuts = begin + at * (end - begin)
     return cuts if rows is None else np.clip(cuts, begin + 1.0 / rows, end - 1.0 / rows)
 
