@@ -18,6 +18,7 @@ from planner.attitude.errors import MEAN_SIGMA_DEG
 from planner.frames.time_scales import Instants
 
 NOON_UTC = datetime(2018, 10, 12, 12, tzinfo=UTC)
+A_HOUR = 12  # forecasts
 ASKED_LEADS_S = (300, 900, 1800, 5400)  # of the law harmonic
 
 
@@ -47,4 +48,7 @@ def law_rows(folder: Path, tles: Path) -> Iterator[Row]:
             yield Row(3, f"{name}: of the best law", f"<= {GOAL:g}", f"{ratio:.2f} {of}",
                       ratio <= GOAL)  # fmt: skip
             squares = (np.array(errors[BLEND][lead_s]) / told[lead_s]) ** 2
-            yield blocked_nees_row(3, name, np.mean(squares, axis=1, keepdims=True), of)
+            hours = np.array_split(
+                np.mean(squares, axis=1, keepdims=True), len(squares) // A_HOUR + 1
+            )
+            yield blocked_nees_row(3, name, hours, of)

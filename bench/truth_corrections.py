@@ -37,6 +37,7 @@ LEADS_S = {  # from the last look
 }
 LOOK_SIGMA_DEG = 0.02
 TRIALS = 200  # at each lead, evenly over the telemetry
+HOURS = 10  # of the telemetry: blocks, longer than what is alike
 HISTORY_STEP_ROWS = 3
 COUNT_SIGMA = 2.0  # by which a kept share may be off for its number alone
 
@@ -73,7 +74,7 @@ def corrected_rows(folder: Path, tles: Path) -> Iterator[Row]:
             yield blocked_nees_row(
                 4,
                 f"{name}, {lead_s:g} s after three looks, about x and y",
-                (left_deg / told_deg) ** 2,
+                np.array_split((left_deg / told_deg) ** 2, HOURS),
                 f"of {len(found)}; {rms_deg[0]:.3f} and {rms_deg[1]:.3f} deg left; "
                 f"{len(tried) - len(found)} refused",
             )

@@ -1,13 +1,12 @@
 """A line of the table of bench/truth.py."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 NEES_GOAL = (0.8, 1.3)
-BLOCKS = 10  # of telemetry, an hour each: longer than what is alike
-FEW = "; too few to tell"
-FEW_SIGMA = 2.0  # by which a value may miss its goal for the number of blocks alone
+FEW_SIGMA = 2.0  # by which a value may miss its goal for its number of blocks alone
 
 
 class Row(NamedTuple):
@@ -30,18 +29,34 @@ def nees_row(point: int, what: str, nees: float, of: str) -> Row:
     return Row(point, what, f"NEES {low}-{high}", f"{nees:.2f} {of}", is_met)
 
 
-def blocked_nees_row(point: int, what: str, squares: np.ndarray, of: str) -> Row:
-    """NEES of each of m axes, of (n, m) errors over their told sigma, squared, in order of time.
-
-    Neighbours are alike; how far the mean may be off for so few, its blocks say.  Where that is
-    why it misses the goal, nothing can be told.
+def blocked_nees_row(point: int, what: str, blocks: Sequence[np.ndarray], of: str) -> Row:
+    """NEES of each of m axes, of (k, m) squares of errors over their told sigma, in blocks of what
+    is alike: one satellite's elements, an hour of telemetry.
     """
-    nees = np.mean(squares, axis=0)
-    means = [np.mean(block, axis=0) for block in np.array_split(squares, BLOCKS)]
-    sigma = np.std(means, axis=0, ddof=1) / np.sqrt(BLOCKS)
+    nees = np.mean(np.concatenate(blocks), axis=0)
+    sigma = sigma_of_blocks(blocks)
     low, high = NEES_GOAL
     beyond = np.maximum(np.maximum(low - nees, nees - high), 0.0)
-    few = bool(beyond.any() and (beyond <= FEW_SIGMA * sigma).all())
     seen = ", ".join(f"{value:.2f}+-{off:.2f}" for value, off in zip(nees, sigma, strict=True))
-    is_met = None if few else not beyond.any()
-    return Row(point, what, f"NEES {low}-{high}", f"{seen} {of}{FEW * few}", is_met)
+    is_met, why = verdict(beyond, sigma)
+    return Row(point, what, f"NEES {low}-{high}", f"{seen} {of}{why}", is_met)
+
+
+def sigma_of_blocks(blocks: Sequence[np.ndarray]) -> np.ndarray:
+    """Of the mean of all, by how much the blocks' own means differ; not finite of a single one."""
+    if len(blocks) < 2:
+        return np.full(blocks[0].shape[1:], np.inf)
+    means = [np.mean(block, axis=0) for block in blocks]
+    return np.asarray(np.std(means, axis=0, ddof=1) / np.sqrt(len(blocks)))
+
+
+def verdict(beyond: np.ndarray, sigma: np.ndarray) -> tuple[bool | None, str]:
+    """Whether a goal is met, and why nothing can be told where its blocks are too few.
+
+    beyond: by how much values miss it; sigma: how well they are known.
+    """
+    if not np.any(beyond > 0.0):
+        return True, ""
+    if np.all(beyond <= FEW_SIGMA * sigma):
+        return None, "; too few to tell"
+    return False, ""
