@@ -192,7 +192,7 @@ class _Measurements:
     def expected_rad(self, instants: Instants) -> Array:
         """The error expected at n instants, (n, 3)."""
         across = self._then(instants).covariance_with(self._told, self._period_s)
-        return np.einsum("ank,ka->na", across, self._weights.reshape(-1, 3))
+        return np.asarray(np.einsum("ank,ka->na", across, self._weights.reshape(-1, 3)))
 
     def left_each(self, instants: Instants) -> Array:
         """Covariance (rad2) of the error at n instants given the measurements, (n, 3, 3)."""
