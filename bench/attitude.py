@@ -5,7 +5,8 @@
 TELEMETRY_FOLDER holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body rates,
 deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
 Every 5 minutes the history so far is cut off and what came after is foretold.  Parts of the day
-apart: the constants of `planner.attitude.blend` and `.manoeuvre` were chosen on those that say so.
+apart: the constants of `planner.attitude.blend`, `.extrapolation` and `.manoeuvre` were chosen on
+those that say so.
 """
 
 import argparse
@@ -37,13 +38,14 @@ BLEND = "what the law harmonic does"
 STEP_S = 10.0
 HELD_MAX_S = 1.5
 CUT_EVERY_S = 300.0
+TUNED = "tuned on"
 # Hours since the recording's begin; in torque equilibrium what is foretold lies within them, too.
 PARTS_H = {
-    "torque equilibrium, tuned on": (2.0, 8.0),
+    f"torque equilibrium, {TUNED}": (2.0, 8.0),
     "torque equilibrium": (8.0, 16.7),
     "in the yaw manoeuvre (nothing foretells its begin and end)": (16.75, 19.5),
     "its first 45 minutes after": (19.5, 20.25),
-    "after it, tuned on": (20.25, 21.75),
+    f"after it, {TUNED}": (20.25, 21.75),
     "after it": (21.75, 24.0),
 }
 

@@ -6,7 +6,7 @@ DATA_FOLDER holds `attitude` (telemetry as bench/attitude.py reads it), `tle` an
 ephemerides).  Point 1: told probabilities and sigmas.  2: warnings of likely misses.  3: the law
 harmonic.  4: corrections and the closed loop.  5: windows.  6, 7: campaigns.  8, 9: the horizon.
 What was tuned on which data each truth_*.py says.  About 12 minutes of a core; --quick takes
-fewer samples.  --figures prints what constants of planner/attitude rest on instead.
+fewer samples.
 """
 
 import argparse
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import truth_attitude
 import truth_choices
+import truth_corrections
 import truth_horizon
 import truth_orbits
 import truth_pointing
@@ -28,11 +29,7 @@ def main() -> None:
     parser.add_argument("data", type=Path)
     parser.add_argument("--only", type=int, nargs="*", default=range(1, 10), metavar="POINT")
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--figures", action="store_true")
     asked = parser.parse_args()
-    if asked.figures:
-        truth_attitude.print_figures(asked.data / "attitude")
-        return
     print(f"{'':2} {'what':62} {'goal':24} {'':7} seen")
     missed = 0
     for row in rows(asked.data, set(asked.only), asked.quick):
@@ -56,8 +53,8 @@ def rows(data: Path, points: set[int], quick: bool) -> Iterator[Row]:
     if 3 in points:
         yield from truth_attitude.law_rows(attitude, data / "tle" / "iss_tles.txt")
     if 4 in points:
-        yield from truth_attitude.corrected_rows(attitude)
-        yield from truth_attitude.loop_rows(truths=3 if quick else 20)
+        yield from truth_corrections.corrected_rows(attitude, data / "tle" / "iss_tles.txt")
+        yield from truth_corrections.loop_rows(truths=3 if quick else 20)
     if points & {2, 5}:
         yield from truth_choices.window_rows(data, windows=10 if quick else 60)
     if points & {6, 7}:

@@ -82,6 +82,14 @@ class AemAttitude(CorrectableAttitude):
             _ = self.arcs
         except InvalidMessage as refusal:
             raise ValueError(f"content: {refusal.detail}") from None
+        for number, one in enumerate(self.corrections):
+            try:
+                self._arc_over(Instants(one.epoch, np.zeros(1)))
+            except OutsideCoverage as refusal:
+                raise ValueError(
+                    f"corrections.{number}.epoch {utc_text(one.epoch)} lies outside the message: "
+                    f"{refusal.detail}; leave the correction out, or send a message that covers it"
+                ) from None
 
     @cached_property
     def arcs(self) -> tuple[AttitudeArc, ...]:

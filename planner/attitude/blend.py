@@ -24,6 +24,7 @@ LEADS_S = 150.0 * 2.0 ** np.arange(8)  # to beyond three orbits
 LEAST_S = 4.0 * TAIL_S  # of history
 CUT_RATIO = 1.2  # of the ages of neighbouring cuts
 OLDEST_CUT = 4.0  # leads before the end: an older cut says less of how it moves now
+OLDEST_TOLD_S = 8340.0  # or as many leads, of the size of the error: few cuts tell it badly
 # A description is trusted where its cuts cover half the lead: fewer are alike, and may be luck.
 COVERED = 0.5
 SHARPNESS = 3.0  # of the weights in the mean square error; 2 to 3 did alike
@@ -131,7 +132,7 @@ def _trials(
             for d in descriptions
         ]
         for lead_s, found in zip(LEADS_S, trials, strict=True):
-            if lead_s <= age_s <= OLDEST_CUT * lead_s:
+            if lead_s <= age_s <= max(OLDEST_CUT * lead_s, OLDEST_TOLD_S):
                 near_s = t_s[known - 1] + lead_s * np.array(_NEAR)
                 rows = np.arange(*np.searchsorted(t_s, near_s))
                 rows = rows[:: max(1, len(rows) // _ROWS)]
@@ -160,7 +161,8 @@ def _mean_squares(
     mean_square_rad2 = np.full((len(LEADS_S), len(descriptions)), np.nan)
     for row, (lead_s, found) in enumerate(zip(LEADS_S, trials, strict=True)):
         for k in range(len(descriptions)):
-            mine = [trial for trial in found if not np.isnan(trial.error_rad[k, 0, 0])]
+            recent = [trial for trial in found if trial.age_s <= OLDEST_CUT * lead_s]
+            mine = [trial for trial in recent if not np.isnan(trial.error_rad[k, 0, 0])]
             covered_s = mine[-1].age_s - mine[0].age_s if mine else 0.0
             if len(mine) > 1 and (row == 0 or covered_s >= COVERED * lead_s):
                 squares = [np.sum(trial.error_rad[k] ** 2, axis=1) for trial in mine]

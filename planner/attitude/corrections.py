@@ -1,12 +1,13 @@
 """What measured small rotations say of an attitude law's error, then and at other times.
 
-The error is taken as a constant turn and a swing at the orbital rate, both about each body axis,
-of the sizes the law itself tells: the measurements condition these.  A Gaussian process: the
-swing's amplitude and phase follow from it, and are forgotten over several orbits.
-Source: Rasmussen and Williams 2006, eq. 2.23-2.24.
+The error is taken as a lasting turn, a swing at the orbital rate and a rest, each about every
+body axis and of the size the law itself tells: the measurements condition these.  A Gaussian
+process: the swing's amplitude and phase follow from it, and are forgotten over days, the rest is
+within minutes.
+Source: Rasmussen and Williams 2006, eq. 2.23-2.24; the rest's kernel is their eq. 4.19.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
@@ -16,19 +17,20 @@ import numpy as np
 from pydantic import Field
 
 from planner.arrays import Array
-from planner.attitude.errors import AttitudeErrors
+from planner.attitude.errors import REST_RAD, AttitudeErrors
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 from planner.spec import Within, spec
 
 CORRECTIONS_MAX = 100
-# What is left of the ISS's motion beside mean and swing, about each axis (bench/truth.py).
-REST_RAD = np.deg2rad(0.01)
-# After an orbit a swing foretold on ISS telemetry is off by a tenth of itself (bench/attitude.py).
-FORGOTTEN_S = 40_000.0
+# By maximum likelihood on ISS telemetry (bench/attitude_figures.py).  A swing never forgotten does
+# best, but only just.
+SWING_MEMORY_S = 300_000.0
+REST_MEMORY_S = 400.0
 CONTRADICTS_SIGMA = 5.0
 _MODES = 6
 _AT_A_TIME = 4096  # instants, for the memory they take
+_TINY = np.finfo(float).tiny
 _VARIANCE_MAX_DEG2 = 1e5  # of a direction that wasn't measured
 
 _TurnDeg = Annotated[float, Within(-20.0, 20.0)]
@@ -85,36 +87,27 @@ class Correction:
 
     def turn_rad(self, instants: Instants) -> Array:
         """Expected rotation vectors from the law's body to the true one, (n, 3)."""
-        t_s = instants.since_s(self._known.instants.epoch_utc)
-        parts = np.array_split(t_s, len(t_s) // _AT_A_TIME + 1)
-        return np.concatenate([self._known.expected_rad(part_s) for part_s in parts])
+        return np.concatenate([self._known.expected_rad(part) for part in _parts(instants)])
 
     def errors(self, instants: Instants) -> AttitudeErrors:
         """What the law's errors are then, given the measurements; for a session's few instants."""
-        known, told = self._known, self.told(instants)
+        known, then = self._known, _Told(self.told(instants), instants)
         count = len(instants)
-        across = known.to(instants)
-        left = known.prior(instants) - across @ np.linalg.solve(known.covariance_rad2, across.T)
-        grown_rad = known.grown_rad(told, count)
-        for axis in range(3):
-            left[axis::3, axis::3] += np.outer(grown_rad[:, axis], grown_rad[:, axis])
+        across = known.covariance_with(then)
+        left = _joint(then.covariance_with(then, self.period_s))
+        left -= across @ np.linalg.solve(known.covariance_rad2, across.T)
         size, mode = np.linalg.eigh(left)
         kept = slice(-_MODES, None)
-        lost = np.trace(left) / max(float(np.sum(size[kept])), np.finfo(float).tiny)
+        lost = np.trace(left) / max(float(np.sum(size[kept])), _TINY)
         modes_rad = (mode[:, kept] * np.sqrt(np.maximum(size[kept], 0.0) * lost)).T
-        return self._as_errors(told, modes_rad.reshape(-1, count, 3))
+        return self._as_errors(then.errors, modes_rad.reshape(-1, count, 3))
 
     def errors_each(self, instants: Instants) -> AttitudeErrors:
         """The same of each instant by itself, however many: three modes, an instant's own."""
-        known, told = self._known, self.told(instants)
-        t_s = instants.since_s(known.instants.epoch_utc)
-        grown_rad = known.grown_rad(told, len(t_s))
-        parts = np.array_split(np.arange(len(t_s)), len(t_s) // _AT_A_TIME + 1)
-        left = np.concatenate([known.left_each(t_s[part]) for part in parts])
-        left += grown_rad[:, :, None] ** 2 * np.eye(3)
+        left = np.concatenate([self._known.left_each(part) for part in _parts(instants)])
         size, mode = np.linalg.eigh(left)
         modes_rad = mode * np.sqrt(np.maximum(size, 0.0))[:, None, :]
-        return self._as_errors(told, modes_rad.transpose(2, 0, 1))
+        return self._as_errors(self.told(instants), modes_rad.transpose(2, 0, 1))
 
     def _as_errors(self, told: AttitudeErrors, modes_body_rad: Array) -> AttitudeErrors:
         last = utc_text(max((one.epoch for one in self.measured), key=tai_us))
@@ -135,6 +128,43 @@ class Correction:
         )
 
 
+class _Told:
+    """A law's own errors at n instants, before anything was measured."""
+
+    def __init__(self, errors: AttitudeErrors, instants: Instants) -> None:
+        self.errors, self.instants = errors, instants
+        self._sigma_rad = np.broadcast_to(errors.sigma_body_rad, (len(instants), 3))
+        # REST_RAD of sigma is soon forgotten, or most of it where it is less; this share lasts.
+        self._share = self._sigma_rad / np.hypot(self._sigma_rad, REST_RAD)
+
+    @property
+    def variance_rad2(self) -> Array:
+        """About each axis, (n, 3)."""
+        return np.asarray(self._sigma_rad**2 + self.errors.swing_rms_body_rad**2)
+
+    def covariance_with(self, other: "_Told", period_s: float) -> Array:
+        """With the error at k other instants, about each axis: (3, n, k)."""
+        t_s = self.instants.since_s(other.instants.epoch_utc)
+        apart_s = t_s[:, None] - other.instants.t_s
+        swing = np.cos(2.0 * np.pi / period_s * apart_s) * np.exp(
+            -0.5 * (apart_s / SWING_MEMORY_S) ** 2
+        )
+        swing_rad2 = np.multiply.outer(self.errors.swing_rms_body_rad**2, swing)
+        rest = 1.0 / (1.0 + 0.5 * (apart_s / REST_MEMORY_S) ** 2)
+        rest_rad2 = np.multiply.outer(REST_RAD**2, rest)
+        shares = np.einsum("na,ka->ank", self._share, other._share)
+        return np.asarray(swing_rad2 + shares * (rest_rad2 + self._lasting_rad2(other)))
+
+    def _lasting_rad2(self, other: "_Told") -> Array:
+        """Of known parts; of unknown ones as of an error that grows by news."""
+        if len(self.errors.parts_body_rad):
+            parts = self.errors.parts_body_rad, other.errors.parts_body_rad
+            return np.asarray(np.einsum("pna,pka->ank", *parts))
+        mine, others = (one._sigma_rad.T**2 for one in (self, other))
+        sums = mine[:, :, None] + others[:, None, :]
+        return 2.0 * mine[:, :, None] * others[:, None, :] / np.maximum(sums, _TINY)
+
+
 class _Measurements:
     """The measurements against the law's own errors; raises InvalidInput where they contradict.
 
@@ -142,63 +172,40 @@ class _Measurements:
     """
 
     def __init__(self, correction: Correction) -> None:
-        measured = correction.measured
-        epoch_utc = min((one.epoch for one in measured), key=tai_us)
-        order = sorted(measured, key=lambda one: tai_us(one.epoch))
-        t_s = np.array([elapsed_s(one.epoch, epoch_utc) for one in order])
-        self.instants = Instants(epoch_utc, t_s)
-        told = correction.told(self.instants)
-        sigma_rad = np.broadcast_to(told.sigma_body_rad, (len(order), 3))
-        self.bias_rad = sigma_rad.min(axis=0)
-        self._swing_rad = told.swing_rms_body_rad
-        self._rate_rad_s = 2.0 * np.pi / correction.period_s
-        own = np.diag((sigma_rad**2 - self.bias_rad**2 + REST_RAD**2).ravel())
+        order = sorted(correction.measured, key=lambda one: tai_us(one.epoch))
+        epoch_utc = order[0].epoch
+        instants = Instants(epoch_utc, np.array([elapsed_s(one.epoch, epoch_utc) for one in order]))
+        self._told_at, self._period_s = correction.told, correction.period_s
+        self._told = _Told(self._told_at(instants), instants)
+        self.covariance_rad2 = self.covariance_with(self._told)
         for k, one in enumerate(order):
-            own[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] += np.deg2rad(np.deg2rad(one.covariance_deg2))
-        self.covariance_rad2 = self.prior(self.instants) + own
+            mine = slice(3 * k, 3 * k + 3)
+            self.covariance_rad2[mine, mine] += np.deg2rad(np.deg2rad(one.covariance_deg2))
         turn_rad = np.deg2rad([one.turn_body_deg for one in order]).ravel()
         self._refuse_contradiction(order, turn_rad)
-        self.weights = np.linalg.solve(self.covariance_rad2, turn_rad)
+        self._weights = np.linalg.solve(self.covariance_rad2, turn_rad)
 
-    def expected_rad(self, t_s: Array) -> Array:
-        """The error expected at n times of their clock, (n, 3)."""
-        swing = self._swing_memory(t_s, self.instants.t_s)
-        weights = self.weights.reshape(-1, 3)
-        constant_rad = self.bias_rad**2 * weights.sum(axis=0)
-        return np.asarray(constant_rad + self._swing_rad**2 * (swing @ weights))
+    def covariance_with(self, told: _Told) -> Array:
+        """Of the error then with that at the measurements, (3 n, 3 k)."""
+        return _joint(told.covariance_with(self._told, self._period_s))
 
-    def to(self, instants: Instants) -> Array:
-        """Covariance (rad2) of the error then with that at the measurements, (3 n, 3 k)."""
-        return self._between(instants.since_s(self.instants.epoch_utc), self.instants.t_s)
+    def expected_rad(self, instants: Instants) -> Array:
+        """The error expected at n instants, (n, 3)."""
+        across = self._then(instants).covariance_with(self._told, self._period_s)
+        return np.asarray(np.einsum("ank,ka->na", across, self._weights.reshape(-1, 3)))
 
-    def prior(self, instants: Instants) -> Array:
-        """Covariance (rad2) of constant turn and swing before anything was measured, (3 n, 3 n)."""
-        return self._between(instants.t_s, instants.t_s)
-
-    def left_each(self, t_s: Array) -> Array:
-        """Covariance (rad2) of constant turn and swing at n times of their clock, (n, 3, 3)."""
-        across = self._between(t_s, self.instants.t_s)
+    def left_each(self, instants: Instants) -> Array:
+        """Covariance (rad2) of the error at n instants given the measurements, (n, 3, 3)."""
+        told = self._then(instants)
+        across = self.covariance_with(told)
         known = np.linalg.solve(self.covariance_rad2, across.T).T
-        said = np.einsum("nak,nbk->nab", *(m.reshape(len(t_s), 3, -1) for m in (across, known)))
-        return np.asarray(np.diag(self.bias_rad**2 + self._swing_rad**2) - said)
+        said = np.einsum(
+            "nak,nbk->nab", *(m.reshape(len(instants), 3, -1) for m in (across, known))
+        )
+        return np.asarray(told.variance_rad2[:, :, None] * np.eye(3) - said)
 
-    def grown_rad(self, told: AttitudeErrors, count: int) -> Array:
-        """Beyond the constant turn at the measurements, and what is neither turn nor swing."""
-        sigma_rad = np.broadcast_to(told.sigma_body_rad, (count, 3))
-        return np.asarray(np.sqrt(np.maximum(sigma_rad**2 - self.bias_rad**2, 0.0) + REST_RAD**2))
-
-    def _between(self, t_s: Array, other_s: Array) -> Array:
-        swing = self._swing_memory(t_s, other_s)
-        covariance_rad2 = np.zeros((3 * len(t_s), 3 * len(other_s)))
-        for axis in range(3):
-            bias, swing_rad = self.bias_rad[axis], self._swing_rad[axis]
-            covariance_rad2[axis::3, axis::3] = bias**2 + swing_rad**2 * swing
-        return covariance_rad2
-
-    def _swing_memory(self, t_s: Array, other_s: Array) -> Array:
-        apart_s = t_s[:, None] - other_s
-        forgotten = np.exp(-0.5 * (apart_s / FORGOTTEN_S) ** 2)
-        return np.asarray(np.cos(self._rate_rad_s * apart_s) * forgotten)
+    def _then(self, instants: Instants) -> _Told:
+        return _Told(self._told_at(instants), instants)
 
     def _refuse_contradiction(self, order: list[AttitudeCorrection], turn_rad: Array) -> None:
         """Each against the law and all that came before it."""
@@ -219,6 +226,21 @@ class _Measurements:
                     field="attitude.corrections",
                     at_utc=one.epoch,
                 )
+
+
+def _joint(covariance_rad2: Array) -> Array:
+    """The axes of each instant together: (3, n, k) as (3 n, 3 k)."""
+    axes, count, others = covariance_rad2.shape
+    joint = np.zeros((axes * count, axes * others))
+    for axis, own in enumerate(covariance_rad2):
+        joint[axis::axes, axis::axes] = own
+    return joint
+
+
+def _parts(instants: Instants) -> Iterator[Instants]:
+    """At most _AT_A_TIME of them each."""
+    for first in range(0, len(instants), _AT_A_TIME):
+        yield Instants(instants.epoch_utc, instants.t_s[first : first + _AT_A_TIME])
 
 
 def _number(measured: tuple[AttitudeCorrection, ...]) -> str:

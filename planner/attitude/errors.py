@@ -11,6 +11,9 @@ from planner.spec import Within, spec
 # The vehicle's two attitude solutions in the telemetry of 2018-10-12 are 138 arcsec apart.
 KNOWLEDGE_RAD = np.deg2rad(138.0 / 3600.0) / np.sqrt(6.0)
 MEAN_SIGMA_DEG = 0.05
+# What is left of the ISS's motion about body x, y, z beside mean and swing, as REST_MEMORY_S of
+# corrections.py has it.
+REST_RAD = np.deg2rad([0.0095, 0.017, 0.007])
 _TurnDeg = Annotated[float, Within(0.0, 180.0)]
 
 
@@ -38,6 +41,8 @@ class AttitudeErrors:
     swing_rms_body_rad: (3,), of sinusoids at the orbital rate whose phases are unknown.
     modes_body_rad: (m, n, 3), instead of sigma_body_rad where there are any: independent errors,
     each a turn over the n instants.
+    parts_body_rad: (k, n, 3), what sigma_body_rad is the root of the squares of, where that is
+    known: each times a number of its own that stays the same for good.
     basis: on what evidence.  better: what would make them smaller.
     """
 
@@ -46,6 +51,7 @@ class AttitudeErrors:
     basis: str
     better: str
     modes_body_rad: Array = field(default_factory=lambda: np.zeros((0, 1, 3)))
+    parts_body_rad: Array = field(default_factory=lambda: np.zeros((0, 1, 3)))
 
     def unless_stated(self, uncertainty: AttitudeUncertainty | None) -> "AttitudeErrors":
         """What the request states in their place, where it does."""
@@ -62,6 +68,7 @@ class AttitudeErrors:
             self.swing_rms_body_rad if swing_deg is None else np.deg2rad(swing_deg),
             basis,
             better,
+            parts_body_rad=self.parts_body_rad if sigma_deg is None else np.zeros((0, 1, 3)),
         )
 
 

@@ -13,6 +13,9 @@ from planner.arrays import Array
 
 TAIL_S = 60.0  # the present rate is fitted to this much of the history
 OFFSET_TAIL_S = 120.0
+# Of the rate after a manoeuvre: 600 to 1,800 s do about as well on the hours after one that
+# bench/attitude.py says were tuned on.
+DYING_S = 900.0
 _LEAST_ROWS = 3
 
 
@@ -20,17 +23,21 @@ _LEAST_ROWS = 3
 class Description:
     """What is fitted: `terms` orbital harmonics over the last `orbits`, or none of them.
 
-    Without harmonics: a constant rate relative to LVLH (`has_rate`), or a constant attitude.
+    Without harmonics: a rate relative to LVLH (`has_rate`), constant or dying away exponentially
+    (`is_dying`), or a constant attitude.
     """
 
     terms: int = 0
     orbits: float = 0.0
     has_rate: bool = False
+    is_dying: bool = False
 
     def __str__(self) -> str:
         if self.terms:
             plural = "" if self.orbits == 1.0 else "s"
             return f"harmonics to order {self.terms} fitted over {self.orbits:g} orbit{plural}"
+        if self.is_dying:
+            return f"rate relative to LVLH that dies away in {DYING_S / 60.0:.0f} min"
         return "constant rate relative to LVLH" if self.has_rate else "constant LVLH attitude"
 
     @property
@@ -39,7 +46,7 @@ class Description:
 
         A rate that changes steadily errs by the square; an attitude held stays within the swing.
         """
-        if self.terms:
+        if self.terms or self.is_dying:
             return 1.5
         return 2.0 if self.has_rate else 0.75
 
@@ -47,6 +54,7 @@ class Description:
 DESCRIPTIONS = (
     Description(),
     Description(has_rate=True),
+    Description(has_rate=True, is_dying=True),
     Description(terms=1, orbits=0.5),
     Description(terms=1, orbits=1.0),
     Description(terms=1, orbits=2.0),
@@ -101,7 +109,9 @@ def _basis(description: Description, period_s: float, since_end_s: Array) -> Arr
     """Columns of the linear model, shape (n, columns); the first is constant."""
     columns = [np.ones_like(since_end_s)]
     if description.has_rate:
-        columns.append(since_end_s)
+        columns.append(
+            DYING_S * -np.expm1(-since_end_s / DYING_S) if description.is_dying else since_end_s
+        )
     for term in range(1, description.terms + 1):
         phase_rad = 2.0 * np.pi * term / period_s * since_end_s
         columns += [np.cos(phase_rad), np.sin(phase_rad)]

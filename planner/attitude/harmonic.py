@@ -55,6 +55,14 @@ class HarmonicAttitude(CorrectableAttitude):
             raise ValueError(f"history_orbit: {refusal.detail}") from None
         except ValueError as error:
             raise ValueError(f"content: {error}") from None
+        for number, one in enumerate(self.corrections):
+            try:
+                self._refuse_outside(Instants(one.epoch, np.zeros(1)))
+            except OutsideCoverage as refusal:
+                raise ValueError(
+                    f"corrections.{number}.epoch can't be compared with the law: {refusal.detail}; "
+                    "leave the correction out"
+                ) from None
 
     @cached_property
     def segments(self) -> tuple[AemSegment, ...]:
@@ -107,6 +115,12 @@ class HarmonicAttitude(CorrectableAttitude):
 
     def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
         """Attitude at the n instants; raises OutsideCoverage before the history's end."""
+        self._refuse_outside(instants)
+        since_end_s = instants.since_s(self._end_utc)
+        q_body_from_lvlh = self.carried_on.at(since_end_s + self.carried_on.end_s)
+        return q_body_from_lvlh * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
+
+    def _refuse_outside(self, instants: Instants) -> None:
         since_end_s = instants.since_s(self._end_utc)
         for wrong, why in (
             (since_end_s < -OFFSET_TAIL_S, "lies in the history: use the attitude law aem"),
@@ -120,8 +134,6 @@ class HarmonicAttitude(CorrectableAttitude):
                     field="attitude.content",
                     at_utc=at_utc,
                 )
-        q_body_from_lvlh = self.carried_on.at(since_end_s + self.carried_on.end_s)
-        return q_body_from_lvlh * q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
 
     @cached_property
     def _end_utc(self) -> datetime:

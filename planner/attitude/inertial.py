@@ -9,25 +9,29 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.correctable import CorrectableAttitude
-from planner.attitude.errors import AttitudeErrors, known_errors
+from planner.attitude.errors import KNOWLEDGE_RAD, AttitudeErrors
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
 from planner.spec import UnitPart, Within, spec
 
 QUATERNION_NORM_TOLERANCE = 1e-4  # four printed decimals
-# Rms error of the constant body rate about body x, y, z on ISS telemetry of 2018-10-12 in torque
-# equilibrium (bench/truth.py).
-CONSTANT_RATE_LEADS_S = (0.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0)
-CONSTANT_RATE_RMS_BODY_DEG = (
-    (0.0, 0.004, 0.009, 0.027, 0.077, 0.154, 0.248, 0.446),
-    (0.0, 0.018, 0.036, 0.089, 0.178, 0.269, 0.355, 0.528),
-    (0.0, 0.008, 0.016, 0.040, 0.088, 0.148, 0.215, 0.364),
+# Rms sizes (deg) about body x, y, z of the shapes over time that the error of a constant body rate
+# is made of, fitted to ISS telemetry in torque equilibrium (bench/attitude_figures.py):
+# the swing and the rate's own error, which a turning frame brings back each orbit, the orbital
+# plane's drift, an eccentric orbit's uneven pace, and the pitch rate's error, which adds up.
+_SIZES_BODY_DEG = (
+    (0.32, 0.043, 0.255),  # 1 - cos u, u the orbit's angle since the epoch
+    (0.056, 0.0, 0.097),  # sin u
+    (0.033, 0.0, 0.029),  # u cos u - sin u
+    (0.030, 0.0, 0.028),  # u sin u
+    (0.0, 0.038, 0.0),  # u - sin u
+    (0.0, 0.241, 0.0),  # u
 )
 # No camera sees anything from a carrier that spins faster.
 _RateDegS = Annotated[float, Within(-180.0, 180.0)]
 WARN_AGE_S = 600.0  # 0.2 deg: the HRC's frame is 0.6 deg high
-REFUSE_AGE_S = 7200.0  # 12 deg
+REFUSE_AGE_S = 7200.0  # 2 deg, and as far as it was measured
 
 
 @spec
@@ -82,25 +86,31 @@ class InertialAttitude(CorrectableAttitude):
         return (self._age_warning(age_s),) if age_s > WARN_AGE_S else ()
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
-        """Measured up to 1800 s from the epoch, beyond that growing as time^2."""
-        return known_errors(
-            _error_rms_body_rad(np.abs(instants.since_s(self.epoch))),
+        """Measured up to two hours from the epoch."""
+        parts_rad = self._error_parts_body_rad(instants.since_s(self.epoch))
+        known_rad = np.full_like(parts_rad[:1], KNOWLEDGE_RAD)
+        parts_rad = np.concatenate([parts_rad, known_rad])
+        return AttitudeErrors(
+            np.linalg.norm(parts_rad, axis=0),
+            np.zeros(3),
             "measured: the constant body rate on ISS telemetry in torque equilibrium "
             "(bench/truth.py)",
             "attitude and rate nearer to the session, or a longer history (law harmonic)",
+            parts_body_rad=parts_rad,
         )
 
+    def _error_parts_body_rad(self, age_s: Array) -> Array:
+        """Shape (6, n, 3)."""
+        u = 2.0 * np.pi / self.orbital_period_s * age_s
+        c, s = np.cos(u), np.sin(u)
+        shapes = np.stack([1.0 - c, s, u * c - s, u * s, u - s, u])
+        return np.asarray(shapes[:, :, None] * np.deg2rad(_SIZES_BODY_DEG)[:, None, :])
+
     def _age_warning(self, age_s: float) -> str:
-        error_deg = float(np.linalg.norm(np.rad2deg(_error_rms_body_rad(np.array([age_s])))))
+        parts_rad = self._error_parts_body_rad(np.array([age_s]))
+        error_deg = float(np.rad2deg(np.linalg.norm(parts_rad)))
         error = f"be off by some {error_deg:.2g} deg" if error_deg < 90.0 else "point anywhere"
         return (
             f"the attitude's epoch {utc_text(self.epoch, 0)} is {age_s / 60.0:.1f} min from the "
             f"plan's farthest end: with a constant body rate the ISS would {error}"
         )
-
-
-def _error_rms_body_rad(age_s: Array) -> Array:
-    """Shape (n, 3)."""
-    rms_deg = [np.interp(age_s, CONSTANT_RATE_LEADS_S, one) for one in CONSTANT_RATE_RMS_BODY_DEG]
-    beyond = np.maximum(1.0, age_s / CONSTANT_RATE_LEADS_S[-1])
-    return np.asarray(np.deg2rad(rms_deg).T * beyond[:, None] ** 2)

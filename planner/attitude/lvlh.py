@@ -9,6 +9,7 @@ from planner.attitude.correctable import CorrectableAttitude
 from planner.attitude.errors import (
     KNOWLEDGE_RAD,
     MEAN_SIGMA_DEG,
+    REST_RAD,
     AttitudeErrors,
 )
 from planner.frames.local_orbital import q_lvlh_from_eci
@@ -16,9 +17,9 @@ from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
 from planner.spec import Within, spec
 
-# Rms of the ISS about its mean in torque equilibrium on 2018-10-12, about body x, y, z; all but
-# 0.01 deg of x is one sinusoid at the orbital rate (bench/truth.py).
-SWING_RMS_BODY_RAD = np.deg2rad([0.236, 0.021, 0.008])
+# Rms of the sinusoid at the orbital rate in which the ISS swings about its mean in torque
+# equilibrium on 2018-10-12, about body x, y, z (bench/attitude_figures.py).
+SWING_RMS_BODY_RAD = np.deg2rad([0.236, 0.013, 0.007])
 
 
 @spec
@@ -51,10 +52,10 @@ class LvlhAttitude(CorrectableAttitude):
         return ()
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
-        """Of the mean, and the swing about it."""
-        sigma_rad = np.hypot(KNOWLEDGE_RAD, np.deg2rad(MEAN_SIGMA_DEG))
+        """Of the mean, the swing about it, and what else the carrier does."""
+        mean_rad = np.hypot(KNOWLEDGE_RAD, np.deg2rad(MEAN_SIGMA_DEG))
         return AttitudeErrors(
-            np.full(3, sigma_rad),
+            np.hypot(mean_rad, REST_RAD),
             SWING_RMS_BODY_RAD,
             "measured: the ISS's swing about its mean attitude in torque equilibrium, of unknown "
             f"phase; the mean itself is assumed right to {MEAN_SIGMA_DEG:g} deg an axis",
