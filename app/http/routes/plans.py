@@ -3,6 +3,7 @@
 from app.answers.members import ProvenanceOut
 from app.answers.plan import DryRunResponse, PlanResponse
 from app.answers.view import PlanViewResponse
+from app.http.routes.end_of_plan import from_end_of_plan
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
@@ -49,6 +50,7 @@ PLANS = PlanResource(
     file_stem="plan",
     takes_pixel=True,
     in_campaigns=True,
+    fill_in=from_end_of_plan,
 )
 
 router = plan_routes(PLANS)

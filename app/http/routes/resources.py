@@ -8,6 +8,7 @@ from typing import Any
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.jobs.kinds import JobKind
+from app.store.database import Database
 from app.work.view import AskedView
 from planner.export.exporter import Exporter
 
@@ -32,6 +33,7 @@ class PlanResource(JobResource):
     formats.  view_file: of (request, stored table, what is asked) the view's bytes, in a child.
     file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
     takes_pixel: its views are told what a pixel sees, as no camera is defined.
+    fill_in: a request with what only the store can tell.
     """
 
     tag: str
@@ -52,6 +54,7 @@ class PlanResource(JobResource):
     file_stem: str
     takes_pixel: bool = False
     in_campaigns: bool = False
+    fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 
     @property
     def format_by_media_type(self) -> dict[str, str]:
