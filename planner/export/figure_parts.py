@@ -115,9 +115,9 @@ def picture_file(figure: Figure, image_format: str, title: str, notes: Iterable[
 
     told = "\n".join(notes)
     metadata: dict[str, dict[str, str | None]] = {
-        "png": {"Title": title, "Description": told},
-        "svg": {"Title": title, "Description": told, "Date": None},
-        "pdf": {"Title": title, "Subject": told, "CreationDate": None},
+        "png": {"Title": title, "Description": told, "Software": "slewtrack"},
+        "svg": {"Title": title, "Description": told, "Creator": "slewtrack", "Date": None},
+        "pdf": {"Title": title, "Subject": told, "Creator": "slewtrack", "CreationDate": None},
     }
     picture = io.BytesIO()
     with rc_context({"svg.hashsalt": "slewtrack", "svg.fonttype": "none"}):
