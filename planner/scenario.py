@@ -224,6 +224,11 @@ class Scenario:
         if isinstance(self.final_state, FinalAngles):
             self._check_final_state(self.final_state)
 
+    @property
+    def keeps_out(self) -> bool:
+        """Whether there are directions that the boresight must not enter."""
+        return bool(self.slew.keep_out or self.platform.masks)
+
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
         fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")
