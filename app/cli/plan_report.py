@@ -5,6 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from app.answers.comparison import comparison_out
+from app.answers.masks import mask_margin_out
 from app.answers.plan import keep_out_margin_out, margins_out
 from app.answers.pointing import ARCSEC_PER_RAD, PointingOut, pointing_out
 from app.cli.report_parts import or_dash, print_warnings, report_table
@@ -31,6 +32,7 @@ def print_report(plan: Plan) -> None:
         _uncertainty(plan),
         _margins(plan),
         _keep_out(plan),
+        _masks(plan),
         _comparison(plan),
         _vibration(plan),
     )
@@ -129,6 +131,19 @@ def _keep_out(plan: Plan) -> Table:
             or_dash(cone.away_min_deg, ".3f"),
             "-" if cone.at is None else cone.at[11:-3],
             style="red" if cone.margin_deg is not None and cone.margin_deg < 0.0 else None,
+        )
+    return table
+
+
+def _masks(plan: Plan) -> Table:
+    table = report_table("masks to keep out of", "<name", "asked deg", "closest deg", "<at UTC")
+    for mask in map(mask_margin_out, plan.verification.masks):
+        table.add_row(
+            Text(mask.name),
+            f"{mask.asked_deg:g}",
+            f"{mask.away_min_deg:.3f}",
+            mask.at[11:-3],
+            style="red" if mask.margin_deg < 0.0 else None,
         )
     return table
 

@@ -61,10 +61,11 @@ def avoid_cones(
     if found is None:
         if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
             raise _no_way(solution, _blocking(solution, problem.keep_out))
+        regions = problem.keep_out.regions
         raise InfeasibleSlew(
-            f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg and "
-            f"no way around {_together(problem.keep_out.regions)} was found in "
-            f"{solution.duration_s:.1f} s; {_ways_out(problem.keep_out.regions)}",
+            f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg "
+            f"and no way around {_together(regions)} was found in {solution.duration_s:.1f} s; "
+            f"{_ways_out(regions)}",
             limit="keep_out",
         )
     return replace(

@@ -70,8 +70,8 @@ class _Parts(NamedTuple):
 class DetourOcp:
     """Least integral of squared jerk of both axes, out of caps at some instants.
 
-    spline: the basis of each axis.  caps: how many at once.  with_modes: whether the cost has modes to
-    avoid.  start: from what; far guesses suit fewer instants.
+    spline: the basis of each axis.  caps: how many at once.  with_modes: whether the cost has
+    modes to avoid.  start: from what; far guesses suit fewer instants.
     """
 
     def __init__(self, spline: SplineOcp, caps: int, *, with_modes: bool, start: Start) -> None:
