@@ -46,15 +46,16 @@ def inside(corners, directions):
     return (np.abs(total) > np.pi) & (directions @ corners.sum(axis=0) > 0.0)
 
 
-def away_rad(corners, directions, steps=2000):
-    """Distance of unit vectors (n, 3) from the sides, by points along them: too large by the square
-    of half a point's distance over twice the distance, at most."""
-    share = np.linspace(0.0, 1.0, steps + 1)[:, None]
+def sampled_away_rad(corners, directions, count=400):
+    """Distance of unit vectors (n, 3) from points along the sides, and half of how far apart any
+    two neighbours are."""
+    share = np.linspace(0.0, 1.0, count + 1)[:, None]
     sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
     points = np.concatenate([(1.0 - share) * a + share * b for a, b in sides])
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     chord = np.array([np.linalg.norm(points - one, axis=1).min() for one in directions])
-    return 2.0 * np.arcsin(chord / 2.0)
+    step = np.linalg.norm(np.diff(points, axis=0), axis=1).max()
+    return 2.0 * np.arcsin(chord / 2.0), np.arcsin(step / 2.0)
 
 
 def mask_corners(mask):

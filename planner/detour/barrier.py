@@ -2,9 +2,9 @@
 
 The angles are cut into cells as wide as an axis may move in one step of time: what is in a cell
 at one step is in it or in one of its eight neighbours at the next.  Left out are cells that lie
-wholly inside a cone or mask, and what is beyond what rate, acceleration and jerk allow from either
-end, which cuts the outermost cells.  Where this flood from the start never reaches the end, no motion
-does.
+wholly inside a cone or mask, and what is beyond what rate, acceleration and jerk allow from
+either end, which cuts the outermost cells.  Where this flood from the start never reaches the
+end, no motion does.
 
 That a cell lies wholly inside is proven by its corners.  The cosine f between boresight and cone
 axis is 1 x 1 in the cosines and sines of both angles, and no second derivative by one angle is

@@ -74,10 +74,6 @@ def conditions_of(
     def los_platform(which: Indices, t_s: Array) -> Array:
         return carrier.in_platform(los_itrf(which, t_s), t_s)
 
-    def reach(which: Indices, t_s: Array) -> Array:
-        angle_rad = axis_angles(platform, los_platform(which, t_s)).angle_rad
-        return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
-
     if on_earth and conditions.max_off_nadir_deg is not None:
         limit_rad = math.radians(conditions.max_off_nadir_deg)
 
@@ -92,9 +88,17 @@ def conditions_of(
     for cause, keep_out_deg, r_body_itrf_m in bodies:
         if keep_out_deg is not None:
             yield turning(cause, _keep_out(keep_out_deg, r_body_itrf_m, sight))
-    yield turning("reach", reach)
+    yield turning("reach", _reach(platform, los_platform))
     if platform.masks:
         yield _clear_of_masks(platform, carrier, los_platform, orbit_step_s)
+
+
+def _reach(platform: TwoAxisPlatform, los_platform: Direction) -> Margin:
+    def margin(which: Indices, t_s: Array) -> Array:
+        angle_rad = axis_angles(platform, los_platform(which, t_s)).angle_rad
+        return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
+
+    return margin
 
 
 def _clear_of_masks(

@@ -75,10 +75,11 @@ class SphericalPolygon:
         """
         rows = np.arange(len(directions))
         sine, from_side = _from_sides(self.corners, self.normals, directions)
-        from_corner = _from_corners(self.corners, directions)
-        side, corner = np.argmin(from_side, axis=1), np.argmin(from_corner, axis=1)
-        is_corner = from_corner[rows, corner] < from_side[rows, side]
-        away = np.where(is_corner, from_corner[rows, corner], from_side[rows, side])
+        side = np.argmin(from_side, axis=1)
+        corner = np.argmax(directions @ self.corners.T, axis=1)
+        from_corner = _chord_rad(directions, self.corners[corner])
+        is_corner = from_corner < from_side[rows, side]
+        away = np.where(is_corner, from_corner, from_side[rows, side])
         is_inside = np.where(is_corner, self.is_reflex[corner], sine[rows, side] > 0.0)
         is_inside &= away < math.pi / 2.0
         depth = np.where(is_inside, away, -away)
@@ -150,7 +151,7 @@ def _smallest_cap(corners: Array) -> tuple[Array, float]:
     best = int(np.argmax(cosine))
     if not cosine[best] > 0.0:
         return np.zeros(3), math.pi
-    return middles[best], float(_from_corners(corners, middles[best : best + 1]).max())
+    return middles[best], float(_chord_rad(corners, middles[best]).max())
 
 
 def _require_simple(corners: Array) -> None:
@@ -175,7 +176,7 @@ def _require_simple(corners: Array) -> None:
                 f"{other}; give them in their order around the region"
             )
     away = np.minimum(_from_sides(corners, normals, corners)[1], math.pi)
-    ends = _from_corners(corners, corners)
+    ends = _chord_rad(corners[:, None], corners)
     away = np.minimum(away, np.minimum(ends, np.roll(ends, -1, axis=1)))
     own = np.arange(count)
     away[own, own] = away[own, own - 1] = math.inf
@@ -204,7 +205,7 @@ def _from_sides(corners: Array, normals: Array, directions: Array) -> tuple[Arra
     return sine, np.where(after_first & before_last, away, math.inf)
 
 
-def _from_corners(corners: Array, directions: Array) -> Array:
-    """(n, m), good to 2e-8 rad on a corner and better beside it."""
-    chord = np.sqrt(np.maximum(2.0 - 2.0 * directions @ corners.T, 0.0))
+def _chord_rad(one: Array, other: Array) -> Array:
+    """Between unit vectors (..., 3), by their chord: accurate where they are close."""
+    chord = np.linalg.norm(one - other, axis=-1)
     return np.asarray(2.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)))

@@ -30,7 +30,7 @@ def mask_margins(table: CommandTable, scenario: Scenario) -> tuple[MaskMargin, .
         return ()
     margins, path = [], _Path(table, scenario.platform)
     for number, mask in enumerate(scenario.platform.masks):
-        away_rad, t_s = path.nearest(_Region(mask))
+        away_rad, t_s = path.nearest(Region(mask))
         margins.append(
             MaskMargin(
                 number=number,
@@ -81,7 +81,7 @@ class _Path:
             for axis in self._axes
         )
 
-    def nearest(self, region: "_Region") -> tuple[float, float]:
+    def nearest(self, region: "Region") -> tuple[float, float]:
         """The least distance and when: of a part of the path, its middle and how far its ends may
         be off that tell whether it must be halved."""
         cell = self._cells
@@ -106,7 +106,7 @@ class _Path:
             middle_s[1::2] += half_s
         return best_rad, best_s
 
-    def _away_rad(self, region: "_Region", cell: NDArray[np.intp], u_s: Array) -> Array:
+    def _away_rad(self, region: "Region", cell: NDArray[np.intp], u_s: Array) -> Array:
         away_rad = np.empty(len(cell))
         for first in range(0, len(cell), DIRECTIONS_AT_ONCE):
             part = slice(first, first + DIRECTIONS_AT_ONCE)
@@ -122,7 +122,7 @@ class _Path:
         return np.asarray(half_s * (rate_rad_s + half_s * self._acceleration_rad_s2[cell] / 2.0))
 
 
-class _Region:
+class Region:
     """A mask's polygon, in coordinates along and across each side."""
 
     def __init__(self, mask: FieldMask) -> None:
