@@ -201,7 +201,8 @@ def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
 
 
 def _together(regions: tuple[Region, ...]) -> str:
-    return " and ".join(region.title for region in regions)
+    *before, last = [region.title for region in regions]
+    return f"{', '.join(before)} and {last}" if before else last
 
 
 def _ways_out(regions: tuple[Region, ...]) -> str:
