@@ -208,9 +208,10 @@ class MasksOverCells:
             for mask in self._view.masks:
                 polygon = mask.polygon
                 reach_rad = min(polygon.reach_rad + mask.margin_rad, math.pi)
-                near = boresight @ polygon.middle > math.cos(reach_rad)
+                near = boresight @ polygon.middle_direction > math.cos(reach_rad)
                 effort.spend(
-                    len(near) / CELLS_A_ROW + near.sum() * len(polygon.corners) / SIDES_A_ROW
+                    len(near) / CELLS_A_ROW
+                    + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
                 )
                 inside[near] |= mask.depth_rad(boresight[near]) > self._reach_rad
             self._is_inside[window][new] = inside

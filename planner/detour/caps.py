@@ -60,14 +60,14 @@ def look_tau(tau: Array) -> Array:
     return edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, LOOKS + 1)
 
 
-def mask_caps(parts: tuple[MaskPart, ...], boresight: Array, margins_rad: Array) -> Caps:
+def mask_caps(parts: tuple[MaskPart, ...], boresight_platform: Array, margins_rad: Array) -> Caps:
     """Of the masks at n instants.
 
-    boresight: of the path so far, unit vectors (n + 1, looks, 3) at `look_tau`.  margins_rad:
-    (regions, n), kept beside each mask's own margin.
+    boresight_platform: of the path so far, unit vectors (n + 1, looks, 3) at `look_tau`.
+    margins_rad: (regions, n), kept beside each mask's own margin.
     """
-    between, looks, _ = boresight.shape
-    flat = boresight.reshape(-1, 3)
+    between, looks, _ = boresight_platform.shape
+    flat = boresight_platform.reshape(-1, 3)
     depth = np.stack([part.polygon.depth_rad(flat) + part.margin_rad for part in parts])
     depth = depth.reshape(len(parts), between, looks)
     deepest_look = np.argmax(depth, axis=2)
@@ -75,7 +75,7 @@ def mask_caps(parts: tuple[MaskPart, ...], boresight: Array, margins_rad: Array)
     axis, half_angle = np.empty((*nearest.shape, 3)), np.empty(nearest.shape)
     for number, part in enumerate(parts):
         cap, interval = np.nonzero(nearest == number)
-        near = boresight[interval, deepest_look[number, interval]]
+        near = boresight_platform[interval, deepest_look[number, interval]]
         axis[cap, interval], touching_rad = _touching_cap(part.polygon, near)
         half_angle[cap, interval] = touching_rad + part.margin_rad
     region = np.array([part.region for part in parts])[nearest]
@@ -100,8 +100,8 @@ def _touching_cap(polygon: SphericalPolygon, directions: Array) -> tuple[Array, 
     p cos r - t sin r, and holds a corner v where tan r >= (1 - p v) / (-t v).
     """
     boundary = polygon.nearest_boundary(directions)
-    rise = np.maximum(1.0 - boundary.at @ polygon.corners.T, 0.0)
-    behind = np.maximum(-boundary.outward @ polygon.corners.T, 0.0)
+    rise = np.maximum(1.0 - boundary.point_directions @ polygon.corner_directions.T, 0.0)
+    behind = np.maximum(-boundary.outward_directions @ polygon.corner_directions.T, 0.0)
     half_angle = np.arctan2(rise, behind).max(axis=1)
     cosine, sine = np.cos(half_angle)[:, None], np.sin(half_angle)[:, None]
-    return cosine * boundary.at - sine * boundary.outward, half_angle
+    return cosine * boundary.point_directions - sine * boundary.outward_directions, half_angle

@@ -111,15 +111,17 @@ def _flood(
     return flooded
 
 
-def _off_masks(view: KeepOutView, boresight: Array, apart_rad: float) -> Mask:
+def _off_masks(view: KeepOutView, boresight_platform: Array, apart_rad: float) -> Mask:
     """Which of unit vectors (a, b, 3) are so far from every mask."""
-    found = np.ones(boresight.shape[:2], dtype=bool)
+    found = np.ones(boresight_platform.shape[:2], dtype=bool)
     for mask in view.masks:
         polygon = mask.polygon
         reach_rad = min(polygon.reach_rad + mask.margin_rad + apart_rad, math.pi)
-        near = boresight @ polygon.middle > math.cos(reach_rad)
-        effort.spend(near.size / CELLS_A_ROW + near.sum() * len(polygon.corners) / SIDES_A_ROW)
-        found[near] &= mask.depth_rad(boresight[near]) < -apart_rad
+        near = boresight_platform @ polygon.middle_direction > math.cos(reach_rad)
+        effort.spend(
+            near.size / CELLS_A_ROW + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
+        )
+        found[near] &= mask.depth_rad(boresight_platform[near]) < -apart_rad
     return found
 
 

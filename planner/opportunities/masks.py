@@ -26,7 +26,7 @@ def clear_of(masks: tuple[FieldMask, ...], los_platform: Direction) -> Margin:
 
     def margin(which: Indices, t_s: Array) -> Array:
         direction = los_platform(which, t_s)
-        return -np.max([mask.depth_rad(direction) for mask in masks], axis=0)
+        return np.asarray(-np.max([mask.depth_rad(direction) for mask in masks], axis=0))
 
     return margin
 

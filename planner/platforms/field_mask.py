@@ -8,12 +8,10 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.platforms.spherical_polygon import SphericalPolygon, spherical_polygon, unit
-from planner.spec import Within, spec
+from planner.spec import LENGTH_MIN, VectorPart, Within, spec
 
-_VectorPart = Annotated[float, Within(-1e6, 1e6)]
-CornerVector = tuple[_VectorPart, _VectorPart, _VectorPart]
+CornerVector = tuple[VectorPart, VectorPart, VectorPart]
 CORNERS_MAX = 64
-LENGTH_MIN = 1e-3  # squares of much smaller ones round to zero, or to few digits
 
 
 @spec

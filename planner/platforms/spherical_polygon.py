@@ -18,29 +18,29 @@ DIRECTIONS_AT_ONCE = 20_000
 class NearestBoundary:
     """The boundary's point nearest to each of n directions.
 
-    depth_rad: (n,), distance from it, positive inside.  at: unit vectors (n, 3).
-    outward: unit tangents there, (n, 3), along which the region is left.
+    depth_rad: (n,), distance from it, positive inside.  point_directions: itself,
+    (n, 3).  outward_directions: unit tangents there, (n, 3), along which the region is left.
     """
 
     depth_rad: Array
-    at: Array
-    outward: Array
+    point_directions: Array
+    outward_directions: Array
 
 
 @dataclass(frozen=True, eq=False)
 class SphericalPolygon:
     """A simple polygon, smaller than a hemisphere.
 
-    corners: unit vectors (m, 3); the inside lies on the left of each side, seen from outside the
-    sphere.  normals: (m, 3), of the side from each corner to the next, pointing inside.
-    is_reflex: (m,), where the inside takes more than half a turn.  middle, reach_rad: the
-    smallest cap that holds all of it.
+    corner_directions: unit vectors (m, 3); the inside lies on the left of each side, seen from
+    outside the sphere.  normals: (m, 3), of the side from each corner to the next, pointing
+    inside.  is_reflex: (m,), where the inside takes more than half a turn.  middle_direction,
+    reach_rad: the smallest cap that holds all of it.
     """
 
-    corners: Array
+    corner_directions: Array
     normals: Array
     is_reflex: Mask
-    middle: Array
+    middle_direction: Array
     reach_rad: float
 
     def depth_rad(self, directions: Array) -> Array:
@@ -59,7 +59,7 @@ class SphericalPolygon:
         depth, place, is_corner = self._nearest(directions)
         normal = self.normals[place]
         foot = unit(directions - np.sum(directions * normal, axis=1, keepdims=True) * normal)
-        at = np.where(is_corner[:, None], self.corners[place], foot)
+        at = np.where(is_corner[:, None], self.corner_directions[place], foot)
         along = directions - np.sum(directions * at, axis=1, keepdims=True) * at
         along *= -np.sign(depth)[:, None]
         on_corner = np.linalg.norm(along, axis=1, keepdims=True) < STRAIGHT
@@ -74,10 +74,10 @@ class SphericalPolygon:
         inside is a quarter turn away.
         """
         rows = np.arange(len(directions))
-        sine, from_side = _from_sides(self.corners, self.normals, directions)
+        sine, from_side = _from_sides(self.corner_directions, self.normals, directions)
         side = np.argmin(from_side, axis=1)
-        corner = np.argmax(directions @ self.corners.T, axis=1)
-        from_corner = _chord_rad(directions, self.corners[corner])
+        corner = np.argmax(directions @ self.corner_directions.T, axis=1)
+        from_corner = _apart_rad(directions, self.corner_directions[corner])
         is_corner = from_corner < from_side[rows, side]
         away = np.where(is_corner, from_corner, from_side[rows, side])
         is_inside = np.where(is_corner, self.is_reflex[corner], sine[rows, side] > 0.0)
@@ -86,97 +86,101 @@ class SphericalPolygon:
         return depth, np.where(is_corner, corner, side), is_corner
 
 
-def spherical_polygon(corners: Array) -> SphericalPolygon:
+def spherical_polygon(corner_directions: Array) -> SphericalPolygon:
     """From unit vectors (m, 3) in either order, m >= 3; its inside is the smaller side.
 
     Raises ValueError where it is no simple polygon, is anywhere narrower than 0.01 deg, or
     reaches 85 deg from its middle.
     """
-    middle, reach_rad = _smallest_cap(corners)
+    middle, reach_rad = _smallest_cap(corner_directions)
     if not reach_rad < REACH_MAX_RAD:
         raise ValueError(
             f"must stay within {math.degrees(REACH_MAX_RAD):g} deg of their middle, so that it is "
             f"clear which side is inside, not reach {math.degrees(reach_rad):.1f} deg; split the "
             "region into polygons that overlap"
         )
-    _require_simple(corners)
-    x, y = seen_on_plane(corners, middle).T
+    _require_simple(corner_directions)
+    x, y = seen_on_plane(corner_directions, middle).T
     if np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) < 0.0:
-        corners = corners[::-1]
-    return polygon_to_the_left(corners)
+        corner_directions = corner_directions[::-1]
+    return polygon_to_the_left(corner_directions)
 
 
-def polygon_to_the_left(corners: Array) -> SphericalPolygon:
+def polygon_to_the_left(corner_directions: Array) -> SphericalPolygon:
     """From the corners of one that is known to be simple, its inside on the left of its sides."""
-    middle, reach_rad = _smallest_cap(corners)
-    normals = _normals(corners)
-    bends = np.sum(np.roll(normals, 1, axis=0) * np.roll(corners, -1, axis=0), axis=1)
+    middle, reach_rad = _smallest_cap(corner_directions)
+    normals = _normals(corner_directions)
+    bends = np.sum(np.roll(normals, 1, axis=0) * np.roll(corner_directions, -1, axis=0), axis=1)
     return SphericalPolygon(
-        corners=corners,
+        corner_directions=corner_directions,
         normals=normals,
         is_reflex=bends < -STRAIGHT,
-        middle=middle,
+        middle_direction=middle,
         reach_rad=reach_rad,
     )
 
 
-def unit(vectors: Array) -> Array:
-    """Vectors (n, 3) divided by their lengths."""
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+def unit(directions: Array) -> Array:
+    """Vectors (n, 3) of any length, divided by it."""
+    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
 
 
-def seen_on_plane(corners: Array, middle: Array) -> Array:
+def seen_on_plane(corner_directions: Array, middle_direction: Array) -> Array:
     """From the sphere's centre on a plane across the middle, (m, 2): arcs become straight.
 
     Counter-clockwise is what is so seen from outside the sphere.
     """
+    middle = middle_direction
     first = np.cross(middle, np.eye(3)[np.argmin(np.abs(middle))])
     axes = np.stack([first, np.cross(middle, first)], axis=1) / np.linalg.norm(first)
-    return np.asarray(corners @ axes / (corners @ middle)[:, None])
+    return np.asarray(corner_directions @ axes / (corner_directions @ middle)[:, None])
 
 
-def _smallest_cap(corners: Array) -> tuple[Array, float]:
+def _smallest_cap(corner_directions: Array) -> tuple[Array, float]:
     """Middle and radius of the smallest cap that holds the corners: two or three lie on its edge.
 
     A radius of a quarter turn or more is told as half a turn.
     """
-    places = range(len(corners))
-    first, second = corners[np.array(list(combinations(places, 2))).T]
-    a, b, c = corners[np.array(list(combinations(places, 3))).T]
+    places = range(len(corner_directions))
+    first, second = corner_directions[np.array(list(combinations(places, 2))).T]
+    a, b, c = corner_directions[np.array(list(combinations(places, 3))).T]
     around = cross(b - a, c - a)
     middles = np.concatenate([first + second, around, -around])
     length = np.linalg.norm(middles, axis=1)
     middles = unit(middles[length > STRAIGHT])
-    cosine = (middles @ corners.T).min(axis=1) if len(middles) else np.zeros(1)
+    cosine = (middles @ corner_directions.T).min(axis=1) if len(middles) else np.zeros(1)
     best = int(np.argmax(cosine))
     if not cosine[best] > 0.0:
         return np.zeros(3), math.pi
-    return middles[best], float(_chord_rad(corners, middles[best]).max())
+    return middles[best], float(_apart_rad(corner_directions, middles[best]).max())
 
 
-def _require_simple(corners: Array) -> None:
+def _require_simple(corner_directions: Array) -> None:
     """Raises ValueError naming corners by their places in what was given."""
-    count = len(corners)
-    following = np.roll(corners, -1, axis=0)
+    count = len(corner_directions)
+    following = np.roll(corner_directions, -1, axis=0)
     least_deg = math.degrees(WIDTH_MIN_RAD)
-    for k, apart_rad in enumerate(np.linalg.norm(following - corners, axis=1)):
+    for k, apart_rad in enumerate(np.linalg.norm(following - corner_directions, axis=1)):
         if apart_rad < WIDTH_MIN_RAD:
             raise ValueError(
                 f"must lie {least_deg:g} deg or more apart, but {k} and {(k + 1) % count} are "
                 f"{math.degrees(apart_rad):.2g} deg apart; leave one of them out"
             )
-    normals = _normals(corners)
+    normals = _normals(corner_directions)
     for k, other in combinations(range(count), 2):
         if other - k in (1, count - 1):
             continue
-        parted = (normals[k] @ corners[other]) * (normals[k] @ following[other]) < 0.0
-        if parted and (normals[other] @ corners[k]) * (normals[other] @ following[k]) < 0.0:
+        parted = (normals[k] @ corner_directions[other]) * (normals[k] @ following[other]) < 0.0
+        if (
+            parted
+            and (normals[other] @ corner_directions[k]) * (normals[other] @ following[k]) < 0.0
+        ):
             raise ValueError(
                 f"must make sides that don't cross, but the side from {k} crosses the side from "
                 f"{other}; give them in their order around the region"
             )
-    away = np.minimum(_from_sides(corners, normals, corners)[1], math.pi)
-    ends = _chord_rad(corners[:, None], corners)
+    away = np.minimum(_from_sides(corner_directions, normals, corner_directions)[1], math.pi)
+    ends = _apart_rad(corner_directions[:, None], corner_directions)
     away = np.minimum(away, np.minimum(ends, np.roll(ends, -1, axis=1)))
     own = np.arange(count)
     away[own, own] = away[own, own - 1] = math.inf
@@ -189,23 +193,23 @@ def _require_simple(corners: Array) -> None:
         )
 
 
-def _normals(corners: Array) -> Array:
-    return unit(cross(corners, np.roll(corners, -1, axis=0)))
+def _normals(corner_directions: Array) -> Array:
+    return unit(cross(corner_directions, np.roll(corner_directions, -1, axis=0)))
 
 
-def _from_sides(corners: Array, normals: Array, directions: Array) -> tuple[Array, Array]:
+def _from_sides(corner_directions: Array, normals: Array, directions: Array) -> tuple[Array, Array]:
     """Of each direction from each side, (n, m): the sine to its left, and how far off it is.
 
     Infinitely where none of the side's inner points is the nearest one.
     """
     sine = directions @ normals.T
-    after_first = directions @ cross(normals, corners).T >= 0.0
-    before_last = directions @ cross(np.roll(corners, -1, axis=0), normals).T >= 0.0
+    after_first = directions @ cross(normals, corner_directions).T >= 0.0
+    before_last = directions @ cross(np.roll(corner_directions, -1, axis=0), normals).T >= 0.0
     away = np.arcsin(np.minimum(np.abs(sine), 1.0))
     return sine, np.where(after_first & before_last, away, math.inf)
 
 
-def _chord_rad(one: Array, other: Array) -> Array:
+def _apart_rad(direction: Array, other_direction: Array) -> Array:
     """Between unit vectors (..., 3), by their chord: accurate where they are close."""
-    chord = np.linalg.norm(one - other, axis=-1)
+    chord = np.linalg.norm(direction - other_direction, axis=-1)
     return np.asarray(2.0 * np.arcsin(np.minimum(chord / 2.0, 1.0)))

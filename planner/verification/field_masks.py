@@ -72,14 +72,12 @@ class _Path:
         self._platform, self._cells = platform, np.arange(len(table.angle_rad) - 1)
         columns = zip(table.angle_rad.T, table.rate_rad_s.T, strict=True)
         self._axes = [AxisHermite(angle_rad, rate_rad_s) for angle_rad, rate_rad_s in columns]
-        # In a cell the acceleration changes evenly.
-        self._acceleration_rad_s2 = sum(
-            np.maximum(
-                np.abs(axis.acceleration_after_row_rad_s2),
-                np.abs(axis.acceleration_before_row_rad_s2),
-            )
+        # In a cell the acceleration changes evenly: it is greatest at an end.
+        at_ends = [
+            np.abs([axis.acceleration_after_row_rad_s2, axis.acceleration_before_row_rad_s2])
             for axis in self._axes
-        )
+        ]
+        self._acceleration_rad_s2 = np.max(at_ends, axis=1).sum(axis=0)
 
     def nearest(self, region: "Region") -> tuple[float, float]:
         """The least distance and when: of a part of the path, its middle and how far its ends may
@@ -157,23 +155,23 @@ class Region:
         return np.where(winding > math.pi, -nearest, nearest)
 
 
-def _seen_angle(directions: Array, first: Array, second: Array) -> Array:
+def _seen_angle(directions: Array, first_direction: Array, second_direction: Array) -> Array:
     """By which bearing from a direction a side turns, anticlockwise seen from outside, (n,).
 
     Over all sides they add up to a whole turn where the polygon winds about the direction, and to
     one backwards where it winds about the opposite one.
     """
-    sine = directions @ np.cross(first, second)
-    cosine = first @ second - (directions @ first) * (directions @ second)
+    sine = directions @ np.cross(first_direction, second_direction)
+    beside = (directions @ first_direction) * (directions @ second_direction)
+    cosine = first_direction @ second_direction - beside
     return np.asarray(np.arctan2(sine, cosine))
 
 
-def _solid_angle(corners: Array) -> float:
+def _solid_angle(corner_directions: Array) -> float:
     """Positive where the corners go anticlockwise, seen from outside the sphere.
 
     Source: Van Oosterom, Strackee 1983, of the triangles from the first corner.
     """
-    a = corners[0]
-    b, c = corners[1:-1], corners[2:]
+    a, b, c = corner_directions[0], corner_directions[1:-1], corner_directions[2:]
     triple = np.sum(a * np.cross(b, c), axis=1)
     return float(np.sum(2.0 * np.arctan2(triple, 1.0 + b @ a + c @ a + np.sum(b * c, axis=1))))

@@ -68,7 +68,7 @@ def test_convex_parts_make_up_the_polygon_once(number):
     assert np.array_equal(holders[off_seams], inside(mask_corners(mask), directions)[off_seams])
     for part in parts:
         # Convex: every corner is on the inner side of every side.
-        assert (part.normals @ part.corners.T).min() > -1e-9
+        assert (part.normals @ part.corner_directions.T).min() > -1e-9
 
 
 def test_an_octant_is_as_deep_as_its_incircle():

@@ -75,7 +75,7 @@ def test_a_polygon_is_passed_as_well_as_the_cone_around_it():
             about="the same",
             half_angle_rad=polygon.reach_rad,
             t_s=np.linspace(0.0, problem.duration_s, 4),
-            axis_platform=np.tile(polygon.middle, (4, 1)),
+            axis_platform=np.tile(polygon.middle_direction, (4, 1)),
             counts_rad=np.ones(4),
         )
         view = KeepOutView(platform=ISS_HRC, cones=(cone,))
