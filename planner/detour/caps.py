@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from planner import effort
 from planner.arrays import Array
 from planner.detour.convex_parts import convex_parts
 from planner.detour.ocp import Caps
@@ -19,6 +20,7 @@ from planner.pointing.keep_out import KeepOutView
 
 PARTS_AT_ONCE = 3  # of masks, nearest to the path, kept out of at an instant
 LOOKS = 4  # at the path between two instants
+LOOK = 0.07  # of `planner.effort`, for each part
 
 
 class MaskPart(NamedTuple):
@@ -67,6 +69,7 @@ def mask_caps(parts: tuple[MaskPart, ...], boresight_platform: Array, margins_ra
     margins_rad: (regions, n), kept beside each mask's own margin.
     """
     between, looks, _ = boresight_platform.shape
+    effort.spend(LOOK * between * looks * len(parts))
     flat = boresight_platform.reshape(-1, 3)
     depth = np.stack([part.polygon.depth_rad(flat) + part.margin_rad for part in parts])
     depth = depth.reshape(len(parts), between, looks)

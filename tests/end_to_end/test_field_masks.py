@@ -13,7 +13,8 @@ from scipy_boresight import scipy_boresight
 
 from planner.errors import InfeasibleSlew, NotVisible
 from planner.platforms import ISS_HRC, FieldMask
-from planner.scenario import SlewOptions
+from planner.pointing.angles import axis_angles
+from planner.scenario import FinalAngles, SlewOptions
 from planner.sessions.pipeline import make_plan
 from planner.targets import KeepOut
 from planner.verification import verify
@@ -115,7 +116,18 @@ def test_a_platform_that_begins_inside_is_told_by_how_deep(free_plan):
     assert refusal.value.field == "initial_state.angles_deg"
 
 
-def test_no_orbit_is_asked_for_where_no_cone_moves(free_plan):
-    """A mask out of the way changes nothing of a plan but its margin."""
+def test_a_mask_out_of_the_way_changes_nothing_but_its_margin(free_plan):
     plan = make_plan(masked(around(np.array([0.0, 0.0, -1.0]), 40.0)))
     np.testing.assert_array_equal(plan.table.angle_rad, free_plan.table.angle_rad)
+    (margin,) = plan.verification.masks
+    assert math.degrees(margin.away_min_rad) > 40.0
+
+
+def test_a_final_state_inside_a_mask_is_refused_as_such():
+    aside = around(np.array([0.0, 0.8, 0.6]), 8.0)
+    angle_rad = axis_angles(ISS_HRC, np.array([[0.0, 0.8, 0.6]])).angle_rad[0, 0]
+    angles_deg = dict(zip(ISS_HRC.axis_names, np.degrees(angle_rad).tolist(), strict=True))
+    final = replace(masked(aside), final_state=FinalAngles(angles_deg=angles_deg))
+    with pytest.raises(InfeasibleSlew, match='inside the mask "radiator"') as refusal:
+        make_plan(final)
+    assert refusal.value.field == "final_state"
