@@ -10,7 +10,7 @@ from scipy_boresight import scipy_boresight
 
 from planner.errors import InfeasibleSlew
 from planner.platforms import ISS_HRC, FieldMask
-from planner.pointing.keep_out import KeepOutView
+from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew import (
     AxisState,
     SlewProblem,
@@ -85,3 +85,29 @@ def _drawn(rng, draw_corners, masks):
     if case.is_entered(angle[[0, -1]]) or not case.is_entered(angle):
         return None
     return case
+
+
+def ring(rng, middle, count=40):
+    """Corners on a circle around something beside the middle, which is inside."""
+    radius_rad = math.radians(rng.uniform(10.0, 45.0))
+    off = np.cross(middle, rng.normal(size=3))
+    centre = middle + rng.uniform(0.0, 0.7) * math.tan(radius_rad) * off / np.linalg.norm(off)
+    centre /= np.linalg.norm(centre)
+    first = np.cross(centre, off) / np.linalg.norm(np.cross(centre, off))
+    clock = 2.0 * np.pi * np.arange(count)[:, None] / count
+    around = np.cos(clock) * first + np.sin(clock) * np.cross(centre, first)
+    return math.cos(radius_rad) * centre + math.sin(radius_rad) * around
+
+
+def cone_around(case):
+    """The straight slew with the smallest cone around the case's one mask in place of it."""
+    polygon = case.masks[0].polygon
+    cone = MovingCone(
+        about="the same",
+        half_angle_rad=polygon.reach_rad,
+        t_s=np.linspace(0.0, case.problem.duration_s, 4),
+        axis_platform=np.tile(polygon.middle_direction, (4, 1)),
+        counts_rad=np.ones(4),
+    )
+    view = KeepOutView(platform=ISS_HRC, cones=(cone,))
+    return replace(case.straight, problem=replace(case.problem, keep_out=view))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from keep_out_cases import LIMITS, hermite
-from mask_cases import draw_mask_cases
+from mask_cases import cone_around, draw_mask_cases, ring
 from mask_shapes import boom, inside, mask_corners, sampled_away_rad, star
 from scipy_boresight import scipy_boresight
 
@@ -14,7 +14,7 @@ from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, MasksOverCells, is
 from planner.detour.detour import avoid_cones
 from planner.errors import InfeasibleSlew
 from planner.platforms import ISS_HRC, FieldMask
-from planner.pointing.keep_out import KeepOutView, MovingCone
+from planner.pointing.keep_out import KeepOutView
 from planner.slew import AxisState, SlewProblem, fit_to_rows, optimal_slew
 from planner.slew.solution import obeys
 
@@ -58,30 +58,10 @@ def test_what_is_flown_never_enters_a_mask(number):
 def test_a_polygon_is_passed_as_well_as_the_cone_around_it():
     """40 corners on a circle leave 0.3 % of its radius at most."""
 
-    def ring(rng, middle):
-        radius_rad = math.radians(rng.uniform(10.0, 45.0))
-        off = np.cross(middle, rng.normal(size=3))
-        centre = middle + rng.uniform(0.0, 0.7) * math.tan(radius_rad) * off / np.linalg.norm(off)
-        centre /= np.linalg.norm(centre)
-        first = np.cross(centre, off) / np.linalg.norm(np.cross(centre, off))
-        clock = 2.0 * np.pi * np.arange(40)[:, None] / 40.0
-        around = np.cos(clock) * first + np.sin(clock) * np.cross(centre, first)
-        return math.cos(radius_rad) * centre + math.sin(radius_rad) * around
-
     compared = 0
     for case in draw_mask_cases(3, 12, ring):
-        problem, polygon = case.problem, case.masks[0].polygon
-        cone = MovingCone(
-            about="the same",
-            half_angle_rad=polygon.reach_rad,
-            t_s=np.linspace(0.0, problem.duration_s, 4),
-            axis_platform=np.tile(polygon.middle_direction, (4, 1)),
-            counts_rad=np.ones(4),
-        )
-        view = KeepOutView(platform=ISS_HRC, cones=(cone,))
-        about_cone = replace(case.straight, problem=replace(problem, keep_out=view))
         try:
-            by_cone = avoid_cones(about_cone).jerk_squared_integral
+            by_cone = avoid_cones(cone_around(case)).jerk_squared_integral
         except InfeasibleSlew:
             continue
         by_mask = avoid_cones(case.straight).jerk_squared_integral
