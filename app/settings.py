@@ -1,9 +1,11 @@
 """What the operator can set, by `SLEWTRACK_*` environment variables."""
 
 import os
+import re
 from pathlib import Path
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
+from pydantic_core import PydanticCustomError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from app.log.logs import LogFormat, LogLevel
@@ -14,6 +16,9 @@ def _user_data_dir() -> Path:
     """Where the XDG base directory specification has a user's data."""
     home = os.environ.get("XDG_DATA_HOME")
     return (Path(home) if home else Path.home() / ".local" / "share") / "slewtrack"
+
+
+_ORIGIN = re.compile(r"https?://(?:\[[0-9a-f:]+\]|[a-z0-9.-]+)(?::\d{1,5})?")  # RFC 6454
 
 
 class Settings(BaseSettings):
@@ -107,6 +112,11 @@ class Settings(BaseSettings):
         default="localhost,127.0.0.1,[::1]",
         description="Names in the Host header that are answered without a key; 421 for others",
     )
+    allowed_origins: str = Field(
+        default="",
+        description="Origins such as https://planner.example whose web pages may use the service "
+        "(CORS), separated by commas; a key is needed as without",
+    )
     trusted_proxies: str = Field(
         default="",
         description="Addresses or networks of proxies whose X-Forwarded-For is believed, "
@@ -127,6 +137,26 @@ class Settings(BaseSettings):
 
     log_level: LogLevel = Field(default="info", description="debug, info, warning or error")
     log_format: LogFormat = Field(default="console", description="json or console")
+
+    @field_validator("allowed_origins")
+    @classmethod
+    def _require_origins(cls, text: str) -> str:
+        if not all(map(_ORIGIN.fullmatch, _words(text))):
+            raise PydanticCustomError(
+                "origin",
+                "Each must be an origin such as https://planner.example:8443, without a path",
+            )
+        return text
+
+    @property
+    def origins(self) -> frozenset[str]:
+        """Of pages that may use the service."""
+        return frozenset(_words(self.allowed_origins))
+
+
+def _words(text: str) -> list[str]:
+    """In a list with commas, in lower case."""
+    return [word for part in text.split(",") if (word := part.strip().lower())]
 
 
 def settings_of_environment() -> Settings:

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Discriminator, Tag
 
 from planner.arrays import Array
+from planner.assumed import Assumed
 from planner.attitude import Attitude
 from planner.commands import COMMAND_STEP_S
 from planner.errors import figures
@@ -30,7 +31,7 @@ KEEP_OUT_MAX = 8  # each makes the detour's problem larger
 AVOID_MODES_MAX = 16
 OnConflict = Literal["refuse", "shorten_later", "shorten_earlier", "least_loss"]
 Keyhole = Literal["refuse", "nearest"]
-_MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
+MotionDeg = Annotated[float, Within(-1e3, 1e3)]  # no axis may have more rate or acceleration
 
 
 @spec
@@ -43,12 +44,14 @@ class InitialState:
     angles_deg: of the axes.
     rates_deg_s: of the axes; none are zero.
     accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    assumed: what of it nobody gave.
     """
 
     epoch: datetime
     angles_deg: Mapping[str, AngleDeg]
-    rates_deg_s: Mapping[str, _MotionDeg] = field(default_factory=dict)
-    accelerations_deg_s2: Mapping[str, _MotionDeg] = field(default_factory=dict)
+    rates_deg_s: Mapping[str, MotionDeg] = field(default_factory=dict)
+    accelerations_deg_s2: Mapping[str, MotionDeg] = field(default_factory=dict)
+    assumed: tuple[Assumed, ...] = ()
 
     def __post_init__(self) -> None:
         if self.epoch.microsecond % round(COMMAND_STEP_S * 1e6):
@@ -274,6 +277,15 @@ class Scenario:
                     f"{figures(angles_deg[axis], low_deg, high_deg)}, outside its limits "
                     f"{low_deg:.6g}..{high_deg:.6g}"
                 )
+
+    @property
+    def assumed(self) -> tuple[Assumed, ...]:
+        """What was looked up, or taken where nothing was given."""
+        looked_up = (
+            session.target.assumed(f"sessions.{number}.target")
+            for number, session in enumerate(self.sessions)
+        )
+        return (*self.initial_state.assumed, *filter(None, looked_up))
 
     @property
     def final_angle_rad(self) -> tuple[float, ...] | None:

@@ -16,6 +16,7 @@ from app.answers.ranges import (
     Share,
 )
 from app.store.ids import JobState
+from planner.assumed import Assumed
 from planner.campaigns import Closing
 
 if TYPE_CHECKING:  # children answer without a database
@@ -84,6 +85,8 @@ class CampaignChoiceOut:
     passes: how many there are looks in.
     unseen: targets that can't be looked at for as long as they must, and why.
     left_out: targets that can, but others are worth more.
+    assumed: where the targets are that the request gives by name only; not told of campaigns that
+    older versions chose.
     warnings: what one should know before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
@@ -97,6 +100,7 @@ class CampaignChoiceOut:
     passes: Count
     unseen: list[UnseenTarget]
     left_out: list[TargetLeftOut]
+    assumed: list[Assumed] | None = None
     warnings: list[str]
 
 

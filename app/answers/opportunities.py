@@ -10,6 +10,7 @@ from pydantic import Field
 from app.answers.members import ProvenanceOut, to_json
 from app.answers.ranges import ElevationDeg, ElevationOrLimbDeg, HalfTurnDeg, NotNegative, Signed
 from planner.arrays import Array
+from planner.assumed import Assumed
 from planner.frames.time_scales import Instants, utc_text
 from planner.opportunities import Opportunities, Sightings
 
@@ -130,6 +131,7 @@ class OpportunitiesResponse:
     stop: of the time searched; UTC.
     windows: all there are.
     unseen: ids of the targets without any window. E.g. `["Reykjavik"]`.
+    assumed: where the targets are that the request gives by name only.
     warnings: what one should know before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
@@ -138,6 +140,7 @@ class OpportunitiesResponse:
     stop: str
     windows: list[WindowOut]
     unseen: list[str]
+    assumed: list[Assumed]
     warnings: list[str]
     provenance: ProvenanceOut
 
@@ -153,6 +156,7 @@ def opportunities_json(result: Opportunities, provenance: ProvenanceOut) -> byte
                 result.ids[row]
                 for row in np.setdiff1d(np.arange(len(result.ids)), result.windows.target)
             ],
+            assumed=list(result.assumed),
             warnings=list(result.warnings),
             provenance=provenance,
         )

@@ -22,6 +22,7 @@ from app.answers.members import (
 from app.answers.pointing import PointingOut, SlowStretchOut, UncertaintyOut, pointing_out
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Signed
 from app.answers.solver import SolverOut, solver_out
+from planner.assumed import Assumed
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
@@ -171,6 +172,8 @@ class PlanDocument:
     horizon_checks: what the carrier's horizon cameras will see, for each session and camera.
     solver: how the slews were solved.
     warnings: what one should know before flying it.
+    assumed: what the request left to be looked up or filled in, such as the place of a name or the
+    initial state, and what was taken; not told of plans that older versions made.
     """
 
     name: str
@@ -187,6 +190,7 @@ class PlanDocument:
     horizon_checks: list[HorizonCheckOut]
     solver: SolverOut
     warnings: list[str]
+    assumed: list[Assumed] | None = None
     provenance: ProvenanceOut
 
 
@@ -283,6 +287,7 @@ def plan_document(
             horizon_checks=list(checks),
             solver=solver_out(plan),
             warnings=list(plan.warnings),
+            assumed=list(plan.scenario.assumed),
             provenance=provenance,
         )
     )

@@ -13,9 +13,11 @@ from fastapi.routing import APIRoute
 
 from app.http import pages
 from app.http import problems as errors
+from app.http.compression import Compression
 from app.http.door.access import Access
 from app.http.door.gate import Gate
 from app.http.door.key_ring import KeyRing
+from app.http.door.origins import Origins
 from app.http.door.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
@@ -112,11 +114,15 @@ def _guard_and_watch(app: FastAPI, settings: Settings) -> None:
         ),
         require_keys=settings.require_keys,
         hosts=tuple(name.strip() for name in settings.allowed_hosts.split(",")),
+        origins=settings.origins,
         failures_per_minute=settings.failures_per_minute,
     )
+    app.add_middleware(Compression)
     app.add_middleware(HeadAsGet)
     app.add_middleware(Gate, access=access, settings=settings, stopping=app.state.stopping)
-    app.add_middleware(Watch, metrics=app.state.metrics)  # the last added is the outermost
+    app.add_middleware(Watch, metrics=app.state.metrics)
+    # The last added is the outermost: pages may read whatever is answered.
+    app.add_middleware(Origins, allowed=settings.origins)
 
 
 @asynccontextmanager

@@ -51,6 +51,7 @@ class _Running:
     stop: Stop = field(default_factory=Stop)
     began_s: float = field(default_factory=time.monotonic)
     progress_s: float = field(default_factory=time.monotonic)
+    untold: Progress | None = None  # it came too soon after what was stored
 
 
 # Told of a job's kind, the state its work ended in, how long it took and the iterations.
@@ -230,8 +231,9 @@ class Dispatcher:
     def _record_progress(self, running: _Running, progress: Progress) -> None:
         now_s = time.monotonic()
         if now_s - running.progress_s < PROGRESS_S or not running.token:
+            running.untold = progress
             return
-        running.progress_s = now_s
+        running.progress_s, running.untold = now_s, None
         data = {name: value for name, value in asdict(progress).items() if value is not None}
         try:
             with self._database.writing() as connection:
@@ -239,6 +241,12 @@ class Dispatcher:
                     events.record(connection, running.job_id, events.PROGRESS, data)
         except (StoreUnavailable, SQLAlchemyError) as error:  # the work matters more
             log.warning("progress can't be stored", job=running.job_id, error=error)
+
+    def _tell_untold(self) -> None:
+        """A stage that lasts is told though it began right after another."""
+        for running in self._now_running():
+            if (untold := running.untold) is not None:
+                self._record_progress(running, untold)
 
     def _end(self, running: _Running, done: Future[Any]) -> None:
         took_s = time.monotonic() - running.began_s
@@ -308,6 +316,7 @@ class Dispatcher:
             try:
                 self._begin_waiting()
                 self._keep_leases()
+                self._tell_untold()
                 self._prune()
             except StoreUnavailable:  # which is told where it is raised
                 self._closing.wait(_PAUSE_S)

@@ -6,7 +6,7 @@ A new kind is a module with its work, which a child imports, and a line in JOB_K
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from sqlalchemy import Connection
@@ -43,6 +43,8 @@ class JobKind:
     store: puts that into the database, in the transaction that finishes the job, whose row it
     holds.
     iterations: of a solver, counted in the metrics.
+    stages: when each that its work or its parts report begins, in percent of the whole time, in
+    order; as jobs that take long have been seen to share it.
     has_parts: jobs of their own, which the result names.
     """
 
@@ -51,7 +53,16 @@ class JobKind:
     work: Callable[[bytes, Any], Any]
     store: Callable[[Connection, Job, Any], Settled]
     iterations: Callable[[Any], int | None] = lambda _: None
+    stages: Mapping[str, int] = field(default_factory=dict)
     has_parts: bool = False
+
+    def percent(self, stage: str, done: int = 0, of: int = 1) -> int | None:
+        """Of the time until a job is done, when so much of a stage is; None where none can say."""
+        if stage not in self.stages:
+            return None
+        begins = self.stages[stage]
+        ends = next((later for later in self.stages.values() if later > begins), 100)
+        return begins + int((ends - begins) * min(done / max(of, 1), 1.0))
 
 
 def _store_plan(connection: Connection, job: Job, new: NewPlan) -> Settled:
@@ -67,6 +78,13 @@ PLAN = JobKind(
     work=plan_and_pack,
     store=_store_plan,
     iterations=lambda new: new.iterations,
+    stages={
+        "orbit": 0,
+        "slews and tracks": 2,
+        "comparison": 75,
+        "pointing budget": 80,
+        "verification": 87,
+    },
 )
 SPACECRAFT_PLAN = JobKind(
     name="spacecraft",
@@ -75,6 +93,14 @@ SPACECRAFT_PLAN = JobKind(
     bounds=Bounds(deadline_s=300.0, memory_mib=3000),
     work=plan_and_pack_session,
     store=_store_plan,
+    stages={
+        "candidates": 0,
+        "choice and turns": 4,
+        "gimbals": 55,
+        "verification": 58,
+        "flight": 62,
+        "alternatives": 95,
+    },
 )
 
 
@@ -95,6 +121,17 @@ CAMPAIGN = JobKind(
     work=choose,
     store=_store_campaign,
     has_parts=True,
+    stages={
+        "opportunities": 0,
+        "ways": 10,
+        "slews": 15,
+        "choosing": 35,
+        "mixing": 60,
+        "rounding": 65,
+        "exchanging": 68,
+        "bound": 75,
+        "plans": 80,
+    },
 )
 
 JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN)}

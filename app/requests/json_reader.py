@@ -63,7 +63,7 @@ class JsonReader(Generic[T]):
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""
-        sent = _document(body)
+        sent = json_document(body)
         document = self._plain(sent)
         if document is not sent:
             body = json.dumps(document).encode()
@@ -121,7 +121,7 @@ def beyond_bounds(body: bytes) -> str | None:
     return None
 
 
-def _document(body: bytes) -> object:
+def json_document(body: bytes) -> object:
     """The JSON value, to look field names up in; refuses what isn't JSON."""
     objects = 0
 
@@ -208,7 +208,8 @@ def _field_error(error: Mapping[str, Any], document: object) -> FieldError:
         # Our own ValueErrors begin with the field at fault.
         name, _, rest = detail.partition(" ")
         name = name.removesuffix(":")
-        named_path, named = _path_in(node, name.split("."))
+        is_missing = rest.startswith("is required")
+        named_path, named = _path_in(node, name.split("."), keep_absent_end=is_missing)
         if ".".join(named_path) == name:
             path, detail, given = path + named_path, rest, named
     value = _short_value(given)

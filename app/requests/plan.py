@@ -1,14 +1,15 @@
 """A request for a plan: a scenario within the service's bounds, and horizon cameras."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import AfterValidator, FailFast, Field
 
+from app.requests.initial_state import AskedInitialState
 from app.requests.json_reader import JsonReader
 from estimator.camera import HorizonCamera
 from estimator.request import require_cameras
-from planner.frames.time_scales import elapsed_s
-from planner.scenario import Scenario, Session
+from planner.frames.time_scales import elapsed_s, tai_us
+from planner.scenario import InitialState, Scenario, Session
 from planner.spec import spec
 
 SESSIONS_MAX = 200
@@ -20,13 +21,22 @@ SPAN_MAX_S = 86400.0  # 432,000 rows, some 30 MB
 class PlanRequest(Scenario):
     """A carrier, a platform on it, its state, and the sessions to fly in order of time.
 
+    initial_state: where the platform is when the table begins; what is left out is filled in, and
+    `assumed` of the plan says how.
     horizon_cameras: the carrier's; `horizon_checks` says what they will see.
     """
 
+    if not TYPE_CHECKING:  # what is read; once born, it is complete
+        initial_state: AskedInitialState = AskedInitialState()
     sessions: Annotated[tuple[Session, ...], Field(max_length=SESSIONS_MAX), FailFast()]
     horizon_cameras: tuple[HorizonCamera, ...] = ()
 
     def __post_init__(self) -> None:
+        asked: AskedInitialState | InitialState = self.initial_state
+        if isinstance(asked, AskedInitialState) and self.sessions:
+            first_utc = min((session.start for session in self.sessions), key=tai_us)
+            completed = asked.completed(self.platform, first_utc)
+            object.__setattr__(self, "initial_state", completed)
         Scenario.__post_init__(self)
         if self.horizon_cameras:
             require_cameras("horizon_cameras", self.horizon_cameras)

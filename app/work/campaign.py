@@ -86,6 +86,7 @@ def _choice(request: CampaignRequest, campaign: Campaign) -> CampaignChoiceOut:
             for one in campaign.unseen
         ],
         left_out=[_left_out(request, one) for one in campaign.left_out],
+        assumed=list(request.opportunities().assumed),
     )
 
 

@@ -5,15 +5,17 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
+import numpy as np
+
 from app.answers.members import provenance
 from app.answers.plan import plan_document, require_verified, table_json, verdict_state
 from app.requests.plan import PlanRequest, read_plan_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import Progress, report
-from planner.commands import CommandTable
+from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.export import EXPORTERS, FlightPlan, Segment
-from planner.frames.time_scales import utc_from_text, utc_text
+from planner.frames.time_scales import shifted_utc, utc_from_text, utc_text
 from planner.sessions.pipeline import make_plan
 from planner.sessions.plan import Plan
 from planner.verification import Finding
@@ -41,6 +43,28 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
 def stored_table_json(table_columns: bytes) -> bytes:
     """The table as the answer holds it."""
     return table_json(_table(unpack(table_columns)))
+
+
+def end_of_table(table_columns: bytes) -> tuple[datetime, dict[str, dict[str, float]]]:
+    """When a stored table ends, and how the axes move then, as an initial state says it.
+
+    The acceleration is that of the cubic the platform flies between the last two rows.
+    """
+    table = _table(unpack(table_columns))
+    before_rad, angle_rad = table.angle_rad[-2:]
+    rate_before_rad_s, rate_rad_s = table.rate_rad_s[-2:]
+    acceleration_rad_s2 = (
+        6.0 * (before_rad - angle_rad) / COMMAND_STEP_S + 2.0 * rate_before_rad_s + 4.0 * rate_rad_s
+    ) / COMMAND_STEP_S
+    members = {
+        "angles_deg": angle_rad,
+        "rates_deg_s": rate_rad_s,
+        "accelerations_deg_s2": acceleration_rad_s2,
+    }
+    return shifted_utc(table.epoch_utc, float(table.t_s[-1])), {
+        member: dict(zip(table.axis_names, np.round(np.rad2deg(column), 12).tolist(), strict=True))
+        for member, column in members.items()
+    }
 
 
 def stored_table_file(

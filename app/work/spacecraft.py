@@ -8,6 +8,7 @@ from app.answers.members import provenance
 from app.answers.spacecraft import attitude_table_json, spacecraft_document
 from app.requests.spacecraft import read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
+from app.work.progress import Progress, report
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
 from planner.spacecraft.plan import plan_imaging
@@ -26,7 +27,10 @@ _COLUMNS = (
 def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> NewPlan:
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
     now_utc = datetime.now(UTC)
-    plan = plan_imaging(request or read_spacecraft_request(body))
+    plan = plan_imaging(
+        request or read_spacecraft_request(body),
+        lambda stage, done, of: report(Progress(stage=stage, done=done, of=of)),
+    )
     origin = provenance(now_utc, body)
     return NewPlan(
         name=plan.request.name,

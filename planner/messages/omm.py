@@ -5,9 +5,10 @@ Source: CCSDS 502.0-B-3, section 4; CelesTrak's GP data formats for JSON.
 """
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from planner.errors import InvalidMessage
 from planner.messages.keywords import MAX_CHARACTERS, Entry, Keywords, read_keywords
@@ -41,9 +42,14 @@ class Omm:
     bstar: float
 
 
-def read_omm(content: str) -> Omm:
-    """Raises InvalidMessage naming the line and the keyword."""
-    if content.lstrip("\ufeff \t\r\n").startswith(("[", "{")):
+def read_omm(content: str | Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> Omm:
+    """The message as text, or what its JSON holds.
+
+    Raises InvalidMessage naming the line and the keyword.
+    """
+    if not isinstance(content, str):
+        omm = _from_parsed(content)
+    elif content.lstrip("\ufeff \t\r\n").startswith(("[", "{")):
         omm = _from_json(content)
     else:
         omm = read_keywords(content, "OMM", ("1", "2", "3"))
@@ -83,9 +89,16 @@ def _from_json(content: str) -> Keywords:
         raise InvalidMessage(f"OMM line {error.lineno}: the JSON is broken: {error.msg}") from None
     except (ValueError, RecursionError):
         raise InvalidMessage("the OMM's JSON holds a value no orbit has") from None
-    objects = parsed if isinstance(parsed, list) else [parsed]
-    if len(objects) != 1 or not isinstance(objects[0], dict):
+    return _from_parsed(parsed)
+
+
+def _from_parsed(parsed: object) -> Keywords:
+    objects = parsed if isinstance(parsed, list | tuple) else [parsed]
+    if len(objects) != 1 or not isinstance(objects[0], Mapping):
         raise InvalidMessage(f"the OMM's JSON holds {len(objects)} entries; send one satellite")
+    for key, value in objects[0].items():
+        if isinstance(value, str) and not value.isprintable():
+            raise InvalidMessage(f"the OMM's {key!r} holds a character that can't be seen")
     entries = [
         Entry(key, str(value), "", 1)
         for key, value in objects[0].items()

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import FailFast, Field
 
+from planner.assumed import Assumed
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
@@ -125,6 +126,15 @@ class OpportunityRequest:
             seen.add(wanted.id)
             wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
         self._require_bounds()
+
+    @property
+    def assumed(self) -> tuple[Assumed, ...]:
+        """Where the targets are that are given by name."""
+        looked_up = (
+            wanted.target.assumed(f"targets.{number}.target")
+            for number, wanted in enumerate(self.targets)
+        )
+        return tuple(filter(None, looked_up))
 
     def _require_bounds(self) -> None:
         days = elapsed_s(self.stop, self.start) / DAY_S

@@ -80,6 +80,7 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
         stop_utc=request.stop,
         ids=tuple(wanted.id for wanted in request.targets),
         axis_names=request.platform.axis_names,
+        assumed=request.assumed,
         warnings=(
             *ephemeris.warnings,
             *request.attitude.warnings_at(ends),

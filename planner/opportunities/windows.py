@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array, Indices
+from planner.assumed import Assumed
 from planner.commands import ROWS_PER_S
 
 T = TypeVar("T")
@@ -98,6 +99,7 @@ class Opportunities:
     """Windows in order of the request's targets, each target's in order of time.
 
     ids: one per target.
+    assumed: where those are that were given by name.
     """
 
     start_utc: datetime
@@ -105,6 +107,7 @@ class Opportunities:
     ids: tuple[str, ...]
     axis_names: tuple[str, str]
     warnings: tuple[str, ...]
+    assumed: tuple[Assumed, ...]
     windows: Windows
 
 

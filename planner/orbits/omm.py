@@ -1,10 +1,12 @@
 """An orbit from mean elements as a message (CCSDS OMM), by SGP4."""
 
 import math
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Any, Literal
 
+from pydantic import Discriminator, Tag
 from sgp4.api import WGS72, Satrec
 
 from planner.errors import InvalidMessage
@@ -15,19 +17,35 @@ from planner.spec import spec
 
 _SGP4_ORIGIN = datetime(1949, 12, 31, tzinfo=UTC)
 _MINUTES_PER_DAY = 1440.0
+_Elements = Mapping[str, Any]
+
+
+def _form(value: object) -> str:
+    if isinstance(value, Mapping):
+        return "object"
+    return "list" if isinstance(value, list | tuple) else "text"
+
+
+OmmContent = Annotated[
+    Annotated[str, Tag("text")]
+    | Annotated[_Elements, Tag("object")]
+    | Annotated[tuple[_Elements, ...], Tag("list")],
+    Discriminator(_form),
+]
 
 
 @spec
 class OmmOrbit:
-    """The text of a CCSDS OMM: JSON as catalogues send it, KVN or XML.
+    """A CCSDS OMM: JSON as catalogues send it, KVN or XML.
 
     The same elements as a TLE with more digits, so the same error: about 1 km at the epoch.
 
-    content: the whole message, line breaks included.
+    content: the whole message as text, line breaks included; JSON also as it is, an object or a
+    list of one.
     """
 
     source: Literal["omm"] = "omm"
-    content: str
+    content: OmmContent
 
     def __post_init__(self) -> None:
         try:

@@ -37,19 +37,40 @@ _LAYOUT = {
 
 @spec
 class TleOrbit:
-    """Two lines of a NORAD element set, as published.
+    """Two lines of a NORAD element set, as published: line by line, or whole as `content`.
 
     SGP4's own error is about 1 km at the epoch and grows by 1-3 km a day.
 
     line1: the line that begins with 1, its checksum included.
     line2: the line that begins with 2, its checksum included.
+    content: both lines in one text, with or without the satellite's name in a line before them,
+    instead of `line1` and `line2`. E.g. `"ISS (ZARYA)\\n1 25544U ...\\n2 25544 ..."`.
     """
 
     source: Literal["tle"] = "tle"
-    line1: str
-    line2: str
+    line1: str = ""
+    line2: str = ""
+    content: str | None = None
 
     def __post_init__(self) -> None:
+        if self.content is None:
+            self._check()
+            return
+        if self.line1 or self.line2:
+            raise ValueError("content holds both lines already; leave out line1 and line2")
+        try:
+            line1, line2 = _lines_of(self.content)
+            object.__setattr__(self, "line1", line1)
+            object.__setattr__(self, "line2", line2)
+            self._check()
+        except ValueError as error:
+            raise ValueError(f"content: {error}") from None
+
+    def _check(self) -> None:
+        if not (self.line1 and self.line2):
+            raise ValueError(
+                f"{'line2' if self.line1 else 'line1'} is required; or give both lines as content"
+            )
         for name, number, line in (("line1", "1", self.line1), ("line2", "2", self.line2)):
             _check_line(name, number, line)
         if self.line1[2:7] != self.line2[2:7]:
@@ -71,8 +92,12 @@ class TleOrbit:
     def ephemeris(self, start_utc: datetime, stop_utc: datetime) -> "TleEphemeris":
         """Raises OutsideCoverage when an instant is 30 days or more from the epoch."""
         return sgp4_ephemeris(
-            self._elements(), self.epoch_utc, start_utc, stop_utc, field="orbit.line1"
+            self._elements(), self.epoch_utc, start_utc, stop_utc, field=self._field
         )
+
+    @property
+    def _field(self) -> str:
+        return "orbit.line1" if self.content is None else "orbit.content"
 
     def _elements(self) -> Satrec:
         return Satrec.twoline2rv(self.line1, self.line2, WGS72)
@@ -163,6 +188,17 @@ def _drag_in_a_day_m(satrec: Satrec) -> float:
     day_min = DAY_S / 60.0
     a_m = satrec.a * satrec.radiusearthkm * 1e3
     return float(0.25 * (after - before) * day_min**2 * a_m)
+
+
+def _lines_of(content: str) -> tuple[str, str]:
+    """The two lines of one set, a line with its name before them passed over."""
+    lines = [line.rstrip() for line in content.splitlines() if line.strip()]
+    if len(lines) not in (2, 3):
+        raise ValueError(
+            "send the two lines of one satellite, those that begin with 1 and 2, after its name if "
+            f"you like; lines sent: {len(lines)}"
+        )
+    return lines[-2], lines[-1]
 
 
 def _check_line(name: str, number: str, line: str) -> None:

@@ -59,9 +59,14 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
         stop = min(session.stop, left_utc, key=tai_us)
         sessions.append(replace(session, start=start, stop=stop))
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
-        if late_s or early_s:
+        lost = [
+            f"{ends} {by_s:.1f} s {how}"
+            for ends, by_s, how in (("starts", late_s, "later"), ("stops", early_s, "earlier"))
+            if by_s
+        ]
+        if lost:
             losses.append(
-                f"session {number} starts {late_s:.1f} s later and stops {early_s:.1f} s earlier "
-                f"than asked, so that the slew between sessions fits ({scenario.on_conflict})"
+                f"session {number} {' and '.join(lost)} than asked, so that the slew between "
+                f"sessions fits ({scenario.on_conflict})"
             )
     return replace(scenario, sessions=tuple(sessions)), losses

@@ -1,5 +1,6 @@
 """Plans an imaging session: candidates, choice and turns, gimbals, verification, simulation."""
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -38,6 +39,12 @@ from planner.spacecraft.verification import SpacecraftVerification, verify_table
 # Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
 REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
 SIMULATED_ROW = 4.5
+# Told what is being done, and how many parts of how many are done.
+Reporter = Callable[[str, int, int], None]
+
+
+def _nobody(stage: str, done: int, of: int) -> None:
+    """Who is told of what is only tried."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,9 +65,10 @@ class ImagingPlan(SessionTable):
     warnings: tuple[str, ...]
 
 
-def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
+def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> ImagingPlan:
     """Plan, verify and simulate an imaging session.
 
+    tell: is called when a stage begins, and with how many runs are flown.
     Raises Unreachable when no request can be seen, InfeasibleSlew when none can be turned to,
     InvalidInput for momentum beyond the sphere or a high orbit, VerificationFailed when the
     judge objects, SearchEnded when it takes more work than such a request may make.
@@ -68,8 +76,9 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
     more = REQUEST_MORE * (len(request.requests) - 1)
     with at_most(min(effort.PLAN + more, SESSION_MOST)):
         try:
-            return _make_plan(request)
+            return _make_plan(request, tell)
         except (Unreachable, InfeasibleSlew, InvalidInput) as why:
+            tell("alternatives", 0, 1)
             with suppress(EffortSpent):
                 raise refusal_with_alternative(request, why, _works) from why
             raise
@@ -82,17 +91,21 @@ def plan_imaging(request: ImagingPlanRequest) -> ImagingPlan:
 
 def _works(request: ImagingPlanRequest) -> bool:
     try:
-        return bool(_make_plan(request).table.windows)
+        return bool(_make_plan(request, _nobody).table.windows)
     except Refusal:
         return False
 
 
-def _make_plan(request: ImagingPlanRequest) -> ImagingPlan:
+def _make_plan(request: ImagingPlanRequest, tell: Reporter) -> ImagingPlan:
     _refuse_momentum(request)
+    tell("candidates", 0, 1)
     session = make_session(request)
     options, unseen = options_of(session)
+    tell("choice and turns", 0, 1)
     choice, timeline, warnings = choose_and_turn(session, options)
+    tell("gimbals", 0, 1)
     table = make_table(session, timeline)
+    tell("verification", 0, 1)
     verification = verify_table(table, request)
     if not verification.passed:
         raise VerificationFailed("; ".join(verification.findings))
@@ -102,7 +115,7 @@ def _make_plan(request: ImagingPlanRequest) -> ImagingPlan:
             f"{runs} of the {request.simulation_runs} dispersed runs were flown: more would take "
             "more work than may be made for one session",
         )
-    report = _stabilisation(session, table, verification, runs)
+    report = _stabilisation(session, table, verification, runs, tell)
     return ImagingPlan(
         request=request,
         table=table,
@@ -117,12 +130,25 @@ def _make_plan(request: ImagingPlanRequest) -> ImagingPlan:
 
 
 def _stabilisation(
-    session: ImagingSession, table: AttitudeTable, verification: SpacecraftVerification, runs: int
+    session: ImagingSession,
+    table: AttitudeTable,
+    verification: SpacecraftVerification,
+    runs: int,
+    tell: Reporter,
 ) -> StabilisationReport:
     spacecraft, seed = session.spacecraft, session.request.seed
     states = session.ephemeris.states(session.instants(table.t_s))
     keep = partial(window_steadiness, spacecraft, verification)
-    return stabilisation(fly_many(spacecraft, table, states, range(seed, seed + runs), keep))
+    tell("flight", 0, runs)
+    flown = fly_many(
+        spacecraft,
+        table,
+        states,
+        range(seed, seed + runs),
+        keep,
+        lambda done: tell("flight", done, runs),
+    )
+    return stabilisation(flown)
 
 
 def _affordable_runs(request: ImagingPlanRequest, rows: int) -> int:

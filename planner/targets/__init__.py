@@ -12,12 +12,14 @@ from planner.targets.ground import GroundTarget
 from planner.targets.ground_moving import MovingGroundTarget
 from planner.targets.ground_path import GroundPathTarget
 from planner.targets.keep_out import KeepOut
+from planner.targets.place import PlaceTarget
 from planner.targets.session_target import SessionTarget
 from planner.targets.sky import SkyTarget
 from planner.targets.star import StarTarget
 
 Target = Annotated[
     GroundTarget
+    | PlaceTarget
     | MovingGroundTarget
     | GroundPathTarget
     | StarTarget
@@ -43,6 +45,7 @@ __all__ = [
     "GroundTarget",
     "KeepOut",
     "MovingGroundTarget",
+    "PlaceTarget",
     "SessionTarget",
     "SkyTarget",
     "StarTarget",

@@ -4,6 +4,8 @@ from dataclasses import replace
 from datetime import datetime
 from typing import ClassVar, Self
 
+from planner.assumed import Assumed
+
 
 class SessionTarget:
     """What the platform is busy with during a session.
@@ -25,6 +27,10 @@ class SessionTarget:
 
     def require_known(self, name: str, start_utc: datetime, stop_utc: datetime) -> None:
         """Raise ValueError unless it is known over all that time; `name` is its field."""
+
+    def assumed(self, field: str) -> Assumed | None:
+        """What was looked up for it; None where the request says it all.  `field`: its own."""
+        return None
 
 
 class TimedTarget(SessionTarget):

@@ -7,12 +7,14 @@ import erfa
 import numpy as np
 
 from planner.arrays import Array
+from planner.assumed import Assumed
 from planner.frames.hipparcos import CatalogueStar, hipparcos_star
 from planner.frames.time_scales import Instants
 from planner.spec import Within, spec
 from planner.targets.deflection import AU_M
 from planner.targets.refraction import Refraction
 from planner.targets.sky import GRAZING_ALTITUDE_KM, GrazingAltitudeKm, SkyTarget
+from planner.targets.star_names import hipparcos_number
 
 _J2000_JD = 2451545.0
 _J2000_JYEAR = 2000.0
@@ -21,7 +23,7 @@ _MAS_RAD = float(erfa.DMAS2R)
 
 @spec
 class StarTarget(SkyTarget):
-    """A star by its ICRS coordinates at an epoch, or by its Hipparcos number.
+    """A star by its name, its Hipparcos number, or its ICRS coordinates at an epoch.
 
     ra_deg, dec_deg: right ascension and declination at Julian year `epoch_jyear`.
     epoch_jyear: of the coordinates, TDB; 2000.0 unless given. Gaia DR3 lists positions at 2016.0,
@@ -33,6 +35,7 @@ class StarTarget(SkyTarget):
     since 1991).
     hip: Hipparcos number. Everything but the radial velocity then comes from Hipparcos, the New
     Reduction; stars with a companion may stray from its uniform motion by some 0.1 arcsec.
+    name: its proper name, instead of the number, in either case. E.g. `"Sirius"`.
     """
 
     mode: Literal["star"] = "star"
@@ -44,6 +47,7 @@ class StarTarget(SkyTarget):
     parallax_mas: Annotated[float, Within(0.0, 1000.0)] | None = None
     radial_velocity_km_s: Annotated[float, Within(-1000.0, 1000.0)] = 0.0
     hip: Annotated[int, Within(1, 999_999)] | None = None
+    name: str | None = None
     grazing_altitude_km: GrazingAltitudeKm = GRAZING_ALTITUDE_KM
     refraction: Refraction = "none"
 
@@ -57,8 +61,18 @@ class StarTarget(SkyTarget):
             "parallax_mas",
         )
         given = [name for name in coordinates if getattr(self, name) is not None]
-        if self.hip is None and (self.ra_deg is None or self.dec_deg is None):
-            raise ValueError("a star needs ra_deg and dec_deg, or its Hipparcos number as hip")
+        if self.name is not None:
+            given = [*given, *(["hip"] if self.hip is not None else [])]
+            if given:
+                raise ValueError(
+                    f"name {self.name!r} already says {', '.join(given)}; give one of name, hip "
+                    "and coordinates"
+                )
+            hipparcos_number(self.name)
+        elif self.hip is None and (self.ra_deg is None or self.dec_deg is None):
+            raise ValueError(
+                "a star needs its name, its Hipparcos number as hip, or ra_deg and dec_deg"
+            )
         if self.hip is not None and given:
             raise ValueError(
                 f"hip {self.hip} already says {', '.join(given)}; give coordinates or hip, not both"
@@ -69,6 +83,31 @@ class StarTarget(SkyTarget):
                 "gaps); give the star's ra_deg and dec_deg instead"
             )
         super().__post_init__()
+
+    @property
+    def label(self) -> str:
+        """Its name, its number, or its place among the stars."""
+        if self.name is not None:
+            return self.name
+        if self.hip is not None:
+            return f"HIP {self.hip}"
+        return f"RA {self.ra_deg:.4f}, Dec {self.dec_deg:.4f}"
+
+    @property
+    def catalogue_number(self) -> int | None:
+        """Its Hipparcos number, given or looked up; None for coordinates."""
+        return self.hip if self.name is None else hipparcos_number(self.name)
+
+    def assumed(self, field: str) -> Assumed | None:
+        """Which star a name means."""
+        if self.name is None:
+            return None
+        number = self.catalogue_number
+        return Assumed(
+            field=f"{field}.name",
+            detail=f"{self.name} is Hipparcos {number}",
+            members={"mode": "star", "hip": number},
+        )
 
     def seen_from(self, instants: Instants, r_observer_bary_m: Array) -> tuple[Array, Array]:
         """Uniform motion in space, parallax and Roemer delay; see `SkyTarget`.
@@ -93,7 +132,8 @@ class StarTarget(SkyTarget):
         return np.asarray(direction), np.full(len(direction), np.inf)
 
     def _catalogue_star(self) -> CatalogueStar:
-        if self.hip is not None and (star := hipparcos_star(self.hip)) is not None:
+        number = self.catalogue_number
+        if number is not None and (star := hipparcos_star(number)) is not None:
             return star
         assert self.ra_deg is not None and self.dec_deg is not None  # noqa: PT018 (checked at birth)
         return CatalogueStar(

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from planner.arrays import Array
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.targets import EarthFixedTarget, GroundTarget
+from planner.targets import EarthFixedTarget, GroundTarget, PlaceTarget
+from planner.targets.gazetteer import Place
 from planner.verification.air import lift_to_ground_rad
 from planner.verification.earth import earth_orientation
 from planner.verification.light import SPEED_OF_LIGHT_M_S, aberrate
@@ -97,9 +98,10 @@ def hidden_by_earth(r_target_itrf_m: Array, r_sat_itrf_m: Array) -> NDArray[np.b
 
 def _r_target_itrf_m(target: EarthFixedTarget, instants: Instants) -> Array:
     """Shape (n, 3): ground points by ERFA's geodesy, other modes as they say themselves."""
-    if isinstance(target, GroundTarget):
-        longitude_rad, latitude_rad = np.deg2rad([target.longitude_deg, target.latitude_deg])
-        r_itrf_m = erfa.gd2gc(WGS84, longitude_rad, latitude_rad, target.height_m)
+    point = target.place if isinstance(target, PlaceTarget) else target
+    if isinstance(point, GroundTarget | Place):
+        longitude_rad, latitude_rad = np.deg2rad([point.longitude_deg, point.latitude_deg])
+        r_itrf_m = erfa.gd2gc(WGS84, longitude_rad, latitude_rad, point.height_m)
         return np.broadcast_to(r_itrf_m, (len(instants.t_s), 3))
     return target.r_target_itrf_m(instants)
 

@@ -12,6 +12,7 @@ from planner.targets import (
     BodyTarget,
     EarthFixedTarget,
     GroundTarget,
+    PlaceTarget,
     SkyTarget,
     StarTarget,
 )
@@ -25,7 +26,8 @@ from planner.verification.report import Finding, Given, SessionReport, Verificat
 from planner.verification.session import table_session
 from planner.verification.structure import covers, session_rows, structure_findings, unflyable
 
-DERIVED_TARGETS = (GroundTarget, StarTarget, BodyTarget)  # the judge finds them by itself
+# The judge finds them by itself.
+DERIVED_TARGETS = (GroundTarget, PlaceTarget, StarTarget, BodyTarget)
 
 
 def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:

@@ -38,7 +38,8 @@ def towards_star(target: StarTarget, at_tdb_s: Array, r_observer_bary_m: Array) 
     Neglects that its light reaches the observer up to 500 s earlier or later than the Sun:
     0.2 mas at 10 arcsec a year.  Source: ESA SP-1200 (1997), vol. 1, 1.5.5, rewritten.
     """
-    star = _hipparcos(target.hip) if target.hip is not None else _from_coordinates(target)
+    number = target.catalogue_number
+    star = _from_coordinates(target) if number is None else _hipparcos(number)
     towards = erfa.s2c(star.ra_rad, star.dec_rad)
     east = np.array([-np.sin(star.ra_rad), np.cos(star.ra_rad), 0.0])
     east_yr, north_yr = star.pm_east_mas_yr * _MAS_RAD, star.pm_north_mas_yr * _MAS_RAD

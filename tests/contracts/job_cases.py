@@ -91,6 +91,13 @@ def tell(request: bytes, _: object = None) -> NewPlan:
     return note(request)
 
 
+def dwell(request: bytes, _: object = None) -> NewPlan:
+    """Goes from stage to stage at once, and lingers in the last."""
+    for stage in ("one", "two", "three"):
+        report(Progress(stage=stage))
+    return linger(request)
+
+
 def fail(*_: object) -> NewPlan:
     raise RuntimeError("secret /etc/passwd")
 
@@ -108,7 +115,7 @@ def repeat(request: bytes, asked: object = None) -> NewPlan:
     return made()
 
 
-WORKS = (note, spin, hang, die, die_once, hang_once, linger, tell, fail, repeat)
+WORKS = (note, spin, hang, die, die_once, hang_once, linger, tell, dwell, fail, repeat)
 KINDS = {
     work.__name__: JobKind(
         name=work.__name__,

@@ -67,7 +67,19 @@ def _corrected(turn_y_deg: float, variance_deg2: float) -> Any:
         "covariance_deg2": rows}]}  # fmt: skip
 
 
+def _at(target: Request) -> Request:
+    return request((TARGET, target))
+
+
+def _never_at_zero() -> Request:
+    """No initial state, and a platform that can't be at zero."""
+    document = request(("platform.inner.angle_min_deg", 10.0), example="platform")
+    del document["initial_state"]
+    return document
+
+
 TARGET = "sessions.0.target"
+_LINES = (LAS_VEGAS["orbit"]["line1"], LAS_VEGAS["orbit"]["line2"])
 _CHECKSUM_OFF = LAS_VEGAS["orbit"]["line1"][:-1] + "2"
 _READ, _UNCOVERED = "invalid-request", "outside-coverage"
 
@@ -109,8 +121,37 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "must hold at most 200 entries"),
     ("too long", lambda: request(("sessions.0.stop", "2015-03-01T17:36:20Z")), _READ,
      "sessions", "86400 s"),
-    ("epoch off the grid", lambda: request(("initial_state.epoch", "2015-02-27T17:34:00.1Z")),
-     _READ, "initial_state.epoch", "0.2 s"),
+    ("state after a plan nobody kept",
+     lambda: request(("initial_state", {"after": "no-plan"})), "invalid-input",
+     "initial_state.after", "plan"),
+    ("motion without an epoch", lambda: request(("initial_state", {
+        "angles_deg": {"alpha": 0.0, "beta": 0.0}, "rates_deg_s": {"alpha": 1.0, "beta": 0.0}})),
+     _READ, "initial_state.epoch", "required"),
+    ("zero outside the stops", lambda: _never_at_zero(),
+     _READ, None, "initial_state.angles_deg.tilt is 0, outside its limits 10..175"),
+    ("no such town", lambda: _at({"mode": "place", "name": "Ljublana"}), _READ,
+     f"{TARGET}.name", "do you mean 'Ljubljana, SI'"),
+    ("a town's name without letters", lambda: _at({"mode": "place", "name": ", SI"}), _READ,
+     f"{TARGET}.name", "known here; give latitude_deg"),
+    ("many towns", lambda: _at({"mode": "place", "name": "London"}), _READ,
+     f"{TARGET}.name", "'London, GB' (51.51, -0.13) or 'London, CA'"),
+    ("a town in another country", lambda: _at({"mode": "place", "name": "Ljubljana, AT"}), _READ,
+     f"{TARGET}.name", "do you mean 'Ljubljana, SI'"),
+    ("no such star", lambda: _at({"mode": "star", "name": "Sirus"}), _READ,
+     f"{TARGET}.name", "do you mean Sirius"),
+    ("a star by name and number", lambda: _at({"mode": "star", "name": "Vega", "hip": 91262}),
+     _READ, f"{TARGET}.name", "already says hip"),
+    ("two sets of elements", lambda: request(("orbit", {"source": "tle", "content": "\n".join(
+        [*_LINES, *_LINES])})), _READ, "orbit.content", "lines sent: 4"),
+    ("elements twice", lambda: request(("orbit.content", "\n".join(_LINES))), _READ,
+     "orbit.content", "leave out line1 and line2"),
+    ("half a set of elements", lambda: request(("orbit", {"source": "tle", "line1": _LINES[0]})),
+     _READ, "orbit.line2", "required"),
+    ("elements as a list of two",
+     lambda: request(("orbit", {"source": "omm", "content": [{}, {}]})),
+     _READ, "orbit.content", "one satellite"),
+    ("elements as a number", lambda: request(("orbit", {"source": "omm", "content": 25544})), _READ,
+     "orbit.content", "must be a string"),
     ("latitude", lambda: request((f"{TARGET}.latitude_deg", 90.5)), _READ,
      f"{TARGET}.latitude_deg", "-90..90"),
     ("angle at start", lambda: request(("initial_state.angles_deg.beta", 180.0)), _READ,

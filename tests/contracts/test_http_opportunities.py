@@ -46,7 +46,15 @@ def changed(**members):
 
 
 def test_members(cities):
-    assert set(cities) == {"start", "stop", "windows", "unseen", "warnings", "provenance"}
+    assert set(cities) == {
+        "start",
+        "stop",
+        "windows",
+        "unseen",
+        "assumed",
+        "warnings",
+        "provenance",
+    }
     digest = hashlib.sha256(json.dumps(CITIES, separators=(",", ":")).encode()).hexdigest()
     assert cities["provenance"]["input_sha256"] == digest
     for window in cities["windows"]:

@@ -50,7 +50,7 @@ def test_command_refuses(case: Refused):
 
 def test_every_field_at_fault_is_listed(client):
     document = request(("platform", "hubble"), ("sessions.0.target.latitude_deg", "north"))
-    document["orbit"] = {"source": "tle", "line2": 5, "line3": ""}
+    document["orbit"] = {"source": "tle", "line1": 4, "line2": 5, "line3": ""}
     problem = post(client, json.dumps(document)).json()
     assert {error["field"] for error in problem["errors"]} == {
         "orbit.line1",

@@ -133,6 +133,21 @@ def test_how_far_work_is_can_be_followed(database, tmp_path):
     assert (other.at_utc - one.at_utc).total_seconds() > 0.4
 
 
+def test_a_stage_that_lasts_is_told_though_it_began_right_after_others(database, tmp_path):
+    with dispatching(database) as dispatcher:
+        job = dispatcher.submit(new_job("dwell", tmp_path / "notes"))
+
+        def stages():
+            with database.reading() as connection:
+                told = events.after(connection, job.id, 0)
+            return [event.data["stage"] for event in told if event.kind == events.PROGRESS]
+
+        eventually(lambda: "three" in stages())
+        let_go(tmp_path / "notes")
+        assert ended(database, job.id).state == "done"
+        assert "two" not in stages()  # nobody could have read it
+
+
 def test_cancelling_kills_what_runs(database, tmp_path):
     notes = Notes(tmp_path / "notes")
     with dispatching(database) as dispatcher:

@@ -85,6 +85,7 @@ FRAGMENTS = [
         "park_positions_deg": {"stowed": {"alpha": 0.0, "beta": 90.0}}}),
     _aimed(mode="ground_moving", epoch="2015-02-27T17:36:00Z", course_deg=0.0, speed_m_s=5.0,
            **_PLACE),
+    _aimed(mode="place", name="Las Vegas, NV", min_elevation_deg=0.0),
     _aimed(mode="star", hip=91262),
     _aimed(mode="star", ra_deg=10.0, dec_deg=20.0),
     _moved(kind="constant_rate", rate_deg_s=0.1),

@@ -20,7 +20,7 @@ from app.store.api_keys import Key, KeyScope
 
 # They say what is in the repository, not what the installation holds; and a browser that opens
 # a page can't send a key.
-PAGES = frozenset({"/docs", "/redoc", "/openapi.json"})
+PAGES = frozenset({"/", "/docs", "/redoc", "/openapi.json"})
 PAGE_FILES = "/page-files/"
 PROBES = frozenset({"/healthz", "/readyz"})
 _PASSED_ON = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
@@ -37,6 +37,7 @@ class Caller:
 class Access:
     """Decides by the connection and the head of a request.
 
+    origins: whose web pages may ask as programs of this machine do.
     failures_per_minute: of one address; more cost the others nothing.
     """
 
@@ -46,12 +47,14 @@ class Access:
         *,
         require_keys: bool,
         hosts: tuple[str, ...],
+        origins: frozenset[str] = frozenset(),
         failures_per_minute: int,
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
         self._keys = keys
         self._require_keys = require_keys
         self._hosts = frozenset(host.lower() for host in hosts)
+        self._origins = origins
         self._failures = RateLimit(
             "{per_minute} requests a minute from one address may come without a good key, and "
             "more did; one with a good key is answered all the same, others again in {wait_s} s",
@@ -115,9 +118,13 @@ class Access:
                 f"without a key this service answers to {', '.join(sorted(self._hosts))} only, "
                 "which the Host header doesn't name; SLEWTRACK_ALLOWED_HOSTS adds names",
             )
+        if headers.get("origin", "").lower() in self._origins:
+            return
         if not _from_no_other_site(scope, headers, host):
             raise HTTPException(
-                HTTPStatus.FORBIDDEN, "web pages of other sites may not use this service"
+                HTTPStatus.FORBIDDEN,
+                "web pages of other sites may not use this service; SLEWTRACK_ALLOWED_ORIGINS "
+                "names those that may",
             )
 
 

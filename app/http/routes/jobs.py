@@ -173,7 +173,10 @@ def add_events(router: APIRouter, resource: JobResource) -> None:
     async def get_events(
         request: Request, job_id: PathId, seq: Annotated[int, Depends(last_event_id)]
     ) -> Response:
-        """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done` and `of`."""
+        """`data` is JSON: `at`, and `state` with `problem`, or `stage`, `done`, `of` and `percent`.
+
+        `percent` is of the time it takes as a rule, null where that isn't known.
+        """
         preferred_type(request, (EVENT_STREAM,))
         job = await find_job(request, resource, job_id)
         if not job.is_open and seq >= await last_seq(request, job_id):

@@ -63,6 +63,8 @@ def _add_post(router: APIRouter, resource: PlanResource) -> None:
         prefer: Annotated[str | None, Header(description=PREFER)] = None,
     ) -> Response:
         form = _form(request, resource, query)
+        database = request.app.state.database
+        body = await anyio.to_thread.run_sync(resource.fill_in, database, body)
         if query.dry_run:
             spec = await anyio.to_thread.run_sync(resource.read, body)
             found = resource.dry_run(spec, provenance(datetime.now(UTC), body))

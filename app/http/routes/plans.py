@@ -2,6 +2,7 @@
 
 from app.answers.members import ProvenanceOut
 from app.answers.plan import DryRunResponse, PlanResponse
+from app.http.routes.end_of_plan import from_end_of_plan
 from app.http.routes.plan_routes import plan_routes
 from app.http.routes.resources import PlanResource
 from app.jobs.kinds import PLAN
@@ -42,6 +43,7 @@ PLANS = PlanResource(
     table_file=stored_table_file,
     file_stem="plan",
     in_campaigns=True,
+    fill_in=from_end_of_plan,
 )
 
 router = plan_routes(PLANS)

@@ -8,6 +8,7 @@ from typing import Any
 from app.answers.members import ProvenanceOut
 from app.http.negotiation import JSON
 from app.jobs.kinds import JobKind
+from app.store.database import Database
 from planner.export.exporter import Exporter
 
 
@@ -28,6 +29,7 @@ class PlanResource(JobResource):
     nothing is planned.  table_json: a stored table as the answer holds it.
     table_file: of (request, stored table, format, date the file states) the file's bytes; done
     in a child.  file_stem: of files whose plan has no name.  in_campaigns: campaigns make some.
+    fill_in: a request with what only the store can tell.
     """
 
     tag: str
@@ -44,6 +46,7 @@ class PlanResource(JobResource):
     table_file: Callable[[bytes, bytes, str, datetime], bytes]
     file_stem: str
     in_campaigns: bool = False
+    fill_in: Callable[[Database, bytes], bytes] = lambda _, body: body
 
     @property
     def format_by_media_type(self) -> dict[str, str]:

@@ -194,6 +194,21 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             },
         ),
     ),
+    "place": (
+        "A town by its name, from rest at zero in time for the slew",
+        _request(
+            "Las Vegas by its name",
+            initial_state={},
+            sessions=[
+                _session(
+                    {"mode": "place", "name": "Las Vegas, Nevada, US", "min_elevation_deg": 15.0},
+                    "36:20",
+                    "37:50",
+                )
+            ],
+        ),
+    ),
+    "star_name": ("Vega by its name", _request_at("Vega", {"mode": "star", "name": "Vega"})),
     "star": ("Vega by its Hipparcos number", _request_at("Vega", {"mode": "star", "hip": 91262})),
     "star_coordinates": (
         "Barnard's star by Gaia's coordinates, proper motion and parallax",

@@ -189,17 +189,21 @@ def fly_many(
     states: OrbitStates,
     seeds: Sequence[int],
     keep: Callable[[Log], Kept],
+    tell: Callable[[int], None] = lambda _: None,
 ) -> list[Kept]:
     """Dispersed runs, one a seed, on as many threads as there are cores.
 
     keep: what is wanted of a run; its log (19 MB for an hour) is given up at once.
+    tell: is called with how many are flown.
     """
+    kept: list[Kept] = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(
-            pool.map(
-                lambda seed: keep(
-                    fly_table(spacecraft, table, states, draw_dispersion(spacecraft, seed))
-                ),
-                seeds,
-            )
-        )
+        for one in pool.map(
+            lambda seed: keep(
+                fly_table(spacecraft, table, states, draw_dispersion(spacecraft, seed))
+            ),
+            seeds,
+        ):
+            kept.append(one)
+            tell(len(kept))
+    return kept

@@ -1,0 +1,65 @@
+"""A request that goes on where a kept plan ends: `initial_state.after`."""
+
+import json
+
+from app.jobs.kinds import PLAN
+from app.jobs.refusals import Conflict
+from app.requests.json_reader import json_document
+from app.requests.plan import read_plan_request
+from app.store import jobs, plans
+from app.store.database import Database
+from app.store.ids import is_id
+from app.work.plan import end_of_table
+from planner.errors import InvalidInput
+from planner.frames.time_scales import elapsed_s, utc_text
+
+_FIELD = "initial_state.after"
+_REST_DEG_S = 1e-10  # in a day it would turn an axis by 0.00001 deg
+
+
+def from_end_of_plan(database: Database, body: bytes) -> bytes:
+    """The request with the state in which the plan it names ends; the same where it names none.
+
+    Axes that rest wait where they are until it is time for the first slew.  Raises InvalidInput
+    and Conflict where there is no such plan, or not yet.
+    """
+    if b'"after"' not in body:
+        return body
+    document = json_document(body)
+    state = document.get("initial_state") if isinstance(document, dict) else None
+    if not isinstance(state, dict) or not isinstance(state.get("after"), str):
+        return body
+    if "angles_deg" in state:  # as an earlier request was filled in
+        return body
+    if others := sorted(state.keys() - {"after"}):
+        raise InvalidInput(
+            f"the plan's end says {', '.join(others)} already; leave out all but after",
+            field=_FIELD,
+        )
+    end_utc, motion = end_of_table(_table_of(database, state["after"]))
+    state["angles_deg"] = motion["angles_deg"]
+    if all(abs(rate) <= _REST_DEG_S for rate in motion["rates_deg_s"].values()):
+        filled = json.dumps(document).encode()
+        if elapsed_s(read_plan_request(filled).initial_state.epoch, end_utc) >= 0.0:
+            return filled
+    else:
+        state.update(motion)
+    state["epoch"] = utc_text(end_utc, 1)
+    return json.dumps(document).encode()
+
+
+def _table_of(database: Database, plan_id: str) -> bytes:
+    """Of a plan that may be flown."""
+    with database.reading() as connection:
+        job = jobs.get(connection, plan_id) if is_id(plan_id) else None
+        plan = plans.get(connection, plan_id) if job is not None else None
+    if job is None or job.kind != PLAN.name:
+        raise InvalidInput(
+            f"there is no plan {plan_id}; GET /v1/plans lists them, or give epoch and angles_deg",
+            field=_FIELD,
+        )
+    if plan is None or plan.state != "done":
+        raise Conflict(
+            f"there is no end of the plan to go on from: its state is {job.state}", field=_FIELD
+        )
+    return plan.table_columns

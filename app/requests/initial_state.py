@@ -1,0 +1,114 @@
+"""Where the platform is when the table begins, as far as a request says it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import field
+from datetime import datetime
+
+from planner.assumed import Assumed
+from planner.commands import COMMAND_STEP_S
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.platforms import AngleDeg, TwoAxisPlatform
+from planner.scenario import InitialState, MotionDeg
+from planner.spec import spec
+
+# Slews take at most ten times the least time that the limits allow: more makes them no smoother.
+_ENOUGH = 10.0
+_LEAD_MAX_S = 3600.0  # 18,000 rows, if the least time is no more
+_STEP_US = round(COMMAND_STEP_S * 1e6)
+
+
+@spec
+class AskedInitialState:
+    """Where the platform is, and how it moves, when the table begins; at rest at zero unless given.
+
+    One entry per axis of the platform, by the axis's name.
+
+    epoch: row 0 of the table; UTC, put on the row before, a whole multiple of 0.2 s after its
+    second. Unless given, early enough for the slew to the first session.
+    angles_deg: of the axes; unless given all are zero, or where `after` leaves them.
+    rates_deg_s: of the axes; none are zero.
+    accelerations_deg_s2: of the axes; none are zero. E.g. `{"alpha": 0.0, "beta": 0.0}`.
+    after: id of a plan that the service keeps, at whose end the table begins; the service fills in
+    the rest. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
+
+    epoch: datetime | None = None
+    angles_deg: Mapping[str, AngleDeg] | None = None
+    rates_deg_s: Mapping[str, MotionDeg] = field(default_factory=dict)
+    accelerations_deg_s2: Mapping[str, MotionDeg] = field(default_factory=dict)
+    after: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.angles_deg is None and self.after is not None:
+            raise ValueError(
+                "after names a plan that only the service that keeps it knows: send it the "
+                "request, or give epoch and angles_deg"
+            )
+        moves = any((*self.rates_deg_s.values(), *self.accelerations_deg_s2.values()))
+        if self.epoch is None and moves:
+            raise ValueError("epoch is required where the axes move at the start")
+
+    def completed(self, platform: TwoAxisPlatform, first_start_utc: datetime) -> InitialState:
+        """With what wasn't given, for a first session that starts then."""
+        angles_deg = self.angles_deg
+        if angles_deg is None:
+            angles_deg = dict.fromkeys(platform.axis_names, 0.0)
+        if self.epoch is None:
+            lead_s = _lead_s(platform, angles_deg)
+            epoch_utc = shifted_utc(first_start_utc, -lead_s).replace(microsecond=0)
+        else:
+            epoch_utc = _on_row(self.epoch)
+        return InitialState(
+            epoch=epoch_utc,
+            angles_deg=angles_deg,
+            rates_deg_s=self.rates_deg_s,
+            accelerations_deg_s2=self.accelerations_deg_s2,
+            assumed=self._assumed(epoch_utc, angles_deg),
+        )
+
+    def _assumed(self, epoch_utc: datetime, angles_deg: Mapping[str, float]) -> tuple[Assumed, ...]:
+        """In words, and as the request might have said it."""
+        epoch = utc_text(epoch_utc, 1)
+        angles = ", ".join(f"{axis} {angle:g}" for axis, angle in angles_deg.items())
+        if self.after is not None:
+            detail = f"the end of plan {self.after}: {angles} deg, from {epoch} on"
+            given = {"epoch": epoch, "angles_deg": dict(angles_deg)}
+            return (Assumed(field="initial_state.after", detail=detail, members=given),)
+        found: list[tuple[str, str, object]] = []
+        if self.epoch is None:
+            detail = f"{epoch}, early enough for the slew to the first session"
+            found.append(("epoch", detail, epoch))
+        elif epoch_utc != self.epoch:
+            detail = f"{epoch}, the last row not after {utc_text(self.epoch, 6)}"
+            found.append(("epoch", detail, epoch))
+        if self.angles_deg is None:
+            found.append(("angles_deg", f"at rest at {angles} deg", dict(angles_deg)))
+        return tuple(
+            Assumed(field=f"initial_state.{name}", detail=detail, members={name: value})
+            for name, detail, value in found
+        )
+
+
+def _on_row(moment_utc: datetime) -> datetime:
+    """The last moment not after it that may be row 0."""
+    return moment_utc.replace(microsecond=moment_utc.microsecond // _STEP_US * _STEP_US)
+
+
+def _lead_s(platform: TwoAxisPlatform, angles_deg: Mapping[str, float]) -> float:
+    """Time for a gentle slew from rest at these angles to the stop farthest from them.
+
+    Source: the profile that reaches every limit (Biagiotti, Melchiorri 2008, 3.4), which bounds
+    the least time.
+    """
+    least_s = 0.0
+    for axis, limits in zip(platform.axis_names, platform.axis_limits, strict=True):
+        angle_rad = math.radians(angles_deg.get(axis, 0.0))
+        travel_rad = max(limits.angle_max_rad - angle_rad, angle_rad - limits.angle_min_rad)
+        axis_s = (
+            travel_rad / limits.rate_max_rad_s
+            + limits.rate_max_rad_s / limits.acceleration_max_rad_s2
+            + limits.acceleration_max_rad_s2 / limits.jerk_max_rad_s3
+        )
+        least_s = max(least_s, axis_s)
+    return math.ceil(max(least_s, min(_ENOUGH * least_s, _LEAD_MAX_S)))

@@ -1,0 +1,155 @@
+"""Are answers sent as a client can read them, smaller, and cached without a mix-up?"""
+
+import gzip
+import json
+
+import pytest
+import zstandard
+from waiting import PatientClient
+
+from app.http.app import create_app
+from app.http.compression import SMALLEST_BYTES, preferred_coding
+from app.requests.examples.plan import LAS_VEGAS
+
+UNPACK = {
+    "gzip": gzip.decompress,
+    "zstd": lambda body: zstandard.ZstdDecompressor().decompressobj().decompress(body),
+    None: bytes,
+}
+
+
+@pytest.fixture(scope="module")
+def client():
+    with PatientClient(create_app()) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def plan(client):
+    return f"/v1/plans/{client.post('/v1/plans', json=LAS_VEGAS).json()['id']}"
+
+
+def raw(client, path, coding=None, method="GET", **headers):
+    """The answer's head, and its body as it came over the wire."""
+    headers = {name.replace("_", "-"): value for name, value in headers.items()}
+    asked = {"Accept-Encoding": coding or "identity"} | headers
+    with client.stream(method, path, headers=asked) as answer:
+        return answer, b"".join(answer.iter_raw())
+
+
+@pytest.mark.parametrize(
+    ("header", "coding"),
+    [
+        ("", None),
+        ("gzip", "gzip"),
+        ("gzip, deflate, br, zstd", "zstd"),
+        ("zstd;q=0.5, gzip;q=0.9", "gzip"),
+        ("ZSTD ; Q=0.1", "zstd"),
+        ("gzip;q=0", None),
+        ("*", "zstd"),
+        ("*;q=0", None),
+        ("zstd;q=0, *", "gzip"),
+        ("identity, gzip;q=0.5", None),
+        ("identity;q=0, gzip;q=0.5", "gzip"),
+        ("gzip;q=much", None),
+        ("br", None),
+        (";;,,", None),
+    ],
+)
+def test_the_coding_is_the_clients_choice(header, coding):
+    assert preferred_coding(header) == coding
+
+
+@pytest.mark.parametrize("coding", ["gzip", "zstd"])
+@pytest.mark.parametrize(
+    "path", ["/openapi.json", "PLAN", "PLAN/table?format=csv",
+             "/page-files/swagger-ui-bundle.js"],
+)  # fmt: skip
+def test_what_is_sent_smaller_is_the_same(client, plan, path, coding):
+    path = path.replace("PLAN", plan)
+    _, plain = raw(client, path)
+    answer, body = raw(client, path, coding)
+    assert answer.status_code == 200
+    assert answer.headers["content-encoding"] == coding
+    assert "accept-encoding" in answer.headers["vary"].lower()
+    assert UNPACK[coding](body) == plain
+    assert len(body) < 0.8 * len(plain)
+    if "content-length" in answer.headers:
+        assert int(answer.headers["content-length"]) == len(body)
+
+
+@pytest.mark.parametrize("coding", ["gzip", "zstd"])
+def test_posted_answers_are_smaller_too(client, coding):
+    headers = {"Accept-Encoding": coding, "Content-Type": "application/json"}
+    body = json.dumps(LAS_VEGAS)
+    with client.stream("POST", "/v1/plans", headers=headers, content=body) as answer:
+        packed = b"".join(answer.iter_raw())
+    assert (answer.status_code, answer.headers["content-encoding"]) == (201, coding)
+    assert json.loads(UNPACK[coding](packed))["verification"]["passed"]
+    assert {word.strip() for word in answer.headers["vary"].split(",")} == {
+        "Accept", "Prefer", "Accept-Encoding",
+    }  # fmt: skip
+
+
+def test_short_answers_and_pictures_go_as_they_are(client):
+    answer, body = raw(client, "/healthz", "gzip, zstd")
+    assert len(body) < SMALLEST_BYTES
+    assert "content-encoding" not in answer.headers
+    assert "Accept-Encoding" in answer.headers["vary"]  # as it would differ, were it longer
+    answer, _ = raw(client, "/page-files/favicon.png", "gzip, zstd")
+    assert "content-encoding" not in answer.headers
+
+
+def test_a_coded_answer_has_another_tag_by_which_it_is_known_again(client, plan):
+    """RFC 9110, 8.8.1: one strong tag must not name two strings of bytes."""
+    plain, _ = raw(client, plan)
+    coded, _ = raw(client, plan, "gzip")
+    assert plain.headers["etag"].startswith('"')
+    assert coded.headers["etag"] == f"W/{plain.headers['etag']}"
+    for coding in (None, "gzip", "zstd"):
+        for known in (plain.headers["etag"], coded.headers["etag"]):
+            answer, body = raw(client, plan, coding, If_None_Match=known)
+            assert (answer.status_code, body) == (304, b"")
+            assert "content-encoding" not in answer.headers
+            assert {"Accept", "Accept-Encoding"} <= {
+                word.strip() for word in answer.headers["vary"].split(",")
+            }
+            kind = plain if coding is None else coded
+            assert answer.headers["etag"] == kind.headers["etag"]
+
+
+@pytest.mark.parametrize("coding", ["gzip", "zstd", None])
+@pytest.mark.parametrize("path", ["PLAN", "/openapi.json", "/v1/plans", "/healthz"])
+def test_head_says_what_get_would(client, plan, path, coding):
+    path = path.replace("PLAN", plan)
+    told, body = raw(client, path, coding)
+    head, nothing = raw(client, path, coding, method="HEAD")
+    assert (head.status_code, nothing) == (200, b"")
+    differ = {"x-request-id"}
+    assert {n: v for n, v in head.headers.items() if n not in differ} == {
+        n: v for n, v in told.headers.items() if n not in differ
+    }
+    if "content-length" in head.headers:
+        assert int(head.headers["content-length"]) == len(body)
+
+
+def test_a_part_of_a_file_is_sent_as_it_is(client):
+    path = "/page-files/swagger-ui.css"
+    _, plain = raw(client, path)
+    answer, part = raw(client, path, "gzip", Range="bytes=10-19")
+    assert (answer.status_code, part) == (206, plain[10:20])
+    assert "content-encoding" not in answer.headers
+
+
+def test_events_are_not_held_back(client, plan):
+    answer, body = raw(client, f"{plan}/events", "gzip, zstd")
+    assert "content-encoding" not in answer.headers
+    assert body.startswith(b"event: state\n")
+
+
+def test_a_long_refusal_can_be_read(client):
+    many = {**LAS_VEGAS, "sessions": LAS_VEGAS["sessions"] * 201, "platform": "x", "orbit": 1}
+    headers = {"Accept-Encoding": "gzip", "Content-Type": "application/json"}
+    answer = client.post("/v1/plans", headers=headers, content=json.dumps(many))
+    assert answer.status_code == 422
+    assert answer.json()["errors"]

@@ -1,0 +1,192 @@
+"""What is taken where a request leaves the initial state out, in part or whole, or names a plan?"""
+
+import copy
+import json
+
+import numpy as np
+import pytest
+from waiting import PatientClient
+
+import slewtrack
+from app.http.app import create_app
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+from planner.frames.time_scales import elapsed_s, utc_from_text, utc_text
+from planner.sessions.lead import ENOUGH
+
+DENVER = {"mode": "ground", "latitude_deg": 39.74, "longitude_deg": -104.98, "height_m": 1600.0}
+FIRST = utc_from_text(LAS_VEGAS["sessions"][0]["start"])
+
+
+@pytest.fixture(scope="module")
+def client():
+    with PatientClient(create_app()) as client:
+        yield client
+
+
+def request(state=None, sessions=None, example="tle", **changes):
+    document = copy.deepcopy(PLAN_EXAMPLES[example][1]) | changes
+    del document["initial_state"]
+    if state is not None:
+        document["initial_state"] = state
+    if sessions is not None:
+        document["sessions"] = [
+            {"target": target, "start": start, "stop": stop} for target, start, stop in sessions
+        ]
+    return document
+
+
+def post(client, document, query=""):
+    return client.post(f"/v1/plans{query}", json=document)
+
+
+def ok(answer):
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def assumed(plan):
+    return {one["field"]: one["members"] for one in plan["assumed"]}
+
+
+@pytest.mark.parametrize("example", ["tle", "platform"])
+def test_left_out_it_is_rest_at_zero_in_time_for_the_first_slew(example):
+    plan = slewtrack.plan(request(example=example))
+    scenario = plan.scenario
+    assert set(scenario.initial_state.angles_deg.values()) == {0.0}
+    assert (plan.table.angle_rad[0] == 0.0).all()
+    assert (plan.table.rate_rad_s[0] == 0.0).all()
+    assert scenario.initial_state.epoch.microsecond == 0
+    # Early enough for as gentle a slew as there is, wherever the target: the bound of the lead.
+    [run] = plan.slews
+    assert run.duration_s <= elapsed_s(FIRST, scenario.initial_state.epoch)
+    assert run.duration_s == pytest.approx(ENOUGH * run.minimum_s, abs=0.3)
+    told = {one.field: one.members for one in scenario.assumed}
+    assert told["initial_state.epoch"] == {"epoch": utc_text(scenario.initial_state.epoch, 1)}
+    assert told["initial_state.angles_deg"] == {"angles_deg": scenario.initial_state.angles_deg}
+
+
+def test_what_the_answer_says_was_taken_plans_the_same():
+    left_out = slewtrack.plan(request({}))
+    said = {}
+    for one in left_out.scenario.assumed:
+        said |= one.members
+    in_full = slewtrack.plan(request(said))
+    assert (in_full.table.angle_rad == left_out.table.angle_rad).all()
+    assert in_full.scenario.assumed == ()
+
+
+@pytest.mark.parametrize(
+    ("given", "row"),
+    [("17:34:00.430Z", "17:34:00.4Z"), ("17:34:00.199999Z", "17:34:00.0Z"),
+     ("17:34:00.999Z", "17:34:00.8Z"), ("17:34:59.9999999Z", "17:35:00.0Z")],
+)  # fmt: skip
+def test_an_epoch_off_the_rows_is_put_on_the_one_before(given, row):
+    state = LAS_VEGAS["initial_state"] | {"epoch": f"2015-02-27T{given}"}
+    scenario = slewtrack.read_request(request(state))
+    assert scenario.initial_state.epoch == utc_from_text(f"2015-02-27T{row}")
+    if given == "17:34:59.9999999Z":  # rounded to the microsecond, it is on a row
+        assert scenario.assumed == ()
+    else:
+        [said] = scenario.assumed
+        assert said.members == {"epoch": f"2015-02-27T{row}"}
+
+
+def test_an_epoch_in_a_leap_second_stays_in_it():
+    sessions = [
+        (LAS_VEGAS["sessions"][0]["target"], "2016-12-31T23:59:59Z", "2017-01-01T00:01:00Z")
+    ]
+    state = LAS_VEGAS["initial_state"] | {"epoch": "2016-12-31T23:59:60.53Z"}
+    later = [(target, "2017-01-01T00:00:30Z", stop) for target, _, stop in sessions]
+    scenario = slewtrack.read_request(request(state, later))
+    assert utc_text(scenario.initial_state.epoch, 1) == "2016-12-31T23:59:60.4Z"
+
+
+def test_axes_at_rest_somewhere_need_no_epoch():
+    plan = slewtrack.plan(request({"angles_deg": {"alpha": 40.0, "beta": -20.0}}))
+    assert np.rad2deg(plan.table.angle_rad[0]) == pytest.approx([40.0, -20.0])
+    assert [one.field for one in plan.scenario.assumed] == ["initial_state.epoch"]
+
+
+def test_a_plan_goes_on_where_one_that_moves_ends(client):
+    first = ok(post(client, request()))
+    table = first["table"]
+    start, stop = "2015-02-27T17:38:30Z", "2015-02-27T17:38:50Z"
+    document = request({"after": first["id"]}, [(DENVER, start, stop)])
+    second = ok(post(client, document))
+    assert second["table"]["epoch"] == LAS_VEGAS["sessions"][0]["stop"].replace("Z", ".0Z")
+    for column in ("alpha_deg", "beta_deg", "alpha_rate_deg_s", "beta_rate_deg_s"):
+        assert second["table"][column][0] == pytest.approx(table[column][-1], abs=1e-9)
+    assert any(abs(table[f"{axis}_rate_deg_s"][-1]) > 0.1 for axis in ("alpha", "beta"))
+    said = assumed(second)["initial_state.after"]
+    assert said["epoch"] == second["table"]["epoch"]
+    assert post(client, document, "?dry_run=true").status_code == 200
+
+
+def test_a_plan_goes_on_where_one_at_rest_ends_when_it_is_time(client):
+    rest = {"angles_deg": {"alpha": -30.0, "beta": 45.0}}
+    first = ok(post(client, request(final_state=rest)))
+    # A pass a day later: the axes wait where they are, and the table is no day long.
+    session = (LAS_VEGAS["sessions"][0]["target"], "2015-02-28T16:45:00Z", "2015-02-28T16:45:20Z")
+    second = ok(post(client, request({"after": first["id"]}, [session])))
+    read = slewtrack.read_request(request({"angles_deg": rest["angles_deg"]}, [session]))
+    assert second["table"]["epoch"] == utc_text(read.initial_state.epoch, 1)
+    assert [second["table"][f"{axis}_deg"][0] for axis in ("alpha", "beta")] == [-30.0, 45.0]
+
+
+def test_a_plan_right_after_one_at_rest_begins_at_its_end(client):
+    first = ok(post(client, request(final_state="rest")))
+    session = (DENVER, "2015-02-27T17:38:50Z", "2015-02-27T17:39:10Z")
+    second = ok(post(client, request({"after": first["id"]}, [session])))
+    assert second["table"]["epoch"] == first["segments"][-1]["stop"].replace("00Z", "Z")
+    assert second["table"]["alpha_deg"][0] == pytest.approx(first["table"]["alpha_deg"][-1])
+
+
+def test_a_start_before_the_end_of_the_plan_is_refused(client):
+    first = ok(post(client, request()))
+    problem = post(client, request({"after": first["id"]})).json()
+    assert problem["status"] == 422
+    assert "must not come before initial_state.epoch" in problem["detail"]
+
+
+@pytest.mark.parametrize(
+    ("state", "status", "says"),
+    [
+        ({"after": "01a203fd-cbae-73f8-8276-319f76b8842c"}, 422, "there is no plan"),
+        ({"after": "../../etc"}, 422, "there is no plan"),
+        ({"after": "x" * 10_000}, 422, "there is no plan"),
+        ({"after": 7}, 422, "string"),
+        ({"after": "x", "epoch": "2015-02-27T17:34:00Z"}, 422, "leave out all but after"),
+    ],
+)
+def test_a_plan_that_there_is_not(client, state, status, says):
+    problem = post(client, request(state)).json()
+    assert (problem["status"], problem["field"]) == (status, "initial_state.after"), problem
+    assert says in problem["detail"]
+    assert len(json.dumps(problem)) < 1500
+
+
+def test_a_refused_plan_has_no_end(client):
+    hidden = [(LAS_VEGAS["sessions"][0]["target"], "2015-02-27T18:36:20Z", "2015-02-27T18:36:40Z")]
+    refused = post(client, request(sessions=hidden))
+    plan_id = refused.headers["location"].rsplit("/", 1)[1]
+    problem = post(client, request({"after": plan_id})).json()
+    assert (problem["status"], problem["field"]) == (409, "initial_state.after")
+    assert "refused" in problem["detail"]
+
+
+def test_axes_of_another_platform_do_not_go_on(client):
+    first = ok(post(client, request()))
+    session = (LAS_VEGAS["sessions"][0]["target"], "2015-02-27T17:38:30Z", "2015-02-27T17:38:50Z")
+    later = request({"after": first["id"]}, [session], example="platform")
+    problem = post(client, later).json()
+    assert problem["status"] == 422
+    assert "azimuth, tilt" in problem["detail"]
+
+
+def test_the_same_key_gets_the_same_plan(client):
+    first = ok(post(client, request()))
+    session = (DENVER, "2015-02-27T17:38:30Z", "2015-02-27T17:38:50Z")
+    document = request({"after": first["id"]}, [session])
+    key = {"Idempotency-Key": f"after {first['id']}"}
+    once, again = (client.post("/v1/plans", json=document, headers=key) for _ in range(2))
+    assert once.json()["id"] == again.json()["id"]

@@ -1,0 +1,131 @@
+"""Are names found however they are typed, and refused with a way out that works?"""
+
+import json
+import re
+import subprocess
+import sys
+import unicodedata
+from dataclasses import replace
+
+import pytest
+
+import slewtrack
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.json_reader import JsonReader
+from planner.errors import InvalidRequest
+from planner.targets import GroundTarget, PlaceTarget, StarTarget
+from planner.targets.gazetteer import find_place
+from planner.targets.star_names import hipparcos_number
+
+
+@pytest.mark.parametrize(
+    "written",
+    ["São Paulo", "sao paulo", "SÃO PAULO", "Sao-Paulo", unicodedata.normalize("NFD", "São Paulo"),
+     "Сан-Паулу", "Sao Paulo, Brazil", "são paulo, br", "Sao Paulo, 3448439"],
+)  # fmt: skip
+def test_a_town_is_found_in_any_case_and_script(written):
+    assert find_place(written).geonames_id == 3448439
+
+
+@pytest.mark.parametrize(
+    ("written", "country", "region"),
+    [
+        ("Washington, D.C.", "US", "District of Columbia"),
+        ("Portland, OR", "US", "Oregon"),
+        ("Portland, oregon, us", "US", "Oregon"),
+        ("St. John's, Canada", "CA", "Newfoundland and Labrador"),
+        ("Xi’an", "CN", "Shaanxi"),
+        ("İstanbul", "TR", "Istanbul"),
+    ],
+)
+def test_what_tells_towns_apart_may_follow(written, country, region):
+    place = find_place(written)
+    assert (place.country, place.region) == (country, region)
+
+
+@pytest.mark.parametrize("many", ["London", "Suzhou", "Springfield", "La Paz", "Victoria", "Wuxi"])
+def test_each_candidate_told_is_one_place(many):
+    with pytest.raises(ValueError, match="may be") as refusal:
+        find_place(many)
+    told = re.findall(r"'([^']+)' \(", str(refusal.value))
+    assert len(told) > 1
+    assert len({find_place(one).geonames_id for one in told}) == len(told)
+
+
+@pytest.mark.parametrize(
+    ("misspelt", "meant"),
+    [("Ljublana", "Ljubljana, SI"), ("San Franzisco", "San Francisco, US"),
+     ("Reykjavic", "Reykjavík, IS"), ("Ljubljana, Austria", "Ljubljana, SI")],
+)  # fmt: skip
+def test_a_misspelt_town_is_answered_with_those_like_it(misspelt, meant):
+    with pytest.raises(ValueError, match="do you mean") as refusal:
+        find_place(misspelt)
+    assert repr(meant) in str(refusal.value)
+    assert find_place(meant)
+
+
+@pytest.mark.parametrize(
+    "name", ["", " ", ",", "SI", "\u200d", "1" * 200, "𝔏" * 50, "'", "\U0010ffff"]
+)
+def test_what_is_no_name_is_refused_in_one_line(name):
+    with pytest.raises(ValueError, match="name ") as refusal:
+        find_place(name)
+    assert "\n" not in str(refusal.value)
+    with pytest.raises(ValueError, match="name "):
+        hipparcos_number(name)
+
+
+@pytest.mark.parametrize("written", ["Sirius", "SIRIUS", "sirius", " Sirius "])
+def test_a_star_is_found_in_any_case(written):
+    assert StarTarget(name=written).catalogue_number == 32349
+
+
+def test_many_misspelt_towns_are_refused_at_the_first():
+    """Looking for names like one takes a hundredth of a second, 5,000 times a minute."""
+    target = {"mode": "place", "name": "Ljublana"}
+    session = {**LAS_VEGAS["sessions"][0], "target": target}
+    with pytest.raises(InvalidRequest) as refusal:
+        slewtrack.read_request({**LAS_VEGAS, "sessions": [session] * 200})
+    assert len(refusal.value.errors) == 1
+
+
+def test_a_place_and_a_star_by_name_are_planned_as_what_the_answer_says_they_are():
+    scenario = slewtrack.read_request(LAS_VEGAS)
+    named = PlaceTarget(name="Las Vegas, Nevada, US")
+    [session] = scenario.sessions
+    by_name = slewtrack.plan(replace(scenario, sessions=(replace(session, target=named),)))
+    [found] = by_name.scenario.assumed
+    assert found.field == "sessions.0.target.name"
+    target = JsonReader(GroundTarget).read(json.dumps(found.members).encode())
+    assert target == GroundTarget(latitude_deg=36.17497, longitude_deg=-115.13722, height_m=586.0)
+    in_full = slewtrack.plan(replace(scenario, sessions=(replace(session, target=target),)))
+    assert (by_name.table.angle_rad == in_full.table.angle_rad).all()
+    assert by_name.verification.passed
+    assert by_name.verification.taken_as_given == in_full.verification.taken_as_given
+
+    found = StarTarget(name="vega").assumed("targets.3.target")
+    assert (found.field, found.members) == ("targets.3.target.name", {"mode": "star", "hip": 91262})
+
+
+def test_opportunities_and_campaigns_say_where_a_named_target_is():
+    request = {name: LAS_VEGAS[name] for name in ("platform", "orbit")} | {
+        "start": "2015-02-27T17:30:00Z", "stop": "2015-02-27T17:45:00Z",
+        "targets": [{"id": "here", "target": {"mode": "place", "name": "Las Vegas, US"}},
+                    {"id": "there", "target": {"mode": "ground", "latitude_deg": 36.17497,
+                                               "longitude_deg": -115.13722, "height_m": 586.0}}],
+    }  # fmt: skip
+    found = slewtrack.opportunities(request)
+    assert [one.field for one in found.assumed] == ["targets.0.target.name"]
+    assert found.windows.target.tolist() == [0, 1]
+    assert found.windows.rise_s[0] == found.windows.rise_s[1]
+
+
+def test_a_request_without_names_loads_no_list_of_them():
+    code = (
+        "import slewtrack, pathlib\n"
+        "from planner.targets import gazetteer as g, star_names as s\n"
+        "slewtrack.read_request(pathlib.Path('examples/las_vegas_2015.json').read_bytes())\n"
+        "print(g._file.cache_info().currsize, s._numbers.cache_info().currsize)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["0", "0"]

@@ -1,0 +1,88 @@
+"""Do events say how far work is, of every kind, and never that it goes back?"""
+
+import json
+
+import pytest
+from waiting import PatientClient
+
+import slewtrack
+from app.http.app import create_app
+from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN, SPACECRAFT_PLAN
+from app.requests.campaign import read_campaign_request
+from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.spacecraft import read_spacecraft_request
+from planner.campaigns import choose_campaign
+from planner.errors import Refusal
+from planner.sessions.pipeline import make_plan
+from planner.spacecraft.plan import plan_imaging
+
+
+def plan_stages(tell):
+    make_plan(slewtrack.read_request(LAS_VEGAS), on_stage=lambda stage: tell(stage, 0, 1))
+
+
+def spacecraft_stages(tell):
+    request = json.dumps(SPACECRAFT_EXAMPLES["geojson"][1]).encode()
+    plan_imaging(read_spacecraft_request(request), tell)
+
+
+def campaign_stages(tell):
+    request = json.dumps(CAMPAIGN_EXAMPLES["cities"][1]).encode()
+    choose_campaign(read_campaign_request(request), tell)
+    tell("plans", 0, 2)
+    tell("plans", 2, 2)
+
+
+@pytest.mark.parametrize(
+    ("kind", "work"),
+    [(PLAN, plan_stages), (SPACECRAFT_PLAN, spacecraft_stages), (CAMPAIGN, campaign_stages)],
+    ids=lambda one: getattr(one, "name", None),
+)
+def test_percent_is_known_of_every_stage_and_grows(kind, work):
+    told = []
+    work(lambda *progress: told.append(progress))
+    percents = [kind.percent(*progress) for progress in told]
+    assert None not in percents, {stage for stage, *_ in told} - set(kind.stages)
+    assert percents == sorted(percents)
+    assert (percents[0], percents[-1] <= 100) == (0, True)
+    assert len({stage for stage, *_ in told}) > 3
+
+
+def test_a_session_that_cannot_be_is_told_while_another_is_sought():
+    request = json.loads(json.dumps(SPACECRAFT_EXAMPLES["geojson"][1]))
+    request["stop"] = request["start"].replace("00Z", "30Z")
+    told = []
+    with pytest.raises(Refusal):
+        plan_imaging(
+            read_spacecraft_request(json.dumps(request).encode()),
+            lambda stage, *_: told.append(stage),
+        )
+    assert told[-1] == "alternatives"
+    assert told.count("candidates") == 1
+
+
+@pytest.mark.parametrize("kind", JOB_KINDS.values(), ids=lambda kind: kind.name)
+def test_percent_of_odd_progress(kind):
+    assert kind.percent("no such stage") is None
+    for stage in kind.stages:
+        assert 0 <= kind.percent(stage, 0, 0) <= 100
+        assert kind.percent(stage, 5, 3) <= 100
+
+
+def test_a_stream_says_when_to_come_back_and_how_far_it_is():
+    campaign = CAMPAIGN_EXAMPLES["cities"][1]
+    with PatientClient(create_app()) as client:
+        location = client.post("/v1/campaigns", json=campaign).headers["location"]
+        text = client.get(f"{location}/events").text
+    assert text.count("\nretry: 2000\n") == 1
+    assert "retry" in text.split("\n\n")[0]
+    told = [
+        json.loads(line.removeprefix("data: "))
+        for line in text.splitlines()
+        if line.startswith("data: ") and '"stage"' in line
+    ]
+    percents = [one["percent"] for one in told]
+    assert percents == sorted(percents)
+    assert percents[-1] == 100  # the last of the passes is planned
