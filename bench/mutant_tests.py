@@ -22,6 +22,8 @@ FIRST = {
     "oracles/test_verification_structure oracles/test_verification_sky "
     "oracles/test_verification_pointing",
     "planner/verification/keep_out.py": "end_to_end/test_keep_out_plans",
+    "planner/verification/field_masks.py": "oracles/test_spherical_polygon "
+    "end_to_end/test_field_masks",
     "planner/verification/light.py": "properties/test_verification_pieces "
     "properties/test_verification_sky_pieces oracles/test_verification_pointing",
     "planner/verification/limb.py": "oracles/test_verification_sky "

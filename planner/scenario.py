@@ -249,6 +249,11 @@ class Scenario:
                     f"{seen[session.id]} already; ids must differ"
                 )
 
+    @property
+    def keeps_out(self) -> bool:
+        """Whether there are directions that the boresight must not enter."""
+        return bool(self.slew.keep_out or self.platform.masks)
+
     def _check_initial_state(self) -> None:
         names = self.platform.axis_names
         fields = ("angles_deg", "rates_deg_s", "accelerations_deg_s2")

@@ -44,6 +44,9 @@ class About:
 
 # Of a unit vector; wider, so that one not yet divided by its norm is told that.
 UnitPart = Annotated[float, Within(-10.0, 10.0)]
+# Of a vector of any length whose direction counts.
+VectorPart = Annotated[float, Within(-1e6, 1e6)]
+LENGTH_MIN = 1e-3  # squares of much smaller ones round to zero, or to few digits
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict
 
 from app.answers.comparison import SlewComparisonOut, comparison_out
 from app.answers.horizon_view import HorizonCheckOut
+from app.answers.masks import MaskMarginOut, mask_margin_out
 from app.answers.members import (
     PlanHead,
     ProvenanceOut,
@@ -162,6 +163,8 @@ class PlanDocument:
     segments: what the table does, in order of time.
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
+    masks: how near the boresight comes to each mask of the platform. Not told of plans that older
+    versions made.
     pointing: how well each session's target is held.
     slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`. Not
     told of plans that older versions made.
@@ -181,6 +184,7 @@ class PlanDocument:
     segments: list[SegmentOut]
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
+    masks: list[MaskMarginOut] | None = None
     pointing: list[PointingOut]
     slow_stretches: list[SlowStretchOut] | None = None
     uncertainty: list[UncertaintyOut]
@@ -292,6 +296,7 @@ def plan_document(
             segments=[_segment(segment) for segment in plan.segments],
             margins=margins_out(report.limits),
             keep_out=[keep_out_margin_out(margin) for margin in report.keep_out],
+            masks=[mask_margin_out(margin) for margin in report.masks],
             pointing=[pointing_out(session) for session in report.sessions],
             slow_stretches=[fill(SlowStretchOut, slow) for slow in report.slow_stretches],
             uncertainty=[

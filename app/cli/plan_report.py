@@ -27,6 +27,7 @@ def print_report(console: Console, plan: PlanDocument, epoch: str, rows: int) ->
         _uncertainty(plan),
         _margins(plan),
         _keep_out(plan),
+        _masks(plan),
         _comparison(plan),
         _vibration(plan),
     )
@@ -124,6 +125,19 @@ def _keep_out(plan: PlanDocument) -> Table:
             or_dash(cone.away_min_deg, ".3f"),
             "-" if cone.at is None else cone.at[11:-3],
             style="red" if cone.margin_deg is not None and cone.margin_deg < 0.0 else None,
+        )
+    return table
+
+
+def _masks(plan: PlanDocument) -> Table:
+    table = report_table("masks to keep out of", "<name", "asked deg", "closest deg", "<at UTC")
+    for mask in plan.masks or ():
+        table.add_row(
+            Text(mask.name),
+            f"{mask.asked_deg:g}",
+            f"{mask.away_min_deg:.3f}",
+            mask.at[11:-3],
+            style="red" if mask.margin_deg < 0.0 else None,
         )
     return table
 

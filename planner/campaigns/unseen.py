@@ -27,6 +27,7 @@ SAMPLES = 5  # of a window, at which separations are told
 # The order in which opportunities are narrowed, and the fields of each condition.
 _NARROWING: tuple[tuple[Closing, tuple[str, ...]], ...] = (
     ("reach", ()),
+    ("mask", ()),
     ("sun_elevation", ("sun_elevation_min_deg", "sun_elevation_max_deg")),
     ("off_nadir", ("max_off_nadir_deg",)),
     ("sun_keep_out", ("sun_keep_out_deg",)),
@@ -134,7 +135,7 @@ def _closed(
             break
         asked = {name: getattr(request.conditions, name) for name in names}
         conditions = replace(conditions, **asked)
-        now = _windows(request, left, conditions)
+        now = _windows(request, left, conditions, masked=cause != "reach")
         for row in left:
             if row not in now:
                 closed[row] = cause, _reason(cause, asked, before.get(row))
@@ -145,13 +146,19 @@ def _closed(
 
 
 def _windows(
-    request: CampaignRequest, rows: Sequence[int], conditions: OpportunityConditions
+    request: CampaignRequest,
+    rows: Sequence[int],
+    conditions: OpportunityConditions,
+    *,
+    masked: bool,
 ) -> dict[int, Windows]:
-    """Of each of these targets that has any."""
+    """Of each of these targets that has any; masked: by what stands in the platform's view too."""
     wanted = request.opportunities()
+    platform = wanted.platform if masked else replace(wanted.platform, masks=())
     found = opportunities_however_many(
         replace(
             wanted,
+            platform=platform,
             targets=tuple(wanted.targets[row] for row in rows),
             conditions=conditions,
             samples=SAMPLES,
@@ -195,6 +202,8 @@ def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows |
     said = ", ".join(f"{name} {value:g}" for name, value in asked.items() if value is not None)
     if cause == "reach" or before is None:
         return "no angles of the axes within their stops point there while it is in sight"
+    if cause == "mask":
+        return "what stands in the platform's view hides it whenever the axes can point there"
     if cause == "duration":
         longest_s = float((before.set_s - before.rise_s).max())
         return f"its longest window lasts {longest_s:.1f} s: {said}"

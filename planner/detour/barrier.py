@@ -1,16 +1,17 @@
-"""Proof that cones and limits shut every way from start to end.
+"""Proof that cones, masks and limits shut every way from start to end.
 
 The angles are cut into cells as wide as an axis may move in one step of time: what is in a cell
 at one step is in it or in one of its eight neighbours at the next.  Left out are cells that lie
-wholly inside a cone, and what is beyond what rate, acceleration and jerk allow from either end,
-which cuts the outermost cells.  Where this flood from the start never reaches the end, no motion
-does.
+wholly inside a cone or mask, and what is beyond what rate, acceleration and jerk allow from
+either end, which cuts the outermost cells.  Where this flood from the start never reaches the
+end, no motion does.
 
 That a cell lies wholly inside is proven by its corners.  The cosine f between boresight and cone
 axis is 1 x 1 in the cosines and sines of both angles, and no second derivative by one angle is
 greater than 1, since it is an acceleration on a unit circle.  So over a cell a by b
 f leaves the bilinear interpolation of its corners, whose least value is at one of them, by
-at most (a^2 + b^2) / 8.
+at most (a^2 + b^2) / 8.  A mask holds a cell whose middle lies deeper in it than any direction of
+the cell is away: half of a and half of b at most, as that is how far either axis turns it.
 """
 
 import math
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 
 from planner import effort
 from planner.arrays import Array
-from planner.platforms import AxisLimits
+from planner.platforms import AxisLimits, FieldMask
 from planner.pointing.angles import cosine_coefficients
 from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew.problem import AxisState, SlewProblem
@@ -35,6 +36,7 @@ FLOOD_CELLS_MAX = 1_000_000_000  # 3 s
 LAYER_MAX = 10_000_000  # cells: 90 MB
 LAYERS_MIN = 60
 LAYER, CELLS_A_ROW = 5, 3_000  # of `planner.effort`
+SIDES_A_ROW = 200  # of masks beside a cell
 ROUNDING = 1e-6  # of a cell
 CAUGHT_S, CAUGHT_STEP_S = 4.0, 0.1
 
@@ -60,6 +62,7 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         for start, end, limits in zip(problem.start, problem.end, problem.limits, strict=True)
     ]
     cones = cones_over(view, t_s, axes[0].size_rad, axes[1].size_rad)
+    masks = MasksOverCells(view, [axis.edges_rad for axis in axes]) if view.masks else None
     wet, corner, cells = np.ones((1, 1), dtype=bool), [axis.start for axis in axes], 0
     for layer in range(1, layers + 1):
         spans = [
@@ -72,6 +75,8 @@ def _shuts(problem: SlewProblem, view: KeepOutView, duration_s: float, cell_rad:
         if size > LAYER_MAX or cells > FLOOD_CELLS_MAX:
             return False
         wet = _with_neighbours(wet)[_within(spans, corner)]
+        if size and masks:
+            wet &= ~masks.inside(spans)
         for cone in cones:
             if size and cone.counts[layer]:
                 edges = [
@@ -174,6 +179,46 @@ def cones_over(
     return found
 
 
+class MasksOverCells:
+    """Which cells between edges of either axis are proven to be wholly inside a mask.
+
+    Looked for where it's asked, and once.
+    """
+
+    def __init__(self, view: KeepOutView, edges_rad: Sequence[Array]) -> None:
+        self._view = view
+        self._middles_rad = [(edges[:-1] + edges[1:]) / 2.0 for edges in edges_rad]
+        sizes_rad = [float(edges[1] - edges[0]) for edges in edges_rad]
+        self._reach_rad = sum(sizes_rad) / 2.0 * (1.0 + ROUNDING)
+        shape = tuple(len(middles) for middles in self._middles_rad)
+        self._is_known, self._is_inside = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+
+    def inside(self, cells: Sequence[slice]) -> Mask:
+        """Of these cells."""
+        window = tuple(cells)
+        known = self._is_known[window]
+        if not known.all():
+            new = np.nonzero(~known)
+            angle = [
+                middles[span][place]
+                for middles, span, place in zip(self._middles_rad, cells, new, strict=True)
+            ]
+            boresight = self._view.boresight(np.stack(angle, axis=1))
+            inside = np.zeros(len(boresight), dtype=bool)
+            for mask in self._view.masks:
+                polygon = mask.polygon
+                reach_rad = min(polygon.reach_rad + mask.margin_rad, math.pi)
+                near = boresight @ polygon.middle_direction > math.cos(reach_rad)
+                effort.spend(
+                    len(near) / CELLS_A_ROW
+                    + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
+                )
+                inside[near] |= mask.depth_rad(boresight[near]) > self._reach_rad
+            self._is_inside[window][new] = inside
+            known[new] = True
+        return np.asarray(self._is_inside[window])
+
+
 def _with_neighbours(mask: Mask) -> Mask:
     """With all eight neighbours of each cell, in an array larger by one cell all around."""
     rows, columns = mask.shape
@@ -186,7 +231,9 @@ def _with_neighbours(mask: Mask) -> Mask:
     return grown
 
 
-def catching_cone(problem: SlewProblem, view: KeepOutView, duration_s: float) -> MovingCone | None:
+def catching_region(
+    problem: SlewProblem, view: KeepOutView, duration_s: float
+) -> MovingCone | FieldMask | None:
     """Into which the motion at an end leads, which jerk limits from changing at once."""
     since_s = np.arange(CAUGHT_STEP_S, min(CAUGHT_S, duration_s / 2.0), CAUGHT_STEP_S)
     off_rad = [limits.jerk_max_rad_s3 * since_s**3 / 6.0 for limits in problem.limits]
@@ -214,7 +261,7 @@ def catching_cone(problem: SlewProblem, view: KeepOutView, duration_s: float) ->
         reach_rad = np.maximum(*corners) + 2.0 * (off_rad[0] + off_rad[1]) ** 2
         catches = (view.depths_rad(t_s, angle) > reach_rad).any(axis=1)
         if catches.any():
-            return view.cones[int(np.argmax(catches))]
+            return view.regions[int(np.argmax(catches))]
     return None
 
 

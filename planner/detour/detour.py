@@ -1,4 +1,4 @@
-"""A way around the cones, when the straight slew enters one."""
+"""A way around cones and masks, when the straight slew enters one."""
 
 import math
 import time
@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from planner.arrays import Array
-from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_cone, is_barred
+from planner.detour.barrier import CELLS_RAD, FINE_CELLS_RAD, catching_region, is_barred
 from planner.detour.ends import free_part, with_part_replaced
 from planner.detour.passage import rough_paths
-from planner.detour.search import TOUCH_RAD, Detour, DetourSearch, cone_entry
+from planner.detour.search import TOUCH_RAD, Detour, DetourSearch, slew_entry
 from planner.detour.spline_ocp import SplineOcp, graded_ocp, ocp_on_all_rows
 from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
+from planner.platforms import FieldMask
 from planner.pointing.keep_out import KeepOutView, MovingCone
 from planner.slew.on_rows import rows_in
 from planner.slew.problem import SlewProblem
@@ -31,12 +32,13 @@ WAVES = np.arange(1, 5)  # half waves; with three, or 1.5 rad, one slew of 12 fo
 LARGE_PLAY = 0.02
 KICKS, KICK_RAD = 8, 0.3
 SPARED = 0.97  # of the acceleration limit, where the flown Hermite passed it
+Region = MovingCone | FieldMask
 
 
 def avoid_cones(
     solution: SlewSolution, *, thorough: bool = True, prove: bool = True
 ) -> SlewSolution:
-    """The slew itself, or the smoothest one found around the cones it enters.
+    """The slew itself, or the smoothest one found around the cones and masks it enters.
 
     Both axes are then solved together from guesses on both sides; the better one that keeps
     every limit, also when flown from rows, and stays outside on a 10 ms grid is taken.
@@ -48,22 +50,22 @@ def avoid_cones(
     if problem.keep_out is None:
         return solution
     began_s = time.perf_counter()
-    entry = cone_entry(solution.profiles, problem.keep_out)
+    entry = slew_entry(solution.profiles, problem.keep_out)
     if entry.depth_rad <= -TOUCH_RAD:
         return solution
     _require_ends_outside(problem, problem.keep_out, solution.duration_s)
-    catching = catching_cone(problem, problem.keep_out, solution.duration_s)
+    catching = catching_region(problem, problem.keep_out, solution.duration_s)
     if catching is not None:
         raise _no_way(solution, (catching,))
     found = _between_ends(solution, problem.keep_out, thorough=thorough, prove=prove)
     if found is None:
         if prove and is_barred(problem, problem.keep_out, solution.duration_s, FINE_CELLS_RAD):
             raise _no_way(solution, _blocking(solution, problem.keep_out))
+        regions = problem.keep_out.regions
         raise InfeasibleSlew(
-            f"the straight slew enters the cone about {entry.about} by "
-            f"{math.degrees(entry.depth_rad):.2f} deg and no way around "
-            f"{_together(problem.keep_out.cones)} was found in {solution.duration_s:.1f} s; give "
-            "the slew more time or the cone a smaller half angle",
+            f"the straight slew enters {entry.title} by {math.degrees(entry.depth_rad):.2f} deg "
+            f"and no way around {_together(regions)} was found in {solution.duration_s:.1f} s; "
+            f"{_ways_out(regions)}",
             limit="keep_out",
         )
     return replace(
@@ -83,8 +85,8 @@ def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: f
         worst = int(np.argmax(depth))
         if depth[worst] > 0.0:
             raise InfeasibleSlew(
-                f"the slew {side} {math.degrees(depth[worst]):.2f} deg inside the cone about "
-                f"{view.cones[worst].about}",
+                f"the slew {side} {math.degrees(depth[worst]):.2f} deg inside "
+                f"{view.regions[worst].title}",
                 limit="keep_out",
             )
 
@@ -92,7 +94,7 @@ def _require_ends_outside(problem: SlewProblem, view: KeepOutView, duration_s: f
 def _between_ends(
     straight: SlewSolution, view: KeepOutView, *, thorough: bool, prove: bool
 ) -> Detour | None:
-    """Around the cones, after and before what the ends must brake."""
+    """Around the regions, after and before what the ends must brake."""
     part = free_part(straight, view)
     if part is None:
         return _around(straight, view, thorough=thorough, prove=prove)
@@ -109,7 +111,7 @@ def _between_ends(
     if found is None:
         return None
     profiles = with_part_replaced(straight, begins_s, found.profiles)
-    if cone_entry(profiles, view).depth_rad > -TOUCH_RAD:
+    if slew_entry(profiles, view).depth_rad > -TOUCH_RAD:
         return _around(straight, view, thorough=thorough, prove=prove)
     return found._replace(profiles=profiles)
 
@@ -119,11 +121,10 @@ def _require_way(straight: SlewSolution, view: KeepOutView) -> None:
         raise _no_way(straight, _blocking(straight, view))
 
 
-def _no_way(straight: SlewSolution, cones: tuple[MovingCone, ...]) -> InfeasibleSlew:
+def _no_way(straight: SlewSolution, regions: tuple[Region, ...]) -> InfeasibleSlew:
     return InfeasibleSlew(
-        f"no motion within the limits leads around {_together(cones)} in "
-        f"{straight.duration_s:.1f} s; give the slew more time, the cone a smaller half "
-        "angle, or choose other times",
+        f"no motion within the limits leads around {_together(regions)} in "
+        f"{straight.duration_s:.1f} s; {_ways_out(regions)}, or choose other times",
         limit="keep_out",
     )
 
@@ -188,20 +189,26 @@ def _more(
     return found
 
 
-def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[MovingCone, ...]:
-    """The first cone that by itself leaves no way, or all of them."""
-    if len(view.cones) == 1:
-        return view.cones
-    for cone in view.cones:
-        alone = replace(view, cones=(cone,))
+def _blocking(straight: SlewSolution, view: KeepOutView) -> tuple[Region, ...]:
+    """The first region that by itself leaves no way, or all of them."""
+    if len(view.regions) == 1:
+        return view.regions
+    for region in view.regions:
+        alone = view.only(region)
         if is_barred(straight.problem, alone, straight.duration_s, CELLS_RAD):
-            return (cone,)
-    return view.cones
+            return (region,)
+    return view.regions
 
 
-def _together(cones: tuple[MovingCone, ...]) -> str:
-    noun = "cones" if len(cones) > 1 else "cone"
-    return f"the {noun} about {' and '.join(cone.about for cone in cones)}"
+def _together(regions: tuple[Region, ...]) -> str:
+    *before, last = [region.title for region in regions]
+    return f"{', '.join(before)} and {last}" if before else last
+
+
+def _ways_out(regions: tuple[Region, ...]) -> str:
+    if any(isinstance(region, MovingCone) for region in regions):
+        return "give the slew more time or the cone a smaller half angle"
+    return "give the slew more time, or begin it with other angles"
 
 
 def _on_rows(straight: SlewSolution, view: KeepOutView, near: Detour) -> list[Detour]:

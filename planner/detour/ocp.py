@@ -1,8 +1,8 @@
-"""The smoothest motion of both axes that keeps the boresight out of moving cones.
+"""The smoothest motion of both axes that keeps the boresight out of caps.
 
-The two axes' splines and limits are those of `spline_ocp`; cones couple them.  The cosine
-between boresight and a cone's axis is bilinear in the cosines and sines of the two angles,
-so that one solver serves every platform and every cone.
+The two axes' splines and limits are those of `spline_ocp`; caps couple them.  The cosine
+between boresight and a cap's axis is bilinear in the cosines and sines of the two angles,
+so that one solver serves every platform and every cap, another one at every instant.
 """
 
 from functools import cached_property, lru_cache
@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from planner import effort
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.detour.spline_ocp import IPOPT, ITERATION_ENTRY, AxisProgramme, SplineOcp
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
-from planner.pointing.keep_out import MovingCone
 from planner.slew.solution import AxisProfile
 
 if TYPE_CHECKING:
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
 
 COARSE_POINTS, FINE_POINTS = 60, 160
 NOT_COUNTING = 1e3  # beyond any scaled cosine
-# Of `planner.effort`: a solve and each of its cones' instants; a row or variable in an iteration,
-# as cones fill what is factorised.
+# Of `planner.effort`: a solve and each of its caps' instants; a row or variable in an iteration,
+# as caps fill what is factorised.
 SOLVE, SOLVE_INSTANT, ITERATION_ROW = 300, 10, 0.4
 OPTIONS = {
     name: value
@@ -33,18 +32,27 @@ OPTIONS = {
     if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
 }
 # How a solve begins: from far guesses; from such and led off wide of them, to other optima; or
-# near its end, with the cones kept at many instants.
+# near its end, with the caps kept at many instants.
 Start = Literal["far", "wide", "near"]
 STARTS: dict[Start, dict[str, str | float | int]] = {
     "far": {"tol": 1e-4, "mu_init": 1e-2, "max_iter": 40},
     "wide": {"tol": 1e-4, "mu_init": 1e-1, "max_iter": 40},
-    # The margin beside a cone is a thousand times the tolerance.
+    # The margin beside a cap is a thousand times the tolerance.
     "near": {"tol": 1e-6, "mu_init": 1e-4, "max_iter": 60},
 }
 
 
+class Caps(NamedTuple):
+    """What to keep out of at every instant: axis_platform (caps, instants, 3), unit vectors;
+    half_angle_rad and counts, whether it must be kept out of, (caps, instants) each."""
+
+    axis_platform: Array
+    half_angle_rad: Array
+    counts: Mask
+
+
 class _Parts(NamedTuple):
-    """Of the programme: variables, parameters, cost, and cosines with the cones' axes.
+    """Of the programme: variables, parameters, cost, and cosines with the caps' axes.
 
     cost_weight and row_weights: of cost and cosines in the Lagrangian, of which hessian is the
     upper triangle.
@@ -60,14 +68,14 @@ class _Parts(NamedTuple):
 
 
 class DetourOcp:
-    """Least integral of squared jerk of both axes, cones kept at some instants.
+    """Least integral of squared jerk of both axes, out of caps at some instants.
 
-    spline: the basis of each axis.  cones: how many.  with_modes: whether the cost has modes to
-    avoid.  start: from what; far guesses suit fewer instants.
+    spline: the basis of each axis.  caps: how many at once.  with_modes: whether the cost has
+    modes to avoid.  start: from what; far guesses suit fewer instants.
     """
 
-    def __init__(self, spline: SplineOcp, cones: int, *, with_modes: bool, start: Start) -> None:
-        self._spline, self._cones, self._start = spline, cones, start
+    def __init__(self, spline: SplineOcp, caps: int, *, with_modes: bool, start: Start) -> None:
+        self._spline, self._caps, self.start = spline, caps, start
         self._with_modes = with_modes
         points = FINE_POINTS if start == "near" else COARSE_POINTS
         self.tau = np.linspace(0.0, 1.0, points + 2)[1:-1]
@@ -78,14 +86,14 @@ class DetourOcp:
         # CasADi takes 0.1 s to import, which only a process that solves should pay.
         import casadi
 
-        spline, cones, points = self._spline, self._cones, len(self.tau)
+        spline, caps, points = self._spline, self._caps, len(self.tau)
         n = spline.free_count
         y = casadi.MX.sym("y", 2 * n)
         p_gradient = casadi.MX.sym("gradient", 2 * n)
         p_hessian = [casadi.MX.sym(f"hessian{axis}", n, n) for axis in range(2 * self._with_modes)]
         p_base, p_scale = casadi.MX.sym("base", 2 * points), casadi.MX.sym("scale")
-        p_cosine = casadi.MX.sym("cosine", points * cones, 9)
-        cost_weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", points * cones)
+        p_cosine = casadi.MX.sym("cosine", points * caps, 9)
+        cost_weight, row_weights = casadi.MX.sym("weight"), casadi.MX.sym("rows", points * caps)
 
         own = casadi.MX(casadi.sparsify(casadi.DM(spline.hessian)))
         cost_hessian = casadi.diagcat(*(p_hessian or [own, own]))
@@ -94,7 +102,7 @@ class DetourOcp:
         angles = casadi.vertsplit(
             p_base + p_scale * casadi.mtimes(casadi.diagcat(free, free), y), points
         )
-        derivatives = [_trigonometry(casadi.repmat(angle, cones)) for angle in angles]
+        derivatives = [_trigonometry(casadi.repmat(angle, caps)) for angle in angles]
 
         def cosines(outer: int, inner: int) -> "casadi.MX":
             """Differentiated so often by either angle."""
@@ -106,7 +114,7 @@ class DetourOcp:
             return sum(terms, casadi.MX(0))
 
         def curvature(outer: int, inner: int) -> "casadi.MX":
-            weighted = casadi.reshape(row_weights * cosines(outer, inner), points, cones)
+            weighted = casadi.reshape(row_weights * cosines(outer, inner), points, caps)
             instants = p_scale**2 * casadi.sum2(weighted)
             return casadi.mtimes(free.T, casadi.mtimes(casadi.diag(instants), free))
 
@@ -147,7 +155,7 @@ class DetourOcp:
         linear = casadi.MX.sym("hull", rows.shape[0])
         options: dict[str, Any] = {
             "print_time": False,
-            "ipopt": {**OPTIONS, **STARTS[self._start]},
+            "ipopt": {**OPTIONS, **STARTS[self.start]},
             # Given, as CasADi takes up to 40 s to find it by differentiation where modes fill it.
             "hess_lag": casadi.Function(
                 "nlp_hess_l",
@@ -168,23 +176,18 @@ class DetourOcp:
         self,
         platform: TwoAxisPlatform,
         axes: tuple[AxisProgramme, AxisProgramme],
-        cones: tuple[MovingCone, ...],
-        margin_rad: Array,
+        caps: Caps,
         guess_coefficients: Array,
     ) -> tuple[tuple[AxisProfile, AxisProfile], int]:
         """Both profiles and the iterations; to be judged by what they are.
 
-        axes: posed with one scale.  margin_rad: (cones, len(tau)), kept beside each half angle.
+        axes: posed with one scale.  caps: at the instants tau.
         guess_coefficients: (2, k), y to begin from.
         """
-        T = axes[0].duration_s
-        cosine, high = [], []
-        for cone, margin in zip(cones, margin_rad, strict=True):
-            axis, counts = cone.at(self.tau * T)
-            half_rad = cone.half_angle_rad + margin
-            steepness = np.maximum(np.sin(half_rad), 1e-3)
-            cosine.append(cosine_coefficients(platform, axis) / steepness[:, None])
-            high.append(np.where(counts, np.cos(half_rad) / steepness, NOT_COUNTING))
+        half_rad = caps.half_angle_rad.ravel()
+        steepness = np.maximum(np.sin(half_rad), 1e-3)
+        cosine = cosine_coefficients(platform, caps.axis_platform.reshape(-1, 3))
+        most = np.where(caps.counts.ravel(), np.cos(half_rad) / steepness, NOT_COUNTING)
         base = [
             axis.start_angle_rad
             + axis.scale_rad * self._values.fixed_matrix @ axis.fixed_coefficients
@@ -197,10 +200,9 @@ class DetourOcp:
                 *hessians,
                 *base,
                 np.array([axes[0].scale_rad]),
-                np.concatenate(cosine).ravel(order="F"),
+                (cosine / steepness[:, None]).ravel(order="F"),
             ]
         )
-        most = np.concatenate(high)
         y, iterations, good = _run(
             self._rates_only, self._spline.rate_rows, axes, parameters, most, guess_coefficients
         )
@@ -249,6 +251,6 @@ def _run(
 
 
 @lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB
-def detour_ocp(spline: SplineOcp, cones: int, *, with_modes: bool, start: Start) -> DetourOcp:
+def detour_ocp(spline: SplineOcp, caps: int, *, with_modes: bool, start: Start) -> DetourOcp:
     """Made once per process and basis."""
-    return DetourOcp(spline, cones, with_modes=with_modes, start=start)
+    return DetourOcp(spline, caps, with_modes=with_modes, start=start)

@@ -1,9 +1,11 @@
-"""Rough ways around the cones, through cells of the angles.
+"""Rough ways around cones and masks, through cells of the angles.
 
 Time goes in steps, and in each step an axis moves by at most one cell of its rate limit.
-Cells whose middle lies inside a cone, or that are out of reach from either end, are left out.
+Cells whose middle lies inside a cone, that are as near to a mask as half their size, or that are
+out of reach from either end, are left out: a mask may be a boom thinner than a cell.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +20,7 @@ from planner.slew.problem import AxisState, SlewProblem
 STEPS_S = (1.0, 0.5, 0.25)  # cells of 3, 1.5 and 0.75 deg at 3 deg/s
 LAYERS_MIN, LAYERS_MAX = 60, 600  # 200 MB at most
 LAYER, CELLS_A_ROW = 5, 2_000  # of `planner.effort`
+SIDES_A_ROW = 200
 SMOOTHING_SHARES = (0.12, 0.04)  # of the duration: over so much a path of cells is averaged
 
 
@@ -38,6 +41,7 @@ def rough_paths(
 class _AxisGrid(NamedTuple):
     """middles_rad: of k cells.  within_reach: the cells to look at, by layer."""
 
+    size_rad: float
     middles_rad: Array
     within_reach: list[slice]
 
@@ -53,7 +57,7 @@ def _paths_in_cells(
         edges = np.arange(least.min(), most.max() + 2.0 * size, size)
         first, stop = np.searchsorted(edges[1:], least), np.searchsorted(edges[:-1], most, "right")
         windows = list(map(slice, first, np.maximum(first, stop)))
-        axes.append(_AxisGrid(edges[:-1] + size / 2.0, windows))
+        axes.append(_AxisGrid(size, edges[:-1] + size / 2.0, windows))
     start_cell, end_cell = _cell(problem.start, axes), _cell(problem.end, axes)
     flooded = _flood(view, t_s, axes, start_cell, end_cell)
     if not flooded[-1].any():
@@ -79,12 +83,13 @@ def _flood(
 ) -> Mask:
     """Cells reached, (layers + 1, a, b); in the last layer the end's own, if reached.
 
-    Each is within reach of both ends, and its middle outside the cones.
+    Each is within reach of both ends, outside the cones and off the masks.
     """
     first, second = np.meshgrid(*(axis.middles_rad for axis in axes), indexing="ij")
     boresight = view.boresight(np.stack([first.ravel(), second.ravel()], axis=1))
     boresight = boresight.reshape(*first.shape, 3)
     cones = [(*cone.at(t_s), np.cos(cone.half_angle_rad)) for cone in view.cones]
+    is_open = _off_masks(view, boresight, math.hypot(*(axis.size_rad / 2.0 for axis in axes)))
     flooded = np.zeros((len(t_s), *first.shape), dtype=bool)
     flooded[(0, *start_cell)] = True
     for layer in range(1, len(t_s)):
@@ -94,7 +99,7 @@ def _flood(
             slice(one.start - wide.start, one.stop - wide.start)
             for one, wide in zip(window, around, strict=True)
         )
-        reached = _with_neighbours(flooded[layer - 1][around])[inside]
+        reached = _with_neighbours(flooded[layer - 1][around])[inside] & is_open[window]
         effort.spend(LAYER + reached.size * (1 + len(cones)) / CELLS_A_ROW)
         for towards, counts, edge in cones:
             if counts[layer]:
@@ -104,6 +109,20 @@ def _flood(
     flooded[-1] = False
     flooded[(-1, *end_cell)] = reached_end
     return flooded
+
+
+def _off_masks(view: KeepOutView, boresight_platform: Array, apart_rad: float) -> Mask:
+    """Which of unit vectors (a, b, 3) are so far from every mask."""
+    found = np.ones(boresight_platform.shape[:2], dtype=bool)
+    for mask in view.masks:
+        polygon = mask.polygon
+        reach_rad = min(polygon.reach_rad + mask.margin_rad + apart_rad, math.pi)
+        near = boresight_platform @ polygon.middle_direction > math.cos(reach_rad)
+        effort.spend(
+            near.size / CELLS_A_ROW + near.sum() * len(polygon.corner_directions) / SIDES_A_ROW
+        )
+        found[near] &= mask.depth_rad(boresight_platform[near]) < -apart_rad
+    return found
 
 
 def _with_neighbours(mask: Mask) -> Mask:

@@ -36,7 +36,8 @@ class Carrier:
 
     r_sat_itrf_m: position; v_sat_itrf_m_s: inertial velocity in ITRF axes.
     r_sun_itrf_m, r_moon_itrf_m: from the geocentre, light time and annual aberration included.
-    q_platform_from_itrf_xyzw: to be normalised.
+    q_platform_from_itrf_xyzw: to be normalised.  platform_turn_max_rad_s: how fast it turns at
+    most.
     node_s: rows of the orbit.  turn_max_rad_s: greatest rate of the geocentric direction.
     The rows smooth a manoeuvre over: by 0.2 m, or 0.03 ms of the motion, in an ISS reboost.
     """
@@ -50,6 +51,7 @@ class Carrier:
     r_sun_itrf_m: UniformTable
     r_moon_itrf_m: UniformTable
     q_platform_from_itrf_xyzw: UniformTable
+    platform_turn_max_rad_s: float
 
     def in_platform(self, vector_itrf: Array, t_s: Array) -> Array:
         """Vectors (n, 3) turned into the platform frame at t_s (n,)."""
@@ -80,6 +82,9 @@ def carrier_over(
         _to_itrf(rows.c_itrf, apparent_geocentric_m(name, rows.instants))
         for name in ("sun", "moon")
     )
+    q_platform_from_itrf_xyzw, platform_turn_max_rad_s = _attitude_table(
+        rows, ephemeris, attitude, platform
+    )
     passing_m2_s = np.linalg.norm(np.cross(r_sat_itrf_m, v_sat_itrf_m_s), axis=1)
     turn_max_rad_s = float(np.max(passing_m2_s / np.sum(r_sat_itrf_m**2, axis=1)))
     return Carrier(
@@ -91,7 +96,8 @@ def carrier_over(
         v_sat_itrf_m_s=UniformTable(step_s, v_sat_itrf_m_s),
         r_sun_itrf_m=UniformTable(step_s, r_sun_itrf_m),
         r_moon_itrf_m=UniformTable(step_s, r_moon_itrf_m),
-        q_platform_from_itrf_xyzw=_attitude_table(rows, ephemeris, attitude, platform),
+        q_platform_from_itrf_xyzw=q_platform_from_itrf_xyzw,
+        platform_turn_max_rad_s=platform_turn_max_rad_s,
     )
 
 
@@ -110,15 +116,16 @@ def _rows(ephemeris: Ephemeris, start_utc: datetime, span_s: float, cells: int) 
 
 def _attitude_table(
     rows: _Rows, ephemeris: Ephemeris, attitude: AttitudeLaw, platform: TwoAxisPlatform
-) -> UniformTable:
-    """As fine as the law needs: every other row must foretell the rest."""
+) -> tuple[UniformTable, float]:
+    """As fine as the law needs, every other row must foretell the rest; and the greatest rate."""
     while True:
         q = _q_platform_from_itrf_xyzw(rows, attitude, platform)
         t_s = rows.instants.t_s
         step_s = float(t_s[1])
         off_rad = 2.0 * np.linalg.norm(UniformTable(2.0 * step_s, q[::2]).at(t_s) - q, axis=1)
         if np.max(off_rad) <= ATTITUDE_ERROR_RAD or step_s <= ATTITUDE_STEP_MIN_S:
-            return UniformTable(step_s, q)
+            turn_rad = 2.0 * np.linalg.norm(np.diff(q, axis=0), axis=1).max()
+            return UniformTable(step_s, q), float(turn_rad) / step_s
         rows = _rows(ephemeris, rows.instants.epoch_utc, float(t_s[-1]), 2 * (len(t_s) - 1))
 
 

@@ -1,7 +1,7 @@
 """The margin by which each condition of a request is met."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,9 +10,11 @@ import numpy as np
 from planner.arrays import Array, Indices
 from planner.opportunities.carrier import Carrier
 from planner.opportunities.interpolation import UniformTable
+from planner.opportunities.masks import TURN_RAD as MASK_TURN_RAD
+from planner.opportunities.masks import Direction, clear_of, nodes_beside
 from planner.opportunities.request import OpportunityConditions
 from planner.opportunities.sights import EarthSight, Sight
-from planner.opportunities.spans import Margin
+from planner.opportunities.spans import Margin, Nodes
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles
 from planner.targets.apparent import aberrate
@@ -27,6 +29,7 @@ Cause = Literal[
     "moon_keep_out",
     "reach",
     "across",
+    "mask",
 ]
 
 HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3
@@ -41,12 +44,14 @@ class Condition:
     """A margin to be kept, and how closely it must be looked at.
 
     step_s: longest time between nodes.  turn_rad: greatest turn of the line of sight.
+    more_nodes: adds nodes where these don't tell.
     """
 
     cause: Cause
     margin: Margin
     step_s: float
     turn_rad: float
+    more_nodes: Callable[[Nodes], Nodes] | None = None
 
 
 def conditions_of(
@@ -67,10 +72,8 @@ def conditions_of(
     def los_itrf(which: Indices, t_s: Array) -> Array:
         return sight.sighting(which, t_s).direction_itrf
 
-    def reach(which: Indices, t_s: Array) -> Array:
-        los_platform = carrier.in_platform(los_itrf(which, t_s), t_s)
-        angle_rad = axis_angles(platform, los_platform).angle_rad
-        return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
+    def los_platform(which: Indices, t_s: Array) -> Array:
+        return carrier.in_platform(los_itrf(which, t_s), t_s)
 
     if on_earth and conditions.max_off_nadir_deg is not None:
         limit_rad = math.radians(conditions.max_off_nadir_deg)
@@ -86,7 +89,30 @@ def conditions_of(
     for cause, keep_out_deg, r_body_itrf_m in bodies:
         if keep_out_deg is not None:
             yield turning(cause, _keep_out(keep_out_deg, r_body_itrf_m, sight))
-    yield turning("reach", reach)
+    yield turning("reach", _reach(platform, los_platform))
+    if platform.masks:
+        yield _clear_of_masks(platform, carrier, los_platform, orbit_step_s)
+
+
+def _reach(platform: TwoAxisPlatform, los_platform: Direction) -> Margin:
+    def margin(which: Indices, t_s: Array) -> Array:
+        angle_rad = axis_angles(platform, los_platform(which, t_s)).angle_rad
+        return np.asarray(reach_margin_rad(platform, angle_rad).max(axis=0))
+
+    return margin
+
+
+def _clear_of_masks(
+    platform: TwoAxisPlatform, carrier: Carrier, los_platform: Direction, longest_s: float
+) -> Condition:
+    margin = clear_of(platform.masks, los_platform)
+    return Condition(
+        cause="mask",
+        margin=margin,
+        step_s=min(longest_s, MASK_TURN_RAD / carrier.platform_turn_max_rad_s),
+        turn_rad=MASK_TURN_RAD,
+        more_nodes=lambda nodes: nodes_beside(nodes, margin, los_platform),
+    )
 
 
 def reach_margin_rad(platform: TwoAxisPlatform, angle_rad: Array) -> Array:

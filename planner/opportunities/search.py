@@ -177,6 +177,9 @@ def _windows(
     spans = _holding(sight.clearance_rad, nodes, "elevation", interval, interval, work)
     for condition in conditions:
         nodes = nodes_over(spans, sight, condition.step_s, condition.turn_rad)
+        if condition.more_nodes is not None:
+            nodes = condition.more_nodes(nodes)
+            effort.spend(work.look_rows * len(nodes.t_s))
         edges = spans.opened_by, spans.closed_by
         spans = _holding(condition.margin, nodes, condition.cause, *edges, work)
     least_s = max(request.conditions.min_duration_s, SHORTEST_S)

@@ -2,6 +2,7 @@
 
 from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition
+from planner.platforms.field_mask import FieldMask
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.platforms.two_axis import AxisLimits, ParkPosition, StructuralMode, TwoAxisPlatform
 
@@ -11,6 +12,7 @@ __all__ = [
     "AngleDeg",
     "AxisDefinition",
     "AxisLimits",
+    "FieldMask",
     "JerkDegS3",
     "ParkPosition",
     "Platform",

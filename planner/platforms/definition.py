@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Annotated
 
+from planner.platforms.field_mask import FieldMask
 from planner.platforms.two_axis import (
     HRC_FRAME_HALF_RAD,
     AxisLimits,
@@ -22,6 +23,7 @@ HRC_FIELD_OF_VIEW_DEG = (
 AngleDeg = Annotated[float, Within(-1080.0, 1080.0)]
 STOPS_APART_DEG = 1e-3
 JerkDegS3 = Annotated[float, Within(1e-4, 1e3)]
+MASKS_MAX = 8  # each makes the way around them a larger problem
 _MotionLimit = Annotated[float, Within(1e-4, 1e3)]
 _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
@@ -92,6 +94,8 @@ class PlatformDefinition:
     boresight; how the HRC's frame lies isn't published, 0 is assumed.
     park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
     name one.
+    masks: up to 8 regions fixed to the platform's base that the boresight never enters: kept by
+    slews, tracks and windows.
     """
 
     name: str
@@ -102,12 +106,18 @@ class PlatformDefinition:
     field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
     frame_turn_deg: Annotated[float, Within(-180.0, 180.0)] = 0.0
     park_positions_deg: Mapping[str, Mapping[str, AngleDeg]] = field(default_factory=dict)
+    masks: tuple[FieldMask, ...] = ()
 
     def __post_init__(self) -> None:
         if self.outer.name == self.inner.name:
             raise ValueError(f"the axes need two names, not {self.outer.name!r} twice")
         for name, angles_deg in self.park_positions_deg.items():
             self._require_park_position(name, angles_deg)
+        if len(self.masks) > MASKS_MAX:
+            raise ValueError(f"masks must hold at most {MASKS_MAX} masks, not {len(self.masks)}")
+        for number, mask in enumerate(self.masks):
+            if mask.name in [before.name for before in self.masks[:number]]:
+                raise ValueError(f"masks.{number}.name must be its own, not {mask.name!r} again")
         self.platform()
 
     def _require_park_position(self, name: str, angles_deg: Mapping[str, float]) -> None:
@@ -152,4 +162,5 @@ class PlatformDefinition:
                 )
                 for name, angles_deg in self.park_positions_deg.items()
             ),
+            masks=self.masks,
         )

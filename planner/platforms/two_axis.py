@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.platforms.field_mask import FieldMask
 from planner.spec import UnitPart, Within, spec
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
@@ -68,6 +69,7 @@ class TwoAxisPlatform:
     second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
     about the boresight.
     park_positions: where it may be left at rest.
+    masks: what stands in its view; fixed to the base, as the carrier is.
     Source: Sumarokov 2016, eq. 10-11.
     """
 
@@ -83,6 +85,7 @@ class TwoAxisPlatform:
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
     frame_turn_rad: float = 0.0
     park_positions: tuple[ParkPosition, ...] = ()
+    masks: tuple[FieldMask, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (

@@ -1,4 +1,4 @@
-"""How deep the boresight enters the cones it must keep out of, as they move."""
+"""How deep the boresight enters what it must keep out of: cones as they move, masks that stand."""
 
 import math
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from planner.arrays import Array, Mask
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
-from planner.platforms import TwoAxisPlatform
+from planner.platforms import FieldMask, TwoAxisPlatform
 from planner.pointing.angles import boresight_platform
 from planner.scenario import Scenario
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 NODE_STEP_S = 10.0  # a carrier turning at 0.1 deg/s: cubics between nodes err by 0.005 arcsec
 NODES_MIN = 4
 FINER = 20  # instants per row where a cone is near
+MASK_FINER = 20  # instants per such instant beside a mask, whose corners a motion cuts in a moment
 CARRIER_RATE_RAD_S = math.radians(1.0)
 ACCELERATION = 0.1  # rad/s2, more than any platform's
 
@@ -39,6 +40,11 @@ class MovingCone:
     t_s: Array
     axis_platform: Array
     counts_rad: Array
+
+    @property
+    def title(self) -> str:
+        """For a sentence."""
+        return f"the cone about {self.about}"
 
     @cached_property
     def _curve(self) -> "CubicSpline":
@@ -63,10 +69,24 @@ class MovingCone:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class KeepOutView:
-    """The cones as one platform meets them over a stretch of time."""
+    """Cones and masks as one platform meets them over a stretch of time."""
 
     platform: TwoAxisPlatform
-    cones: tuple[MovingCone, ...]
+    cones: tuple[MovingCone, ...] = ()
+    masks: tuple[FieldMask, ...] = ()
+
+    @property
+    def regions(self) -> tuple[MovingCone | FieldMask, ...]:
+        """All that it must keep out of, in the order of `depths_rad`."""
+        return (*self.cones, *self.masks)
+
+    def only(self, region: MovingCone | FieldMask) -> "KeepOutView":
+        """The same with but one region to keep out of."""
+        return replace(
+            self,
+            cones=tuple(cone for cone in self.cones if cone is region),
+            masks=tuple(mask for mask in self.masks if mask is region),
+        )
 
     def from_time(self, begins_s: float) -> "KeepOutView":
         """The same with its time counted from begins_s on."""
@@ -78,24 +98,28 @@ class KeepOutView:
         return boresight_platform(self.platform, angle_rad)
 
     def depths_rad(self, t_s: Array, angle_rad: Array) -> Array:
-        """How deep each cone is entered, shape (cones, n), by axis angles (n, 2)."""
+        """How deep each region is entered, shape (regions, n), by axis angles (n, 2)."""
         boresight = self.boresight(angle_rad)
-        return np.stack([cone.depth_rad(t_s, boresight) for cone in self.cones])
+        of_cones = [cone.depth_rad(t_s, boresight) for cone in self.cones]
+        return np.stack([*of_cones, *(mask.depth_rad(boresight) for mask in self.masks)])
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConeEntry:
-    """The deepest a motion goes into any cone, negative when it stays outside; and when."""
+class DeepestEntry:
+    """The deepest a motion goes into any region, negative when it stays outside; and when.
+
+    title: the region's, for a sentence.
+    """
 
     depth_rad: float
     t_s: float
-    about: str
+    title: str
 
 
 def deepest_entry(
     view: KeepOutView, motion: Callable[[Array], tuple[Array, Array]], start_s: float, stop_s: float
-) -> ConeEntry:
-    """Looked for every 10 ms wherever a cone may be met.
+) -> DeepestEntry:
+    """Looked for every 10 ms wherever a region may be met, and every 0.5 ms beside masks.
 
     motion: angles and rates, (n, 2) each, at times (n,).
     """
@@ -108,24 +132,47 @@ def deepest_entry(
     ahead = step_s * (np.abs(rate).sum(axis=1) + CARRIER_RATE_RAD_S) + step_s**2 * ACCELERATION
     near = np.flatnonzero((depth > -ahead).any(axis=0))
     if near.size:
-        finer = np.arange(-FINER, FINER + 1) * (step_s / FINER)
-        t_s = np.unique(np.clip(t_s[near, None] + finer, start_s, stop_s))
-        depth = view.depths_rad(t_s, motion(t_s)[0])
-    cone, at = np.unravel_index(int(np.argmax(depth)), depth.shape)
-    return ConeEntry(
-        depth_rad=float(depth[cone, at]), t_s=float(t_s[at]), about=view.cones[cone].about
+        t_s = _instants_beside(t_s[near], step_s, FINER, start_s, stop_s)
+        angle, rate = motion(t_s)
+        depth = view.depths_rad(t_s, angle)
+        step_s /= FINER
+        reach = step_s * np.abs(rate).sum(axis=1) + step_s**2 * ACCELERATION
+        may_be_deepest = depth[len(view.cones) :] > max(depth.max(), 0.0) - reach
+        near = np.flatnonzero(may_be_deepest.any(axis=0))
+        if near.size:
+            finest_s = _instants_beside(t_s[near], step_s, MASK_FINER, start_s, stop_s)
+            t_s = np.concatenate([t_s, finest_s])
+            depth = np.hstack([depth, view.depths_rad(finest_s, motion(finest_s)[0])])
+    region, at = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    return DeepestEntry(
+        depth_rad=float(depth[region, at]), t_s=float(t_s[at]), title=view.regions[region].title
     )
+
+
+def _instants_beside(
+    near_s: Array, step_s: float, finer: int, start_s: float, stop_s: float
+) -> Array:
+    """Up to a step before and after each of these, so many per step."""
+    since_s = np.arange(-finer, finer + 1) * (step_s / finer)
+    return np.unique(np.clip(near_s[:, None] + since_s, start_s, stop_s))
 
 
 def keep_out_view(
     scenario: Scenario, ephemeris: Ephemeris, start_s: float, stop_s: float
 ) -> KeepOutView | None:
-    """The scenario's cones from start_s to stop_s on the table's clock; None without any.
+    """What to keep out of from start_s to stop_s on the table's clock; None where nothing.
 
-    Time in the view is counted from start_s.  Raises OutsideCoverage.
+    Time in the view is counted from start_s.  Raises OutsideCoverage, where there are cones.
     """
-    if not scenario.slew.keep_out:
+    if not scenario.keeps_out:
         return None
+    cones = _moving_cones(scenario, ephemeris, start_s, stop_s) if scenario.slew.keep_out else ()
+    return KeepOutView(platform=scenario.platform, cones=cones, masks=scenario.platform.masks)
+
+
+def _moving_cones(
+    scenario: Scenario, ephemeris: Ephemeris, start_s: float, stop_s: float
+) -> tuple[MovingCone, ...]:
     count = max(NODES_MIN, math.ceil((stop_s - start_s) / NODE_STEP_S) + 1)
     t_s = np.linspace(start_s, stop_s, count)
     instants = Instants(scenario.initial_state.epoch, t_s)
@@ -145,4 +192,4 @@ def keep_out_view(
                 counts_rad=counts_rad,
             )
         )
-    return KeepOutView(platform=scenario.platform, cones=tuple(cones))
+    return tuple(cones)

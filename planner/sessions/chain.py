@@ -123,8 +123,8 @@ class Chain:
 
     def _solve_join(self, way: Way, from_row: int, state: States) -> Join:
         """Around cones what is found at once, else with care; without, with care as it lasts."""
-        slew = self.scenario.slew
-        if slew.objective == "minimum_time" and not slew.keep_out:
+        keeps_out = self.scenario.keeps_out
+        if self.scenario.slew.objective == "minimum_time" and not keeps_out:
             join = self._with_care(way, from_row, state)
             if join is None:
                 join = slew_onto(self.scenario, way, from_row, state, thorough=False, early=False)
@@ -134,7 +134,7 @@ class Chain:
             return slew_onto(self.scenario, way, from_row, state, thorough=False, early=False)
         except InfeasibleSlew as refusal:
             shut = refusal
-        careful = self._with_care(way, from_row, state, early=False) if slew.keep_out else None
+        careful = self._with_care(way, from_row, state, early=False) if keeps_out else None
         if careful is None:
             raise shut
         return careful
@@ -162,7 +162,7 @@ class Chain:
 
         Each within its share of the work that is left; what isn't bettered by then stays.
         """
-        if not self.scenario.slew.keep_out:
+        if not self.scenario.keeps_out:
             return joins
         better = []
         share = CARE_SHARE * effort.remaining() / len(joins)

@@ -38,7 +38,7 @@ class Way:
     """One way to hold a session's target: an axis track over `rows` and what lies before.
 
     seen_from_s: since when, up to the session, the target can be seen, and looked at out of
-    all cones, without a break.  ephemeris: the orbit it was found on.
+    all cones and masks, without a break.  ephemeris: the orbit it was found on.
     """
 
     session: Session
@@ -91,14 +91,14 @@ def ways_to_hold(
     begins_s = min(float(track.t_s[0]) for track in tracks)
     view = keep_out_view(scenario, ephemeris, begins_s, rows.stop / ROWS_PER_S)
     if view is not None:
-        effort.spend(CONE_ROW * looked_at * len(view.cones) * len(tracks))
+        effort.spend(CONE_ROW * looked_at * len(view.regions) * len(tracks))
     return tuple(
         Way(
             session=session,
             track=track,
             rows=rows,
             seen_from_s=max(
-                seen_from_s, _out_of_cones_from_s(view, begins_s, scenario, number, track, rows)
+                seen_from_s, _outside_from_s(view, begins_s, scenario, number, track, rows)
             ),
             ephemeris=ephemeris,
         )
@@ -200,7 +200,7 @@ def _seen_from_s(los: LineOfSight, start_s: float) -> float:
     return float(t_s[hidden_before[-1] + 1]) if hidden_before.size else float(t_s[0])
 
 
-def _out_of_cones_from_s(
+def _outside_from_s(
     view: KeepOutView | None,
     begins_s: float,
     scenario: Scenario,
@@ -208,7 +208,7 @@ def _out_of_cones_from_s(
     track: AxisTrack,
     rows: Rows,
 ) -> float:
-    """Since when the track stays out of all cones, up to the session; refused if not in it.
+    """Since when the track stays outside of all regions, up to the session; refused if not in it.
 
     begins_s: where the view's time begins.
     """
@@ -225,8 +225,8 @@ def _out_of_cones_from_s(
         at_utc = shifted_utc(scenario.initial_state.epoch, begins_s + entry.t_s)
         raise NotVisible(
             f"session {number}: at {utc_text(at_utc)} the target stands "
-            f"{math.degrees(entry.depth_rad):.2f} deg inside the cone about {entry.about}, which "
-            "the boresight must keep out of",
+            f"{math.degrees(entry.depth_rad):.2f} deg inside {entry.title}, which the boresight "
+            "must keep out of",
             field=f"sessions.{number}.target",
             limit="keep_out",
             at_utc=at_utc,

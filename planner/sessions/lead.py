@@ -165,7 +165,7 @@ def _after_wait(
     begins_s = problem.duration_s - duration_s
     view = problem.keep_out if options.keeps_limits else None
     if view is not None:
-        _require_out_of_cones(view, brake, bounded.rest, begins_s)
+        _require_outside(view, brake, bounded.rest, begins_s)
     slew = replace(
         problem,
         start=bounded.rest,
@@ -175,13 +175,13 @@ def _after_wait(
     return LedSlew(brake=brake, slew=solve(slew))
 
 
-def _require_out_of_cones(
+def _require_outside(
     view: KeepOutView, brake: SlewSolution | None, rest: States, until_s: float
 ) -> None:
-    """Raises InfeasibleSlew where a cone is met while the axes brake or wait."""
+    """Raises InfeasibleSlew where a region is met while the axes brake or wait."""
     if until_s < COMMAND_STEP_S / 2.0:
         return
-    effort.spend(CONE_ROW * until_s * ROWS_PER_S * len(view.cones))
+    effort.spend(CONE_ROW * until_s * ROWS_PER_S * len(view.regions))
     rest_rad = np.array([axis.angle_rad for axis in rest])
 
     def motion(t_s: Array) -> tuple[Array, Array]:
@@ -194,8 +194,7 @@ def _require_out_of_cones(
     entry = deepest_entry(view, motion, 0.0, until_s)
     if entry.depth_rad > 0.0:
         raise InfeasibleSlew(
-            f"the axes would wait {math.degrees(entry.depth_rad):.2f} deg inside the cone about "
-            f"{entry.about}",
+            f"the axes would wait {math.degrees(entry.depth_rad):.2f} deg inside {entry.title}",
             limit="keep_out",
         )
 

@@ -99,7 +99,7 @@ def sequence_sessions(
     state = initial_state(scenario)
     if scenario.slew.keeps_limits:
         require_brakable(scenario.platform.axis_names, state, scenario.axis_limits)
-    _require_start_outside_cones(scenario, ephemeris)
+    _require_start_outside(scenario, ephemeris)
     chain = Chain(scenario, _ways_by_session(scenario, ephemeris))
     found = None
     with at_most(FIND_SHARE * effort.remaining()) as search:
@@ -121,7 +121,7 @@ def sequence_sessions(
     )
 
 
-def _require_start_outside_cones(scenario: Scenario, ephemeris: Ephemeris) -> None:
+def _require_start_outside(scenario: Scenario, ephemeris: Ephemeris) -> None:
     view = keep_out_view(scenario, ephemeris, 0.0, COMMAND_STEP_S)
     if view is None:
         return
@@ -130,8 +130,8 @@ def _require_start_outside_cones(scenario: Scenario, ephemeris: Ephemeris) -> No
     worst = int(np.argmax(depth_rad))
     if depth_rad[worst] > 0.0:
         raise InfeasibleSlew(
-            f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside the cone about "
-            f"{view.cones[worst].about}; begin with other angles, or leave the cone out",
+            f"the platform begins {math.degrees(depth_rad[worst]):.2f} deg inside "
+            f"{view.regions[worst].title}; begin with other angles, or leave that out",
             field="initial_state.angles_deg",
             limit="keep_out",
             at_utc=scenario.initial_state.epoch,
@@ -186,7 +186,7 @@ def _refusal(chain: Chain, number: int, stand: Stand, *, prove: bool) -> Infeasi
                 stand.last_row,
                 state,
                 thorough=False,
-                early=not chain.scenario.slew.keep_out,
+                early=not chain.scenario.keeps_out,
                 prove=prove,
             )
         except InfeasibleSlew as refusal:

@@ -112,8 +112,8 @@ class Trials:
 
         Where cones leave no way that is found quickly, none is sought for long.
         """
-        slew = self.refused.scenario.slew
-        may_be_early = slew.objective == "minimum_time" and not slew.keep_out
+        scenario = self.refused.scenario
+        may_be_early = scenario.slew.objective == "minimum_time" and not scenario.keeps_out
         return self._is_found(way, early=False) or (
             may_be_early and self._is_found(way, early=True)
         )

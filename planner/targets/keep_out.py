@@ -12,12 +12,10 @@ from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.solar_system import BODIES
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
-from planner.spec import Within, spec
+from planner.spec import LENGTH_MIN, VectorPart, Within, spec
 from planner.targets.body import BodyTarget
 
-VectorPart = Annotated[float, Within(-1e6, 1e6)]
 Vector3 = tuple[VectorPart, VectorPart, VectorPart]
-LENGTH_MIN = 1e-3  # squares of much smaller ones round to zero, or to few digits
 HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3
 WAYS_TO_SAY = "body, ra_deg and dec_deg, direction_lvlh or direction_platform"
 

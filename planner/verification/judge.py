@@ -18,6 +18,7 @@ from planner.targets import (
 )
 from planner.verification.bench_motion import bench_session
 from planner.verification.carrier import DERIVED_LAWS
+from planner.verification.field_masks import mask_findings, mask_margins
 from planner.verification.keep_out import keep_out_findings, keep_out_margins
 from planner.verification.limits import limit_findings, limit_margins, slow_outside_sessions
 from planner.verification.pointing import pointing_session
@@ -44,10 +45,12 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         )
     margins = limit_margins(table, scenario)
     keep_out = keep_out_margins(table, scenario)
+    masks = mask_margins(table, scenario)
     findings: list[Finding] = [
         *structure_findings(table, scenario),
         *limit_findings(margins, scenario),
         *keep_out_findings(keep_out),
+        *mask_findings(masks),
     ]
     reports: list[SessionReport] = []
     rows_by_session = {
@@ -70,6 +73,7 @@ def verify(table: CommandTable, scenario: Scenario) -> VerificationReport:
         limits=margins,
         taken_as_given=given,
         keep_out=keep_out,
+        masks=masks,
         slow_stretches=tuple(slow_outside_sessions(table, scenario)),
     )
 

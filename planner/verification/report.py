@@ -129,6 +129,22 @@ class KeepOutMargin:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MaskMargin:
+    """How near the boresight comes to one mask of the platform, by its number there.
+
+    asked_rad: how far it must stay away.  away_min_rad, t_s, at_utc: the least distance from the
+    polygon, negative inside, and when.
+    """
+
+    number: int
+    name: str
+    asked_rad: float
+    away_min_rad: float
+    t_s: float
+    at_utc: datetime
+
+
+@dataclass(frozen=True, kw_only=True)
 class SlowStretch:
     """An axis commanded below its least smooth drive rate: allowed, but it will oscillate."""
 
@@ -192,4 +208,5 @@ class VerificationReport:
     limits: tuple[LimitMargin, ...]
     taken_as_given: tuple[Given, ...]
     keep_out: tuple[KeepOutMargin, ...] = ()
+    masks: tuple[MaskMargin, ...] = ()
     slow_stretches: tuple[SlowStretch, ...] = ()

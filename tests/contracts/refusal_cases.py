@@ -56,6 +56,10 @@ def _stiff_platform() -> Any:
     return platform
 
 
+def _masked(corners: list[list[float]]) -> Request:
+    return request(("platform.masks.0.corners_platform", corners), example="masks")
+
+
 def _corrected(turn_y_deg: float, variance_deg2: float) -> Any:
     rows = [[variance_deg2 if i == k else 0.0 for i in range(3)] for k in range(3)]
     return {"law": "lvlh", "corrections": [{
@@ -210,6 +214,32 @@ _BY_FIELD: list[tuple[str, Callable[[], Request], str, str | None, str]] = [
      "platform.park_positions_deg.stowed.tilt", "-175..175"),
     ("a cone without direction", lambda: request(("slew.keep_out", [{"half_angle_deg": 9.0}])),
      _READ, "slew.keep_out.0", "one direction"),
+    ("a mask of two corners", lambda: _masked([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+     _READ, "platform.masks.0.corners_platform", "3 to 64 corners"),
+    ("a mask whose sides cross",
+     lambda: _masked([[1, 0, 3], [0, 1, 3], [1, 1, 3], [0, 0, 3]]),
+     _READ, "platform.masks.0.corners_platform", "the side from 0 crosses the side from 2"),
+    ("a mask of a hemisphere", lambda: _masked([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]),
+     _READ, "platform.masks.0.corners_platform", "within 85 deg of their middle"),
+    ("a mask with a corner twice", lambda: _masked([[1, 0, 3], [1, 0, 3], [1, 1, 3], [0, 0, 3]]),
+     _READ, "platform.masks.0.corners_platform", "0 and 1 are 0 deg apart"),
+    ("a mask that encloses nothing", lambda: _masked([[1, 0, 3], [0, 0, 3], [-1, 0, 3]]),
+     _READ, "platform.masks.0.corners_platform", "0.01 deg wide or more everywhere"),
+    ("a mask from behind the platform's base", lambda: _masked([[1, 0, 0], [0, 0, 0], [1, 1, 3]]),
+     _READ, "platform.masks.0.corners_platform.1", "at least 0.001 long"),
+    ("a mask without a name", lambda: request(("platform.masks.0.name", ""), example="masks"),
+     _READ, "platform.masks.0.name", "must not be empty"),
+    ("two masks of one name",
+     lambda: request(("platform.masks", 2 * request(example="masks")["platform"]["masks"]),
+                     example="masks"),
+     _READ, "platform.masks.1.name", "must be its own"),
+    ("too many masks",
+     lambda: request(("platform.masks", [{**request(example="masks")["platform"]["masks"][0],
+                                          "name": str(number)} for number in range(9)]),
+                     example="masks"),
+     _READ, "platform.masks", "at most 8"),
+    ("a target behind a mask", lambda: _masked([[9, 1, 9], [-9, 1, 9], [-9, -1, 9], [9, -1, 9]]),
+     "not-visible", "sessions.0.target", "inside the mask"),
     ("a mode too quick for the table",
      lambda: request(("slew.avoid_modes", [{"frequency_hz": 9.0}])), _READ,
      "slew.avoid_modes.0.frequency_hz", "0.02..2.5"),

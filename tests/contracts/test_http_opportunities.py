@@ -12,7 +12,7 @@ from skyfield.api import EarthSatellite, load, wgs84
 
 from app.http.app import create_app
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
-from app.requests.examples.plan import LAS_VEGAS
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.json_reader import InvalidRequest
 from app.requests.opportunities import read_opportunity_request
 
@@ -84,6 +84,24 @@ def test_a_window_agrees_with_the_plan_made_in_it(client, cities):
     # a row is 0.1 s away at most, at 1 deg/s; windows leave out aberration, 5 arcsec
     assert closest["angles_deg"]["alpha"] == pytest.approx(plan["table"]["alpha_deg"][row], abs=0.2)
     assert closest["angles_deg"]["beta"] == pytest.approx(plan["table"]["beta_deg"][row], abs=0.01)
+
+
+def test_a_window_ends_at_a_mask_and_plans_as_it_stands(client):
+    """A beam across the view below parts each pass in two."""
+    _, masked = PLAN_EXAMPLES["masks"]
+    beam = [[-0.3, -9.0, 3.0], [-0.3, 9.0, 3.0], [0.3, 9.0, 3.0], [0.3, -9.0, 3.0]]
+    platform = masked["platform"] | {"masks": [{"name": "beam", "corners_platform": beam}]}
+    answer = client.post("/v1/opportunities", json=changed(platform=platform)).json()
+    first, second = [w for w in answer["windows"] if w["target"] == "Las Vegas"][:2]
+    assert (first["closed_by"], second["opened_by"]) == ("mask", "mask")
+    session = first["session"] | {"target": CITIES["targets"][0]["target"]}
+    asked = masked | {"platform": platform, "sessions": [session]}
+    plan = client.post("/v1/plans", json=asked).json()
+    assert plan["verification"]["passed"]
+    later = session | {"stop": second["session"]["start"]}
+    refusal = client.post("/v1/plans", json=asked | {"sessions": [later]}).json()
+    assert refusal["limit"] == "keep_out"
+    assert 'inside the mask "beam"' in refusal["detail"]
 
 
 def test_what_has_no_meaning_in_the_sky_is_null(sky):

@@ -171,6 +171,14 @@ def test_a_cone_is_kept_out_of(client):
     assert margin["away_min_deg"] == pytest.approx(25.0 + margin["margin_deg"])
 
 
+def test_a_mask_is_kept_out_of(client):
+    [margin] = example(client, "masks")["masks"]
+    assert margin["name"] == "arm"
+    assert margin["asked_deg"] == 1.0
+    assert margin["margin_deg"] >= 0.0
+    assert margin["away_min_deg"] == pytest.approx(1.0 + margin["margin_deg"])
+
+
 def test_a_cone_whose_body_the_earth_hides_never_counts(client):
     cones = [{"body": body, "half_angle_deg": 25.0} for body in ("jupiter", "mercury")]
     document = request(("slew.keep_out", cones))

@@ -10,6 +10,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
+from mask_shapes import boom, inside, mask_corners, star
 from opportunity_requests import ISS, ROOT, START, iss_request, oco3_targets
 
 from planner.attitude.inertial import InertialAttitude
@@ -22,7 +23,7 @@ from planner.opportunities import (
     find_opportunities,
 )
 from planner.orbits import OemOrbit, TleOrbit
-from planner.platforms import PLATFORMS, PlatformDefinition
+from planner.platforms import PLATFORMS, FieldMask, PlatformDefinition
 from planner.platforms.definition import AxisDefinition
 from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import line_of_sight
@@ -101,6 +102,10 @@ def margins(request, wanted, t_s):
             away = between(direction_eci, body_eci) - math.radians(keep_out_deg)
             found.append(np.maximum(away, -math.radians(1.5) - above_limb))
     found.append(reach(request.platform, los.los_platform))
+    found += [  # the exact edge, and no more than its sign
+        np.where(inside(mask_corners(mask), los.los_platform), -1.0, 1.0)
+        for mask in request.platform.masks
+    ]
     return np.array(found)
 
 
@@ -120,6 +125,30 @@ def reach(platform, los_platform):
             inside = np.minimum(inside, np.max(spare, axis=0))
         best = np.fmax(best, inside)
     return best
+
+
+def behind(*corners):
+    """The HRC behind structure."""
+    masks = tuple(
+        FieldMask(name=f"{number}", corners_platform=tuple(map(tuple, each.tolist())))
+        for number, each in enumerate(corners)
+    )
+    return dataclasses.replace(HRC, masks=masks)
+
+
+def rig():
+    """A ragged panel ahead, and three booms of 0.2 to 1 deg that lie 1 to 3 deg apart below."""
+    rng = np.random.default_rng(2)
+    panel = star(rng, np.array([0.8, 0.0, 0.6]), math.radians(30.0), 12)
+    booms = []
+    for place_deg, half_width_deg in ((0.0, 0.1), (1.5, 0.25), (5.0, 0.5)):
+        along = math.radians(place_deg - 10.0)
+        middle = np.array([math.sin(along), 0.1, math.cos(along)])
+        middle /= np.linalg.norm(middle)
+        booms.append(
+            boom(np.random.default_rng(1), middle, math.radians(35.0), math.radians(half_width_deg))
+        )
+    return behind(panel, *booms)
 
 
 GROUND = oco3_targets(every=140)
@@ -150,6 +179,13 @@ CASES = {
             sun_keep_out_deg=60.0,
             moon_keep_out_deg=90.0,
         ),
+    },
+    "behind structure": {"platform": rig(), "targets": GROUND},
+    "behind structure, spinning": {
+        "platform": rig(),
+        "attitude": SPINNING,
+        "days": 0.08,
+        "targets": (*GROUND, OpportunityTarget(id="Sirius", target=StarTarget(hip=32349))),
     },
     "eccentric": {
         "orbit": MOLNIYA,
@@ -202,6 +238,31 @@ def test_same_windows_as_second_by_second(case):
             holds = margins(request, wanted, around_s).min(axis=0) > 0.0
             # the promise: the exact margin changes its sign within a millisecond of the edge
             assert holds[2] != holds[4], (wanted.id, edge_s)
+
+
+def test_booms_passed_in_a_moment_break_windows():
+    """At 0.05 s, in which the line of sight turns by 0.06 deg at most."""
+    request = iss_request(0.6, platform=rig(), targets=oco3_targets(every=20))
+    windows = find_opportunities(request).windows
+    step_s, gaps = 0.05, 0
+    for number, wanted in enumerate(request.targets):
+        mine = windows.target == number
+        if not mine.any():
+            continue
+        begin_s, end_s = windows.rise_s[mine].min() - 5.0, windows.rise_s[mine].min() + 700.0
+        t_s = np.arange(begin_s, end_s, step_s)
+        holds = margins(request, wanted, t_s).min(axis=0) > 0.0
+        edges_s = t_s[:-1][np.diff(holds)] + step_s
+        for rise_s, set_s in zip(windows.rise_s[mine], windows.set_s[mine], strict=True):
+            if set_s < end_s - 1.0:
+                assert np.abs(edges_s - rise_s).min() <= step_s
+                assert np.abs(edges_s - set_s).min() <= step_s
+        found_s = np.concatenate([windows.rise_s[mine], windows.set_s[mine]])
+        inner_s = edges_s[edges_s < end_s - 1.0]
+        assert np.abs(inner_s[:, None] - found_s).min(axis=1).max() <= step_s
+        by_mask = windows.closed_by[mine] == "mask"
+        gaps += np.count_nonzero(by_mask)
+    assert gaps > 10
 
 
 def test_samples_are_the_planners_own():

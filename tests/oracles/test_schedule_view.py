@@ -20,9 +20,16 @@ from planner.campaigns import (
 )
 from planner.frames.time_scales import Instants, elapsed_s
 from planner.opportunities import OpportunityConditions
-from planner.platforms import PLATFORMS
+from planner.platforms import PLATFORMS, FieldMask
 from planner.sessions.pipeline import make_plan
 
+# Under LVLH all that is 10 deg or more above the horizon lies within 69 deg of the nadir.
+BELOW = FieldMask(
+    name="lid",
+    corners_platform=tuple(
+        (math.cos(clock) * 6.0, math.sin(clock) * 6.0, 1.0) for clock in range(0, 6)
+    ),
+)
 STEP_S = 2.0
 LENGTH_S = 40.0
 
@@ -173,6 +180,7 @@ def test_unseen_targets_say_what_closed_them(skyfield):
         ({"conditions": {"moon_keep_out_deg": 180.0}}, "moon_keep_out", "moon_keep_out_deg 180"),
         ({"session_s": 900.0}, "duration", "less than the 900 s of a look"),
         ({"minutes": 3.0}, "rest", "leave their rest"),
+        ({"masks": (BELOW,)}, "mask", "stands in the platform's view"),
     ],
 )
 def test_each_condition_that_closes_a_target_is_named(fields, cause, said):
@@ -187,6 +195,7 @@ def test_each_condition_that_closes_a_target_is_named(fields, cause, said):
         request,
         targets=(replace(request.targets[look.target], session_s=session_s),),
         conditions=conditions,
+        platform=replace(request.platform, masks=fields.get("masks", ())),
         start=begins - span,
         stop=begins + span,
     )

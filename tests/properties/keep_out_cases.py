@@ -50,11 +50,11 @@ def away_rad(case, t_s, angle_rad):
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
-def hermite(solution):
-    """t_s and angles every 10 ms of the cubic Hermite through the slew's rows, and its rows."""
+def hermite(solution, fine_s=FINE_S):
+    """t_s and angles every fine_s of the cubic Hermite through the slew's rows, and its rows."""
     rows = np.arange(round(solution.duration_s / 0.2) + 1) / 5.0
     angle, rate, _, _ = solution.motion(rows)
-    s = np.arange(0.0, 1.0, FINE_S / 0.2)[:, None]
+    s = np.arange(round(0.2 / fine_s))[:, None] * (fine_s / 0.2)
     parts = (
         np.kron(angle[:-1], 1.0 + s * s * (2.0 * s - 3.0))
         + np.kron(angle[1:], s * s * (3.0 - 2.0 * s))

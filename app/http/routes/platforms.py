@@ -50,6 +50,7 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
             }
             for position in platform.park_positions
         },
+        masks=platform.masks,
     )
 
 

@@ -68,6 +68,17 @@ def _starting(angles_deg: dict[str, float], **rates: dict[str, float]) -> dict[s
     return {"epoch": "2015-02-27T17:34:00Z", "angles_deg": angles_deg, **rates}
 
 
+# From where the axes meet: forward, to starboard, down.
+ARM_M = [
+    [0.2, 4.0, 1.2],
+    [0.7, 4.0, 1.2],
+    [0.8, 1.5, 2.5],
+    [1.7, 0.9, 2.4],
+    [1.6, 0.6, 2.5],
+    [0.5, 1.1, 2.7],
+]
+
+
 def _axis(name: str, axis_platform: list[float]) -> dict[str, Any]:
     return {
         "name": name,
@@ -273,6 +284,19 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
             "around the Sun",
             initial_state=_starting({"alpha": 40.0, "beta": -170.0}),
             slew={"method": "ocp", "keep_out": [{"body": "sun", "half_angle_deg": 25.0}]},
+        ),
+    ),
+    "masks": (
+        "Led around a robotic arm in the platform's view, given by its corners in metres",
+        _request(
+            "around the arm",
+            platform={
+                "name": "HRC beside an arm",
+                "outer": _axis("alpha", [0.0, -0.996194698, 0.087155743]),
+                "inner": _axis("beta", [1.0, 0.0, 0.0]),
+                "masks": [{"name": "arm", "corners_platform": ARM_M, "margin_deg": 1.0}],
+            },
+            initial_state=_starting({"alpha": 30.0, "beta": -50.0}),
         ),
     ),
     "keyhole": (
