@@ -41,7 +41,7 @@ class _Sighting:
     ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
     null for a target in space.
     ground_sample_along_m: length of a pixel on the ground, along the lean of the line of sight;
-    null for a target in space.
+    null for a target in space, and where a pixel reaches the horizon (below some 0.1 deg).
     sun_elevation_deg: in the target's sky, null for a target in space.
     sun_separation_deg: of the line of sight from the Sun's centre.
     moon_separation_deg: of the line of sight from the Moon's centre.

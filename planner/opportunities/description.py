@@ -12,6 +12,7 @@ from planner.opportunities.conditions import (
     separation_rad,
     within_stops,
 )
+from planner.opportunities.ground_sample import sample_along_m
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, Sight
 from planner.opportunities.spans import Margin, Spans, nodes_over, turning_point
@@ -22,7 +23,6 @@ from planner.pointing.angles import axis_angles, axis_motion
 
 _DELTA_S = 0.05  # rates are differences over twice this: 1e-7 of the rate on a 400 km pass
 _EDGE_RAD = 1e-6  # a window that ends at a stop ends within a microsecond's motion of it
-_GRAZING_SINE = 1e-12  # of the elevation: below, a pixel reaches as far as the ground does
 _STEP_S = 600.0  # windows shorter than three of these hold one approach
 
 
@@ -79,9 +79,8 @@ def _sightings(
     t_s, shape, carrier = at_s.ravel(), at_s.shape, sight.carrier
     seen = sight.sighting(which, t_s)
     direction_itrf, range_m = seen.direction_itrf, seen.range_m
-    across_m = range_m * math.radians(request.pixel_arcsec / 3600.0)
+    pixel_rad = math.radians(request.pixel_arcsec / 3600.0)
     sine = np.sin(seen.elevation_rad) if isinstance(sight, EarthSight) else np.ones(len(t_s))
-    upright = sine > _GRAZING_SINE
     los_platform = carrier.in_platform(direction_itrf, t_s)
     angle_rad, branch, branches = _pointing(request.platform, los_platform, shape)
     columns = {
@@ -89,8 +88,8 @@ def _sightings(
         "elevation_rad": seen.elevation_rad,
         "range_m": range_m,
         "off_nadir_rad": off_nadir_rad(direction_itrf, carrier, t_s),
-        "ground_sample_across_m": across_m,
-        "ground_sample_along_m": np.where(upright, across_m / np.where(upright, sine, 1.0), np.inf),
+        "ground_sample_across_m": range_m * pixel_rad,
+        "ground_sample_along_m": sample_along_m(sine, range_m, pixel_rad),
         "sun_elevation_rad": sight.sun_elevation_rad(which, t_s),
         "sun_separation_rad": separation_rad(direction_itrf, carrier.r_sun_itrf_m, carrier, t_s),
         "moon_separation_rad": separation_rad(direction_itrf, carrier.r_moon_itrf_m, carrier, t_s),

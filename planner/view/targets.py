@@ -12,13 +12,13 @@ from planner.frames.earth_orientation import OMEGA_EARTH_RAD_S
 from planner.frames.geodesy import geodetic_from_itrf, up_itrf
 from planner.frames.time_scales import Instants, elapsed_s
 from planner.opportunities.conditions import angle_rad
+from planner.opportunities.ground_sample import sample_along_m
 from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, VisibleTarget
 from planner.targets.apparent import ApparentDirection, aberrate
 from planner.view.scene import Scene
 
 _ON_EDGE_S = 1e-6
-_GRAZING_SINE = 1e-12  # of the elevation: below, a pixel reaches as far as the ground does
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,7 +34,7 @@ class TargetTrack:
     range_m: geometric, both ends at the same instant; NaN of a star.
     off_nadir_rad, sun_separation_rad, moon_separation_rad: of the line of sight to it.
     ground_sample_across_m, ground_sample_along_m: of a pixel, across and along the direction in
-    which the line of sight leans; NaN while the target is below the carrier's horizon.
+    which the line of sight leans; NaN below the horizon, along it where a pixel reaches it, too.
     sun_elevation_rad: of the Sun's centre in the target's sky, without refraction.
     error_rad: angle between the boresight and the target's apparent direction.
     """
@@ -121,7 +121,6 @@ def _on_earth(
     elevation_rad = seen.clearance_rad + math.radians(target.min_elevation_deg)
     across_m = seen.range_m * pixel_rad
     sine = np.sin(elevation_rad)
-    upright = sine > _GRAZING_SINE
     return {
         "latitude_rad": latitude_rad,
         "longitude_rad": longitude_rad,
@@ -130,8 +129,8 @@ def _on_earth(
         "azimuth_rad": azimuth_rad(
             scene.r_sat_itrf_m[which] - r_target_itrf_m, latitude_rad, longitude_rad
         ),
-        "ground_sample_across_m": np.where(upright, across_m, np.nan),
-        "ground_sample_along_m": np.where(upright, across_m / np.where(upright, sine, 1.0), np.nan),
+        "ground_sample_across_m": np.where(sine > 0.0, across_m, np.nan),
+        "ground_sample_along_m": sample_along_m(sine, seen.range_m, pixel_rad),
         "sun_elevation_rad": sun_elevation_rad(
             scene.in_itrf(scene.r_sun_eci_m)[which], r_target_itrf_m, up
         ),
