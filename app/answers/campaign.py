@@ -222,7 +222,7 @@ class CampaignList:
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignDryRun:
-    """The request is sound; nothing was chosen.
+    """The request is well formed; whether anything can be seen was not looked at.
 
     valid: always true; what isn't is refused.
     name: the request's.

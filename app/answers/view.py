@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from app.answers.columns import columns_of, numbers
+from app.answers.mask_trace import MaskTraceOut, mask_trace_out
 from app.answers.members import DECIMALS, degrees, to_json
 from app.answers.opportunities import WindowOut, windows_out
 from app.answers.ranges import (
@@ -148,7 +149,7 @@ class TargetTrackOut:
     ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
     null in space and below the horizon.
     ground_sample_along_m: length of a pixel on the ground, along the lean of the line of sight;
-    null in space and below the horizon.
+    null in space, below the horizon and within 0.1 deg above, where a pixel has no end.
     sun_elevation_deg: of the Sun's centre in the target's sky, without refraction; null in space.
     sun_separation_deg: of the line of sight to the target from the Sun's centre.
     moon_separation_deg: of the line of sight to the target from the Moon's centre.
@@ -248,6 +249,7 @@ class PlanViewResponse:
     limits: what each axis may do, by its name.
     targets: of each session.
     keep_out: of each cone of the request.
+    masks: of each of the platform's.
     baseline: of each slew; empty where the plan is the baseline itself.
     """
 
@@ -271,6 +273,7 @@ class PlanViewResponse:
     targets: list[TargetTrackOut]
     pointing: PointingTraceOut
     keep_out: list[ConeTraceOut]
+    masks: list[MaskTraceOut]
     baseline: list[BaselineSlewOut]
 
 
@@ -304,6 +307,7 @@ def view_json(view: PlanView, plan_id: str, pixel_arcsec: float, *, verified: bo
             targets=_targets(view),
             pointing=columns_of(PointingTraceOut, view.pointing, unknown),
             keep_out=[_cone(table.axis_names, cone, unknown) for cone in view.keep_out],
+            masks=[mask_trace_out(table.axis_names, mask) for mask in view.masks],
             baseline=[_baseline(table.axis_names, slew) for slew in view.baseline],
         )
     )

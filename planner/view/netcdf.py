@@ -52,8 +52,8 @@ _MOTION = (
 def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
     """Variables are named as the JSON nests them: `carrier_latitude_deg`.
 
-    Targets and cones are a dimension each; the slews of the baseline and the windows lie end to
-    end along one of their own.  What is null in JSON is filled.
+    Targets, cones and masks are a dimension each; the slews of the baseline, the windows and the
+    outlines of masks lie end to end along one of their own.  What is null in JSON is filled.
     """
     buffer = io.BytesIO()
     with netcdf_file(buffer, "w", version=2) as file:
@@ -63,6 +63,9 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
             "corner": 4,
             "target": len(view.targets),
             "cone": len(view.keep_out),
+            "mask": len(view.masks),
+            "mask_point": sum(len(mask.outline_platform) for mask in view.masks),
+            "component": 3,
             "outline_time": len(view.keep_out[0].outline_t_s) if view.keep_out else 0,
             "way": 2,
             "point": OUTLINE_POINTS,
@@ -84,6 +87,7 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
                 _write(file, f"{section}_{name}", known, sides)
         _targets(file, view)
         _cones(file, view)
+        _masks(file, view)
         _baseline(file, view, names)
         _windows(file, view)
         file.flush()
@@ -145,6 +149,23 @@ def _cones(file: netcdf_file, view: PlanView) -> None:
         outlines_rad,
         ("cone", "outline_time", "way", "point", "axis"),
     )
+
+
+def _masks(file: netcdf_file, view: PlanView) -> None:
+    if not view.masks:
+        return
+    masks = view.masks
+    describe(file, mask_names=", ".join(one_line(mask.name) for mask in masks))
+    _write(file, "mask_asked_rad", np.array([mask.asked_rad for mask in masks]), ("mask",))
+    _write(file, "mask_away_rad", np.stack([mask.away_rad for mask in masks]), ("mask", "time"))
+    number = file.createVariable("mask_outline_mask", "i", ("mask_point",))
+    number[:] = np.concatenate([np.full(len(mask.outline_platform), mask.number) for mask in masks])
+    describe(number, long_name="index of the mask whose outline it is")
+    corners = file.createVariable("mask_outline_platform", "d", ("mask_point", "component"))
+    corners[:] = np.concatenate([mask.outline_platform for mask in masks])
+    describe(corners, units="1", long_name="mask outline, unit vectors in the platform frame")
+    outline_rad = np.concatenate([mask.outline_rad for mask in masks], axis=1)
+    _write(file, "mask_outline_rad", outline_rad, ("way", "mask_point", "axis"))
 
 
 def _baseline(file: netcdf_file, view: PlanView, names: tuple[str, ...]) -> None:

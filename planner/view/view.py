@@ -22,6 +22,7 @@ from planner.view.carrier import (
     footprint_trace,
 )
 from planner.view.cones import ConeTrace, cone_traces
+from planner.view.masks import MaskTrace, mask_traces
 from planner.view.motion import AxesMotion, BaselineSlew, baseline_slews, motion_at_rows
 from planner.view.pointing import PointingTrace, pointing_trace
 from planner.view.rows import view_rows
@@ -56,6 +57,7 @@ class PlanView:
     windows: tuple[Opportunities | None, ...]
     pointing: PointingTrace
     keep_out: tuple[ConeTrace, ...]
+    masks: tuple[MaskTrace, ...]
 
 
 def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> PlanView:
@@ -87,6 +89,7 @@ def view_plan(plan: FlightPlan, step_s: float | None, pixel_arcsec: float) -> Pl
         windows=session_windows(plan, pixel_arcsec),
         pointing=pointing_trace(scene, targets),
         keep_out=tuple(cone_traces(scene)),
+        masks=tuple(mask_traces(plan, row)),
     )
 
 

@@ -18,7 +18,9 @@ from app.http.app import create_app
 from app.http.routes import plans as plan_routes
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.plan import read_plan_request
 from app.work.view import DRAWN, DRAWN_SESSION
+from planner.pointing.angles import boresight_platform
 
 FILL = 9.969209968386869e36  # NetCDF's own default for doubles
 STRIP = SPACECRAFT_EXAMPLES["geojson"][1]
@@ -195,6 +197,47 @@ def test_cones_and_their_outlines(client):
         np.testing.assert_array_equal(outlines[..., 0], outlines[..., -1])
 
 
+def test_masks_and_their_outlines(client):
+    """The boresight comes as near as the plan says; the outline is where the boresight would be."""
+    arm = {
+        "name": "arm",
+        "margin_deg": 1.0,
+        "corners_platform": [
+            [0.2, 4.0, 1.2], [0.7, 4.0, 1.2], [0.8, 1.5, 2.5], [1.7, 0.9, 2.4], [1.6, 0.6, 2.5],
+            [0.5, 1.1, 2.7],
+        ],
+    }  # fmt: skip
+    named = client.get("/v1/platforms").json()["platforms"][0]
+    state = LAS_VEGAS["initial_state"] | {"angles_deg": {"alpha": 30.0, "beta": -50.0}}
+    beside = {"platform": named | {"name": "beside an arm", "masks": [arm]}, "initial_state": state}
+    plan = made(client, LAS_VEGAS | beside)
+    view = seen(client, plan, "?step_s=0.2").json()
+    assert wrong(client, "PlanViewResponse", view) == []
+    [mask], [margin] = view["masks"], plan["masks"]
+    assert (mask["name"], mask["asked_deg"]) == ("arm", 1.0)
+    assert len(mask["away_deg"]) == len(view["t_s"])
+    assert min(mask["away_deg"]) == pytest.approx(margin["away_min_deg"], abs=0.1)  # a row's turn
+    outline = np.array(mask["outline_platform"])
+    np.testing.assert_array_equal(outline[0], outline[-1])
+    corners = np.array(arm["corners_platform"])
+    corners /= np.linalg.norm(corners, axis=1, keepdims=True)
+    for corner in corners:
+        assert np.linalg.norm(outline - corner, axis=1).min() < 1e-5
+    platform = read_plan_request(json.dumps(LAS_VEGAS).encode()).platform
+    pairs_deg = np.array([mask["outline_deg"][axis] for axis in ("alpha", "beta")], dtype=float)
+    told = np.isfinite(pairs_deg).all(axis=0)
+    assert told.any()
+    for way in range(2):
+        there = boresight_platform(platform, np.radians(pairs_deg[:, way, told[way]].T))
+        np.testing.assert_allclose(there, outline[told[way]], atol=2e-5)  # 0.001 deg
+    with netcdf_file(io.BytesIO(seen(client, plan, "?step_s=0.2&format=netcdf").content)) as file:
+        away_deg = file.variables["mask_away_deg"][:].copy()
+        lies = file.variables["mask_outline_platform"][:].copy()
+        assert file.mask_names == b"arm"
+    np.testing.assert_allclose(away_deg, [mask["away_deg"]], atol=1e-6)
+    np.testing.assert_allclose(lies, outline, atol=1e-6)
+
+
 def test_the_step_is_chosen_or_asked_for(client, plan):
     rows = len(plan["table"]["t_s"])
     chosen = seen(client, plan).json()
@@ -208,11 +251,13 @@ def test_the_step_is_chosen_or_asked_for(client, plan):
 
 
 @pytest.mark.parametrize(
-    "step", ["0", "-1", "0.1", "0.3", "nan", "inf", "1e308", "86400.2", "x", "", "0.2000001"]
+    "step",
+    ["0", "-1", "0.1", "0.3", "nan", "inf", "1e308", "86400.2", "x", "", "0.2000001", "1_0", " 1"],
 )
 def test_a_step_that_can_not_be_taken(client, plan, step):
     problem = refused(client, plan, f"?step_s={step}")
     assert problem["field"] == "query.step_s"
+    assert any(way in problem["detail"] for way in ("a number", "more than 0", "multiple"))
 
 
 def test_a_step_of_too_many_rows_names_one_that_works(client):
