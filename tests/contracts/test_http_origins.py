@@ -85,7 +85,7 @@ def test_a_page_of_an_allowed_origin_reads_what_it_needs(here):
     assert answer.status_code == 201, answer.text
     assert answer.headers["access-control-allow-origin"] == PAGE
     assert words(answer, "access-control-expose-headers") >= {
-        "location", "etag", "retry-after", "x-request-id", "content-disposition",
+        "location", "etag", "link", "retry-after", "x-request-id", "content-disposition",
     }  # fmt: skip
     assert {"origin", "accept", "prefer", "accept-encoding"} == words(answer, "vary")
     events = here.get(f"{answer.headers['location']}/events", headers=from_page())

@@ -96,6 +96,20 @@ def test_windows_come_in_pages(client, cities):
     assert len(found) > 2
 
 
+def test_a_page_that_is_known_is_not_sent_again(client, cities):
+    address = f"{PATH}/{cities['id']}/windows"
+    tags = set()
+    for query in ("?limit=1", "?limit=2", "?limit=1&cursor=1", "?limit=1&target=London"):
+        page = client.get(address + query)
+        tags.add(page.headers["etag"].removeprefix("W/"))
+        again = client.get(address + query, headers={"If-None-Match": page.headers["etag"]})
+        assert (again.status_code, again.content) == (304, b"")
+    csv = client.get(address + "?limit=1", headers={"Accept": "text/csv"})
+    assert len({*tags, csv.headers["etag"].removeprefix("W/")}) == 5
+    gone = f"{PATH}/{new_id()}/windows"
+    assert client.get(gone, headers={"If-None-Match": "*"}).status_code == 404
+
+
 def test_windows_of_one_target(client, cities):
     of_london = [window for window in cities["windows"] if window["target"] == "London"]
     answer = client.get(f"{PATH}/{cities['id']}/windows?target=London").json()
@@ -119,6 +133,7 @@ def test_a_target_of_any_name_is_found_by_it(client):
         ("limit=x", "limit", "whole number"),
         ("cursor=-1", "cursor", "at least 0"),
         ("target=%07", "target", "can't be seen"),
+        ("target=", "target", "at least 1"),
         ("page=2", "page", "not known here"),
     ],
 )
@@ -150,7 +165,7 @@ def test_as_geojson(client, cities):
     answer = client.post(PATH, json=CITIES, headers=GEOJSON)
     assert answer.status_code == 200
     assert answer.headers["content-type"] == "application/geo+json"
-    assert answer.headers["vary"] == "Accept"
+    assert answer.headers["vary"] == "Accept, Accept-Encoding"
     collection = answer.json()
     kept = client.get(answer.headers["Location"], headers=GEOJSON).json()
     assert kept == collection

@@ -19,7 +19,7 @@ _PREFLIGHT = {
     "Access-Control-Max-Age": "600",
 }
 _EXPOSED = (
-    "Allow, Content-Disposition, ETag, Location, Preference-Applied, Retry-After, "
+    "Allow, Content-Disposition, ETag, Link, Location, Preference-Applied, Retry-After, "
     "WWW-Authenticate, X-Request-ID"
 )
 

@@ -77,7 +77,10 @@ class WindowsQuery(Parameters):
         default=0, ge=0, le=10**9, description="`next` of the page before; 0 for the first."
     )
     target: str | None = Field(
-        default=None, max_length=200, description="Only windows of the target with this id."
+        default=None,
+        min_length=1,
+        max_length=200,
+        description="Only windows of the target with this id.",
     )
 
 
@@ -215,6 +218,7 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
                     }
                 }
             },
+            304: _UNCHANGED,
             404: no_such(resource),
         },
     )
@@ -223,6 +227,10 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
     ) -> Response:
         """In the order of the request's targets, each target's in order of time."""
         form = preferred_type(request, FORMS)
+        headers = _immutable(search_id, form, query)
+        if is_known_already(request, headers["ETag"]):
+            await find_job(request, resource, search_id)
+            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
         stop = query.cursor + query.limit
         if query.target is None:
             search = await _find(request, resource, search_id, query.cursor, stop)
@@ -233,7 +241,6 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
             windows = [window for window in every if window.startswith(begins)]
             shown, count = windows[query.cursor : stop], len(windows)
         after = stop if stop < count else None
-        headers = {"Vary": "Accept"}
         if after is not None:
             url = request.url.include_query_params(cursor=after)
             headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
@@ -263,6 +270,8 @@ async def _find(
     return search
 
 
-def _immutable(search_id: str, form: str) -> dict[str, str]:
-    tag = f'"{search_id}-{form.rsplit("/")[-1]}-{VERSION}"'
+def _immutable(search_id: str, form: str, page: WindowsQuery | None = None) -> dict[str, str]:
+    """Headers of all that was found, or of a page of it."""
+    which = "" if page is None else f"-{hashlib.sha256(to_json(page)).hexdigest()[:32]}"
+    tag = f'"{search_id}-{form.rsplit("/")[-1]}{which}-{VERSION}"'
     return {"Cache-Control": "private, no-cache", "Vary": "Accept", "ETag": tag}
