@@ -13,6 +13,7 @@ from app.requests.plain_text import require_plain
 from planner.errors import FieldError, InvalidRequest
 
 _WHOLE = re.compile(r"-?[0-9]{1,18}", re.ASCII)
+_NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 
 
 class Parameters(BaseModel):
@@ -27,6 +28,8 @@ class Parameters(BaseModel):
             annotation = cls.model_fields[info.field_name].annotation
             if annotation is int and not _WHOLE.fullmatch(value):
                 raise PydanticKnownError("int_parsing")
+            if annotation in (float, float | None) and not _NUMBER.fullmatch(value):
+                raise PydanticKnownError("float_parsing")
             if annotation is bool and value not in ("true", "false"):
                 raise PydanticKnownError("bool_parsing")
             require_plain(value)

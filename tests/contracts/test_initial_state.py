@@ -153,7 +153,9 @@ def test_a_start_before_the_end_of_the_plan_is_refused(client):
     [
         ({"after": "01a203fd-cbae-73f8-8276-319f76b8842c"}, 422, "there is no plan"),
         ({"after": "../../etc"}, 422, "there is no plan"),
-        ({"after": "x" * 10_000}, 422, "there is no plan"),
+        ({"after": ""}, 422, "there is no plan ''"),
+        ({"after": "x" * 10_000}, 422, "at most 200 characters"),
+        ({"after": "01a203fd\n\x00"}, 422, "U+000A, which can't be seen"),
         ({"after": 7}, 422, "string"),
         ({"after": "x", "epoch": "2015-02-27T17:34:00Z"}, 422, "leave out all but after"),
     ],

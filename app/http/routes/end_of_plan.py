@@ -5,6 +5,7 @@ import json
 from app.jobs.kinds import PLAN
 from app.jobs.refusals import Conflict
 from app.requests.json_reader import json_document
+from app.requests.plain_text import require_plain
 from app.requests.plan import read_plan_request
 from app.store import jobs, plans
 from app.store.database import Database
@@ -36,7 +37,11 @@ def from_end_of_plan(database: Database, body: bytes) -> bytes:
             f"the plan's end says {', '.join(others)} already; leave out all but after",
             field=_FIELD,
         )
-    end_utc, motion = end_of_table(_table_of(database, state["after"]))
+    try:
+        plan_id = require_plain(state["after"])
+    except ValueError as fault:
+        raise InvalidInput(str(fault), field=_FIELD) from None
+    end_utc, motion = end_of_table(_table_of(database, plan_id))
     state["angles_deg"] = motion["angles_deg"]
     if all(abs(rate) <= _REST_DEG_S for rate in motion["rates_deg_s"].values()):
         filled = json.dumps(document).encode()
@@ -55,7 +60,7 @@ def _table_of(database: Database, plan_id: str) -> bytes:
         plan = plans.get(connection, plan_id) if job is not None else None
     if job is None or job.kind != PLAN.name:
         raise InvalidInput(
-            f"there is no plan {plan_id}; GET /v1/plans lists them, or give epoch and angles_deg",
+            f"there is no plan {plan_id!r}; GET /v1/plans lists them, or give epoch and angles_deg",
             field=_FIELD,
         )
     if plan is None or plan.state != "done":
