@@ -55,7 +55,10 @@ class CampaignPost(Parameters):
     """Parameters of the POST."""
 
     dry_run: bool = Field(
-        default=False, description="Only see whether the request can be read; nothing is chosen."
+        default=False,
+        description="Only see whether the request is well formed: fields, ranges, platform, orbit "
+        "and names of places and stars. Nothing is searched for, chosen or planned: a campaign "
+        "that has nothing to see, or days that the orbit doesn't reach, passes, too.",
     )
 
 
@@ -65,7 +68,10 @@ class CampaignPost(Parameters):
     status_code=HTTPStatus.ACCEPTED,
     response_model=CampaignResponse,
     responses={
-        200: {"model": CampaignDryRun, "description": "`dry_run`: the request is sound"},
+        200: {
+            "model": CampaignDryRun,
+            "description": "`dry_run`: the request is well formed; nothing more was looked at",
+        },
         201: {"model": CampaignResponse, "description": "All passes are planned already"},
         202: {
             "description": "Accepted; GET Location tells how far it is, and each pass's plan",
