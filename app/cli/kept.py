@@ -40,6 +40,19 @@ def list_plans(
         typer.Option(help="Only those queued, running, done, refused, failed or cancelled."),
     ] = None,
     name: Annotated[str | None, typer.Option(help="Only those with this in the name.")] = None,
+    target: Annotated[
+        str | None, typer.Option(help="Only those with this in a target's name.")
+    ] = None,
+    text: Annotated[
+        str | None,
+        typer.Option(help="Only those with this in the name, the platform's or a target's."),
+    ] = None,
+    after: Annotated[
+        str | None, typer.Option(metavar="UTC", help="Only those that end after this time.")
+    ] = None,
+    before: Annotated[
+        str | None, typer.Option(metavar="UTC", help="Only those that begin before this time.")
+    ] = None,
     json: WholeAnswer = None,
 ) -> None:
     """List the plans that a service keeps, the latest first."""
@@ -48,7 +61,15 @@ def list_plans(
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
         with service(url) as client:
-            found = client.plans(limit=limit, state=state, name=name)
+            found = client.plans(
+                limit=limit,
+                state=state,
+                name=name,
+                target=target,
+                text=text,
+                after=after,
+                before=before,
+            )
         table = report_table(None, "<id", "<state", "<created", "<name", wrapped="name")
         for job in found:
             created = job.created[:_SECOND].replace("T", " ")
