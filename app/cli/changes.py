@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
 from app.answers.opportunities import windows_out
 from app.requests.opportunities import read_opportunity_request
-from planner.errors import InvalidInput
+from planner.errors import FieldError, InvalidInput, InvalidRequest
 from planner.frames.time_scales import DAY_S, shifted_utc, utc_from_text, utc_text
 from planner.opportunities import OpportunityRequest, find_opportunities
 
@@ -128,7 +129,16 @@ def _search(
         "conditions": {"min_elevation_deg": elevation_deg},
         "samples": 2,
     }
-    return read_opportunity_request(json.dumps(request).encode())
+    try:
+        return read_opportunity_request(json.dumps(request).encode())
+    except InvalidRequest as refused:
+        raise InvalidRequest(*map(_as_in_plan, refused.errors)) from None
+
+
+def _as_in_plan(error: FieldError) -> FieldError:
+    """Named as the request for a plan has it."""
+    inside = error.field.removeprefix("targets.0.")
+    return error if inside == error.field else replace(error, field=f"sessions.0.{inside}")
 
 
 _CARRIED_OVER = ("platform", "orbit", "attitude")

@@ -70,15 +70,22 @@ def list_plans(
                 after=after,
                 before=before,
             )
-        table = report_table(None, "<id", "<state", "<created", "<name", wrapped="name")
+        table = report_table(
+            None, "<id", "<state", "<created", "<start", "<name", "<targets", wrapped="targets"
+        )
         for job in found:
-            created = job.created[:_SECOND].replace("T", " ")
-            table.add_row(job.id, job.state, created, Text(job.name))
+            created, start = map(_to_the_second, (job.created, job.members["start"]))
+            targets = ", ".join(job.members["targets"])
+            table.add_row(job.id, job.state, created, start, Text(job.name), Text(targets))
         print_table(console, table)
         if not found:
             console.print("there are none")
         if json:
             write(json, json_of({"plans": [dict(job.members) for job in found]}))
+
+
+def _to_the_second(utc: str | None) -> str:
+    return "-" if utc is None else utc[:_SECOND].replace("T", " ")
 
 
 def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:

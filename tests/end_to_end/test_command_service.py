@@ -58,7 +58,8 @@ def test_a_service_plans_what_is_planned_here(run, url, tmp_path):
     plan_id = json.loads((tmp_path / "plan.json").read_text())["id"]
     assert kept == f"kept as {plan_id}"
     listed = run("list", "--limit", "1")
-    assert listed.stdout.split()[4:7] == [plan_id, "done", listed.stdout.split()[6]]
+    assert listed.stdout.split()[6:8] == [plan_id, "done"]
+    assert "2015-02-27 17:36:20  Las Vegas" in listed.stdout
 
 
 def test_where_a_service_listens_is_told_with_its_pages(service):
