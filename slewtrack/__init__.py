@@ -127,12 +127,14 @@ def estimate_vertical(
     return estimate(pixels, _value_of(request, read_estimate_request))
 
 
-def plan_imaging(request: "ImagingPlanRequest | Json") -> "ImagingPlan":
+def plan_imaging(
+    request: "ImagingPlanRequest | Json", *, progress: OnProgress | None = None
+) -> "ImagingPlan":
     """An imaging session of the spacecraft with four gyros: a verified attitude table."""
     from app.requests.spacecraft import read_spacecraft_request
     from planner.spacecraft.plan import plan_imaging as make
 
-    return make(_value_of(request, read_spacecraft_request))
+    return make(_value_of(request, read_spacecraft_request), _on_stage(progress))
 
 
 def _on_stage(progress: OnProgress | None) -> Callable[..., None]:

@@ -147,8 +147,12 @@ class Window:
 
 @dataclass(frozen=True, kw_only=True)
 class Opportunities:
-    """Windows in the order of the request's targets.  unseen: targets without any."""
+    """Windows in the order of the request's targets.
 
+    id: under which the service keeps them.  unseen: targets without any.
+    """
+
+    id: str
     windows: tuple[Window, ...]
     unseen: tuple[Any, ...]
     warnings: tuple[str, ...]
@@ -237,19 +241,22 @@ def plan_of(members: Members) -> Plan:
 def opportunities_of(members: Members) -> Opportunities:
     """An OpportunitiesResponse."""
     return Opportunities(
-        windows=tuple(
-            Window(
-                target=window["target"],
-                rise=datetime.fromisoformat(window["rise"]),
-                set=datetime.fromisoformat(window["set"]),
-                highest_deg=window["highest_deg"],
-                session=window["session"],
-                members=window,
-            )
-            for window in members["windows"]
-        ),
+        id=members["id"],
+        windows=tuple(map(window_of, members["windows"])),
         unseen=tuple(members["unseen"]),
         warnings=tuple(members["warnings"]),
+        members=members,
+    )
+
+
+def window_of(members: Members) -> Window:
+    """A window of a search, of the platform or the spacecraft."""
+    return Window(
+        target=members["target"],
+        rise=datetime.fromisoformat(members["rise"]),
+        set=datetime.fromisoformat(members["set"]),
+        highest_deg=members["highest_deg"],
+        session=members["session"],
         members=members,
     )
 

@@ -5,43 +5,41 @@ async with slewtrack.AsyncClient() as client:
 """
 
 from collections.abc import Sequence
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar, Unpack
 
 import anyio
 import httpx
 
 from slewtrack import calls
-from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan
-from slewtrack.calls import CAMPAIGNS, PLANS, SPACECRAFT, Ask, Call, Json, Reply
+from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan, Window
+from slewtrack.calls import (
+    CAMPAIGNS,
+    PLANS,
+    SEARCHES,
+    SPACECRAFT_PLANS,
+    SPACECRAFT_SEARCHES,
+    Ask,
+    Call,
+    Json,
+    Reply,
+)
 from slewtrack.connection import PATIENCE_S, Service, reply_of, request_of
 from slewtrack.events import OnProgress
+from slewtrack.filters import Filters
 
 T = TypeVar("T")
 
 
-class AsyncClient:
-    """A service, asked and awaited; the same as `Client` otherwise."""
+class AsyncCarrier:
+    """Plans and opportunities of one carrier of an instrument, awaited."""
 
     def __init__(
-        self,
-        url: str | None = None,
-        key: str | None = None,
-        *,
-        patience_s: float = PATIENCE_S,
-        transport: httpx.AsyncBaseTransport | None = None,
+        self, service: Service, http: httpx.AsyncClient, plans: str, searches: str
     ) -> None:
-        self._service = Service(url, key, patience_s=patience_s)
-        self._http = httpx.AsyncClient(transport=transport, **self._service.options)
-
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await self.close()
-
-    async def close(self) -> None:
-        """End its connections."""
-        await self._http.aclose()
+        self._service = service
+        self._http = http
+        self._plans = plans
+        self._searches = searches
 
     async def plan(
         self,
@@ -53,29 +51,18 @@ class AsyncClient:
     ) -> Plan:
         """Slews and tracks for every session, as a verified command table; it is kept."""
         return await self._run(
-            calls.plan(PLANS, request, revises, progress, timeout_s, self._service.patience_s)
-        )
-
-    async def plan_imaging(
-        self,
-        request: Json,
-        *,
-        revises: str | None = None,
-        progress: OnProgress | None = None,
-        timeout_s: float | None = None,
-    ) -> Plan:
-        """An imaging session of the spacecraft; its plans are kept apart from the platform's."""
-        return await self._run(
-            calls.plan(SPACECRAFT, request, revises, progress, timeout_s, self._service.patience_s)
+            calls.plan(self._plans, request, revises, progress, timeout_s, self._service.patience_s)
         )
 
     async def check(self, request: Json) -> Members:
         """Whether a request for a plan flies, and what to know before; nothing is kept."""
-        return await self._run(calls.check(PLANS, request, self._service.patience_s))
+        return await self._run(calls.check(self._plans, request, self._service.patience_s))
 
     async def submit(self, request: Json, *, revises: str | None = None) -> Job:
         """A plan to be made; `wait` for it."""
-        return await self._run(calls.submit(PLANS, request, revises, self._service.patience_s))
+        return await self._run(
+            calls.submit(self._plans, request, revises, self._service.patience_s)
+        )
 
     async def wait(
         self,
@@ -86,72 +73,72 @@ class AsyncClient:
     ) -> Plan:
         """The plan once it is made."""
         return await self._run(
-            calls.wait_for_plan(PLANS, plan_id, progress, timeout_s, self._service.patience_s)
+            calls.wait_for_plan(self._plans, plan_id, progress, timeout_s, self._service.patience_s)
         )
 
     async def get(self, plan_id: str) -> Plan:
         """A plan that is made."""
-        return await self._run(calls.plan_at(PLANS, plan_id, self._service.patience_s))
+        return await self._run(calls.plan_at(self._plans, plan_id, self._service.patience_s))
 
-    async def plans(self, *, limit: int = 50, **filters: str | None) -> list[Job]:
-        """Those there are, the latest first; filters as `GET /v1/plans` has them."""
-        return await self._run(calls.jobs(PLANS, limit, filters, self._service.patience_s))
+    async def request(self, plan_id: str) -> dict[str, Any]:
+        """What a plan was asked for by, as it was sent; `plan` takes it as it is."""
+        return await self._run(calls.request_at(self._plans, plan_id, self._service.patience_s))
+
+    async def plans(self, *, limit: int = 50, **filters: Unpack[Filters]) -> list[Job]:
+        """Those there are, the latest first."""
+        return await self._run(calls.jobs(self._plans, limit, filters, self._service.patience_s))
 
     async def table(self, plan_id: str) -> Columns:
         """The command table of a plan."""
-        return await self._run(calls.table(PLANS, plan_id, self._service.patience_s))
+        return await self._run(calls.table(self._plans, plan_id, self._service.patience_s))
 
     async def export(self, plan_id: str, format_name: str) -> bytes:
         """The table as a file: csv, netcdf, aem, czml, geojson, kml, png and more."""
-        return await self._run(calls.export(PLANS, plan_id, format_name, self._service.patience_s))
+        return await self._run(
+            calls.export(self._plans, plan_id, format_name, self._service.patience_s)
+        )
 
     async def view(self, plan_id: str, *, step_s: float | None = None) -> Columns:
         """What there is to see along a plan: `carrier.latitude_deg`, `targets.0.azimuth_deg`."""
-        return await self._run(calls.view(PLANS, plan_id, step_s, self._service.patience_s))
+        return await self._run(calls.view(self._plans, plan_id, step_s, self._service.patience_s))
 
     async def delete(self, plan_id: str) -> None:
         """Cancel it, or delete it when it is finished."""
-        await self._run(calls.delete(PLANS, plan_id, self._service.patience_s))
+        await self._run(calls.delete(self._plans, plan_id, self._service.patience_s))
 
     async def opportunities(self, request: Json) -> Opportunities:
-        """When each target can be seen."""
-        return await self._run(calls.opportunities(request, self._service.patience_s))
-
-    async def campaign(
-        self,
-        request: Json,
-        *,
-        progress: OnProgress | None = None,
-        timeout_s: float | None = None,
-    ) -> Campaign:
-        """Many targets over days: chosen, ordered and planned pass by pass."""
+        """When each target can be seen; what is found is kept."""
         return await self._run(
-            calls.campaign(request, progress, timeout_s, self._service.patience_s)
+            calls.opportunities(self._searches, request, self._service.patience_s)
         )
 
-    async def wait_for_campaign(
-        self,
-        campaign_id: str,
-        *,
-        progress: OnProgress | None = None,
-        timeout_s: float | None = None,
-    ) -> Campaign:
-        """One that was posted before."""
+    async def searches(self, *, limit: int = 50, **filters: Unpack[Filters]) -> list[Job]:
+        """Searches for opportunities that are kept, the latest first."""
+        return await self._run(calls.jobs(self._searches, limit, filters, self._service.patience_s))
+
+    async def get_search(self, search_id: str) -> Opportunities:
+        """All that one found."""
         return await self._run(
-            calls.wait_for_campaign(campaign_id, progress, timeout_s, self._service.patience_s)
+            calls.opportunities_at(self._searches, search_id, self._service.patience_s)
         )
 
-    async def campaigns(self, *, limit: int = 50, **filters: str | None) -> list[Job]:
-        """Those there are, the latest first."""
-        return await self._run(calls.jobs(CAMPAIGNS, limit, filters, self._service.patience_s))
+    async def windows(
+        self, search_id: str, *, target: str | None = None, limit: int | None = None
+    ) -> list[Window]:
+        """What one found of the target with this id, of all unless given; the first `limit`."""
+        return await self._run(
+            calls.windows(self._searches, search_id, target, limit, self._service.patience_s)
+        )
 
-    async def estimate_vertical(self, images: Sequence[bytes], request: Json) -> Members:
-        """The nadir in body axes from one image file per camera."""
-        return await self._run(calls.estimate_vertical(images, request, self._service.patience_s))
+    async def search_request(self, search_id: str) -> dict[str, Any]:
+        """What was searched for, as it was sent."""
+        return await self._run(
+            calls.request_at(self._searches, search_id, self._service.patience_s)
+        )
 
-    async def platforms(self) -> Sequence[Members]:
-        """Those that a request can name, each as it may write out its own."""
-        return await self._run(calls.platforms(self._service.patience_s))
+    async def delete_search(self, search_id: str) -> None:
+        """Forget what it found."""
+        await self._run(calls.delete(self._searches, search_id, self._service.patience_s))
 
     async def _run(self, call: Call[T]) -> T:
         try:
@@ -177,3 +164,66 @@ class AsyncClient:
             async for line in answer.aiter_lines():
                 ask.on_line(line)
             return reply_of(answer, b"")
+
+
+class AsyncClient(AsyncCarrier):
+    """A service, asked and awaited; the same as `Client` otherwise."""
+
+    def __init__(
+        self,
+        url: str | None = None,
+        key: str | None = None,
+        *,
+        patience_s: float = PATIENCE_S,
+        transport: httpx.AsyncBaseTransport | None = None,
+    ) -> None:
+        service = Service(url, key, patience_s=patience_s)
+        http = httpx.AsyncClient(transport=transport, **service.options)
+        super().__init__(service, http, PLANS, SEARCHES)
+        self.spacecraft = AsyncCarrier(service, http, SPACECRAFT_PLANS, SPACECRAFT_SEARCHES)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """End its connections."""
+        await self._http.aclose()
+
+    async def campaign(
+        self,
+        request: Json,
+        *,
+        progress: OnProgress | None = None,
+        timeout_s: float | None = None,
+    ) -> Campaign:
+        """Many targets over days: chosen, ordered and planned pass by pass."""
+        return await self._run(
+            calls.campaign(request, progress, timeout_s, self._service.patience_s)
+        )
+
+    async def wait_for_campaign(
+        self,
+        campaign_id: str,
+        *,
+        progress: OnProgress | None = None,
+        timeout_s: float | None = None,
+    ) -> Campaign:
+        """One that was posted before."""
+        return await self._run(
+            calls.wait_for_campaign(campaign_id, progress, timeout_s, self._service.patience_s)
+        )
+
+    async def campaigns(self, *, limit: int = 50, **filters: Unpack[Filters]) -> list[Job]:
+        """Those there are, the latest first."""
+        return await self._run(calls.jobs(CAMPAIGNS, limit, filters, self._service.patience_s))
+
+    async def estimate_vertical(self, images: Sequence[bytes], request: Json) -> Members:
+        """The nadir in body axes from one image file per camera."""
+        return await self._run(calls.estimate_vertical(images, request, self._service.patience_s))
+
+    async def platforms(self) -> Sequence[Members]:
+        """Those that a request can name, each as it may write out its own."""
+        return await self._run(calls.platforms(self._service.patience_s))

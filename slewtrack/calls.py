@@ -16,17 +16,21 @@ from email.utils import parsedate_to_datetime
 from typing import Any, NoReturn, TypeVar
 
 from slewtrack import answers
-from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan
+from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan, Window
 from slewtrack.events import Events, OnProgress, TimeIsUp
+from slewtrack.filters import Filters, query_of
 from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, problem_of
 
 T = TypeVar("T")
 Json = bytes | Mapping[str, Any]
 
-PLANS, SPACECRAFT, CAMPAIGNS = "/v1/plans", "/v1/spacecraft/plans", "/v1/campaigns"
+PLANS, SPACECRAFT_PLANS = "/v1/plans", "/v1/spacecraft/plans"
+SEARCHES, SPACECRAFT_SEARCHES = "/v1/opportunities", "/v1/spacecraft/opportunities"
+CAMPAIGNS = "/v1/campaigns"
 SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
 PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
 WAIT_S = 30  # of a POST, for what takes no longer
+JOBS_A_PAGE, WINDOWS_A_PAGE = 200, 1000  # at most, for the service
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -280,27 +284,60 @@ def view(path: str, plan_id: str, step_s: float | None, patience_s: float) -> Ca
     return answers.columns_of((yield from document(ask, patience_s)))
 
 
-def jobs(
-    path: str, limit: int, filters: Mapping[str, str | None], patience_s: float
-) -> Call[list[Job]]:
+def request_at(path: str, job_id: str, patience_s: float) -> Call[dict[str, Any]]:
+    """What it was asked for by."""
+    ask = Ask(method="GET", path=f"{path}/{job_id}/request")
+    return dict((yield from document(ask, patience_s)))
+
+
+def jobs(path: str, limit: int, filters: Filters, patience_s: float) -> Call[list[Job]]:
     """The latest first, page after page until there are so many."""
-    found: list[Job] = []
-    query = {name: value for name, value in filters.items() if value is not None}
-    while len(found) < limit:
-        page = {**query, "limit": str(min(limit - len(found), 200))}
-        members = yield from document(Ask(method="GET", path=path, query=page), patience_s)
-        found += map(answers.job_of, members[path.rpartition("/")[2]])
+    entries = yield from _pages(
+        path, path.rpartition("/")[2], query_of(filters), JOBS_A_PAGE, limit, patience_s
+    )
+    return [answers.job_of(entry) for entry in entries]
+
+
+def _pages(
+    path: str,
+    member: str,
+    query: Mapping[str, str],
+    page: int,
+    limit: int | None,
+    patience_s: float,
+) -> Call[list[Members]]:
+    """All entries of a list, or the first `limit`, asked for in pages."""
+    found: list[Members] = []
+    while limit is None or len(found) < limit:
+        count = page if limit is None else min(limit - len(found), page)
+        ask = Ask(method="GET", path=path, query={**query, "limit": str(count)})
+        members = yield from document(ask, patience_s)
+        found += members[member]
         if members["next"] is None:
             break
-        query["cursor"] = members["next"]
+        query = {**query, "cursor": str(members["next"])}
     return found
 
 
-def opportunities(request: Json, patience_s: float) -> Call[Opportunities]:
+def opportunities(path: str, request: Json, patience_s: float) -> Call[Opportunities]:
     """Windows of a request."""
-    return answers.opportunities_of(
-        (yield from document(post("/v1/opportunities", request), patience_s))
-    )
+    return answers.opportunities_of((yield from document(post(path, request), patience_s)))
+
+
+def opportunities_at(path: str, search_id: str, patience_s: float) -> Call[Opportunities]:
+    """Those a search found before."""
+    ask = Ask(method="GET", path=f"{path}/{search_id}", headers={"Accept": "application/json"})
+    return answers.opportunities_of((yield from document(ask, patience_s)))
+
+
+def windows(
+    path: str, search_id: str, target: str | None, limit: int | None, patience_s: float
+) -> Call[list[Window]]:
+    """Of a search, or of one of its targets."""
+    query = {} if target is None else {"target": target}
+    where = f"{path}/{search_id}/windows"
+    found = yield from _pages(where, "windows", query, WINDOWS_A_PAGE, limit, patience_s)
+    return [answers.window_of(one) for one in found]
 
 
 def estimate_vertical(images: Sequence[bytes], request: Json, patience_s: float) -> Call[Members]:

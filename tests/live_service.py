@@ -17,11 +17,12 @@ SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 
 @dataclass(frozen=True)
 class Service:
-    """A running `slewtrack serve`: its address, its process, the file its log goes to."""
+    """A running `slewtrack serve`: its address, its process, the files of its log and output."""
 
     address: str
     pid: int
     log: Path
+    output: Path
 
     @property
     def port(self) -> int:
@@ -54,12 +55,17 @@ def live_service(folder: Path, *words: str, **settings: str) -> Iterator[Service
         "SLEWTRACK_DATA_DIR": str(folder),
         **settings,
     }
-    with log.open("wb") as stderr:
+    output = folder / "service.out"
+    with log.open("wb") as stderr, output.open("wb") as stdout:
         process = subprocess.Popen(
-            [SLEWTRACK, "serve", "--port", "0", *words], stderr=stderr, cwd=ROOT, env=environment
+            [SLEWTRACK, "serve", "--port", "0", *words],
+            stdout=stdout,
+            stderr=stderr,
+            cwd=ROOT,
+            env=environment,
         )
     try:
-        yield Service(_address(process, log), process.pid, log)
+        yield Service(_address(process, log), process.pid, log, output)
     finally:
         process.terminate()
         process.wait(timeout=PATIENCE_S)

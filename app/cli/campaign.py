@@ -15,7 +15,7 @@ from rich.text import Text
 
 from app.answers.campaign import CampaignLookOut
 from app.cli.progress_bar import progress_bar, reported_work
-from app.cli.report_parts import print_table, print_warnings, report_table
+from app.cli.report_parts import print_assumed, print_table, print_warnings, report_table
 from app.store.packed import NewPlan
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
@@ -72,6 +72,7 @@ def print_campaign(console: Console, document: dict[str, Any], passes: list[Plan
             f"pass by itself {document['greedy_value']:.6g}",
         )
     )
+    print_assumed(console, ((one["field"], one["detail"]) for one in document["assumed"]))
     print_table(console, _table(passes))
     for name, meaning in (("unseen", "can't be seen"), ("left_out", "left out for others")):
         told = document[name]

@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
 from app.answers.opportunities import windows_out
 from app.requests.opportunities import read_opportunity_request
-from planner.errors import InvalidInput
+from planner.errors import FieldError, InvalidInput, InvalidRequest
 from planner.frames.time_scales import DAY_S, shifted_utc, utc_from_text, utc_text
 from planner.opportunities import OpportunityRequest, find_opportunities
 
@@ -80,7 +81,8 @@ def search_start(text: str | None) -> datetime:
 def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
     """The request with its one session in the first window of its target, and what to say of it.
 
-    The axes rest until `LEAD_S` before the window, where the request has them, or at zero.
+    The axes rest until `LEAD_S` before the window, where the request has them, or at zero; or the
+    plan it goes on from says where they are.
     """
     document = _object(body)
     sessions = document.get("sessions")
@@ -99,8 +101,10 @@ def at_next_pass(body: bytes, start_utc: datetime) -> tuple[bytes, str]:
         )
     first_utc = utc_from_text(window.session.start)
     sessions[0] = session | {"start": window.session.start, "stop": window.session.stop}
-    document["initial_state"] = _at_rest(found.axis_names) | document.get("initial_state", {})
-    document["initial_state"]["epoch"] = utc_text(shifted_utc(first_utc, -LEAD_S), 1)
+    asked = document.get("initial_state", {})
+    if isinstance(asked, dict) and "after" not in asked:
+        epoch = utc_text(shifted_utc(first_utc, -LEAD_S), 1)
+        document["initial_state"] = _at_rest(found.axis_names) | asked | {"epoch": epoch}
     told = (
         f"next pass: {window.session.start} to {window.session.stop}, "
         f"up to {window.highest_deg:.1f} deg high"
@@ -114,7 +118,7 @@ def _search(
     """For windows of the session's target that leave time for the slew."""
     target = session.get("target")
     asked = isinstance(target, dict) and "min_elevation_deg" in target
-    on_ground = isinstance(target, dict) and target.get("mode") == "ground"
+    on_ground = isinstance(target, dict) and target.get("mode") in ("ground", "place")
     elevation_deg = ELEVATION_MIN_DEG if on_ground and not asked else 0.0
     first_utc = shifted_utc(start_utc, LEAD_S)
     request = {
@@ -125,7 +129,16 @@ def _search(
         "conditions": {"min_elevation_deg": elevation_deg},
         "samples": 2,
     }
-    return read_opportunity_request(json.dumps(request).encode())
+    try:
+        return read_opportunity_request(json.dumps(request).encode())
+    except InvalidRequest as refused:
+        raise InvalidRequest(*map(_as_in_plan, refused.errors)) from None
+
+
+def _as_in_plan(error: FieldError) -> FieldError:
+    """Named as the request for a plan has it."""
+    inside = error.field.removeprefix("targets.0.")
+    return error if inside == error.field else replace(error, field=f"sessions.0.{inside}")
 
 
 _CARRIED_OVER = ("platform", "orbit", "attitude")

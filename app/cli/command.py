@@ -26,7 +26,7 @@ from app.cli.kept import export, list_plans, show, watch
 from app.cli.keys import keys
 from app.cli.one_line import FAILED, REFUSED, one_line_for_what_goes_wrong, say
 from app.cli.plan import plan
-from app.cli.progress_bar import reported_work
+from app.cli.progress_bar import progress_bar, reported_work
 from app.cli.report_parts import report_console
 
 
@@ -229,8 +229,8 @@ def spacecraft(
         from app.cli.spacecraft_report import print_session
         from planner.spacecraft.plan import plan_imaging
 
-        with reported_work("planning"):
-            result = plan_imaging(request)
+        with progress_bar("planning") as tell:
+            result = plan_imaging(request, tell)
         print_session(console, result)
         if dry_run:
             return

@@ -40,6 +40,19 @@ def list_plans(
         typer.Option(help="Only those queued, running, done, refused, failed or cancelled."),
     ] = None,
     name: Annotated[str | None, typer.Option(help="Only those with this in the name.")] = None,
+    target: Annotated[
+        str | None, typer.Option(help="Only those with this in a target's name.")
+    ] = None,
+    text: Annotated[
+        str | None,
+        typer.Option(help="Only those with this in the name, the platform's or a target's."),
+    ] = None,
+    after: Annotated[
+        str | None, typer.Option(metavar="UTC", help="Only those that end after this time.")
+    ] = None,
+    before: Annotated[
+        str | None, typer.Option(metavar="UTC", help="Only those that begin before this time.")
+    ] = None,
     json: WholeAnswer = None,
 ) -> None:
     """List the plans that a service keeps, the latest first."""
@@ -48,16 +61,31 @@ def list_plans(
     with problem_to(json):
         console = report_console(to_stderr=takes_standard_output(json))
         with service(url) as client:
-            found = client.plans(limit=limit, state=state, name=name)
-        table = report_table(None, "<id", "<state", "<created", "<name", wrapped="name")
+            found = client.plans(
+                limit=limit,
+                state=state,
+                name=name,
+                target=target,
+                text=text,
+                after=after,
+                before=before,
+            )
+        table = report_table(
+            None, "<id", "<state", "<created", "<start", "<name", "<targets", wrapped="targets"
+        )
         for job in found:
-            created = job.created[:_SECOND].replace("T", " ")
-            table.add_row(job.id, job.state, created, Text(job.name))
+            created, start = map(_to_the_second, (job.created, job.members["start"]))
+            targets = ", ".join(job.members["targets"])
+            table.add_row(job.id, job.state, created, start, Text(job.name), Text(targets))
         print_table(console, table)
         if not found:
             console.print("there are none")
         if json:
             write(json, json_of({"plans": [dict(job.members) for job in found]}))
+
+
+def _to_the_second(utc: str | None) -> str:
+    return "-" if utc is None else utc[:_SECOND].replace("T", " ")
 
 
 def show(plan_id: Id, url: Url = None, json: WholeAnswer = None) -> None:

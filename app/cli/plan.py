@@ -175,8 +175,7 @@ def _plan_here(
 def _plan_there(
     console: Console, url: str, body: bytes, outputs: _Outputs, *, dry_run: bool
 ) -> None:
-    if outputs.plot:
-        raise InvalidInput("draws what is planned here; leave out --url", field="--plot")
+    drawn = _drawn_there(outputs.plot)
     from app.cli.service import json_of, print_kept, service, table_only_csv, told_progress
 
     with service(url) as client:
@@ -192,11 +191,26 @@ def _plan_there(
             write(outputs.json, json_of(made.members))
         if not made.passed:
             raise _unverified()
-        files = [(path, client.export(made.id, name)) for name, path in outputs.exports]
+        wanted = (*outputs.exports, *drawn)
+        files = [(path, client.export(made.id, name)) for name, path in wanted]
         if outputs.csv:
             files.append((outputs.csv, table_only_csv(client.export(made.id, "csv"))))
     for path, content in files:
         write(path, content)
+
+
+def _drawn_there(plot: Path | None) -> Sequence[tuple[str, Path]]:
+    """The picture as one of the formats that a service writes."""
+    if plot is None:
+        return ()
+    image_format = plot.suffix.lstrip(".") or "png"
+    if image_format not in ("png", "svg"):
+        raise InvalidInput(
+            f"a service draws .png and .svg, not {plot.suffix}; name one of these, or leave out "
+            "--url",
+            field="--plot",
+        )
+    return ((image_format, plot),)
 
 
 def _unverified() -> Unverified:

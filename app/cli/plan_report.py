@@ -6,14 +6,20 @@ from rich.text import Text
 
 from app.answers.plan import PlanDocument
 from app.answers.pointing import PointingOut
-from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
+from app.cli.report_parts import (
+    or_dash,
+    print_assumed,
+    print_table,
+    print_warnings,
+    report_table,
+)
 from planner.frames.time_scales import elapsed_s, utc_from_text
 
 _MS_PER_S = 1e3
 
 
 def print_report(console: Console, plan: PlanDocument, epoch: str, rows: int) -> None:
-    """Segments, pointing error, margins, the optimal slew against the spline, warnings."""
+    """What was taken for granted, segments, pointing error, margins, the spline, warnings."""
     total_ms = _MS_PER_S * sum(plan.solver.stages_wall_s.values())
     console.print(
         Text.assemble(
@@ -21,6 +27,7 @@ def print_report(console: Console, plan: PlanDocument, epoch: str, rows: int) ->
             f", {plan.platform}: {rows} rows from {epoch}, planned in {total_ms:.0f} ms",
         )
     )
+    print_assumed(console, ((one.field, one.detail) for one in plan.assumed or ()))
     parts = (
         _segments(plan),
         _pointing(plan.pointing),

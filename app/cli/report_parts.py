@@ -78,6 +78,12 @@ def or_dash(value: float | None, form: str) -> str:
     return "-" if value is None else format(value, form)
 
 
+def print_assumed(console: Console, fields_and_details: Iterable[tuple[str, str]]) -> None:
+    """What the request left to us: one line for each of its fields, with what was taken."""
+    for field, detail in fields_and_details:
+        console.print(Text(f"taken for {field}: {detail}"))
+
+
 def print_warnings(console: Console, warnings: Iterable[str]) -> None:
     """One line each."""
     for warning in warnings:

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from app.answers.opportunities import SightingOut, WindowOut
-from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
+from app.cli.report_parts import or_dash, print_assumed, print_table, print_warnings, report_table
 from planner.opportunities import Opportunities
 
 SHOWN_MAX = 100
@@ -21,6 +21,7 @@ def print_windows(console: Console, result: Opportunities, windows: list[WindowO
     console.print(
         Text.assemble((f"{len(windows)} windows", "bold"), f" of {len(result.ids)} targets")
     )
+    print_assumed(console, ((one.field, one.detail) for one in result.assumed))
     print_table(console, _table(result.axis_names, windows[:SHOWN_MAX]))
     if len(windows) > SHOWN_MAX:
         console.print(f"and {len(windows) - SHOWN_MAX} more: see --csv or --json")

@@ -3,6 +3,7 @@
 import asyncio
 import socket
 import sys
+from ipaddress import ip_address
 
 import uvicorn
 
@@ -86,15 +87,29 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
 
 
 class _Server(uvicorn.Server):
-    """Tells the application of the stop before it waits for what is at work."""
+    """Says where it listens, and tells the application of the stop before it waits for work."""
 
     def __init__(self, config: uvicorn.Config, stopping: asyncio.Event) -> None:
         super().__init__(config)
         self._stopping = stopping
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            address = _address(*self.servers[0].sockets[0].getsockname()[:2])
+            print(f"serving {address}; its pages: {address}/docs; Ctrl+C ends it", flush=True)
+
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._stopping.set()
         await super().shutdown(sockets)
+
+
+def _address(host: str, port: int) -> str:
+    """To ask it at from this machine, for whichever addresses it listens."""
+    ip = ip_address(host)
+    if ip.is_unspecified:
+        ip = ip_address("127.0.0.1" if ip.version == 4 else "::1")
+    return f"http://{ip}:{port}" if ip.version == 4 else f"http://[{ip}]:{port}"
 
 
 def _require_a_key(host: str, settings: Settings) -> None:

@@ -43,7 +43,7 @@ class AskedInitialState:
         if self.angles_deg is None and self.after is not None:
             raise ValueError(
                 "after names a plan that only the service that keeps it knows: send it the "
-                "request, or give epoch and angles_deg"
+                "request (slewtrack plan --url), or give epoch and angles_deg instead"
             )
         moves = any((*self.rates_deg_s.values(), *self.accelerations_deg_s2.values()))
         if self.epoch is None and moves:

@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import time
+from datetime import UTC, datetime
 from pathlib import Path
 from urllib.request import urlopen
 
@@ -175,8 +176,67 @@ def test_images_and_imaging(client):
     images = [(EXAMPLES / f"horizon_{side}.png").read_bytes() for side in ("ahead", "right")]
     request = (EXAMPLES / "horizon_estimate.json").read_bytes()
     assert client.estimate_vertical(images, request)["verdict"] == "consistent"
-    session = client.plan_imaging((EXAMPLES / "spacecraft_four_modes.json").read_bytes())
+    spacecraft = client.spacecraft
+    session = spacecraft.plan((EXAMPLES / "spacecraft_four_modes.json").read_bytes())
     assert session.table["q_body_from_eci_xyzw"].shape == (len(session.table.t_s), 4)
+    assert session.id in [job.id for job in spacecraft.plans(target="corridor")]
+    assert spacecraft.get(session.id).members == session.members
+    view = spacecraft.view(session.id, step_s=10.0)
+    assert view["carrier.latitude_deg"].shape == view.t_s.shape
+    assert spacecraft.export(session.id, "png").startswith(b"\x89PNG")
+    with pytest.raises(slewtrack.Refused, match="no plan"):
+        client.get(session.id)
+
+
+def test_a_request_is_given_back_and_plans_again(client, plan):
+    assert client.request(plan.id) == LAS_VEGAS
+    again = client.plan(client.request(plan.id) | {"name": "again"})
+    assert again.table["alpha_deg"].tolist() == plan.table["alpha_deg"].tolist()
+
+
+def test_lists_are_sought_through(client, plan):
+    """The example flies on 27 February 2015 between 17:34 and 17:38."""
+    noon, evening = (datetime(2015, 2, 27, hour, tzinfo=UTC) for hour in (12, 18))
+    found = client.plans(name="Las Vegas", state="done", after=noon, before=evening, limit=500)
+    assert plan.id in [job.id for job in found]
+    assert client.plans(after=evening, before="2015-02-28T00:00:00Z") == []
+    assert client.plans(text="no such words") == client.plans(target="no such words") == []
+    with pytest.raises(ValueError, match="after must be an aware datetime"):
+        client.plans(after=datetime(2015, 2, 27))  # noqa: DTZ001 (what is tested)
+    with pytest.raises(slewtrack.Refused, match="state"):
+        client.plans(state="finished")
+
+
+@pytest.mark.parametrize(
+    ("carrier", "example", "target"),
+    [
+        ("client", "opportunities_gallery.json", "Las Vegas"),
+        ("spacecraft", "spacecraft_opportunities.json", None),
+    ],
+)
+def test_what_was_searched_for_is_kept(client, carrier, example, target):
+    asked = client if carrier == "client" else client.spacecraft
+    request = json.loads((EXAMPLES / example).read_text())
+    found = asked.opportunities(request)
+    assert asked.get_search(found.id) == found
+    assert asked.search_request(found.id) == request
+    assert tuple(asked.windows(found.id)) == found.windows
+    target = target or found.windows[0].target
+    theirs = [window for window in found.windows if window.target == target]
+    assert asked.windows(found.id, target=target) == theirs
+    assert asked.windows(found.id, target=target, limit=1) == theirs[:1]
+    assert asked.searches(limit=1)[0].id == found.id
+    asked.delete_search(found.id)
+    with pytest.raises(slewtrack.Refused, match="no search"):
+        asked.get_search(found.id)
+
+
+def test_windows_come_page_after_page(monkeypatch, client):
+    monkeypatch.setattr(slewtrack.calls, "WINDOWS_A_PAGE", 40)
+    found = client.opportunities(GALLERY)
+    assert len(found.windows) == 92
+    assert tuple(client.windows(found.id)) == found.windows
+    assert tuple(client.windows(found.id, limit=50)) == found.windows[:50]
 
 
 def test_many_at_once_with_await(service):
@@ -207,6 +267,21 @@ def test_both_clients_have_the_same_calls():
         }
 
     assert calls(slewtrack.Client) == calls(slewtrack.AsyncClient)
+
+
+def test_the_spacecraft_is_asked_with_await(service):
+    async def found():
+        async with slewtrack.AsyncClient(service.address) as client:
+            request = (EXAMPLES / "spacecraft_opportunities.json").read_bytes()
+            made = await client.spacecraft.opportunities(request)
+            kept = await client.spacecraft.get_search(made.id)
+            with pytest.raises(slewtrack.Refused, match="no search"):
+                await client.get_search(made.id)
+            return made, kept
+
+    made, kept = asyncio.run(found())
+    assert made == kept
+    assert made.windows
 
 
 def test_a_key_is_sent_and_its_lack_told(tmp_path):

@@ -1,11 +1,13 @@
 """Does the command plan by a running service, and list, show, export and follow what it keeps?"""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 from live_service import live_service
 from typer.testing import CliRunner
+from waiting import eventually
 
 import slewtrack
 from app.cli import main
@@ -16,9 +18,14 @@ NOBODY = "01a203fd-cbae-73f8-8276-319f76b8842c"
 
 
 @pytest.fixture(scope="module")
-def url(tmp_path_factory):
-    with live_service(tmp_path_factory.mktemp("service")) as service:
-        yield service.address
+def service(tmp_path_factory):
+    with live_service(tmp_path_factory.mktemp("service")) as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def url(service):
+    return service.address
 
 
 @pytest.fixture
@@ -52,7 +59,60 @@ def test_a_service_plans_what_is_planned_here(run, url, tmp_path):
     plan_id = json.loads((tmp_path / "plan.json").read_text())["id"]
     assert kept == f"kept as {plan_id}"
     listed = run("list", "--limit", "1")
-    assert listed.stdout.split()[4:7] == [plan_id, "done", listed.stdout.split()[6]]
+    assert listed.stdout.split()[6:8] == [plan_id, "done"]
+    assert "2015-02-27 17:36:20  Las Vegas" in listed.stdout
+
+
+def test_where_a_service_listens_is_told_with_its_pages(service):
+    told = eventually(service.output.read_text)
+    assert told == (
+        f"serving {service.address}; its pages: {service.address}/docs; Ctrl+C ends it\n"
+    )
+
+
+@pytest.mark.parametrize(("suffix", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml")])
+def test_a_service_draws_the_plot(run, url, tmp_path, suffix, begins):
+    picture = tmp_path / f"plan.{suffix}"
+    done = run("plan", LAS_VEGAS, "--url", url, "--plot", picture)
+    assert done.exit_code == 0, done.stderr
+    assert picture.read_bytes().startswith(begins)
+
+
+def test_a_plan_goes_on_where_a_kept_one_ends(run, url, plan_id, tmp_path):
+    """Las Vegas again, a moment later: planned by the service, refused without it."""
+    document = json.loads(Path(LAS_VEGAS).read_text())
+    document["initial_state"] = {"after": plan_id}
+    document["sessions"][0] |= {"start": "2015-02-27T17:38:00Z", "stop": "2015-02-27T17:38:20Z"}
+    file = tmp_path / "after.json"
+    file.write_text(json.dumps(document))
+    refused = run("plan", file)
+    assert refused.exit_code == 2
+    assert "slewtrack plan --url" in refused.stderr
+    done = run("plan", file, "--url", url, "--json", tmp_path / "plan.json")
+    assert done.exit_code == 0, done.stderr
+    assert f"taken for initial_state.after: the end of plan {plan_id}: " in done.stdout
+    begins, ended = (
+        json.loads(text)["table"]
+        for text in (
+            (tmp_path / "plan.json").read_text(),
+            run("show", plan_id, "--json", "-").stdout,
+        )
+    )
+    assert begins["alpha_deg"][0] == pytest.approx(ended["alpha_deg"][-1], abs=1e-9)
+    # Hours later the axes still stand where that plan left them, not at zero.
+    later = run("plan", file, "--url", url, "--next-pass", "--start", "2015-02-28T00:00:00Z")
+    assert later.exit_code == 0, later.stderr
+    [alpha_deg] = re.findall(rf"the end of plan {plan_id}: alpha (\S+),", later.stdout)
+    assert float(alpha_deg) == pytest.approx(ended["alpha_deg"][-1], rel=1e-5)  # six digits
+
+
+def test_lists_are_narrowed(run, plan_id):
+    words = ["list", "--text", "las vegas", "--after", "2015-02-27T17:00:00Z", "--limit", "200"]
+    assert plan_id in run(*words, "--before", "2015-02-27T18:00:00Z").stdout
+    assert run(*words, "--target", "Paris").stdout == "there are none\n"
+    refused = run("list", "--after", "noon")
+    assert refused.exit_code == 2
+    assert "after" in refused.stderr
 
 
 def test_a_dry_run_keeps_nothing(run, url):
@@ -108,7 +168,7 @@ def test_what_is_not_kept(run, words):
         (["list", "--url", "http://127.0.0.1:9"], "slewtrack serve"),
         (["list", "--url", "somewhere"], "http://HOST:PORT"),
         (["list", "--state", "lost"], "state"),
-        (["plan", LAS_VEGAS, "--url", "http://127.0.0.1:9", "--plot", "x.png"], "--plot"),
+        (["plan", LAS_VEGAS, "--url", "http://127.0.0.1:9", "--plot", "x.pdf"], ".svg"),
     ],
 )
 def test_a_service_that_can_not_be_asked(run, words, said):

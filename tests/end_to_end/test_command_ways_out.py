@@ -105,6 +105,14 @@ def test_the_next_pass_is_found_and_planned(tmp_path):
     assert session["closest_at"].startswith("2015-02-27T17:37:3")
 
 
+def test_the_next_pass_over_a_place_by_its_name():
+    """10 deg high where nothing else is asked, as for a point on the ground."""
+    place = '--set=sessions.0.target={"mode":"place","name":"Las Vegas, US"}'
+    done = run("plan", LAS_VEGAS_FILE, place, "--next-pass", "--start", "2015-02-27T12:00:00Z")
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.startswith("next pass: 2015-02-27T17:34:1")
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -112,6 +120,10 @@ def test_the_next_pass_is_found_and_planned(tmp_path):
         (["--start", "now"], "--next-pass"),
         (["--set", "name"], "FIELD=VALUE"),
         (["--set", "sessions.7.start=x"], "nothing at"),
+        (
+            ["--next-pass", '--set=sessions.0.target={"mode":"place","name":"Springfield"}'],
+            "sessions.0.target.name: 'Springfield' may be",
+        ),
         (["--next-pass"], "days"),  # of elements from 2015, now
     ],
 )

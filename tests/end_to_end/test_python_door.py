@@ -42,8 +42,10 @@ def test_the_vertical_of_two_pictures():
 
 
 def test_an_imaging_session():
-    plan = slewtrack.plan_imaging(document("spacecraft_four_modes.json"))
+    told = []
+    plan = slewtrack.plan_imaging(document("spacecraft_four_modes.json"), progress=told.append)
     assert plan.verification.passed
+    assert told[-1].done == told[-1].of == plan.stabilisation.runs
 
 
 def test_what_can_not_be_read_names_the_field():

@@ -1,0 +1,76 @@
+"""Do the commands' reports tell what was taken for granted, and how near masks come?"""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import main
+from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+LJUBLJANA = {"mode": "place", "name": "Ljubljana"}
+
+
+def report(command, document, folder):
+    """What it prints, line by line, and its whole answer."""
+    words = [command, "-", "--json", str(folder / "answer.json")]
+    done = CliRunner().invoke(main, words, input=json.dumps(document))
+    assert done.exit_code == 0, done.stderr
+    return [line.rstrip() for line in done.stdout.splitlines()], json.loads(
+        (folder / "answer.json").read_text()
+    )
+
+
+def taken(lines):
+    return [line for line in lines if line.startswith("taken for ")]
+
+
+def search(name):
+    document = json.loads((EXAMPLES / name).read_text())
+    document["targets"][0]["target"] = LJUBLJANA
+    return document
+
+
+@pytest.mark.parametrize(
+    ("command", "example"),
+    [("windows", "opportunities_gallery.json"), ("campaign", "campaign_cities.json")],
+)
+def test_where_a_place_is_was_looked_up(tmp_path, command, example):
+    lines, answer = report(command, search(example), tmp_path)
+    [line] = taken(lines)
+    [assumed] = answer["assumed"]
+    assert line == f"taken for targets.0.target.name: {assumed['detail']}"
+    assert "Ljubljana, SI" in line
+
+
+def test_a_star_and_the_state_at_the_start(tmp_path):
+    """One line each; the state at rest at zero in two, epoch and angles."""
+    document = PLAN_EXAMPLES["keyhole"][1] | {}
+    document["sessions"] = [
+        document["sessions"][0] | {"target": {"mode": "star", "name": "Kochab"}}
+    ]
+    document.pop("initial_state")
+    lines, answer = report("plan", document, tmp_path)
+    told = [f"taken for {one['field']}: {one['detail']}" for one in answer["assumed"]]
+    assert taken(lines) == told
+    assert len(told) == 3
+    assert any("72607" in line for line in told)
+
+
+def test_nothing_is_told_where_nothing_was_left_out(tmp_path):
+    lines, answer = report("plan", LAS_VEGAS, tmp_path)
+    assert answer["assumed"] == taken(lines) == []
+
+
+def test_how_near_a_mask_comes(tmp_path):
+    lines, answer = report("plan", PLAN_EXAMPLES["masks"][1], tmp_path)
+    [mask] = answer["masks"]
+    row = lines[lines.index("masks to keep out of") + 2]
+    assert row.split() == [
+        mask["name"],
+        f"{mask['asked_deg']:g}",
+        f"{mask['away_min_deg']:.3f}",
+        mask["at"][11:-3],
+    ]
