@@ -133,7 +133,7 @@ def test_a_table_without_a_format_is_that_of_the_answer(client, plan):
     location = f"{PLANS}/{plan['id']}/table"
     assert client.get(location).json() == plan["table"]
     assert client.get(location, headers={"Accept": "text/csv"}).text.startswith("# slewtrack")
-    assert client.get(location, headers={"Accept": "image/png"}).status_code == 406
+    assert client.get(location, headers={"Accept": "image/webp"}).status_code == 406
 
 
 def test_sessions_cut_short_are_exported_as_flown(client):
@@ -308,7 +308,7 @@ def test_events_tell_what_happens_until_the_end(client):
     assert client.get(f"{location}/events", headers=last).status_code == 204
     wrong = client.get(f"{location}/events", headers={"Last-Event-ID": "x"})
     assert (wrong.status_code, wrong.json()["field"]) == (422, "header.Last-Event-ID")
-    assert client.get(f"{location}/events", headers={"Accept": "image/png"}).status_code == 406
+    assert client.get(f"{location}/events", headers={"Accept": "image/webp"}).status_code == 406
 
 
 def test_the_busy_service_knows_of_no_jobs_but_its_own(plan, busy):

@@ -249,7 +249,7 @@ def test_refused_with_reason_and_way_out(client, name):
 def test_an_unknown_format_is_refused(client):
     problem = client.post(f"{PLANS}?format=pdf", json=STRIP).json()
     assert problem["field"] == "query.format"
-    assert client.post(PLANS, json=STRIP, headers={"Accept": "image/png"}).status_code == 406
+    assert client.post(PLANS, json=STRIP, headers={"Accept": "image/webp"}).status_code == 406
 
 
 def test_the_example_file_is_the_worked_example(pytestconfig):

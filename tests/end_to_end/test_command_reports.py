@@ -13,6 +13,11 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 LJUBLJANA = {"mode": "place", "name": "Ljubljana"}
 
 
+@pytest.fixture(autouse=True)
+def _a_pipe_knows_no_width(monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
 def report(command, document, folder):
     """What it prints, line by line, and its whole answer."""
     words = [command, "-", "--json", str(folder / "answer.json")]

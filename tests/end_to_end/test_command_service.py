@@ -31,6 +31,7 @@ def url(service):
 @pytest.fixture
 def run(url, monkeypatch):
     monkeypatch.setenv("SLEWTRACK_URL", url)
+    monkeypatch.delenv("COLUMNS", raising=False)  # as in a pipe, which knows no width
 
     def command(*words, **options):
         return CliRunner().invoke(main, [*map(str, words)], **options)

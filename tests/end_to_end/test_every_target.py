@@ -12,6 +12,7 @@ from planner.targets import (
     BodyTarget,
     GroundPathTarget,
     MovingGroundTarget,
+    PlaceTarget,
     StarTarget,
     Target,
 )
@@ -31,6 +32,7 @@ TARGETS = {
         ),
         speed_m_s=900.0,
     ),
+    "place": PlaceTarget(name="Las Vegas, Nevada, US"),
     "star": StarTarget(hip=91262),
     "body": BodyTarget(name="Moon"),
     "test_motion": BenchMotionTarget(

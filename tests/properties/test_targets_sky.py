@@ -90,8 +90,8 @@ def test_a_hipparcos_number_is_the_star_of_its_coordinates():
 @pytest.mark.parametrize(
     ("fields", "says"),
     [
-        ({}, "needs ra_deg and dec_deg"),
-        ({"ra_deg": 10.0}, "needs ra_deg and dec_deg"),
+        ({}, "or ra_deg and dec_deg"),
+        ({"ra_deg": 10.0}, "or ra_deg and dec_deg"),
         ({"hip": 11767, "ra_deg": 10.0}, "not both"),
         ({"hip": 11767, "parallax_mas": 10.0}, "already says parallax_mas"),
         ({"hip": 120405}, "give the star's ra_deg"),
