@@ -30,7 +30,7 @@ from planner.slew.solution import AxisProfile, obeys
 from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_residuals
 
 GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
-FIRST_SPANS = 24
+FIRST_SPANS = 32
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
 ROUNDS = 20
 HOLDING_ROUNDS = 6
@@ -39,6 +39,7 @@ NARROWEST = 3e-8
 HELD = 1e-7  # of half a range: what a known motion may pass a limit by
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
+DEEP = 100.0  # times what a span may lose: it is cut in four
 LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
 MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
 WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
@@ -178,7 +179,9 @@ def _solve(
             break
         cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
         cuts = _cuts(knots, motion.states, np.abs(motion.pushes), rows)
-        finer = _spaced(np.union1d(knots, cuts[cut]), rows)
+        deep = losses > DEEP * GAP_WANTED * cost / len(losses)
+        quarters = np.column_stack([(knots[:-1] + cuts) / 2.0, (knots[1:] + cuts) / 2.0])[deep]
+        finer = _spaced(np.union1d(knots, np.append(cuts[cut], quarters)), rows)
         if len(finer) == len(knots):
             break
         guess = _guess(problem, motion, finer)
