@@ -6,7 +6,7 @@ from typing import Any
 
 from planner.export.exporter import FlightPlan
 from planner.export.map_features import MapFeature, PlanMap
-from planner.export.map_shapes import Areas, Lines, Place, Shape
+from planner.export.map_shapes import Areas, Lines, Point, Shape
 from planner.export.plan_map import map_of
 from planner.frames.time_scales import utc_text
 
@@ -39,7 +39,7 @@ def _feature(feature: MapFeature) -> dict[str, Any]:
 
 def _geometry(shape: Shape) -> dict[str, Any]:
     """The simple kind where there is one part."""
-    if isinstance(shape, Place):
+    if isinstance(shape, Point):
         place = [shape.longitude_deg, shape.latitude_deg, shape.height_m]
         return {"type": "Point", "coordinates": place}
     if isinstance(shape, Lines):

@@ -8,7 +8,7 @@ from lxml import etree
 from planner.arrays import Array
 from planner.export.exporter import FlightPlan
 from planner.export.map_features import FeatureKind, MapFeature, PlanMap
-from planner.export.map_shapes import Areas, Lines, Place, Shape
+from planner.export.map_shapes import Areas, Lines, Point, Shape
 from planner.export.plan_map import map_of
 from planner.frames.time_scales import utc_text
 
@@ -64,7 +64,7 @@ def _placemark(feature: MapFeature) -> etree._Element:
 
 
 def _geometry(shape: Shape) -> etree._Element:
-    if isinstance(shape, Place):
+    if isinstance(shape, Point):
         place = f"{shape.longitude_deg:.6f},{shape.latitude_deg:.6f},{shape.height_m:.1f}"
         return _element("Point", _text("coordinates", place))
     if isinstance(shape, Lines):

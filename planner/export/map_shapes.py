@@ -17,7 +17,7 @@ _TURN_DEG, _HALF_DEG = 360.0, 180.0
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Point:
     """A point; longitude and latitude in degrees, height above the ellipsoid."""
 
     longitude_deg: float
@@ -39,7 +39,7 @@ class Areas:
     rings_deg: tuple[Array, ...]
 
 
-Shape = Place | Lines | Areas
+Shape = Point | Lines | Areas
 
 
 def line(latitude_rad: Array, longitude_rad: Array) -> Lines:

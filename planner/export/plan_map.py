@@ -12,7 +12,7 @@ from planner.export.description import notes, session_label
 from planner.export.exporter import FlightPlan, Segment
 from planner.export.ground import BORESIGHT_PAYLOAD, Sights, frame_corner_rays, sights
 from planner.export.map_features import Facts, MapFeature, PlanMap, path_feature, thinned
-from planner.export.map_shapes import Place, areas, hull
+from planner.export.map_shapes import Point, areas, hull
 from planner.export.runs import runs
 from planner.export.table_states import TableStates, table_states
 from planner.frames.earth_orientation import c_itrf_from_eci
@@ -129,7 +129,7 @@ def _target(session: Session, label: str, facts: Facts) -> Iterator[MapFeature]:
     yield MapFeature(
         kind="target",
         name=label,
-        shape=Place(
+        shape=Point(
             round(math.degrees(longitude_rad), 6),
             round(math.degrees(latitude_rad), 6),
             round(float(height_m), 3),

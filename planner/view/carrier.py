@@ -7,7 +7,7 @@ import numpy as np
 from planner.arrays import Array
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.targets.earth_limb import limb_clearance_rad
-from planner.view.scene import Body, CarrierScene, Scene
+from planner.view.scene import Body, CarrierScene, PlanScene
 
 SUN_RADIUS_M = 695.7e6  # IAU 2015 resolution B3
 
@@ -76,7 +76,7 @@ def carrier_track(scene: CarrierScene) -> CarrierTrack:
     )
 
 
-def boresight_trace(scene: Scene) -> BoresightTrace:
+def boresight_trace(scene: PlanScene) -> BoresightTrace:
     """Ignores refraction and the Earth's turn in the light time, 1.4 m."""
     end_itrf_m, on_ground = scene.sights.end_itrf_m[:, 0], scene.sights.on_ground[:, 0]
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(end_itrf_m)
@@ -91,7 +91,7 @@ def boresight_trace(scene: Scene) -> BoresightTrace:
     )
 
 
-def footprint_trace(scene: Scene) -> FootprintTrace:
+def footprint_trace(scene: PlanScene) -> FootprintTrace:
     """Corners counter-clockwise as the camera sees them, from +X +Y on."""
     end_itrf_m, on_ground = scene.sights.end_itrf_m[:, 1:], scene.sights.on_ground[:, 1:]
     latitude_rad, longitude_rad, _ = geodetic_from_itrf(end_itrf_m)

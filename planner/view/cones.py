@@ -11,7 +11,7 @@ from planner.arrays import Array, Indices, Mask, cross
 from planner.opportunities.conditions import angle_rad, within_stops
 from planner.pointing.angles import axis_angles, boresight_platform
 from planner.targets import KeepOut
-from planner.view.scene import Scene
+from planner.view.scene import PlanScene
 
 OUTLINES_MAX = 31  # instants; a page draws the one next to its cursor
 OUTLINE_POINTS = 37  # every 10 deg around, the first again at the end
@@ -37,7 +37,7 @@ class ConeTrace:
     outline_rad: Array
 
 
-def cone_traces(scene: Scene) -> Iterator[ConeTrace]:
+def cone_traces(scene: PlanScene) -> Iterator[ConeTrace]:
     """Of each cone of the scenario."""
     count = len(scene.rows.instants)
     outlined = np.unique(np.linspace(0, count - 1, min(count, OUTLINES_MAX)).round().astype(int))
@@ -58,7 +58,7 @@ def cone_traces(scene: Scene) -> Iterator[ConeTrace]:
         )
 
 
-def _axis(scene: Scene, cone: KeepOut) -> tuple[Array, Array]:
+def _axis(scene: PlanScene, cone: KeepOut) -> tuple[Array, Array]:
     rows = scene.rows
     q_platform_from_eci = scene.plan.scenario.platform.q_platform_from_body * Rotation.from_quat(
         rows.q_body_from_eci_xyzw
@@ -67,7 +67,7 @@ def _axis(scene: Scene, cone: KeepOut) -> tuple[Array, Array]:
 
 
 def _outlines_rad(
-    scene: Scene, axis_platform: Array, half_angle_rad: float, outlined: Indices
+    scene: PlanScene, axis_platform: Array, half_angle_rad: float, outlined: Indices
 ) -> Array:
     """Shape (k, 2, OUTLINE_POINTS, 2)."""
     platform = scene.plan.scenario.platform

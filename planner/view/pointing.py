@@ -11,7 +11,7 @@ from planner.scenario import Session
 from planner.sessions.error_ellipse import error_covariance_rad2
 from planner.sessions.holding import session_rows, sight
 from planner.targets import VisibleTarget
-from planner.view.scene import Scene
+from planner.view.scene import PlanScene
 from planner.view.targets import TargetTrack
 
 INSTANTS = 31  # of a session: errors vary over a pass, not from row to row
@@ -36,7 +36,7 @@ _ELLIPSE = ("sigma_major_rad", "sigma_minor_rad", "major_turn_rad")
 _COLUMNS = ("error_rad", *_ELLIPSE)
 
 
-def pointing_trace(scene: Scene, targets: Sequence[TargetTrack]) -> PointingTrace:
+def pointing_trace(scene: PlanScene, targets: Sequence[TargetTrack]) -> PointingTrace:
     """Of each session's own target."""
     columns = {name: np.full(len(scene.rows.instants), np.nan) for name in _COLUMNS}
     for track in targets:
@@ -51,7 +51,7 @@ def pointing_trace(scene: Scene, targets: Sequence[TargetTrack]) -> PointingTrac
 
 
 def _covariance_rad2(
-    scene: Scene, session: Session, target: VisibleTarget, inside: Indices
+    scene: PlanScene, session: Session, target: VisibleTarget, inside: Indices
 ) -> Array:
     """At rows `inside`, linear between instants at which it is found, (k, 2, 2)."""
     scenario, table = scene.plan.scenario, scene.plan.table

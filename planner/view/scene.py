@@ -79,7 +79,7 @@ class CarrierScene:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scene(CarrierScene):
+class PlanScene(CarrierScene):
     """n rows of a plan at which orbit and attitude are known."""
 
     plan: FlightPlan
@@ -98,7 +98,7 @@ class Scene(CarrierScene):
         return np.asarray(turn.apply([0.0, 0.0, 1.0]))
 
 
-def scene_of(plan: FlightPlan, row: Indices) -> Scene:
+def scene_of(plan: FlightPlan, row: Indices) -> PlanScene:
     """At those of these rows, (n,), at which orbit and attitude are known."""
     rows = table_states(plan, row)
-    return Scene(instants=rows.instants, states=rows.states, plan=plan, rows=rows)
+    return PlanScene(instants=rows.instants, states=rows.states, plan=plan, rows=rows)

@@ -16,7 +16,7 @@ from planner.opportunities.ground_sample import sample_along_m
 from planner.orbits import OrbitStates
 from planner.targets import EarthFixedTarget, VisibleTarget
 from planner.targets.apparent import ApparentDirection, aberrate
-from planner.view.scene import Scene
+from planner.view.scene import PlanScene
 
 _ON_EDGE_S = 1e-6
 
@@ -61,7 +61,7 @@ class TargetTrack:
 _COLUMNS = tuple(field.name for field in fields(TargetTrack) if field.type in (Array, "Array"))
 
 
-def target_tracks(scene: Scene, pixel_rad: float) -> Iterator[TargetTrack]:
+def target_tracks(scene: PlanScene, pixel_rad: float) -> Iterator[TargetTrack]:
     """Of every session, in order.
 
     A target with a timetable is seen in its session only; a test motion has no target.
@@ -86,7 +86,9 @@ def target_tracks(scene: Scene, pixel_rad: float) -> Iterator[TargetTrack]:
         )
 
 
-def _seen(scene: Scene, target: VisibleTarget, which: Mask, pixel_rad: float) -> dict[str, Array]:
+def _seen(
+    scene: PlanScene, target: VisibleTarget, which: Mask, pixel_rad: float
+) -> dict[str, Array]:
     """Columns at the rows `which` (n,) holds."""
     rows = scene.rows
     instants = Instants(rows.instants.epoch_utc, rows.instants.t_s[which])
@@ -108,7 +110,7 @@ def _seen(scene: Scene, target: VisibleTarget, which: Mask, pixel_rad: float) ->
 
 
 def _on_earth(
-    scene: Scene,
+    scene: PlanScene,
     target: EarthFixedTarget,
     instants: Instants,
     which: Mask,
