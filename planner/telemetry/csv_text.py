@@ -226,7 +226,9 @@ def _times(
 ) -> tuple[Array, datetime]:
     if np.isfinite(value).mean() < 0.5 and texts:
         since_utc = epoch_utc or plan_epoch_utc
-        return _utc_s(texts, since_utc, notes), since_utc
+        t_s, told = utc_seconds(texts, since_utc)
+        notes += told
+        return t_s, since_utc
     words = {*words_of(name)}
     factor = next((factor for word, factor in _SECONDS.items() if word in words), 1.0)
     t_s = value * factor
@@ -250,11 +252,12 @@ def _unix_utc(unix_s: float) -> datetime:
     return shifted_utc(moment, rest_s)
 
 
-def _utc_s(texts: list[str], since_utc: datetime, notes: list[str]) -> Array:
-    """Seconds of texts such as 2015-02-27T17:34:00.2Z; NaN of those that are none."""
+def utc_seconds(texts: Sequence[str], since_utc: datetime) -> tuple[Array, tuple[str, ...]]:
+    """Seconds of texts such as 2015-02-27T17:34:00.2Z, (n,), NaN of those that are none; notes."""
+    notes: tuple[str, ...] = ()
     plain = [_DATE.fullmatch(text.strip().replace(",", ".")) for text in texts]
     if any(match and not re.search(r"(?:UTC|[Zz])\s*$", match[0]) for match in plain):
-        notes.append("times without an offset were read as UTC")
+        notes = ("times without an offset were read as UTC",)
     t_s = np.full(len(texts), np.nan)
     clear = [(k, f"{match[1]}T{match[2]}") for k, match in enumerate(plain) if match is not None]
     if clear:
@@ -271,7 +274,7 @@ def _utc_s(texts: list[str], since_utc: datetime, notes: list[str]) -> Array:
                 t_s[list(rows)] = elapsed_s(first_utc, since_utc) + since_first_s
     for row in np.flatnonzero(np.isnan(t_s)):
         t_s[row] = _one_utc_s(texts[row], since_utc)
-    return t_s
+    return t_s, notes
 
 
 def _one_utc_s(text: str, since_utc: datetime) -> float:

@@ -14,6 +14,7 @@ Limit = Literal["angle_min", "angle_max", "rate", "acceleration"]
 _SIGMA = 5.0
 _SLOPE_S = {"rate": 0.4, "acceleration": 1.0}  # of which the motion is a parabola, and a cubic
 _ROWS_MIN = 7
+_APART_S = 1.0  # what is beyond again sooner is the same stretch
 _NOISE_MAX = 0.2  # of a limit: with more, nothing is told of it
 
 
@@ -97,9 +98,12 @@ def _either_way(
 def _beyond(
     limit: Limit, t_s: Array, value: Array, bound: float, room: float, sign: float
 ) -> list[Exceeded]:
-    edges = np.diff((value > bound + room).astype(np.int8), prepend=0, append=0)
+    beyond = np.flatnonzero(value > bound + room)
     found = []
-    for first, last in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
+    for rows in np.split(beyond, np.flatnonzero(np.diff(t_s[beyond]) > _APART_S) + 1):
+        if not len(rows):
+            continue
+        first, last = rows[0], rows[-1] + 1
         found.append(
             Exceeded(
                 limit=limit,

@@ -26,6 +26,7 @@ from app.requests.spacecraft import (
     imaging_opportunity_json_schema,
     spacecraft_request_json_schema,
 )
+from app.requests.telemetry import ComparisonRequest, comparison_request_json_schema
 from estimator.request import HorizonRequest
 from planner.campaigns import CampaignRequest
 from planner.opportunities import OpportunityRequest
@@ -47,6 +48,7 @@ _REQUESTS = {
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
     "ImagingOpportunityRequest": imaging_opportunity_json_schema,
+    "ComparisonRequest": comparison_request_json_schema,
 }
 
 _REQUEST_KINDS = (
@@ -58,6 +60,7 @@ _REQUEST_KINDS = (
     HorizonRequest,
     PredictionRequest,
     PictureRequest,
+    ComparisonRequest,
 )
 
 
