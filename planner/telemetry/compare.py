@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from planner.telemetry.stick_slip import StickSlip, stick_slip
 _TURN_RAD = 2.0 * np.pi
 _POOR = 0.3  # of the motion: errors so large mean another plan, or columns mistaken
 GAPS_MAX = 200
+_TAG_MAX_S, _VALUE_MAX = 1e10, 1e9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,12 +74,13 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     table, platform = plan.table, plan.scenario.platform
     names = platform.axis_names
     motions = [PlannedMotion(table, axis) for axis in range(len(names))]
-    columns = [column for column in samples.columns if np.isfinite(column.value).any()]
-    empty = [column.name for column in samples.columns if column not in columns]
+    sound = [replace(column, value=_sound(column.value, _VALUE_MAX)) for column in samples.columns]
+    columns = [column for column in sound if np.isfinite(column.value).any()]
+    empty = [column.name for column in sound if column not in columns]
     if not columns:
         raise InvalidInput("no column holds a number", field="samples")
-    tag_s = samples.t_s + elapsed_s(samples.epoch_utc, table.epoch_utc)
-    _require_some(tag_s, plan, "the time tags")
+    tag_s = _sound(samples.t_s, _TAG_MAX_S) + elapsed_s(samples.epoch_utc, table.epoch_utc)
+    _require_some(tag_s, plan)
     columns, start_s = in_units(columns, tag_s, motions)
     angle_rad, rate_rad_s, wrapped = _in_radians(columns, tag_s - start_s, motions)
     ordered = order(tag_s, np.hstack([angle_rad, rate_rad_s]))
@@ -121,12 +123,17 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     )
 
 
-def _require_some(tag_s: Array, plan: FlightPlan, what: str) -> None:
+def _sound(value: Array, most: float) -> Array:
+    """NaN for what no sensor and no clock tells."""
+    return np.where(np.abs(value) < most, value, np.nan)
+
+
+def _require_some(tag_s: Array, plan: FlightPlan) -> None:
     table = plan.table
     known = tag_s[np.isfinite(tag_s)]
     if not len(known):
         raise InvalidInput(
-            f"no row has {what} that can be read: seconds in t_s, or UTC such as "
+            f"no row has a time tag that can be read: seconds in t_s, or UTC such as "
             f"{utc_text(table.epoch_utc)} in utc",
             field="samples.t_s",
         )

@@ -76,12 +76,12 @@ def spikes(error: Array, least: float) -> Mask:
     if count < _SPIKE_ROWS:
         return np.zeros(count, dtype=bool)
     off = np.abs(error - median_filter(error, _SPIKE_ROWS, mode="nearest"))
-    blocks = max(count // _AROUND_ROWS, 1)
-    usual = [np.percentile(part, _USUAL_PERCENT) for part in np.array_split(off, blocks)]
-    around = np.repeat(
-        maximum_filter1d(usual, 3, mode="nearest"),
-        [len(part) for part in np.array_split(off, blocks)],
+    blocks = -(-count // _AROUND_ROWS)
+    padded = np.pad(
+        off, (0, blocks * _AROUND_ROWS - count), mode="reflect" if blocks > 1 else "wrap"
     )
+    usual = np.percentile(padded.reshape(blocks, -1), _USUAL_PERCENT, axis=1)
+    around = np.repeat(maximum_filter1d(usual, 3, mode="nearest"), _AROUND_ROWS)[:count]
     return np.asarray(off > np.maximum(_SPIKE_TIMES * around, least))
 
 
