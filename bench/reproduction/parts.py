@@ -11,6 +11,9 @@ from typing import Protocol, cast
 from reproduction.statements import Picture, Statement
 
 PARTS = (
+    "sumarokov_attitude",
+    "sumarokov_orbit",
+    "sumarokov_angles",
     "sumarokov_sessions",
     "lomaka_vertical",
     "platonov_imaging",

@@ -70,7 +70,7 @@ def _number(value: float | str | None, tolerance: float, unit: str) -> str:
     if value is None or isinstance(value, str):
         return "-"
     if tolerance == 0.0 or value == 0.0:
-        text = f"{value:.10g}"
+        text = f"{value:.10g}" if abs(value) < 1e6 else f"{value:.6g}"
     else:
         decimals = math.ceil(-math.log10(tolerance))
         digits = max(1, decimals + 1 + math.floor(math.log10(abs(value))))
