@@ -14,4 +14,3 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 def plan_of(example: str) -> Plan:
     """The plan of a request in examples/."""
     return make_plan(read_request((EXAMPLES / example).read_bytes()))
-

@@ -14,6 +14,7 @@ PARTS = (
     "sumarokov_attitude",
     "sumarokov_orbit",
     "sumarokov_angles",
+    "sumarokov_transfer",
     "sumarokov_sessions",
     "lomaka_vertical",
     "platonov_imaging",

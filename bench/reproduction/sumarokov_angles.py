@@ -188,8 +188,8 @@ def _axes() -> list[Statement]:
             unit="arcsec at most",
             tolerance=0.01,
             verdict="agrees" if np.array_equal(found, known) else "differs",
-            why="in 20,000 directions over the whole sphere the printed y and z = a + b y give both "
-            "of our solutions",
+            why="in 20,000 directions over the whole sphere the printed y and z = a + b y give "
+            "both of our solutions",
         ),
         Statement(
             paper=PAPER,
@@ -247,8 +247,8 @@ def _misread_angles() -> list[Statement]:
 
 def pictures(folder: Path) -> list[Picture]:
     angle_rad, error_rad = grid()
-    error_deg = np.rad2deg(error_rad).reshapeSHAPE
-    alpha_deg, beta_deg = (np.rad2deg(angle_rad[:, k]).reshapeSHAPE for k in (0, 1))
+    error_deg = np.rad2deg(error_rad).reshape(SHAPE)
+    alpha_deg, beta_deg = (np.rad2deg(angle_rad[:, k]).reshape(SHAPE) for k in (0, 1))
     figure = Figure(figsize=(7.2, 4.2), layout="constrained")
     panel = figure.add_subplot()
     filled = panel.contourf(alpha_deg, beta_deg, error_deg, levels=12, cmap="Blues_r")
