@@ -18,6 +18,7 @@ PARTS = (
     "sumarokov_transfer",
     "sumarokov_sessions",
     "sumarokov_las_vegas",
+    "sumarokov_flight",
     "sumarokov_boston",
     "lomaka_vertical",
     "platonov_imaging",
