@@ -15,7 +15,7 @@ from planner.platforms import ISS_HRC
 from planner.pointing.angles import axis_angles, boresight_platform
 from planner.pointing.line_of_sight import line_of_sight
 from reproduction.example_plans import plan_of
-from reproduction.statements import Picture, Statement, judge
+from reproduction.statements import Picture, Statement, holds, judge
 
 PAPER = "Sumarokov 2016"
 TILT_RAD = np.radians(5.0)
@@ -187,7 +187,7 @@ def _axes() -> list[Statement]:
             ours=float(np.rad2deg(apart[known].max())) * 3600.0,
             unit="arcsec at most",
             tolerance=0.01,
-            verdict="agrees" if np.array_equal(found, known) else "differs",
+            verdict=holds(np.array_equal(found, known)),
             why="in 20,000 directions over the whole sphere the printed y and z = a + b y give "
             "both of our solutions",
         ),

@@ -15,7 +15,7 @@ from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import OrbitStates, TleOrbit
 from planner.platforms.two_axis import HRC_FRAME_HALF_RAD
-from reproduction.statements import Picture, Statement, judge
+from reproduction.statements import Picture, Statement, holds, judge
 
 PAPER = "Sumarokov 2016"
 TELEMETRY = Path(__file__).parents[2] / "tests/data/iss_attitude_rates_2018-285.csv"
@@ -174,7 +174,7 @@ def statements() -> list[Statement]:
             ours=at_60_deg,
             unit="deg rms",
             tolerance=0.001,
-            verdict="agrees" if at_60_deg < frame_deg / 3.0 else "differs",
+            verdict=holds(at_60_deg < frame_deg / 3.0),
             why="the paper doesn't tell the delay; after a minute the error is far below half the "
             "frame's height, the number beside it",
         ),

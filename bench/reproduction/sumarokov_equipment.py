@@ -11,7 +11,7 @@ from planner.opportunities.request import HRC_PIXEL_ARCSEC
 from planner.platforms import ISS_HRC
 from planner.platforms.two_axis import HRC_FRAME_HALF_RAD
 from reproduction.example_plans import LAS_VEGAS, view_of
-from reproduction.statements import Picture, Statement, judge
+from reproduction.statements import Picture, Statement, holds, judge
 
 PAPER = "Sumarokov 2016"
 HEIGHT_KM = 350.0
@@ -79,7 +79,7 @@ def _camera() -> list[Statement]:
             stated=round(FRAME_S, 3),
             ours=EXPOSURE_S,
             unit="s",
-            verdict="agrees" if EXPOSURE_S < FRAME_S else "differs",
+            verdict=holds(EXPOSURE_S < FRAME_S),
             why="the camera is open nine tenths of the time, so the platform must keep still on "
             "its target all through a session, not between frames only",
         ),

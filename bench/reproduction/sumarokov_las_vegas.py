@@ -15,7 +15,7 @@ from planner.opportunities.request import (
 )
 from planner.opportunities.windows import Windows
 from reproduction.example_plans import LAS_VEGAS, closest, plan_of, view_of
-from reproduction.statements import Picture, Statement
+from reproduction.statements import Picture, Statement, holds
 
 PAPER = "Sumarokov 2016"
 DAY_UTC = datetime(2015, 2, 27, tzinfo=UTC)
@@ -58,7 +58,7 @@ def _dates() -> list[Statement]:
             stated=1.0,
             ours=float(len(passes)),
             unit="daylight passes that day",
-            verdict="agrees" if len(passes) else "differs",
+            verdict=holds(len(passes) > 0),
             why="higher than 30 deg, the Sun 10 deg or more above the horizon, by the elements "
             "published for that day",
         ),
@@ -128,7 +128,7 @@ def _pass() -> list[Statement]:
             ours=slow_s["beta"],
             unit="s below 1 arcmin/s",
             tolerance=0.2,
-            verdict="agrees" if slow_s["beta"] > slow_s["alpha"] else "differs",
+            verdict=holds(slow_s["beta"] > slow_s["alpha"]),
             why="by our command table of 90 s, told as `slow_stretches`; alpha "
             f"{slow_s['alpha']:.1f} s",
         ),

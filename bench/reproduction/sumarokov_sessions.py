@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from planner.frames.time_scales import elapsed_s
 from reproduction.example_plans import THREE_SESSIONS, closest, plan_of, view_of
-from reproduction.statements import Picture, Statement, judge
+from reproduction.statements import Picture, Statement, holds, judge
 
 PAPER = "Sumarokov 2016"
 CLOCK_S = 1200.0  # the paper's at row 0
@@ -76,7 +76,7 @@ def _timetable() -> list[Statement]:
                 ours=at_s,
                 unit="s",
                 tolerance=0.5,
-                verdict="agrees" if start_s < at_s < stop_s else "differs",
+                verdict=holds(start_s < at_s < stop_s),
                 why="the least range; the paper's line, of the least distance from the ground "
                 "track, is told in the picture only",
             )
@@ -102,7 +102,7 @@ def _transfers() -> list[Statement]:
                 ours=comparison.paper_duration_s,
                 unit="s",
                 tolerance=0.2,
-                verdict="agrees" if comparison.paper_duration_s <= stop_s - start_s else "differs",
+                verdict=holds(comparison.paper_duration_s <= stop_s - start_s),
                 why=f"(12) over our passes; at least {slew.minimum_s:.1f} s are needed. Filtered, "
                 f"the paper's cubic over the whole time breaks {', '.join(broken) or 'no limit'}",
             )
@@ -123,7 +123,7 @@ def _rates() -> list[Statement]:
             ours=rate_deg_s,
             unit="deg/s",
             tolerance=0.01,
-            verdict="agrees" if plan.verification.passed and rate_deg_s <= 3.0 else "differs",
+            verdict=holds(plan.verification.passed and rate_deg_s <= 3.0),
             why="the independent judge finds no limit broken in the whole table",
         ),
         Statement(
