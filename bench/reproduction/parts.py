@@ -20,6 +20,7 @@ PARTS = (
     "sumarokov_las_vegas",
     "sumarokov_flight",
     "sumarokov_boston",
+    "sumarokov_modes",
     "lomaka_vertical",
     "platonov_imaging",
 )

@@ -246,6 +246,58 @@ def _misread_angles() -> list[Statement]:
 
 
 def pictures(folder: Path) -> list[Picture]:
+    _draw_cones(folder / "reproduction_cones.png")
+    _draw_error(folder / "reproduction_angles.png")
+    return [
+        Picture(
+            file="reproduction_cones.png",
+            shows="The two cones and both lines in which they meet",
+            text="As Fig. 1, for alpha 40°, beta 25°: the zero direction V turns about beta's axis "
+            "(blue), the target T about alpha's (red). They meet in two lines L; the one with the "
+            "smaller turn of beta is taken (solid).",
+        ),
+        Picture(
+            file="reproduction_angles.png",
+            shows="How far the angle between T and L is from the angle alpha has to turn",
+        ),
+    ]
+
+
+def _draw_cones(file: Path) -> None:
+    target = boresight_platform(ISS_HRC, np.radians([[40.0, 25.0]]))
+    lines = printed_intersections(target)[:, 0]
+    figure = Figure(figsize=(6.4, 5.2), layout="constrained")
+    panel = figure.add_subplot(projection="3d")
+    around = np.linspace(0.0, 2.0 * np.pi, 121)
+    for axis, start, colour in ((INNER, ZERO, "C0"), (OUTER, target[0], "C3")):
+        circle = Rotation.from_rotvec(around[:, None] * axis).apply(start)
+        x, y, z = (np.stack([0.0 * edge, edge]) for edge in circle.T)
+        panel.plot_surface(x, y, z, color=colour, alpha=0.12)
+        panel.plot(*circle.T, color=colour, lw=1.0)
+    named = (
+        ("V", ZERO, "C0"),
+        ("T", target[0], "C3"),
+        ("$A_β$", INNER, "C0"),
+        ("$A_α$", OUTER, "C3"),
+    )
+    for name, direction, colour in named:
+        is_axis = name.startswith("$")
+        panel.plot(*np.stack([0.0 * direction, 1.25 * direction]).T, color=colour, lw=1.6,
+                   ls="--" if is_axis else "-")  # fmt: skip
+        panel.text(*(1.35 * direction), name, color=colour)
+    beta_rad = np.abs(np.arctan2(-lines[:, 1], lines[:, 2]))
+    for k, line in enumerate(lines):
+        chosen = k == int(beta_rad.argmin())
+        panel.plot(*np.stack([0.0 * line, 1.1 * line]).T, "k", lw=2.0, ls="-" if chosen else ":")
+        panel.text(*(1.2 * line), "L", color="k")
+    panel.set(xlabel="x", ylabel="y", zlabel="z", box_aspect=(1, 1, 1))
+    ends = {f"{axis}{what}": (-1, 1) for axis in "xyz" for what in ("lim", "ticks")}
+    panel.set(**ends)
+    panel.view_init(elev=20.0, azim=-25.0)
+    figure.savefig(file, dpi=100)
+
+
+def _draw_error(file: Path) -> None:
     angle_rad, error_rad = grid()
     error_deg = np.rad2deg(error_rad).reshape(SHAPE)
     alpha_deg, beta_deg = (np.rad2deg(angle_rad[:, k]).reshape(SHAPE) for k in (0, 1))
@@ -257,10 +309,4 @@ def pictures(folder: Path) -> list[Picture]:
     panel.clabel(lines, fmt="%g°", fontsize=8)
     figure.colorbar(filled, label="angle between T and L less |alpha|, deg")
     panel.set(xlabel="alpha, deg", ylabel="beta, deg")
-    figure.savefig(folder / "reproduction_angles.png", dpi=100)
-    return [
-        Picture(
-            file="reproduction_angles.png",
-            shows="How far the angle between T and L is from the angle alpha has to turn",
-        )
-    ]
+    figure.savefig(file, dpi=100)
