@@ -55,7 +55,6 @@ def _dates() -> list[Statement]:
             place="Fig. 3, p. 93",
             name="date",
             says="a session over Las Vegas on 27 February 2015",
-            stated=1.0,
             ours=float(len(passes)),
             unit="daylight passes that day",
             verdict=holds(len(passes) > 0),
