@@ -13,6 +13,7 @@ from reproduction.statements import Picture, Statement
 PARTS = (
     "sumarokov_sessions",
     "lomaka_vertical",
+    "lomaka_experiment",
     "platonov_imaging",
 )
 
