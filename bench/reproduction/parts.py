@@ -22,6 +22,7 @@ PARTS = (
     "sumarokov_boston",
     "sumarokov_modes",
     "lomaka_vertical",
+    "lomaka_experiment",
     "platonov_imaging",
 )
 
