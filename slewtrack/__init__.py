@@ -76,7 +76,7 @@ def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "
 def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
     """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
     from app.answers.view import view_json
-    from planner.opportunities.request import HRC_PIXEL_ARCSEC
+    from planner.platforms import HRC_PIXEL_ARCSEC
     from planner.view import view_plan
 
     seen = view_plan(plan, step_s, HRC_PIXEL_ARCSEC)

@@ -1,0 +1,84 @@
+"""What is drawn for one disturbed flight: how far each cause is off, in its own sigmas.
+
+Each run has a generator of its own (Philox, keyed by the seed and the run's number), so that a
+run is the same whoever flies it and whichever runs are flown beside it.
+Source: Salmon et al. 2011, Parallel random numbers: as easy as 1, 2, 3.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.arrays import Array
+
+ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE = (
+    "orbit",
+    "attitude",
+    "Earth orientation",
+    "clock",
+    "drive",
+)
+CAUSES = (ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE)
+SEED_MAX = 2**32 - 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Draw:
+    """One run's errors, each of unit variance.
+
+    orbit: radial, along and across the track, (3,).  along_laplace: the second where that error is
+    rather Laplace's than Gauss's.  attitude: of each mode or body axis.  phase_rad: of the swing
+    about each body axis, (3,); swing: 1, or 0 for none.  drive: the seed of what the drives do.
+    """
+
+    orbit: Array
+    along_laplace: float
+    attitude: Array
+    phase_rad: Array
+    swing: float
+    earth: float
+    clock: float
+    drive: int
+
+    def with_cause_of(self, other: "Draw", cause: str) -> "Draw":
+        """The same run, but for one cause as the other has it."""
+        return replace(self, **{name: getattr(other, name) for name in _MEMBERS[cause]})
+
+
+_MEMBERS = {
+    ORBIT: ("orbit", "along_laplace"),
+    ATTITUDE: ("attitude", "phase_rad"),
+    EARTH: ("earth",),
+    CLOCK: ("clock",),
+    DRIVE: ("drive",),
+}
+
+
+def draw_run(seed: int, run: int, modes: int) -> Draw:
+    """The errors of one run; modes: independent turns of the attitude."""
+    random = np.random.Generator(np.random.Philox(key=[seed, run]))
+    orbit, earth_and_clock = random.standard_normal(3), random.standard_normal(2)
+    return Draw(
+        orbit=orbit,
+        along_laplace=float(random.laplace(scale=np.sqrt(0.5))),
+        phase_rad=random.uniform(0.0, 2.0 * np.pi, 3),
+        swing=1.0,
+        earth=float(earth_and_clock[0]),
+        clock=float(earth_and_clock[1]),
+        drive=int(random.integers(2**32)),
+        attitude=random.standard_normal(modes),  # last: their number hangs on the request
+    )
+
+
+def undisturbed(modes: int) -> Draw:
+    """Everything as the plan has it; the drives as the seed 0 makes them."""
+    return Draw(
+        orbit=np.zeros(3),
+        along_laplace=0.0,
+        attitude=np.zeros(modes),
+        phase_rad=np.zeros(3),
+        swing=0.0,
+        earth=0.0,
+        clock=0.0,
+        drive=0,
+    )
