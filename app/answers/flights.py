@@ -69,7 +69,7 @@ class NominalOut:
 
 @dataclass(frozen=True, kw_only=True)
 class ContributorOut:
-    """One cause's part in what varies from run to run: Sobol's indices, and their 1-sigma by chance.
+    """One cause's part in what varies from run to run: Sobol's indices.
 
     cause: what is not known exactly, as in the pointing budget.
     share: of the variance of the target's place in the image, what the cause has a hand in, by

@@ -19,10 +19,10 @@ class Frames:
     """What n frames show of the target.
 
     begins_s: when each shutter opens.  place: tangents of the target's angles from the frame's
-    middle, along its sides, half-way through the exposure, (n, 2).  error_rad: the largest angle between the boresight and the
-    target while it is open.  smear_px: the longest way between two places of the target in the
-    image meanwhile.  share: of half the frame, how far the target is from its middle, along the
-    side where that is more; it is inside up to 1.  All others (n,).
+    middle, along its sides, half-way through the exposure, (n, 2).  error_rad: the largest angle
+    between the boresight and the target while the shutter is open.  smear_px: the longest way
+    between two places of the target in the image meanwhile.  share: of half the frame, how far the
+    target is from its middle, along the side where that is more; it is inside up to 1.  All others (n,).
     """
 
     begins_s: Array

@@ -6,6 +6,8 @@ from dataclasses import field
 from typing import Annotated
 
 from planner.platforms.camera import HRC_CAMERA, Camera
+from planner.platforms.carrier_mode import CarrierMode
+from planner.platforms.drive import AxisDrive
 from planner.platforms.field_mask import FieldMask
 from planner.platforms.two_axis import (
     HRC_FRAME_HALF_RAD,
@@ -25,6 +27,7 @@ AngleDeg = Annotated[float, Within(-1080.0, 1080.0)]
 STOPS_APART_DEG = 1e-3
 JerkDegS3 = Annotated[float, Within(1e-4, 1e3)]
 MASKS_MAX = 8  # each makes the way around them a larger problem
+MODES_MAX = 8  # each makes a flight longer to compute
 _MotionLimit = Annotated[float, Within(1e-4, 1e3)]
 _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
@@ -42,6 +45,7 @@ class AxisDefinition:
     jerk_max_deg_s3: largest jerk, either way.
     rate_min_deg_s: below this commanded rate friction makes the drive oscillate; it is reported,
     not forbidden.
+    drive: how it follows a table in flight.
     """
 
     name: str
@@ -52,6 +56,7 @@ class AxisDefinition:
     acceleration_max_deg_s2: _MotionLimit
     jerk_max_deg_s3: JerkDegS3
     rate_min_deg_s: Annotated[float, Within(0.0, 1e3)] = 0.0
+    drive: AxisDrive = field(default_factory=AxisDrive)
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -98,6 +103,7 @@ class PlatformDefinition:
     name one.
     masks: up to 8 regions fixed to the platform's base that the boresight never enters: kept by
     slews, tracks and windows.
+    structural_modes: up to 8 in which the carrier rocks when the axes accelerate.
     """
 
     name: str
@@ -110,6 +116,7 @@ class PlatformDefinition:
     camera: Camera = HRC_CAMERA
     park_positions_deg: Mapping[str, Mapping[str, AngleDeg]] = field(default_factory=dict)
     masks: tuple[FieldMask, ...] = ()
+    structural_modes: tuple[CarrierMode, ...] = ()
 
     def __post_init__(self) -> None:
         if self.outer.name == self.inner.name:
@@ -118,6 +125,11 @@ class PlatformDefinition:
             self._require_park_position(name, angles_deg)
         if len(self.masks) > MASKS_MAX:
             raise ValueError(f"masks must hold at most {MASKS_MAX} masks, not {len(self.masks)}")
+        if len(self.structural_modes) > MODES_MAX:
+            raise ValueError(
+                f"structural_modes must hold at most {MODES_MAX} modes, "
+                f"not {len(self.structural_modes)}"
+            )
         for number, mask in enumerate(self.masks):
             if mask.name in [before.name for before in self.masks[:number]]:
                 raise ValueError(f"masks.{number}.name must be its own, not {mask.name!r} again")
@@ -167,4 +179,6 @@ class PlatformDefinition:
                 for name, angles_deg in self.park_positions_deg.items()
             ),
             masks=self.masks,
+            drives=(self.outer.drive, self.inner.drive),
+            structural_modes=self.structural_modes,
         )

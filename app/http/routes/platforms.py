@@ -6,7 +6,7 @@ from fastapi import APIRouter, Depends
 
 from app.answers.members import degrees, fill
 from app.http.negotiation import accepts_json
-from planner.platforms import PLATFORMS, AxisDefinition, AxisLimits, PlatformDefinition
+from planner.platforms import PLATFORMS, AxisDefinition, AxisDrive, AxisLimits, PlatformDefinition
 from planner.platforms.two_axis import TwoAxisPlatform, UnitVector
 
 router = APIRouter(tags=["platforms"], dependencies=[Depends(accepts_json)])
@@ -34,8 +34,18 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
     """The platform in degrees."""
     return PlatformDefinition(
         name=platform.name,
-        outer=_axis(platform.outer_name, platform.outer_axis_platform, platform.outer_limits),
-        inner=_axis(platform.inner_name, platform.inner_axis_platform, platform.inner_limits),
+        outer=_axis(
+            platform.outer_name,
+            platform.outer_axis_platform,
+            platform.outer_limits,
+            platform.drives[0],
+        ),
+        inner=_axis(
+            platform.inner_name,
+            platform.inner_axis_platform,
+            platform.inner_limits,
+            platform.drives[1],
+        ),
         zero_direction_platform=platform.zero_direction_platform,
         q_platform_from_body_xyzw=platform.q_platform_from_body_xyzw,
         field_of_view_deg=(
@@ -52,8 +62,18 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
             for position in platform.park_positions
         },
         masks=platform.masks,
+        structural_modes=platform.structural_modes,
     )
 
 
-def _axis(name: str, axis_platform: UnitVector, limits: AxisLimits) -> AxisDefinition:
-    return fill(AxisDefinition, limits, name=name, axis_platform=axis_platform, decimals=_DECIMALS)
+def _axis(
+    name: str, axis_platform: UnitVector, limits: AxisLimits, drive: AxisDrive
+) -> AxisDefinition:
+    return fill(
+        AxisDefinition,
+        limits,
+        name=name,
+        axis_platform=axis_platform,
+        drive=drive,
+        decimals=_DECIMALS,
+    )
