@@ -31,6 +31,7 @@ from app.http.readiness import (
 )
 from app.http.routes import (
     campaigns,
+    flights,
     horizon,
     imaging_opportunities,
     opportunities,
@@ -64,6 +65,7 @@ _TAGS = [
     {"name": name, "description": meaning}
     for name, meaning in (
         ("plans", "Command tables of a two-axis platform: sessions in, a verified table out."),
+        ("flights", "Plans flown many times with errors drawn anew: what the camera will hold."),
         ("opportunities", "When each target can be seen."),
         ("campaigns", "Many targets over days: which sessions, in what order, all planned."),
         (
@@ -80,6 +82,7 @@ _OF_API = (
     plans,
     opportunities,
     campaigns,
+    flights,
     horizon,
     spacecraft,
     imaging_opportunities,

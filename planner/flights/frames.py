@@ -22,7 +22,8 @@ class Frames:
     middle, along its sides, half-way through the exposure, (n, 2).  error_rad: the largest angle
     between the boresight and the target while the shutter is open.  smear_px: the longest way
     between two places of the target in the image meanwhile.  share: of half the frame, how far the
-    target is from its middle, along the side where that is more; it is inside up to 1.  All others (n,).
+    target is from its middle, along the side where that is more; it is inside up to 1.  All others
+    (n,).
     """
 
     begins_s: Array
