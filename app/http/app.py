@@ -22,6 +22,7 @@ from app.http.door.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import complete
+from app.http.planners_page import serve_page
 from app.http.query import require_sound_query
 from app.http.readiness import (
     Readiness,
@@ -115,6 +116,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     for resource in (*_OF_API, pages):
         app.include_router(resource.router)
     pages.serve_files(app)
+    serve_page(app)
     errors.install(app)
     _guard_and_watch(app, settings)
     _describe(app)
