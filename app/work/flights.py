@@ -163,12 +163,6 @@ def _plan(what: PlanToFly) -> FlightPlan:
 
 def _runs_by_part(scenes: Sequence[SessionScene], runs: int) -> list[int]:
     """Of even numbers but for the last; raises InvalidInput."""
-    if not scenes:
-        raise InvalidInput(
-            "the plan looks at no target, so there is none to hold in a frame: its sessions are "
-            "test motions; fly a plan of a target",
-            field="sessions",
-        )
     flown_s = sum(float(scene.table.t_s[-1]) for scene in scenes)
     most = int(FLOWN_MAX_S / flown_s)
     if runs > most:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S, CommandTable
+from planner.errors import InvalidInput
 from planner.export import FlightPlan
 from planner.flights.draws import Draw
 from planner.flights.errors import SessionErrors, session_errors
@@ -102,18 +103,24 @@ class SessionScene:
 
 
 def session_scenes(plan: FlightPlan) -> list[SessionScene]:
-    """Of the sessions that look at a target; a test motion has none to miss."""
+    """Of the sessions that look at a target; raises InvalidInput where none does."""
     scenario, table = plan.scenario, plan.table
     seen = [
         (number, session, session.target, session_rows(session, table.epoch_utc))
         for number, session in enumerate(scenario.sessions)
         if isinstance(session.target, VisibleTarget)
     ]
+    if not seen:
+        raise InvalidInput(
+            "the plan looks at no target that a frame could hold: its sessions are test motions; "
+            "fly a plan of a target",
+            field="sessions",
+        )
     instants = [_nodes(table, rows) for *_, rows in seen]
     first_row = [max(rows.start - round(LEAD_S * ROWS_PER_S), 0) for *_, rows in seen]
     ephemerides = [scenario.orbit.ephemeris(at.utc(0), at.utc(-1)) for at in instants]
     states = [ephemeris.states(at) for ephemeris, at in zip(ephemerides, instants, strict=True)]
-    errors = session_errors(ephemerides, scenario.attitude, instants, states) if seen else []
+    errors = session_errors(ephemerides, scenario.attitude, instants, states)
     return [
         SessionScene(
             number=number,
