@@ -75,22 +75,23 @@ class ContributorOut:
     share: of the variance of the target's place in the image, what the cause has a hand in, by
     itself or with others; all causes together make 1 or more.
     share_sigma: how far chance may have moved that.
-    alone: what would vanish of the variance, were the cause known; by chance a little below 0.
+    alone_share: what would vanish of the variance, were the cause known; by chance it may lie a
+    little below 0.
     alone_sigma: how far chance may have moved that.
     smear_share: `share`, of the smear.
     smear_share_sigma: how far chance may have moved that.
-    smear_alone: `alone`, of the smear.
+    smear_alone_share: `alone_share`, of the smear.
     smear_alone_sigma: how far chance may have moved that.
     """
 
     cause: str
     share: NotNegative
     share_sigma: NotNegative
-    alone: Signed
+    alone_share: Signed
     alone_sigma: NotNegative
     smear_share: NotNegative
     smear_share_sigma: NotNegative
-    smear_alone: Signed
+    smear_alone_share: Signed
     smear_alone_sigma: NotNegative
 
 
@@ -334,17 +335,15 @@ def _warnings(head: FlightsHead, found: PlanFlights) -> list[str]:
 
 
 def _contributor_out(one: Contributor) -> ContributorOut:
-    return ContributorOut(
-        **{
-            name: round(value, _DECIMALS) if isinstance(value, float) else value
-            for name, value in vars(one).items()
-        }
-    )
+    numbers = {
+        name: round(value, _DECIMALS) for name, value in vars(one).items() if name != "cause"
+    }
+    return ContributorOut(cause=one.cause, **numbers)
 
 
 def _histogram_out(misses: Histogram) -> HistogramOut:
     return HistogramOut(
-        edges_arcsec=_arcsec(misses.edges), counts=misses.counts.tolist(), beyond=misses.beyond
+        edges_arcsec=_arcsec(misses.edges_rad), counts=misses.counts.tolist(), beyond=misses.beyond
     )
 
 
@@ -356,10 +355,10 @@ def _arcsec(angles_rad: Array) -> list[float]:
     return _list(np.degrees(angles_rad) * 3600.0)
 
 
-def _list(values: Array) -> list[float]:
-    rounded: list[float] = np.round(values, _DECIMALS).tolist()
+def _list(numbers: Array) -> list[float]:
+    rounded: list[float] = np.round(numbers, _DECIMALS).tolist()
     return rounded
 
 
-def _list_or_none(values: Array | None) -> list[float] | None:
-    return None if values is None else _list(values)
+def _list_or_none(numbers: Array | None) -> list[float] | None:
+    return None if numbers is None else _list(numbers)

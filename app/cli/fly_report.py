@@ -35,10 +35,10 @@ def print_flights(console: Console, found: FlightsFound) -> None:
     print_warnings(console, found.warnings)
 
 
-def _probability(value: float | None, interval: list[float] | None) -> str:
-    if value is None or interval is None:
+def _probability(value: float | None, share_interval: list[float] | None) -> str:
+    if value is None or share_interval is None:
         return "-"
-    return f"{value:.3f} ({interval[0]:.3f}..{interval[1]:.3f})"
+    return f"{value:.3f} ({share_interval[0]:.3f}..{share_interval[1]:.3f})"
 
 
 def _sessions(found: FlightsFound) -> Table:

@@ -136,12 +136,14 @@ def packed_outcomes(sessions: Sequence[RunOutcomes], first: int) -> bytes:
 def unpacked_outcomes(packed: bytes) -> tuple[int, list[RunOutcomes]]:
     """The first run's number, and the outcomes by session."""
     part = unpack(packed)
-    return part.facts["first"], [
-        RunOutcomes(
-            **{name: part.columns[f"{number}.{name}"] for name in RunOutcomes.__dataclass_fields__}
-        )
-        for number in range(part.facts["sessions"])
-    ]
+    sessions = []
+    for number in range(part.facts["sessions"]):
+        columns: dict[str, Any] = {
+            name: part.columns[f"{number}.{name}"] for name in RunOutcomes.__dataclass_fields__
+        }
+        columns |= {name: columns[name] > 0.5 for name in ("holds", "sharp")}
+        sessions.append(RunOutcomes(**columns))
+    return part.facts["first"], sessions
 
 
 def _read(body: bytes) -> tuple[PlanToFly, dict[str, Any]]:

@@ -17,19 +17,19 @@ class Contributor:
     """One cause's part in what varies from run to run, summed over the session's instants.
 
     share: of the variance of the target's place in the image, what the cause has a hand in, by
-    itself or together with others: its total Sobol index.  alone: what would vanish on average
-    were the cause known: its first-order index.  smear_share, smear_alone: the same of the smear.
-    sigma: of each, by chance.
+    itself or together with others: its total Sobol index.  alone_share: what would vanish on
+    average were the cause known: its first-order index.  smear_share, smear_alone_share: the same
+    of the smear.  sigma: of each, by chance.
     """
 
     cause: str
     share: float
     share_sigma: float
-    alone: float
+    alone_share: float
     alone_sigma: float
     smear_share: float
     smear_share_sigma: float
-    smear_alone: float
+    smear_alone_share: float
     smear_alone_sigma: float
 
 
@@ -40,23 +40,23 @@ def contributors(sessions: Sequence[RunOutcomes]) -> list[Contributor]:
     only; the indices of several instants are those of their sum, each weighted by its variance.
     Source: Jansen 1999, eq. 7 and 12; Gamboa et al. 2014 for results that are vectors.
     """
-    variance = np.sum([runs.variance for runs in sessions], axis=0)
-    total = np.sum([runs.total for runs in sessions], axis=0)
-    first = np.sum([runs.first for runs in sessions], axis=0)
-    if len(variance) < 2:
+    variance_px2 = np.sum([runs.variance_px2 for runs in sessions], axis=0)
+    total_px2 = np.sum([runs.total_px2 for runs in sessions], axis=0)
+    first_px2 = np.sum([runs.first_px2 for runs in sessions], axis=0)
+    if len(variance_px2) < 2:
         return []
-    share, share_sigma = _ratio(total, variance)
-    left, left_sigma = _ratio(first, variance)
+    share, share_sigma = _ratio(total_px2, variance_px2)
+    left, left_sigma = _ratio(first_px2, variance_px2)
     found = [
         Contributor(
             cause=cause,
             share=float(share[0, column]),
             share_sigma=float(share_sigma[0, column]),
-            alone=float(1.0 - left[0, column]),
+            alone_share=float(1.0 - left[0, column]),
             alone_sigma=float(left_sigma[0, column]),
             smear_share=float(share[1, column]),
             smear_share_sigma=float(share_sigma[1, column]),
-            smear_alone=float(1.0 - left[1, column]),
+            smear_alone_share=float(1.0 - left[1, column]),
             smear_alone_sigma=float(left_sigma[1, column]),
         )
         for column, cause in enumerate(CAUSES)
@@ -64,9 +64,9 @@ def contributors(sessions: Sequence[RunOutcomes]) -> list[Contributor]:
     return sorted(found, key=lambda one: -one.share)
 
 
-def _ratio(parts: Array, whole: Array) -> tuple[Array, Array]:
+def _ratio(parts_px2: Array, whole_px2: Array) -> tuple[Array, Array]:
     """Of means, and its 1-sigma error by the spread of (p, 2, causes) over (p, 2): (2, causes)."""
-    mean = np.maximum(whole.mean(axis=0), _LEAST)
-    ratio = parts.mean(axis=0) / mean[:, None]
-    spread = np.std(parts - ratio * whole[:, :, None], axis=0, ddof=1)
-    return ratio, spread / (np.sqrt(len(parts)) * mean[:, None])
+    mean = np.maximum(whole_px2.mean(axis=0), _LEAST)
+    ratio = parts_px2.mean(axis=0) / mean[:, None]
+    spread = np.std(parts_px2 - ratio * whole_px2[:, :, None], axis=0, ddof=1)
+    return ratio, spread / (np.sqrt(len(parts_px2)) * mean[:, None])

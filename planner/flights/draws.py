@@ -26,18 +26,19 @@ SEED_MAX = 2**32 - 1
 class Draw:
     """One run's errors, each of unit variance.
 
-    orbit: radial, along and across the track, (3,).  along_laplace: the second where that error is
-    rather Laplace's than Gauss's.  attitude: of each mode or body axis.  phase_rad: of the swing
-    about each body axis, (3,); swing: 1, or 0 for none.  drive: the seed of what the drives do.
+    orbit_scores: radial, along and across the track, (3,).  along_laplace_score: the second where
+    that error is rather Laplace's than Gauss's.  attitude_scores: of each mode or body axis.
+    phase_rad: of the swing about each body axis, (3,); swing_share: 1, or 0 for none.
+    drive: the seed of what the drives do.
     """
 
-    orbit: Array
-    along_laplace: float
-    attitude: Array
+    orbit_scores: Array
+    along_laplace_score: float
+    attitude_scores: Array
     phase_rad: Array
-    swing: float
-    earth: float
-    clock: float
+    swing_share: float
+    earth_score: float
+    clock_score: float
     drive: int
 
     def with_cause_of(self, other: "Draw", cause: str) -> "Draw":
@@ -46,10 +47,10 @@ class Draw:
 
 
 _MEMBERS = {
-    ORBIT: ("orbit", "along_laplace"),
-    ATTITUDE: ("attitude", "phase_rad"),
-    EARTH: ("earth",),
-    CLOCK: ("clock",),
+    ORBIT: ("orbit_scores", "along_laplace_score"),
+    ATTITUDE: ("attitude_scores", "phase_rad"),
+    EARTH: ("earth_score",),
+    CLOCK: ("clock_score",),
     DRIVE: ("drive",),
 }
 
@@ -59,26 +60,26 @@ def draw_run(seed: int, run: int, modes: int) -> Draw:
     random = np.random.Generator(np.random.Philox(key=[seed, run]))
     orbit, earth_and_clock = random.standard_normal(3), random.standard_normal(2)
     return Draw(
-        orbit=orbit,
-        along_laplace=float(random.laplace(scale=np.sqrt(0.5))),
+        orbit_scores=orbit,
+        along_laplace_score=float(random.laplace(scale=np.sqrt(0.5))),
         phase_rad=random.uniform(0.0, 2.0 * np.pi, 3),
-        swing=1.0,
-        earth=float(earth_and_clock[0]),
-        clock=float(earth_and_clock[1]),
+        swing_share=1.0,
+        earth_score=float(earth_and_clock[0]),
+        clock_score=float(earth_and_clock[1]),
         drive=int(random.integers(2**32)),
-        attitude=random.standard_normal(modes),  # last: their number hangs on the request
+        attitude_scores=random.standard_normal(modes),  # last: their number hangs on the request
     )
 
 
 def undisturbed(modes: int) -> Draw:
     """Everything as the plan has it; the drives as the seed 0 makes them."""
     return Draw(
-        orbit=np.zeros(3),
-        along_laplace=0.0,
-        attitude=np.zeros(modes),
+        orbit_scores=np.zeros(3),
+        along_laplace_score=0.0,
+        attitude_scores=np.zeros(modes),
         phase_rad=np.zeros(3),
-        swing=0.0,
-        earth=0.0,
-        clock=0.0,
+        swing_share=0.0,
+        earth_score=0.0,
+        clock_score=0.0,
         drive=0,
     )

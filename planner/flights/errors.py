@@ -35,8 +35,10 @@ class SessionErrors:
 
     def moved(self, states: OrbitStates, draw: Draw) -> OrbitStates:
         """The orbit as flown: raised, turned ahead about its normal, and shifted across."""
-        along = draw.along_laplace if self.is_along_laplace else draw.orbit[1]
-        radial_m, along_m, cross_m = (self.orbit_m * [draw.orbit[0], along, draw.orbit[2]]).T
+        along = draw.along_laplace_score if self.is_along_laplace else draw.orbit_scores[1]
+        radial_m, along_m, cross_m = (
+            self.orbit_m * [draw.orbit_scores[0], along, draw.orbit_scores[2]]
+        ).T
         r, v = states.r_sat_eci_m, states.v_sat_eci_m_s
         radius = np.linalg.norm(r, axis=1)
         normal = cross(r, v)
@@ -50,9 +52,9 @@ class SessionErrors:
 
     def turned_body_rad(self, draw: Draw) -> Array:
         """Rotation vectors from the planned body to the flown one, (n, 3)."""
-        steady = np.einsum("m,mna->na", draw.attitude, self.attitude_body_rad)
+        steady = np.einsum("m,mna->na", draw.attitude_scores, self.attitude_body_rad)
         swing = np.cos(self.swing_phase_rad[:, None] - draw.phase_rad)
-        return np.asarray(steady + np.sqrt(2.0) * draw.swing * self.swing_body_rad * swing)
+        return np.asarray(steady + np.sqrt(2.0) * draw.swing_share * self.swing_body_rad * swing)
 
 
 def session_errors(

@@ -18,8 +18,8 @@ _WAY = np.array([np.cos(_WAYS), np.sin(_WAYS)])
 class Frames:
     """What n frames show of the target.
 
-    begins_s: when each shutter opens.  place: tangents of the target's angles from the frame's
-    middle, along its sides, half-way through the exposure, (n, 2).  error_rad: the largest angle
+    begins_s: when each shutter opens.  place_px: where the target is half-way through the exposure,
+    from the frame's middle along its sides, (n, 2).  error_rad: the largest angle
     between the boresight and the target while the shutter is open.  smear_px: the longest way
     between two places of the target in the image meanwhile.  share: of half the frame, how far the
     target is from its middle, along the side where that is more; it is inside up to 1.  All others
@@ -27,7 +27,7 @@ class Frames:
     """
 
     begins_s: Array
-    place: Array
+    place_px: Array
     error_rad: Array
     smear_px: Array
     share: Array
@@ -77,7 +77,7 @@ def frames_of(
     half = np.tan(platform.frame_half_rad)
     return Frames(
         begins_s=at_s[:, 0],
-        place=place[:, at_s.shape[1] // 2],
+        place_px=place[:, at_s.shape[1] // 2] / platform.camera.pixel_rad,
         error_rad=np.arctan(np.hypot(place[..., 0], place[..., 1]).max(axis=1)),
         smear_px=np.nan_to_num(extent, nan=np.inf) / platform.camera.pixel_rad,
         share=np.abs(place / half).max(axis=(1, 2)),

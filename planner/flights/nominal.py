@@ -51,8 +51,8 @@ def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> Nomin
     on_earth = bool((range_m < RANGE_MAX_M).all())
     moves = mover is not None and view.scale is not None
 
-    def columns(values: Array | None) -> Array | None:
-        return None if values is None else values[shown]
+    def columns(numbers: Array | None) -> Array | None:
+        return None if numbers is None else numbers[shown]
 
     return NominalSession(
         frames=len(frames.begins_s),

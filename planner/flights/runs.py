@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.commands import CommandTable
 from planner.flights.draws import CAUSES, DRIVE, Draw, draw_run, undisturbed
 from planner.flights.frames import Frames, frames_of
@@ -35,24 +35,24 @@ Fly = Callable[[CommandTable, int | None], Motion]
 class RunOutcomes:
     """What r runs made of one session, each (r,), and p pairs of them.
 
-    holds, sharp: 1 where all frames hold the target, and where all are sharp, too; else 0.
+    holds, sharp: whether all frames hold the target, and whether all are sharp, too.
     holds_share, sharp_share: of the frames.  miss_rad: the largest angle between boresight and
     target; miss_m: that on the ground, across the line of sight.  smear_px: median of the frames.
-    variance: (p, 2), of the target's places in the image (square of angle) and of the smear (square
-    of pixels), as two independent runs show them.  total, first: (p, 2, causes), half the square by
+    variance_px2: (p, 2), of the target's places in the image and of the smear, as two independent
+    runs show them.  total_px2, first_px2: (p, 2, causes), half the square by
     which exchanging a cause moves a run away from itself, and leaves it away from the other.
     """
 
-    holds: Array
-    sharp: Array
+    holds: Mask
+    sharp: Mask
     holds_share: Array
     sharp_share: Array
     miss_rad: Array
     miss_m: Array
     smear_px: Array
-    variance: Array
-    total: Array
-    first: Array
+    variance_px2: Array
+    total_px2: Array
+    first_px2: Array
 
     @property
     def columns(self) -> Mapping[str, Array]:
@@ -107,8 +107,8 @@ def fly_nominal(scene: SessionScene, fly: Fly) -> tuple[Frames, Array, Array]:
 class _Judged:
     """Members of `RunOutcomes`, of one run."""
 
-    holds: float
-    sharp: float
+    holds: bool
+    sharp: bool
     holds_share: float
     sharp_share: float
     miss_rad: float
@@ -120,9 +120,9 @@ class _Judged:
 class _Pair:
     """Members of `RunOutcomes`, of one pair."""
 
-    variance: Array
-    total: Array
-    first: Array
+    variance_px2: Array
+    total_px2: Array
+    first_px2: Array
 
 
 def _fly_pair(
@@ -146,7 +146,7 @@ def _fly_pair(
 
     def shows(motion: Motion, view: Seen) -> tuple[Array, Array]:
         frames = _frames(scene, motion, view, at_s)
-        return frames.place, frames.smear_px
+        return frames.place_px, frames.smear_px
 
     plain = [shows(motion, view) for motion, view in zip(motions, own, strict=True)]
     total, first = np.zeros((2, len(CAUSES))), np.zeros((2, len(CAUSES)))
@@ -157,7 +157,7 @@ def _fly_pair(
         for column, cause in enumerate(CAUSES):
             total[:, column] += 0.5 * _half_squares(changed[cause], plain[mine])
             first[:, column] += 0.5 * _half_squares(changed[cause], plain[other])
-    return judged, _Pair(variance=_half_squares(*plain), total=total, first=first)
+    return judged, _Pair(variance_px2=_half_squares(*plain), total_px2=total, first_px2=first)
 
 
 def _both_ways(draws: Sequence[Draw]) -> Iterator[tuple[Draw, Draw]]:
@@ -166,9 +166,9 @@ def _both_ways(draws: Sequence[Draw]) -> Iterator[tuple[Draw, Draw]]:
         yield draws[1], draws[0]
 
 
-def _half_squares(one: tuple[Array, Array], other: tuple[Array, Array]) -> Array:
+def _half_squares(one_px: tuple[Array, Array], other_px: tuple[Array, Array]) -> Array:
     """Of places and of smears, summed over the frames, (2,)."""
-    return np.array([0.5 * np.sum((a - b) ** 2) for a, b in zip(one, other, strict=True)])
+    return np.array([0.5 * np.sum((a - b) ** 2) for a, b in zip(one_px, other_px, strict=True)])
 
 
 def _frames(scene: SessionScene, motion: Motion, seen: Seen, at_s: Array) -> Frames:
@@ -178,20 +178,20 @@ def _frames(scene: SessionScene, motion: Motion, seen: Seen, at_s: Array) -> Fra
         at_s,
         _at(flown_s, motion.t_s, motion.angle_rad),
         _at(flown_s, motion.t_s, motion.structure_rad),
-        seen.los_platform(at_s),
+        seen.directions_platform(at_s),
     )
 
 
-def _at(t_s: Array, known_s: Array, columns: Array) -> Array:
+def _at(t_s: Array, known_s: Array, angle_rad: Array) -> Array:
     """Linear between samples 0.02 s apart: a mode of 2.5 Hz is told 0.4 % too small at most."""
-    return np.stack([np.interp(t_s, known_s, column) for column in columns.T], axis=1)
+    return np.stack([np.interp(t_s, known_s, column) for column in angle_rad.T], axis=1)
 
 
 def _judged(frames: Frames, seen: Seen) -> _Judged:
     miss_m = frames.error_rad * seen.ranges_m(frames.begins_s)
     return _Judged(
-        holds=float(frames.holds.all()),
-        sharp=float(frames.is_sharp.all()),
+        holds=bool(frames.holds.all()),
+        sharp=bool(frames.is_sharp.all()),
         holds_share=float(frames.holds.mean()),
         sharp_share=float(frames.is_sharp.mean()),
         miss_rad=float(frames.error_rad.max()),
@@ -208,7 +208,7 @@ def _outcomes(judged: Sequence[_Judged], pairs: Sequence[_Pair]) -> RunOutcomes:
     shape = (len(pairs), 2, len(CAUSES))
     return RunOutcomes(
         **members,
-        variance=np.array([pair.variance for pair in pairs]).reshape(shape[:2]),
-        total=np.array([pair.total for pair in pairs]).reshape(shape),
-        first=np.array([pair.first for pair in pairs]).reshape(shape),
+        variance_px2=np.array([pair.variance_px2 for pair in pairs]).reshape(shape[:2]),
+        total_px2=np.array([pair.total_px2 for pair in pairs]).reshape(shape),
+        first_px2=np.array([pair.first_px2 for pair in pairs]).reshape(shape),
     )

@@ -29,16 +29,16 @@ LEAD_S = 10.0  # flown before a session, for the drives to be at work when it be
 class Seen(NamedTuple):
     """A target as the base sees it: at n nodes by the platform's clock.
 
-    nodes_s: (n,).  los: unit vectors in the platform frame, (n, 3).  range_m: (n,).
+    nodes_s: (n,).  los_platform: unit vectors, (n, 3).  range_m: (n,).
     """
 
     nodes_s: Array
-    los: Array
+    los_platform: Array
     range_m: Array
 
-    def los_platform(self, at_s: Array) -> Array:
+    def directions_platform(self, at_s: Array) -> Array:
         """Unit vectors at k instants, in whatever shape they come, (k, 3)."""
-        return between(self.nodes_s, self.los, at_s.ravel())
+        return between(self.nodes_s, self.los_platform, at_s.ravel())
 
     def ranges_m(self, at_s: Array) -> Array:
         """Distances at instants (k,)."""
@@ -81,7 +81,7 @@ class SessionScene:
             np.concatenate([orbit.r_sat_eci_m for orbit in moved]),
             np.concatenate([orbit.v_sat_eci_m_s for orbit in moved]),
         )
-        late_s = [draw.earth * self.errors.ut1_s for draw in draws]
+        late_s = [draw.earth_score * self.errors.ut1_s for draw in draws]
         # The Earth turned on by so much is the Earth so much later.
         seen = self.target.apparent(Instants(epoch_utc, np.add.outer(late_s, t_s).ravel()), states)
         q_body_from_eci = self.scenario.attitude.q_body_from_eci(
@@ -97,7 +97,7 @@ class SessionScene:
         ranges_m = seen.range_m.reshape(count, len(t_s))
         # What the platform does at a time by its own clock it does so much later by UTC.
         return [
-            Seen(t_s - draw.clock * CLOCK_S, node, range_m)
+            Seen(t_s - draw.clock_score * CLOCK_S, node, range_m)
             for draw, node, range_m in zip(draws, nodes, ranges_m, strict=True)
         ]
 
@@ -155,10 +155,10 @@ def _rows_from(table: CommandTable, first: int, last: int) -> CommandTable:
     )
 
 
-def between(nodes_s: Array, values: Array, t_s: Array) -> Array:
-    """Values (n, 3) at uniform nodes (n,), by polynomials through the six nearest, at t_s (k,).
+def between(nodes_s: Array, directions_platform: Array, t_s: Array) -> Array:
+    """Unit vectors (n, 3) at uniform nodes (n,), by polynomials through the six nearest: (k, 3).
 
-    Unit vectors again.  A little beyond the ends the last polynomial is carried on.
+    A little beyond the ends the last polynomial is carried on.
     Source: Berrut and Trefethen 2004, Barycentric Lagrange interpolation, eq. 4.2.
     """
     step_s = (nodes_s[-1] - nodes_s[0]) / (len(nodes_s) - 1)
@@ -170,5 +170,5 @@ def between(nodes_s: Array, values: Array, t_s: Array) -> Array:
     shares = weights / np.where(on_node, 1.0, apart)
     shares = np.where(on_node.any(axis=1, keepdims=True), on_node, shares)
     shares /= shares.sum(axis=1, keepdims=True)
-    found = sum(shares[:, [k]] * values[first + k] for k in range(POINTS))
+    found = sum(shares[:, [k]] * directions_platform[first + k] for k in range(POINTS))
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices, Mask
 from planner.flights.contributors import Contributor, contributors
 from planner.flights.proportion import Proportion
 from planner.flights.runs import RunOutcomes
@@ -17,10 +17,10 @@ _SHOWN_SHARE = 0.99  # of the runs; the rest is told by number, as one far miss 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Histogram:
-    """edges: (bins + 1,).  counts: (bins,).  beyond: how many lie above the last edge."""
+    """edges_rad: (bins + 1,).  counts: (bins,).  beyond: how many lie above the last edge."""
 
-    edges: Array
-    counts: Array
+    edges_rad: Array
+    counts: Indices
     beyond: int
 
 
@@ -67,8 +67,8 @@ def joined(parts: Sequence[RunOutcomes]) -> RunOutcomes:
 def summarise(sessions: Sequence[RunOutcomes]) -> PlanFlights:
     """The same runs of each session."""
     return PlanFlights(
-        in_frame=_proportion(np.min([runs.holds for runs in sessions], axis=0)),
-        sharp=_proportion(np.min([runs.sharp for runs in sessions], axis=0)),
+        in_frame=_proportion(np.all([runs.holds for runs in sessions], axis=0)),
+        sharp=_proportion(np.all([runs.sharp for runs in sessions], axis=0)),
         contributors=contributors(sessions),
         sessions=[
             SessionFlights(
@@ -86,11 +86,11 @@ def summarise(sessions: Sequence[RunOutcomes]) -> PlanFlights:
     )
 
 
-def _proportion(found: Array) -> Proportion:
+def _proportion(found: Mask) -> Proportion:
     return Proportion(count=int(found.sum()), runs=len(found))
 
 
-def _histogram(values: Array) -> Histogram:
-    last = float(np.quantile(values, _SHOWN_SHARE))
-    counts, edges = np.histogram(values, bins=BINS, range=(0.0, last or 1.0))
-    return Histogram(edges=edges, counts=counts, beyond=len(values) - int(counts.sum()))
+def _histogram(angles_rad: Array) -> Histogram:
+    last = float(np.quantile(angles_rad, _SHOWN_SHARE))
+    counts, edges_rad = np.histogram(angles_rad, bins=BINS, range=(0.0, last or 1.0))
+    return Histogram(edges_rad=edges_rad, counts=counts, beyond=len(angles_rad) - int(counts.sum()))

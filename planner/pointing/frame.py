@@ -25,10 +25,10 @@ def places_in_frame(platform: TwoAxisPlatform, angle_rad: Array, los_platform: A
     return np.where(ahead > 0.0, across / np.where(ahead > 0.0, ahead, 1.0), np.inf)
 
 
-def _sides(platform: TwoAxisPlatform, angle_rad: Array, boresight: Array) -> Array:
+def _sides(platform: TwoAxisPlatform, angle_rad: Array, boresight_direction: Array) -> Array:
     inner = carried_axes(platform, angle_rad)[1]
-    along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
+    along = inner - np.sum(inner * boresight_direction, axis=1)[:, None] * boresight_direction
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
-    first = c * along + s * cross(boresight, along)
-    return np.stack([first, cross(boresight, first)], axis=1)
+    first = c * along + s * cross(boresight_direction, along)
+    return np.stack([first, cross(boresight_direction, first)], axis=1)

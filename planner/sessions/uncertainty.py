@@ -365,7 +365,7 @@ def ut1_sigma_s(instants: Instants) -> float:
     past_days = elapsed_s(instants.epoch_utc, end_utc) / DAY_S
     past_days += float(instants.t_s[-1]) / DAY_S
     predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
-    return 2e-5 + 2.5e-4 * predicted_days**0.75 + 8.5e-4 * max(0.0, past_days)
+    return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
 
 
 def _earth_offsets(scene: Scene, passing_platform: Array) -> Bias:
