@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from estimator.pipeline import VerticalEstimate
     from estimator.request import HorizonRequest
     from planner.campaigns import Campaign, CampaignRequest
+    from planner.flights.summary import PlanFlights
     from planner.export import FlightPlan
     from planner.opportunities import Opportunities, OpportunityRequest
     from planner.scenario import Scenario
@@ -51,6 +52,7 @@ __all__ = [
     "compare",
     "estimate_vertical",
     "export",
+    "fly",
     "opportunities",
     "plan",
     "plan_imaging",
@@ -79,7 +81,7 @@ def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "
 def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
     """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
     from app.answers.view import view_json
-    from planner.opportunities.request import HRC_PIXEL_ARCSEC
+    from planner.platforms import HRC_PIXEL_ARCSEC
     from planner.view import view_plan
 
     seen = view_plan(plan, step_s, HRC_PIXEL_ARCSEC)
@@ -97,6 +99,16 @@ def export(plan: "Plan", format_name: str) -> bytes:
         raise InvalidInput(f"must be one of {', '.join(EXPORTERS)}", field="format_name")
     require_verified(plan.verification.findings)
     return EXPORTERS[format_name].write(plan, datetime.now(UTC))
+
+
+def fly(
+    plan: "Plan", *, runs: int = 400, seed: int = 0, progress: OnProgress | None = None
+) -> "PlanFlights":
+    """The plan flown many times with errors drawn anew: what its camera holds, and how sharply."""
+    from planner.flights.pipeline import fly_plan
+
+    tell = _on_stage(progress)
+    return fly_plan(plan, runs, seed, lambda done: tell("runs", done, runs))
 
 
 def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":

@@ -30,6 +30,7 @@ def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
             degrees(2.0 * platform.frame_half_rad[1], _DECIMALS),
         ),
         frame_turn_deg=degrees(platform.frame_turn_rad, _DECIMALS),
+        camera=platform.camera,
         park_positions_deg={
             position.name: {
                 axis: degrees(angle_rad, _DECIMALS)

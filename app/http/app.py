@@ -32,9 +32,11 @@ from app.http.readiness import (
 )
 from app.http.routes import (
     campaigns,
+    flights,
     horizon,
     imaging_opportunities,
     opportunities,
+    plan_flights,
     plans,
     platforms,
     spacecraft,
@@ -66,6 +68,7 @@ _TAGS = [
     {"name": name, "description": meaning}
     for name, meaning in (
         ("plans", "Command tables of a two-axis platform: sessions in, a verified table out."),
+        ("flights", "Plans flown many times with errors drawn anew: what the camera will hold."),
         ("opportunities", "When each target can be seen."),
         ("campaigns", "Many targets over days: which sessions, in what order, all planned."),
         (
@@ -83,6 +86,8 @@ _OF_API = (
     plans,
     opportunities,
     campaigns,
+    plan_flights,
+    flights,
     horizon,
     telemetry,
     spacecraft,

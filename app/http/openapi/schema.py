@@ -15,6 +15,7 @@ from app.http.openapi.examples import show_examples
 from app.http.openapi.fields import describe
 from app.http.problems import PROBLEM_JSON
 from app.requests.campaign import campaign_request_json_schema
+from app.requests.flights import FlightsRequest, flights_request_json_schema
 from app.requests.horizon import (
     PictureRequest,
     PredictionRequest,
@@ -45,6 +46,7 @@ KEY_SCHEME = "key"
 _REQUESTS = {
     "PlanRequest": plan_request_json_schema,
     "CampaignRequest": campaign_request_json_schema,
+    "FlightsRequest": flights_request_json_schema,
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
     "ImagingOpportunityRequest": imaging_opportunity_json_schema,
@@ -54,6 +56,7 @@ _REQUESTS = {
 _REQUEST_KINDS = (
     PlanRequest,
     CampaignRequest,
+    FlightsRequest,
     OpportunityRequest,
     ImagingPlanRequest,
     ImagingOpportunityRequest,
