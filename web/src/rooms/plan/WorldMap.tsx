@@ -107,7 +107,7 @@ export function WorldMap() {
     <div class="map" ref={box}>
       <svg
         role="application"
-        tabIndex={0}
+        tabindex={0}
         aria-label={text.label}
         width={wide}
         height={high}
