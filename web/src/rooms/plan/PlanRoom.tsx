@@ -8,7 +8,7 @@ import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
-import { ProblemNotice } from "../../parts/ProblemNotice";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import type { RoomProps } from "../../rooms";
 import { Figures } from "./Figures";
 import { fetchPlan, isPlan, type Plan } from "./plan";
@@ -101,6 +101,5 @@ function Why({ error, again }: { error: unknown; again: () => void }) {
   const text = words.value.plan.one;
   if (error instanceof Cancelled) return <p class="notice">{text.cancelled}</p>;
   if (error instanceof Problem && error.status === 404) return <p class="notice">{text.gone}</p>;
-  const mayHelp = !(error instanceof Problem) || error.status === 503 || error.status === 429;
-  return <ProblemNotice error={error} again={mayHelp ? again : undefined} />;
+  return <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />;
 }

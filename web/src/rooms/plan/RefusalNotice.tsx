@@ -1,8 +1,7 @@
 /** Why not: in words, with the button that takes what is offered instead. */
 import { words } from "../../i18n";
 import { clock } from "../../i18n/forms";
-import { ProblemNotice } from "../../parts/ProblemNotice";
-import { Problem } from "../../api/problem";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import { failure, refused } from "./refusal";
 import { takeOffered } from "./SequencePanel";
 
@@ -11,9 +10,8 @@ export function RefusalNotice({ plan }: { plan: () => void }) {
   const error = failure.value;
   if (error === null) return null;
   const now = refused.value;
-  const isFinal = error instanceof Problem && error.status < 500 && error.status !== 429;
   return (
-    <ProblemNotice error={error} again={isFinal ? undefined : plan}>
+    <ProblemNotice error={error} again={mayHelpAgain(error) ? plan : undefined}>
       {now && (
         <p class="small">
           {text.session(now.session + 1)}

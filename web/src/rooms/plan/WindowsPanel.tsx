@@ -1,7 +1,7 @@
 /** The windows of the next days: all at once as bars over time, and one by one. */
 import { words } from "../../i18n";
 import { clock, instant, number, percent } from "../../i18n/forms";
-import { ProblemNotice } from "../../parts/ProblemNotice";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import * as draft from "./draft";
 import { Profile } from "./Profile";
 import { SessionBar } from "./SessionBar";
@@ -37,7 +37,9 @@ export function WindowsPanel() {
         </span>
       </div>
       <SpanFields />
-      {error !== null && !isTargets && <ProblemNotice error={error} again={searchAgain} />}
+      {error !== null && !isTargets && (
+        <ProblemNotice error={error} again={mayHelpAgain(error) ? searchAgain : undefined} />
+      )}
       {now && now.windows.length === 0 && <p>{text.none}</p>}
       {now && now.windows.length > 0 && (
         <>
@@ -64,10 +66,11 @@ function take(window: Window): void {
 function Overview({ windows, taken }: { windows: readonly Window[]; taken: Window | null }) {
   const text = words.value.plan.windows;
   const from = draft.from_ms.value;
-  const span = draft.days.value * DAY_MS;
+  const span = draft.to_ms.value - from;
   const place = (ms: number) => `${(100 * (ms - from)) / span}%`;
   const firstMidnight = Math.ceil(from / DAY_MS) * DAY_MS;
-  const midnights = Array.from({ length: draft.days.value }, (_, day) => firstMidnight + day * DAY_MS);
+  const count = Math.max(0, Math.ceil((from + span - firstMidnight) / DAY_MS));
+  const midnights = Array.from({ length: count }, (_, day) => firstMidnight + day * DAY_MS);
   return (
     <div class="overview" aria-hidden="true">
       <div class="overview-bars">

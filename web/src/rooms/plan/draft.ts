@@ -3,7 +3,7 @@ import { batch, computed, signal } from "@preact/signals";
 
 import example from "../../../../examples/las_vegas_2015.json";
 import type { Schemas } from "../../api/client";
-import { type Orbit, searchStart } from "./orbit";
+import { type Orbit, reachOf, searchStart } from "./orbit";
 import type { PlanRequest } from "./plan";
 import type { Target } from "./target";
 
@@ -30,6 +30,12 @@ export const chosen = signal(0);
 export const onConflict = signal<Conflict>(EXAMPLE.on_conflict ?? "refuse");
 export const from_ms = signal(searchStart(EXAMPLE.orbit, Date.now()));
 export const days = signal(3);
+/** As many days as wanted, where an ephemeris goes on so long. */
+export const to_ms = computed(() => {
+  const wanted = from_ms.value + days.value * 86_400_000;
+  const last = reachOf(orbit.value)?.to_ms ?? wanted;
+  return last > from_ms.value ? Math.min(wanted, last) : wanted;
+});
 export const leastElevation_deg = signal(20);
 /** The plan that this one is to replace. */
 export const revises = signal<string | null>(null);

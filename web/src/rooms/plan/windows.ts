@@ -10,7 +10,6 @@ import type { Target } from "./target";
 export type Window = Schemas["WindowOut"];
 export type Light = "day" | "low" | "twilight" | "night";
 
-const DAY_MS = 86_400_000;
 const SAMPLES = 41;
 const QUIET_MS = 250; // typing isn't yet asking
 const LONGEST_S = 300; // a star is seen for most of an hour; nobody asks that by a click
@@ -75,11 +74,14 @@ export function windowOf(windows: readonly Window[], one: draft.DraftSession): W
   return windows.find((window) => Date.parse(window.rise) <= middle && middle <= Date.parse(window.set)) ?? null;
 }
 
-/** Highest in the best light: what is taken until the person chooses. */
+// Higher than this a pass is as good as any, and the sooner the better.
+const HIGH_DEG = 60;
+
+/** The first of the highest in the best light: what is taken until the person chooses. */
 export function best(windows: readonly Window[]): Window | null {
   const rank = (window: Window) => {
     const light = lightOf(window.closest.sun_elevation_deg);
-    return (light === "night" || light === "twilight" ? 0 : 1000) + window.highest_deg;
+    return (light === "night" || light === "twilight" ? 0 : 1000) + Math.min(window.highest_deg, HIGH_DEG);
   };
   return windows.reduce<Window | null>((top, one) => (one.session && (!top || rank(one) > rank(top)) ? one : top), null);
 }
@@ -98,7 +100,7 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
         attitude: draft.attitude.peek(),
         targets: [{ id: "target", target }],
         start: rfc3339(draft.from_ms.peek()),
-        stop: rfc3339(draft.from_ms.peek() + draft.days.peek() * DAY_MS),
+        stop: rfc3339(draft.to_ms.peek()),
         conditions: target.mode === "star" || target.mode === "body" ? {} : { min_elevation_deg: draft.leastElevation_deg.peek() },
         samples: SAMPLES,
       },
