@@ -28,11 +28,13 @@ if TYPE_CHECKING:
     from estimator.request import HorizonRequest
     from planner.campaigns import Campaign, CampaignRequest
     from planner.flights.summary import PlanFlights
+    from planner.export import FlightPlan
     from planner.opportunities import Opportunities, OpportunityRequest
     from planner.scenario import Scenario
     from planner.sessions.plan import Plan
     from planner.spacecraft.plan import ImagingPlan
     from planner.spacecraft.requests import ImagingPlanRequest
+    from planner.telemetry.compare import Comparison
 
 __all__ = [
     "AsyncClient",
@@ -47,6 +49,7 @@ __all__ = [
     "Refused",
     "ServiceError",
     "campaign",
+    "compare",
     "estimate_vertical",
     "export",
     "fly",
@@ -137,6 +140,15 @@ def estimate_vertical(
 
     pixels = [decode_image(image) if isinstance(image, bytes) else image for image in images]
     return estimate(pixels, _value_of(request, read_estimate_request))
+
+
+def compare(plan: "FlightPlan", csv: bytes, *, epoch: datetime | None = None) -> "Comparison":
+    """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
+    from planner.telemetry.compare import compare as compare_samples
+    from planner.telemetry.csv_text import read_csv
+
+    names = plan.scenario.platform.axis_names
+    return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc))
 
 
 def plan_imaging(

@@ -261,6 +261,16 @@ class AsyncClient(AsyncCarrier):
         """The nadir in body axes from one image file per camera."""
         return await self._run(calls.estimate_vertical(images, request, self._service.patience_s))
 
+    async def compare(self, request: Json, csv: bytes | None = None) -> Members:
+        """What flew beside a kept plan: its samples in the request, or in a CSV file."""
+        return await self._run(calls.comparison(request, csv, self._service.patience_s))
+
+    async def draw_comparison(
+        self, request: Json, csv: bytes | None = None, format_name: str = "png"
+    ) -> bytes:
+        """The same as a picture: png or svg."""
+        return await self._run(calls.compare(request, csv, format_name, self._service.patience_s))
+
     async def platforms(self) -> Sequence[Members]:
         """Those that a request can name, each as it may write out its own."""
         return await self._run(calls.platforms(self._service.patience_s))

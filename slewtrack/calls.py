@@ -28,6 +28,7 @@ PLANS, SPACECRAFT_PLANS = "/v1/plans", "/v1/spacecraft/plans"
 SEARCHES, SPACECRAFT_SEARCHES = "/v1/opportunities", "/v1/spacecraft/opportunities"
 CAMPAIGNS = "/v1/campaigns"
 FLIGHTS = "/v1/flights"
+COMPARISONS = "/v1/telemetry/comparisons"
 SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
 PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
 WAIT_S = 30  # of a POST, for what takes no longer
@@ -377,6 +378,26 @@ def estimate_vertical(images: Sequence[bytes], request: Json, patience_s: float)
     ]
     ask = Ask(method="POST", path="/v1/horizon/estimates", parts=parts)
     return (yield from document(ask, patience_s))
+
+
+def compare(
+    request: Json, csv: bytes | None, format_name: str | None, patience_s: float
+) -> Call[bytes]:
+    """What flew beside a plan: the answer, or a picture in a format."""
+    ask = post(COMPARISONS, request, query={} if format_name is None else {"format": format_name})
+    if csv is not None:
+        parts = (
+            ("request", "request.json", body_of(request), "application/json"),
+            ("samples", "samples.csv", csv, "text/csv"),
+        )
+        ask = replace(ask, headers={}, body=None, parts=parts)
+    return (yield from good(ask, patience_s)).body
+
+
+def comparison(request: Json, csv: bytes | None, patience_s: float) -> Call[Members]:
+    """The answer's members."""
+    members: Members = json.loads((yield from compare(request, csv, "json", patience_s)))
+    return members
 
 
 def platforms(patience_s: float) -> Call[Sequence[Members]]:

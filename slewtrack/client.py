@@ -259,6 +259,16 @@ class Client(Carrier):
         """The nadir in body axes from one image file per camera."""
         return self._run(calls.estimate_vertical(images, request, self._service.patience_s))
 
+    def compare(self, request: Json, csv: bytes | None = None) -> Members:
+        """What flew beside a kept plan: its samples in the request, or in a CSV file."""
+        return self._run(calls.comparison(request, csv, self._service.patience_s))
+
+    def draw_comparison(
+        self, request: Json, csv: bytes | None = None, format_name: str = "png"
+    ) -> bytes:
+        """The same as a picture: png or svg."""
+        return self._run(calls.compare(request, csv, format_name, self._service.patience_s))
+
     def platforms(self) -> Sequence[Members]:
         """Those that a request can name, each as it may write out its own."""
         return self._run(calls.platforms(self._service.patience_s))

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from app.cli.compare import compare
 from app.cli.files import (
     Exports,
     RequestFile,
@@ -92,6 +93,7 @@ main.command("list")(list_plans)
 main.command()(show)
 main.command()(export)
 main.command()(watch)
+main.command()(compare)
 
 
 @main.command()

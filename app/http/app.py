@@ -41,6 +41,7 @@ from app.http.routes import (
     platforms,
     spacecraft,
     system,
+    telemetry,
 )
 from app.http.view_cache import ViewCache
 from app.jobs.dispatcher import Dispatcher
@@ -74,6 +75,7 @@ _TAGS = [
             "horizon",
             "The local vertical, measured in images of the horizon; what cameras will see.",
         ),
+        ("telemetry", "What flew beside what was planned."),
         ("spacecraft", "Imaging sessions of the agile CMG spacecraft."),
         ("platforms", "What can be asked for by name."),
         ("system", "For operators and monitors."),
@@ -87,6 +89,7 @@ _OF_API = (
     plan_flights,
     flights,
     horizon,
+    telemetry,
     spacecraft,
     imaging_opportunities,
     platforms,

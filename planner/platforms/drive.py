@@ -53,17 +53,17 @@ class AxisDrive:
     inertia_kg_m2: of what the axis turns, about it; only the carrier's structure feels it.
     """
 
-    bandwidth_hz: Annotated[float, Within(0.05, 5.0)] = 0.5
+    bandwidth_hz: Annotated[float, Within(0.05, 5.0)] = 0.3
     damping: Annotated[float, Within(0.2, 2.0)] = 0.7
     integral: _Share = 0.2
     command_latency_s: Annotated[float, Within(0.0, 5.0)] = 0.0
     lag_s: Annotated[float, Within(0.0, 5.0)] = 0.01
     torque_reserve: Annotated[float, Within(1.0, 1e3)] = 1.5
-    coulomb_deg_s2: _FrictionDegS2 = 0.05
-    breakaway_deg_s2: _FrictionDegS2 = 0.1
-    stribeck_arcmin_s: Annotated[float, Within(1e-3, 600.0)] = 0.5
+    coulomb_deg_s2: _FrictionDegS2 = 0.1
+    breakaway_deg_s2: _FrictionDegS2 = 0.2
+    stribeck_arcmin_s: Annotated[float, Within(1e-3, 600.0)] = 0.6
     viscous_per_s: Annotated[float, Within(0.0, 100.0)] = 0.05
-    presliding_arcsec: Annotated[float, Within(0.01, 3600.0)] = 5.0
+    presliding_arcsec: Annotated[float, Within(0.01, 3600.0)] = 1.0
     presliding_damping: Annotated[float, Within(0.0, 10.0)] = 0.5
     cable_tension_deg_s2: Annotated[float, Within(-100.0, 100.0)] = 0.01
     cable_stiffness_per_s2: Annotated[float, Within(0.0, 10.0)] = 0.001

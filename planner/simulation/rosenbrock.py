@@ -16,14 +16,16 @@ from planner.simulation.plant import AXIS_STATES, MODE_STATES, Plant, derivative
 
 _GAMMA = 0.25
 _STAGES = 6
-_A = (
-    (0.0, 0.0, 0.0, 0.0),
-    (1.544, 0.0, 0.0, 0.0),
-    (0.9466785280815826, 0.2557011698983284, 0.0, 0.0),
-    (3.314825187068521, 2.896124015972201, 0.9986419139977817, 0.0),
-    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
+_A = np.array(
+    (
+        (0.0, 0.0, 0.0, 0.0),
+        (1.544, 0.0, 0.0, 0.0),
+        (0.9466785280815826, 0.2557011698983284, 0.0, 0.0),
+        (3.314825187068521, 2.896124015972201, 0.9986419139977817, 0.0),
+        (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
+    )
 )
-_C = (
+_C = np.array((
     (0.0, 0.0, 0.0, 0.0, 0.0),
     (-5.6688, 0.0, 0.0, 0.0, 0.0),
     (-2.430093356833875, -0.2063599157091915, 0.0, 0.0, 0.0),
@@ -33,10 +35,10 @@ _C = (
         8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
         -6.058818238834054,
     ),
-)  # fmt: skip
-_ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
-_GAMMA_SUM = (0.25, -0.1043, 0.1035, -0.03620000000000023, 0.0, 0.0)
-_D = (
+))  # fmt: skip
+_ALPHA = np.array((0.0, 0.386, 0.21, 0.63, 1.0, 1.0))
+_GAMMA_SUM = np.array((0.25, -0.1043, 0.1035, -0.03620000000000023, 0.0, 0.0))
+_D = np.array((
     (
         10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823,
         1.025137723295662,
@@ -45,7 +47,7 @@ _D = (
         -0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386,
         -6.594389125716872,
     ),
-)  # fmt: skip
+))  # fmt: skip
 
 
 class Torque(NamedTuple):
@@ -67,6 +69,7 @@ class Work(NamedTuple):
 
     k_states: Array  # (stages, n)
     slope_states: Array  # (n,)
+    rise_states: Array  # (n,)
     stage_states: Array  # (n,)
     matrix: Array  # (n, n)
     pivots: Indices  # (n,)
@@ -82,7 +85,7 @@ def work_for(modes: int) -> Work:
     """Scratch of a platform with this many modes."""
     n = 2 * AXIS_STATES + MODE_STATES * modes
     return Work(
-        np.zeros((_STAGES, n)), np.zeros(n), np.zeros(n), np.zeros((n, n)),
+        np.zeros((_STAGES, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, n)),
         np.zeros(n, dtype=np.intp), np.zeros(2), np.zeros(6), np.zeros(n), np.zeros(n),
         np.zeros((2, n)),
     )  # fmt: skip
@@ -99,13 +102,18 @@ def torque_at(torque: Torque, t_s: float, torque_rad_s2: Array) -> None:
 
 
 @compiled
-def _factorise(matrix: Array, diagonal_value: float, pivots: Indices) -> None:
-    """LU of diagonal - matrix in place, with partial pivoting."""
-    n = len(matrix)
-    for i in range(n):
-        for j in range(n):
+def _subtract_from_diagonal(matrix: Array, diagonal_value: float) -> None:
+    """diagonal - matrix, in place."""
+    for i in range(len(matrix)):
+        for j in range(len(matrix)):
             matrix[i, j] = -matrix[i, j]
         matrix[i, i] += diagonal_value
+
+
+@compiled
+def _factorise(matrix: Array, pivots: Indices) -> None:
+    """LU in place, with partial pivoting."""
+    n = len(matrix)
     for k in range(n):
         best = k
         for i in range(k + 1, n):
@@ -148,7 +156,9 @@ def step(
     torque_at(torque, t_s, work.torque_rad_s2)
     derivative(plant, states, work.torque_rad_s2, signs, work.rubbed_parameters, work.slope_states)
     jacobian(plant, states, work.slope_states, signs, work.rubbed_parameters, work.matrix)
-    _factorise(work.matrix, 1.0 / (_GAMMA * step_s), work.pivots)
+    _subtract_from_diagonal(work.matrix, 1.0 / (_GAMMA * step_s))
+    _factorise(work.matrix, work.pivots)
+    _set_rise(plant, states, torque, t_s, work.rise_states)
     for stage in range(_STAGES):
         if stage > 0:
             _set_stage(states, work, stage)
@@ -161,11 +171,9 @@ def step(
         for i in range(n):
             total = 0.0
             for before in range(stage):
-                total += _C[stage][before] * work.k_states[before, i]
-            k[i] = work.slope_states[i] + total / step_s
-        if _GAMMA_SUM[stage] != 0.0:
-            for axis in range(2):
-                _add_rise(plant, states, torque, axis, t_s, _GAMMA_SUM[stage] * step_s, k)
+                total += _C[stage, before] * work.k_states[before, i]
+            rise = _GAMMA_SUM[stage] * step_s * work.rise_states[i]
+            k[i] = work.slope_states[i] + rise + total / step_s
         _substitute(work.matrix, work.pivots, k)
     _finish(work)
 
@@ -179,7 +187,7 @@ def _finish(work: Work) -> None:
         for bend in range(2):
             total = 0.0
             for stage in range(5):
-                total += _D[bend][stage] * work.k_states[stage, i]
+                total += _D[bend, stage] * work.k_states[stage, i]
             work.bend_states[bend, i] = total
 
 
@@ -192,35 +200,29 @@ def _set_stage(states: Array, work: Work, stage: int) -> None:
             continue
         total = states[i]
         for before in range(stage):
-            total += _A[stage][before] * work.k_states[before, i]
+            total += _A[stage, before] * work.k_states[before, i]
         work.stage_states[i] = total
 
 
 @compiled
-def _add_rise(
-    plant: Plant,
-    states: Array,
-    torque: Torque,
-    axis: int,
-    t_s: float,
-    weight_s: float,
-    slope_states: Array,
-) -> None:
-    """Add what the rise of one axis's torque adds to the derivative, times a weight."""
-    if torque.lag_s[axis] == 0.0:
-        return
-    missing = torque.command_rad_s2[axis] - torque.start_rad_s2[axis]
-    rise = weight_s * missing * math.exp(-t_s / torque.lag_s[axis]) / torque.lag_s[axis]
-    slope_states[AXIS_STATES * axis + 1] += rise
-    for j in range(len(plant.mode_rad_s)):
-        if axis == 0:
-            share = plant.outer_share[j] * plant.c_outer_parameters[j]
-        else:
-            c = plant.c_inner_parameters[j]
-            share = plant.inner_share[j] * (
-                c[0] + c[1] * math.cos(states[0]) + c[2] * math.sin(states[0])
-            )
-        slope_states[2 * AXIS_STATES + MODE_STATES * j + 1] -= share * rise
+def _set_rise(plant: Plant, states: Array, torque: Torque, t_s: float, rise_states: Array) -> None:
+    """How fast the derivative rises with the drives' torques, into rise_states (n,)."""
+    rise_states[:] = 0.0
+    for axis in range(2):
+        if torque.lag_s[axis] == 0.0:
+            continue
+        missing = torque.command_rad_s2[axis] - torque.start_rad_s2[axis]
+        rise = missing * math.exp(-t_s / torque.lag_s[axis]) / torque.lag_s[axis]
+        rise_states[AXIS_STATES * axis + 1] = rise
+        for j in range(len(plant.mode_rad_s)):
+            if axis == 0:
+                share = plant.outer_share[j] * plant.c_outer_parameters[j]
+            else:
+                c = plant.c_inner_parameters[j]
+                share = plant.inner_share[j] * (
+                    c[0] + c[1] * math.cos(states[0]) + c[2] * math.sin(states[0])
+                )
+            rise_states[2 * AXIS_STATES + MODE_STATES * j + 1] -= share * rise
 
 
 @compiled

@@ -27,6 +27,7 @@ from app.requests.spacecraft import (
     imaging_opportunity_json_schema,
     spacecraft_request_json_schema,
 )
+from app.requests.telemetry import ComparisonRequest, comparison_request_json_schema
 from estimator.request import HorizonRequest
 from planner.campaigns import CampaignRequest
 from planner.opportunities import OpportunityRequest
@@ -49,6 +50,7 @@ _REQUESTS = {
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
     "ImagingOpportunityRequest": imaging_opportunity_json_schema,
+    "ComparisonRequest": comparison_request_json_schema,
 }
 
 _REQUEST_KINDS = (
@@ -61,6 +63,7 @@ _REQUEST_KINDS = (
     HorizonRequest,
     PredictionRequest,
     PictureRequest,
+    ComparisonRequest,
 )
 
 
