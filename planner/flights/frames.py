@@ -71,8 +71,8 @@ def frames_of(
     """
     seen_platform = los_platform - cross(structure_rad, los_platform)
     place = places_in_frame(platform, angle_rad, seen_platform).reshape(*at_s.shape, 2)
-    ways = place @ _WAY
     with np.errstate(invalid="ignore"):  # of what is behind the camera
+        ways = place @ _WAY
         extent = np.max(ways.max(axis=1) - ways.min(axis=1), axis=1)
     half = np.tan(platform.frame_half_rad)
     return Frames(
