@@ -216,8 +216,8 @@ def statements() -> list[Statement]:
             "the print shows what the sky would, the error is the chord's (unit rays: "
             f"{rms_deg(Rig(), unit_rays=True):.0e}). From half the distance {distances[0.5]:.2f}, "
             f"from twice {distances[2.0]:.2f} deg, since a print seen from afar is more curved "
-            f"than the frame; {1.0 + alone['distance'][3]:.1f} times the distance makes 0.752. A projector's "
-            "keystone is the print turned or leaning, below",
+            f"than the frame; {1.0 + alone['distance'][3]:.1f} times the distance makes 0.752. A "
+            "projector's keystone is the print turned or leaning, above",
         ),
     ]
 

@@ -6,10 +6,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from estimator.limb.geometry import Limb
 from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
 from planner.arrays import Array
-from planner.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic
 from reproduction.lomaka_bands import Bands, over_an_orbit
 from reproduction.lomaka_edge import (
     MAP_DEG,
@@ -25,8 +23,9 @@ from reproduction.lomaka_edge import (
 from reproduction.lomaka_geometry import (
     RADIUS_M,
     dip_rad,
-    limb_rays,
+    geodetic_deg,
     nadir_error_deg,
+    points_needed,
     printed_circle,
     tilted_nadir,
 )
@@ -56,7 +55,7 @@ def _method() -> list[Statement]:
         )
         for unit in (True, False)
     )
-    geodetic = _geodetic_deg()
+    geodetic = geodetic_deg()
     return [
         said(
             place="equations of the circle",
@@ -124,13 +123,6 @@ def _method() -> list[Statement]:
             "stated error; our estimator works with the ellipsoid and gives both",
         ),
     ]
-
-
-def _geodetic_deg() -> float:
-    latitudes = np.deg2rad(np.arange(30.0, 61.0, 1.0))
-    limbs = [Limb(itrf_from_geodetic(at, 0.0, 500e3), WGS84_A_M, WGS84_B_M) for at in latitudes]
-    sines = [np.linalg.norm(np.cross(one.nadir_itrf, one.nadir_geodetic_itrf)) for one in limbs]
-    return float(np.rad2deg(np.arcsin(max(sines))))
 
 
 def _figures() -> list[Statement]:
@@ -211,9 +203,9 @@ def _edges() -> list[Statement]:
             verdict="differs",
             why="pitch at which one of two cameras 60 deg wide has lost the horizon, from 500 km, "
             "when both look level as in the paper; when both look straight at the horizon, at "
-            f"{aimed:.2f} deg. In frames rendered so the method is within {inside.unit_rays:.2f} deg (unit rays) at "
-            f"24 deg and {beyond} at 28, where our estimator goes on with the other camera "
-            f"({outside.estimator:.3f} deg)",
+            f"{aimed:.2f} deg. In frames rendered so the method is within {inside.unit_rays:.2f} "
+            f"deg (unit rays) at 24 deg and {beyond} at 28, where our estimator goes on with the "
+            f"other camera ({outside.estimator:.3f} deg)",
         ),
         said(
             place="Fig. 2, Fig. 3",
@@ -244,22 +236,12 @@ def _edges() -> list[Statement]:
             name="three points",
             says="a vertical needs the horizon in three different places at least",
             stated=3.0,
-            ours=float(_points_needed()),
+            ours=float(points_needed()),
             tolerance=0.0,
             verdict="agrees",
             why="fewest exact limb rays whose directions fix nadir and dip (rank of d·n = sin dip)",
         ),
     ]
-
-
-def _points_needed() -> int:
-    """Fewest rays d with d.n = sin(dip) that leave n and the dip no freedom but n's length."""
-    rays = limb_rays(tilted_nadir(5.0, 3.0), PAPERS_HEIGHT_M)
-    for count in range(1, 6):
-        some = rays[:: len(rays) // count][:count]
-        if np.linalg.matrix_rank(np.column_stack([some, -np.ones(count)])) == 3:
-            return count
-    raise ValueError("five rays don't fix the nadir")
 
 
 @lru_cache(maxsize=1)
@@ -345,7 +327,7 @@ def pictures(folder: Path) -> list[Picture]:
         ),
         Picture(
             file="reproduction_vertical_model.png",
-            shows="Error of one camera's pitch over its field; errors over pitch in rendered frames",
+            shows="Error of one camera's pitch over its field, and over pitch in rendered frames",
             text="Left: whole pixels alone give the model's 0.038 deg at any field and altitude "
             "(unit rays, 640 px); the chord as printed only in narrow fields. Right: the sweep of "
             "Figs. 5 and 6 in rendered frames.",

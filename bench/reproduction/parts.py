@@ -14,7 +14,9 @@ PARTS = (
     "sumarokov_sessions",
     "lomaka_vertical",
     "lomaka_experiment",
+    "platonov_spacecraft",
     "platonov_imaging",
+    "platonov_laws",
 )
 
 
