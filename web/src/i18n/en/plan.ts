@@ -1,0 +1,6 @@
+export const plan = {
+  plan: "Plan",
+  passed: "Passed",
+  failed: "Not passed",
+  csv: "Download CSV",
+};
