@@ -280,8 +280,8 @@ def _coils() -> list[Statement]:
             verdict="can't be reproduced",
             why=f"the paper gives no numbers. Ours: three coils of {COIL_A_M2:.0f} A m² in a "
             f"dipole field of {1e6 * found.field_t[0]:.0f} to {1e6 * found.field_t[1]:.0f} uT "
-            f"bring 30 N m s down to 3 in this time; after {ORBITS:.0f} orbits N m s are left: {left} A m². "
-            f"Against a lasting 1.4e-4 N m they keep {h[-last:].max():.2f} N m s",
+            f"bring 30 N m s down to 3 in this time; after {ORBITS:.0f} orbits N m s are left: "
+            f"{left} A m². Against a lasting 1.4e-4 N m they keep {h[-last:].max():.2f} N m s",
         ),
         said(
             place="introduction",
