@@ -23,6 +23,9 @@ from planner.spec import spec
 HISTORY_ORBITS = 5.0
 ROW_STEP_S = 10.0
 LEAD_MAX_S = 6.0 * 3600.0
+# Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
+# (bench/attitude_figures.py).
+ERROR_MEMORY_S = 1250.0
 
 
 @spec
@@ -111,6 +114,7 @@ class HarmonicAttitude(CorrectableAttitude):
             self.carried_on.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit",
             "a history that ends nearer to the session",
+            ERROR_MEMORY_S,
         )
 
     def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:
