@@ -24,7 +24,7 @@ from planner.attitude import (
     InertialAttitude,
     LvlhAttitude,
 )
-from planner.attitude.errors import MEAN_SIGMA_DEG
+from planner.attitude.errors import KNOWLEDGE_RAD, MEAN_SIGMA_DEG
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, shifted_utc
 
@@ -90,8 +90,11 @@ def _left_and_told_deg(
     noise_deg = rng.normal(0.0, LOOK_SIGMA_DEG, (len(LOOKS_S), 3)) * [1.0, 1.0, 0.0]
     variances = np.diag([LOOK_SIGMA_DEG**2, LOOK_SIGMA_DEG**2, 180.0**2])
 
+    # the telemetry is itself off by as much as is told of it
+    wrong = Rotation.from_rotvec(rng.normal(0.0, KNOWLEDGE_RAD, 3))
+
     def error_deg(at_s: np.ndarray) -> np.ndarray:
-        return (true(at_s) * case.foretold(at_s).inv()).as_rotvec(degrees=True)
+        return (wrong * true(at_s) * case.foretold(at_s).inv()).as_rotvec(degrees=True)
 
     law = replace(
         case.law,

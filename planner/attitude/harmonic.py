@@ -100,11 +100,12 @@ class HarmonicAttitude(CorrectableAttitude):
         if not self.carried_on.first_row:
             return (self.choice_at(lead_s),)
         t_s, _ = self._history
-        end_utc = shifted_utc(self.segments[-1].epoch_utc, float(t_s[self.carried_on.first_row]))
+        change_utc = shifted_utc(self.segments[-1].epoch_utc, float(t_s[self.carried_on.first_row]))
         return (
             self.choice_at(lead_s),
-            f"the attitude history holds a manoeuvre, which ended about {utc_text(end_utc)}; "
-            "what is older is not used",
+            f"the attitude history holds a manoeuvre, which ended or began about "
+            f"{utc_text(change_utc)}; what is older is not used, and nothing foretells when a "
+            "manoeuvre ends",
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
