@@ -1,6 +1,7 @@
 """Which of a camera's frames hold the target, and how sharp they are."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,16 @@ class Frames:
     error_rad: Array
     smear_px: Array
     share: Array
+
+    @classmethod
+    def joined(cls, blocks: Sequence["Frames"]) -> "Frames":
+        """One after the other."""
+        return cls(
+            **{
+                name: np.concatenate([getattr(block, name) for block in blocks])
+                for name in cls.__dataclass_fields__
+            }
+        )
 
     @property
     def holds(self) -> Mask:
