@@ -9,7 +9,7 @@ import { outlines, wantDetail } from "./outlines";
 import { circleOf, groundTrack, type LonLat } from "./passes";
 import { refused } from "./refusal";
 import { textOf } from "./target";
-import { found, windowOf } from "./windows";
+import { found, windowNear } from "./windows";
 
 const HIGHEST_ZOOM = 64;
 const DETAIL_FROM = 4;
@@ -66,7 +66,7 @@ export function WorldMap() {
     [path, shapes],
   );
   const now = found.value;
-  const window = now ? windowOf(now.windows, draft.session.value) : null;
+  const window = now ? windowNear(now.windows, draft.session.value) : null;
   const track = window ? groundTrack(window) : [];
   const radius = window && circleOf(window, draft.leastElevation_deg.value);
   const seen: LonLat | null = window?.place ? [window.place.longitude_deg, window.place.latitude_deg] : placeOf(draft.session.value);
