@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan web serve quick test test-postgres test-client test-page lint check format answers notebook oracles bench requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-client test-page lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
 
 setup: .venv/installed
 
@@ -101,6 +101,15 @@ oracles: setup
 bench: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
 	for script in slew slew_optimum plan service view opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+
+# Every figure and number the papers state: docs/reproduction.md, its pictures and kept numbers.
+REPRODUCE := PYTHONPATH=.:bench OMP_NUM_THREADS=1 $(BIN)/python -m reproduction
+
+reproduce: setup
+	$(REPRODUCE)
+
+reproduce-check: setup
+	$(REPRODUCE) --check
 
 requirements: setup
 	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml

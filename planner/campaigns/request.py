@@ -13,9 +13,9 @@ from planner.campaigns.view import ViewWeights
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
-from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, TARGETS_MAX
+from planner.opportunities.request import TARGETS_MAX
 from planner.orbits import Orbit
-from planner.platforms import AngleDeg, Platform
+from planner.platforms import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, AngleDeg, Platform
 from planner.scenario import SlewOptions
 from planner.spec import Within, require_within, spec
 from planner.targets import WindowTarget

@@ -1,6 +1,5 @@
 """A request for opportunities: targets, a span of time, and the conditions to be met."""
 
-import math
 from datetime import datetime
 from typing import Annotated
 
@@ -11,12 +10,10 @@ from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.orbits import Orbit
-from planner.platforms import Platform
+from planner.platforms import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, Platform
 from planner.spec import Within, spec
 from planner.targets import WindowTarget
 
-HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
-PIXELS_ARCSEC = (1e-4, 36e3)
 SAMPLES = (2, 1000)  # a window's edges at least
 TARGETS_MAX = 5000
 DAYS_MAX = 31.0

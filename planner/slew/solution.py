@@ -140,7 +140,7 @@ class AxisProfile:
         )
         values = [unit[:, 0], unit.sum(axis=1)]
         times = [self.breakpoints_s[:-1], self.breakpoints_s[1:]]
-        for piece in _pieces_that_may_turn(unit):
+        for piece in _pieces_that_may_reach_beyond(unit):
             s = _turning_points(unit[piece])
             values.append(polynomial.polyval(s, unit[piece]))
             times.append(self.breakpoints_s[piece] + s * width[piece])
@@ -243,13 +243,11 @@ def _value(coefficients: Array, x: Array) -> Array:
     return np.asarray(np.sum(coefficients * x[:, None] ** np.arange(coefficients.shape[1]), axis=1))
 
 
-def _pieces_that_may_turn(unit: Array) -> NDArray[np.intp]:
-    """Pieces (on [0, 1]) whose slope's Bernstein coefficients don't share one sign."""
-    if unit.shape[1] < 3:
-        return np.empty(0, dtype=np.intp)
-    slope = unit[:, 1:] * np.arange(1, unit.shape[1])
-    hull = slope @ _bernstein_from_power(slope.shape[1]).T
-    return np.flatnonzero((hull.min(axis=1) < 0.0) & (hull.max(axis=1) > 0.0))
+def _pieces_that_may_reach_beyond(unit: Array) -> NDArray[np.intp]:
+    """Pieces (on [0, 1]) whose hull reaches beyond what all pieces begin and end with."""
+    hull = unit @ _bernstein_from_power(unit.shape[1]).T
+    ends = hull[:, [0, -1]]
+    return np.flatnonzero((hull.min(axis=1) < ends.min()) | (hull.max(axis=1) > ends.max()))
 
 
 @cache

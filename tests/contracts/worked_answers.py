@@ -28,6 +28,7 @@ from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PR
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.examples.telemetry import COMPARISON_EXAMPLES
 from app.settings import Settings
 from app.store import jobs
 from app.store.ids import new_id
@@ -164,6 +165,9 @@ def _asked_at_once(answers: Answers) -> None:
     ]
     request = {"request": json.dumps(ESTIMATE_EXAMPLE)}
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
+    [plan] = answers.client.get("/v1/plans", params={"state": "done", "limit": 1}).json()["plans"]
+    compared = COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
+    answers.ask("POST", "/v1/telemetry/comparisons", json=compared)
 
 
 def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:

@@ -12,7 +12,7 @@ from app.store.ids import JobState, is_id
 from app.store.sought import Sought
 from planner.errors import InvalidInput
 from planner.frames.time_scales import utc_from_text
-from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC
+from planner.platforms import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC
 
 LIST_MAX = 200
 _KEY_CHARACTERS_MAX = 255

@@ -25,7 +25,7 @@ from app.store import jobs
 from app.store.plans import StoredPlan
 from app.work.view import AskedView
 from planner.errors import Refusal
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
+from planner.platforms import HRC_PIXEL_ARCSEC
 
 _JSON_FORMAT = "json"
 

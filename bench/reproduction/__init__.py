@@ -1,0 +1,1 @@
+"""Every figure and number the papers state, ours beside theirs: docs/reproduction.md."""
