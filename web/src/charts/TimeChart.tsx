@@ -19,6 +19,8 @@ export interface Line {
   colour: string;
   dashed?: boolean;
   width?: number;
+  /** Behind the others: seen as far as their scale allows. */
+  isBehind?: boolean;
 }
 
 export interface Shade {
@@ -101,7 +103,7 @@ function options(props: Props, width: number): uPlot.Options {
       },
       y: isLogarithmic
         ? { distr: 3, range: (_, low, high) => decades(low, high) }
-        : { range: (_, low, high) => spread(low, high, withLimits ? limits : []) },
+        : { range: (_, low, high) => spread(low, high, withLimits ? limits : behind(lines, low, high)) },
     },
     axes: [
       {
@@ -123,6 +125,7 @@ function options(props: Props, width: number): uPlot.Options {
       {},
       ...lines.map((one) => ({
         label: one.label,
+        auto: !one.isBehind,
         stroke: colour(one.colour),
         width: one.width ?? 1.5,
         dash: one.dashed ? [5, 4] : undefined,
@@ -144,6 +147,22 @@ function spread(low: number | null, high: number | null, also: readonly number[]
   const [least, most] = [Math.min(...all), Math.max(...all)];
   const air = 0.08 * (most - least) || Math.max(0.1 * Math.abs(most), 1e-6);
   return [least - air, most + air];
+}
+
+/** How far the lines behind reach, up to three times as far as those before them. */
+function behind(lines: readonly Line[], low: number | null, high: number | null): number[] {
+  if (low === null || high === null) return [];
+  const air = high - low;
+  return lines.flatMap((line) => {
+    if (!line.isBehind) return [];
+    let [least, most] = [low, high];
+    for (const value of line.values) {
+      if (value === null) continue;
+      least = Math.min(least, value);
+      most = Math.max(most, value);
+    }
+    return [Math.max(least, low - air), Math.min(most, high + air)];
+  });
 }
 
 function decades(low: number | null, high: number | null): [number, number] {

@@ -188,6 +188,7 @@ function motionLines(view: View, column: (typeof ORDERS)[number]["column"], with
           colour: COLOURS[axis] ?? "text-soft",
           dashed: true,
           width: 1,
+          isBehind: true,
         })),
       )
     : [];

@@ -4,7 +4,7 @@ import { geoCircle, geoEquirectangular, geoGraticule10, geoPath, type GeoProject
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
-import { outlines, wantOutlines } from "../../map/outlines";
+import { outlines, wantDetail, wantOutlines } from "../../map/outlines";
 import { cursor_s } from "../../time/cursor";
 import { longitudeAt, rowAt, type View, valueAt } from "./view";
 
@@ -20,7 +20,7 @@ export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
   const box = useRef<HTMLDivElement>(null);
   const [width, setWidth] = useState(0);
   useEffect(() => {
-    void wantOutlines();
+    void wantOutlines().then(wantDetail);
     const element = box.current;
     if (!element) return;
     const watch = new ResizeObserver(() => setWidth(element.clientWidth));

@@ -12,7 +12,7 @@ import { go, place } from "../../router";
 import type { RoomProps } from "../../rooms";
 import * as draft from "./draft";
 import { OrbitPanel } from "./OrbitPanel";
-import { wantOutlines } from "./outlines";
+import { wantOutlines } from "../../map/outlines";
 import type { PlanRequest } from "./plan";
 import "./plan.css";
 import { failure } from "./refusal";

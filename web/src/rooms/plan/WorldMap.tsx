@@ -5,7 +5,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
 import * as draft from "./draft";
-import { outlines, wantDetail } from "./outlines";
+import { outlines, wantDetail } from "../../map/outlines";
 import { circleOf, groundTrack, type LonLat } from "./passes";
 import { refused } from "./refusal";
 import { textOf } from "./target";
