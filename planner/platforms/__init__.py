@@ -1,5 +1,6 @@
 """The platforms known by name."""
 
+from planner.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.platforms.carrier_mode import CarrierMode
 from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition
@@ -11,11 +12,13 @@ from planner.platforms.two_axis import AxisLimits, ParkPosition, StructuralMode,
 __all__ = [
     "IDEAL_DRIVE",
     "ISS_HRC",
+    "PIXELS_ARCSEC",
     "PLATFORMS",
     "AngleDeg",
     "AxisDefinition",
     "AxisDrive",
     "AxisLimits",
+    "Camera",
     "CarrierMode",
     "FieldMask",
     "JerkDegS3",

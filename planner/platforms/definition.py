@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Annotated
 
+from planner.platforms.camera import HRC_CAMERA, Camera
 from planner.platforms.carrier_mode import CarrierMode
 from planner.platforms.drive import AxisDrive
 from planner.platforms.field_mask import FieldMask
@@ -97,6 +98,7 @@ class PlatformDefinition:
     given.
     frame_turn_deg: how far the first side is turned from the inner axis, right-handed about the
     boresight; how the HRC's frame lies isn't published, 0 is assumed.
+    camera: how fine, how long and how often it takes frames; the HRC's unless given.
     park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
     name one.
     masks: up to 8 regions fixed to the platform's base that the boresight never enters: kept by
@@ -111,6 +113,7 @@ class PlatformDefinition:
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
     frame_turn_deg: Annotated[float, Within(-180.0, 180.0)] = 0.0
+    camera: Camera = HRC_CAMERA
     park_positions_deg: Mapping[str, Mapping[str, AngleDeg]] = field(default_factory=dict)
     masks: tuple[FieldMask, ...] = ()
     structural_modes: tuple[CarrierMode, ...] = ()
@@ -164,6 +167,7 @@ class PlatformDefinition:
                 math.radians(self.field_of_view_deg[1]) / 2.0,
             ),
             frame_turn_rad=math.radians(self.frame_turn_deg),
+            camera=self.camera,
             park_positions=tuple(
                 ParkPosition(
                     name=name,

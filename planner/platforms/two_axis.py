@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.platforms.camera import HRC_CAMERA, Camera
 from planner.platforms.carrier_mode import UNIT_TOLERANCE, CarrierMode
 from planner.platforms.drive import AxisDrive
 from planner.platforms.field_mask import FieldMask
@@ -69,6 +70,7 @@ class TwoAxisPlatform:
     frame_half_rad: half the camera's field of view along the frame's first side and along its
     second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
     about the boresight.
+    camera: how fine, how long and how often it takes frames.
     park_positions: where it may be left at rest.
     masks: what stands in its view; fixed to the base, as the carrier is.
     drives: how the axes follow a table, in the order of `axis_names`.  structural_modes: how the
@@ -87,6 +89,7 @@ class TwoAxisPlatform:
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
     frame_turn_rad: float = 0.0
+    camera: Camera = HRC_CAMERA
     park_positions: tuple[ParkPosition, ...] = ()
     masks: tuple[FieldMask, ...] = ()
     drives: tuple[AxisDrive, AxisDrive] = (AxisDrive(), AxisDrive())

@@ -10,15 +10,16 @@ from urllib.parse import urlsplit
 import pytest
 from browsing import LAPTOP
 from live_service import Service, live_service
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 FLAGS = [
     "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
-PATIENCE_MS = 60_000.0
+PATIENCE_MS = 20_000.0
 
 OpenPage = Callable[..., Page]
+expect.set_options(timeout=PATIENCE_MS)
 
 
 @pytest.fixture(scope="session")
@@ -51,7 +52,7 @@ def open_page(browser, service) -> Iterator[OpenPage]:
     faults: list[str] = []
 
     def open_page(path: str = "/", *, at: Service = service, **settings: object) -> Page:
-        options = {"viewport": LAPTOP, "locale": "en-GB", **settings}
+        options = {"base_url": at.address, "viewport": LAPTOP, "locale": "en-GB", **settings}
         context = browser.new_context(**options)
         contexts.append(context)
         context.set_default_timeout(PATIENCE_MS)

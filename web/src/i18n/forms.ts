@@ -8,7 +8,7 @@ export function clock(iso: string | number): string {
 
 /** "2015-02-27 17:36:20 UTC". */
 export function instant(iso: string | number): string {
-  return `${new Date(iso).toISOString().slice(0, 19).replace("T", " ")} UTC`;
+  return `${new Date(Math.round(new Date(iso).getTime() / 1000) * 1000).toISOString().slice(0, 19).replace("T", " ")} UTC`;
 }
 
 /** RFC 3339, as requests have it: to tenths of a second, where the 0.2 s grid needs them. */
@@ -28,6 +28,7 @@ export function number(value: number | null | undefined, decimals = 1): string {
 /** With so many significant digits. */
 export function digits(value: number | null | undefined, count = 3): string {
   if (value == null || !Number.isFinite(value)) return "–";
+  if (value !== 0 && Math.abs(value) < 1e-3) return value.toExponential(count - 1).replace("-", "−");
   return value.toLocaleString(language.value, {
     maximumSignificantDigits: count,
     useGrouping: false,

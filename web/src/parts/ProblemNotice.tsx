@@ -39,6 +39,11 @@ export function ProblemNotice({ error, again, children }: Props) {
   );
 }
 
+/** Whether the same request may be answered otherwise: it was ours or nobody's fault. */
+export function mayHelpAgain(error: unknown): boolean {
+  return !(error instanceof Problem) || error.status >= 500 || error.status === 429;
+}
+
 function told(error: unknown) {
   const text = words.value.shell.problem;
   if (error instanceof Problem) {

@@ -1,12 +1,21 @@
-/** One plan: its verdict, what it looks like, what can be taken away. */
-import { useEffect, useState } from "preact/hooks";
+/** One plan: its verdict, what it looks like, what can be taken away; or why there is none. */
 import { lazy, Suspense } from "preact/compat";
+import { useEffect, useState } from "preact/hooks";
 
-import { url } from "../../api/client";
+import { remove } from "../../api/client";
+import { Cancelled, type Progress, untilDone } from "../../api/job";
+import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
-import { ProblemNotice } from "../../parts/ProblemNotice";
+import { Bar } from "../../parts/Bar";
+import { Link } from "../../parts/Link";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import type { RoomProps } from "../../rooms";
+import { Figures } from "./Figures";
 import { fetchPlan, isPlan, type Plan } from "./plan";
+import "./plan.css";
+import "./one.css";
+import { TakeAway } from "./TakeAway";
+import { Verdict } from "./Verdict";
 
 const Look = lazy(() => import("../look/Look"));
 
@@ -14,27 +23,83 @@ export default function PlanRoom({ params }: RoomProps) {
   const id = params.id ?? "";
   const text = words.value;
   const [plan, setPlan] = useState<Plan | null>(null);
+  const [progress, setProgress] = useState<Progress | null>(null);
   const [error, setError] = useState<unknown>(null);
+  const [tries, setTries] = useState(0);
   useEffect(() => {
     const wanted = new AbortController();
-    fetchPlan(id, wanted.signal).then(
-      (answer) => isPlan(answer) && setPlan(answer),
-      (caught: unknown) => !wanted.signal.aborted && setError(caught),
-    );
+    setPlan(null);
+    setError(null);
+    made(id, setProgress, wanted.signal).then(setPlan, (caught: unknown) => wanted.signal.aborted || setError(caught));
     return () => wanted.abort();
-  }, [id]);
-  if (error !== null) return <ProblemNotice error={error} />;
-  if (!plan) return <p class="loading">{text.shell.loading}</p>;
+  }, [id, tries]);
+  if (error !== null) {
+    return (
+      <div class="room">
+        <h1>{text.shell.rooms.one}</h1>
+        <Why error={error} again={() => setTries(tries + 1)} />
+        <p>
+          <Link to={`/?from=${id}`} class="button">
+            {text.plan.one.change}
+          </Link>
+        </p>
+      </div>
+    );
+  }
+  if (!plan) {
+    return (
+      <div class="room">
+        <h1>{text.plan.one.working}</h1>
+        {progress ? (
+          <div class="row">
+            <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+            <button type="button" onClick={() => void remove("/v1/plans/{id}", { id }).catch(setError)}>
+              {text.shell.cancel}
+            </button>
+          </div>
+        ) : (
+          <p class="loading">{text.shell.loading}</p>
+        )}
+      </div>
+    );
+  }
   return (
-    <div class="room">
-      <h1>{plan.summary.name}</h1>
-      <p data-testid="verdict">{plan.verification.passed ? text.plan.passed : text.plan.failed}</p>
-      <a role="button" class="button" download href={url("/v1/plans/{id}/table", { id, query: { format: "csv" } })}>
-        {text.plan.csv}
-      </a>
+    <div class="room one">
+      <div class="row heading">
+        <h1>{plan.summary.name || plan.summary.targets.join(", ")}</h1>
+        <Link to={`/?from=${id}&revises=yes`} class="button">
+          {text.plan.one.change}
+        </Link>
+      </div>
+      <Verdict plan={plan} />
       <Suspense fallback={<p class="loading">{text.shell.loading}</p>}>
         <Look plan={plan} />
       </Suspense>
+      <div class="one-below">
+        <div>
+          <Figures plan={plan} />
+        </div>
+        <TakeAway plan={plan} />
+      </div>
     </div>
   );
+}
+
+/** The plan, once it is made. */
+async function made(id: string, tell: (now: Progress) => void, until: AbortSignal): Promise<Plan> {
+  const answer = await fetchPlan(id, until);
+  if (isPlan(answer)) return answer;
+  if (answer.problem) throw new Problem(answer.problem);
+  if (answer.state === "cancelled") throw new Cancelled();
+  await untilDone({ path: `/v1/plans/${id}`, id }, tell, until);
+  const finished = await fetchPlan(id, until);
+  if (isPlan(finished)) return finished;
+  throw new Error(`a plan in the state ${finished.state} has no table`);
+}
+
+function Why({ error, again }: { error: unknown; again: () => void }) {
+  const text = words.value.plan.one;
+  if (error instanceof Cancelled) return <p class="notice">{text.cancelled}</p>;
+  if (error instanceof Problem && error.status === 404) return <p class="notice">{text.gone}</p>;
+  return <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />;
 }
