@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from estimator.pipeline import VerticalEstimate
     from estimator.request import HorizonRequest
     from planner.campaigns import Campaign, CampaignRequest
-    from planner.flights.summary import PlanFlights
     from planner.export import FlightPlan
+    from planner.flights.summary import PlanFlights
     from planner.opportunities import Opportunities, OpportunityRequest
     from planner.scenario import Scenario
     from planner.sessions.plan import Plan
