@@ -39,10 +39,11 @@ class RunOutcomes:
 
     holds, sharp: whether all frames hold the target, and whether all are sharp, too.
     holds_share, sharp_share: of the frames.  miss_rad: the largest angle between boresight and
-    target; miss_m: that on the ground, across the line of sight, infinite for a target in the sky.  smear_px: median of the frames.
+    target; miss_m: that on the ground, across the line of sight, infinite for a target in the sky.
+    smear_px: median of the frames.
     variance_px2: (p, 2), of the target's places in the image and of the smear, as two independent
-    runs show them.  total_px2, first_px2: (p, 2, causes), half the square by
-    which exchanging a cause moves a run away from itself, and leaves it away from the other.
+    runs show them.  total_px2, first_px2: (p, 2, causes), half the square by which exchanging a
+    cause moves a run away from itself, and leaves it away from the other.
     """
 
     holds: Mask
