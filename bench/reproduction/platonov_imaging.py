@@ -53,9 +53,7 @@ def _intervals() -> list[Statement]:
             rows = [round((t - CLOCK_S[name]) * 5.0) for t in (start_s, stop_s)]
             window = min(plan.table.windows, key=lambda w: abs(w.first_row - rows[0]))
             worst = [worst_deg_s(log, *rows) for log in logs]
-            across = [
-                np.rad2deg(np.abs(rate_errors(log, *rows)[:, [0, 2]]).max()) for log in logs
-            ]
+            across = [np.rad2deg(np.abs(rate_errors(log, *rows)[:, [0, 2]]).max()) for log in logs]
             place, what = label.split(": ")
             found.append(
                 said(

@@ -102,7 +102,9 @@ def _long_session() -> list[Statement]:
                 ours=float(np.median(found.worst_deg_s[:, k])),
                 unit="deg/s",
                 tolerance=3e-4,
-                verdict="agrees" if np.median(found.worst_deg_s[:, k]) <= LIMIT_DEG_S else "differs",
+                verdict="agrees"
+                if np.median(found.worst_deg_s[:, k]) <= LIMIT_DEG_S
+                else "differs",
                 why=f"median run by its own laws over the whole interval of the figure; from "
                 f"{found.worst_deg_s[:, k].min():.5f} to {found.worst_deg_s[:, k].max():.5f}, "
                 f"{found.given_s[k]:.1f} s after the command",
