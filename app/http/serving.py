@@ -97,7 +97,7 @@ class _Server(uvicorn.Server):
         await super().startup(sockets)
         if self.started:
             address = _address(*self.servers[0].sockets[0].getsockname()[:2])
-            print(f"serving {address}; its API's pages: {address}/docs; Ctrl+C ends it", flush=True)
+            print(f"serving {address}; its pages: {address}/docs; Ctrl+C ends it", flush=True)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._stopping.set()
