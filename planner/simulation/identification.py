@@ -41,6 +41,11 @@ _ROBUST_SIGMAS = 5.0  # above, a residual weighs by its size, not its square
 _IMPOSSIBLE_SIGMAS = 1e4
 _DIFFERENCE = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
 _ROUNDS_MAX = 25
+# Where an axis sticks, slips that keep no step with the model's leave more than the sensors do, and
+# the optimum found lay up to 3 % of friction and nine tenths of the lag from the truth.
+_MISFIT_SQUARES = 2.0
+_ROUGHNESS, _LAG_ROUGHNESS = 0.03, 1.0  # of logarithms
+_STRETCHES = 20  # of a flight, whose misses count as independent
 _ARCSEC_RAD = math.radians(1.0 / 3600.0)
 
 
@@ -78,32 +83,24 @@ def identify(
     t_s: (k,), ascending seconds since the table's epoch; samples before its first row or after
     its last aren't used.  measured_angle_rad, measured_rate_rad_s: (k, 2), NaN where there is
     none; of the encoders and of rate gyros, whose constant bias is estimated, too.
-    names: `axis.field`, fields of `IDENTIFIABLE`.  Coulomb friction takes the breakaway along in
+    names: `axis.field`, fields of `IDENTIFIABLE`; a constant pull of the cables shows only where
+    the loop has no integral.  Coulomb friction takes the breakaway along in
     proportion unless that is named, too.  All else is the platform's: what is wrong there goes
     into residuals and parameters.  A latency and an offset of the clock look alike.
     """
-    from scipy.optimize import least_squares  # half a second, which most processes never need
-
     search = _search(table, platform, t_s, measured_angle_rad, measured_rate_rad_s, names)
-    found = least_squares(
-        lambda x: search.misses(x)[0],
-        _best_start(search),
-        jac=search.jacobian,
-        loss="soft_l1",
-        f_scale=_ROBUST_SIGMAS,
-        xtol=1e-4,
-        ftol=1e-6,
-        max_nfev=_ROUNDS_MAX,
-    )
-    drives = search.drives(found.x)
+    moved, covariance = _best_start(search), np.zeros((len(names), len(names)))
+    for axis in range(2):  # apart: the axes hardly feel each other
+        own = np.flatnonzero(search.of_axis == axis)
+        if len(own) > 0:
+            moved[own], covariance[np.ix_(own, own)] = _fit(search, moved, own, axis)
+    drives, slope = search.drives(moved), search.slope(moved)
     angle_rad, rate_rad_s, bias_rad_s = search.residuals(drives)
-    information = _information(found.jac, search.misses(found.x)[0], len(search.t_s))
-    slope = search.slope(found.x)
     return Identified(
         names=search.names,
-        parameters=search.values(found.x),
-        covariance_parameters=np.linalg.inv(information) * np.outer(slope, slope),
-        drives=_with(platform, platform.drives, search.names, search.values(found.x)),
+        parameters=search.values(moved),
+        covariance_parameters=covariance * np.outer(slope, slope),
+        drives=_with(platform, platform.drives, search.names, search.values(moved)),
         residual_rad=_root_mean_square(angle_rad),
         residual_rad_s=_root_mean_square(rate_rad_s),
         bias_rad_s=bias_rad_s,
@@ -156,38 +153,17 @@ class _Search:
         bias_rad_s = np.sum(np.where(has_rate, rate_rad_s, 0.0), axis=0) / count
         return angle_rad, rate_rad_s - bias_rad_s, bias_rad_s
 
-    def misses(self, moved_parameters: Array) -> tuple[Array, Array]:
-        """In sigmas: of every sample and of the prior; the samples' squares by axis, (2,)."""
+    def misses(self, moved_parameters: Array, axis: int) -> Array:
+        """Of one axis in sigmas: angles, rates, then how far its parameters are from the start."""
+        prior = moved_parameters[self.of_axis == axis] / _PRIOR
         try:
             drives = self.drives(moved_parameters)
         except ValueError:  # its loop would swing up by itself: not the one that was flown
-            far = np.full(4 * len(self.t_s) + len(self.names), _IMPOSSIBLE_SIGMAS)
-            return far, np.full(2, np.inf)
+            return np.concatenate([np.full(2 * len(self.t_s), _IMPOSSIBLE_SIGMAS), prior])
         angle_rad, rate_rad_s, _ = self.residuals(drives)
-        missed = np.concatenate([angle_rad / self.sigma_rad, rate_rad_s / self.sigma_rad_s])
-        missed = np.where(np.isfinite(missed), missed, 0.0)
-        squares = np.sum(np.minimum(missed**2, _ROBUST_SIGMAS * np.abs(missed)), axis=0)
-        return np.concatenate([missed.T.ravel(), moved_parameters / _PRIOR]), squares
-
-    def jacobian(self, moved_parameters: Array) -> Array:
-        """Of the misses in sigmas, by differences.
-
-        A parameter of each axis is moved at once: the axes hardly feel each other.
-        """
-        count, n = 2 * len(self.t_s), len(self.names)
-        here = self.misses(moved_parameters)[0]
-        found = np.zeros((2 * count + n, n))
-        found[2 * count :] = np.eye(n) / _PRIOR
-        columns = [np.flatnonzero(self.of_axis == axis) for axis in range(2)]
-        for place in range(max(map(len, columns))):
-            moved = [(axis, of[place]) for axis, of in enumerate(columns) if place < len(of)]
-            shifted = moved_parameters.copy()
-            shifted[[column for _, column in moved]] += _DIFFERENCE
-            there = self.misses(shifted)[0]
-            for axis, column in moved:
-                rows = slice(axis * count, (axis + 1) * count)
-                found[rows, column] = (there[rows] - here[rows]) / _DIFFERENCE
-        return found
+        angle = angle_rad[:, axis] / self.sigma_rad[axis]
+        rate = rate_rad_s[:, axis] / self.sigma_rad_s[axis]
+        return np.concatenate([np.nan_to_num(angle), np.nan_to_num(rate), prior])
 
 
 def _search(
@@ -290,6 +266,34 @@ def _changed(drive: AxisDrive, fields: dict[str, float]) -> AxisDrive:
     return replace(drive, **fields)
 
 
+def _fit(search: _Search, start_parameters: Array, own: Indices, axis: int) -> tuple[Array, Array]:
+    """One axis's parameters as they fit best from where the search starts, and their covariance."""
+    from scipy.optimize import least_squares  # half a second, which most processes never need
+
+    def misses(x: Array) -> Array:
+        moved = start_parameters.copy()
+        moved[own] = x
+        return search.misses(moved, axis)
+
+    def jacobian(x: Array) -> Array:
+        here, steps = misses(x), _DIFFERENCE * np.eye(len(x))
+        return np.stack([(misses(x + step) - here) / _DIFFERENCE for step in steps], axis=1)
+
+    found = least_squares(
+        misses,
+        start_parameters[own],
+        jacobian,
+        loss="soft_l1",
+        f_scale=_ROBUST_SIGMAS,
+        xtol=1e-4,
+        ftol=1e-4,
+        max_nfev=_ROUNDS_MAX,
+    )
+    rough = np.array([search.names[k].endswith(".lag_s") for k in own])
+    roughness = np.where(rough, _LAG_ROUGHNESS, _ROUGHNESS)
+    return found.x, _covariance(jacobian(found.x), misses(found.x), roughness)
+
+
 def _best_start(search: _Search) -> Array:
     """Where the search begins."""
     best = np.zeros(len(search.names))
@@ -297,33 +301,44 @@ def _best_start(search: _Search) -> Array:
     if not np.any(is_friction):
         return best
     for tries in (_COARSE_TRIES, _FINE_TRIES):
-        squares = np.array([search.misses(best + shift * is_friction)[1] for shift in tries])
-        shift = tries[np.argmin(squares, axis=0)]
-        best = best + is_friction * shift[search.of_axis]
+        costs = np.array([_robust_costs(search, best + shift * is_friction) for shift in tries])
+        best = best + is_friction * tries[np.argmin(costs, axis=0)][search.of_axis]
     return best
 
 
-def _information(jacobian_parameters: Array, missed_value: Array, samples: int) -> Array:
-    """Of the moved parameters, (n, n): the samples' by how they really miss, and the prior's."""
+def _robust_costs(search: _Search, moved_parameters: Array) -> tuple[float, float]:
+    """As least_squares adds them up, of each axis."""
+    drives = search.drives(moved_parameters)
+    angle_rad, rate_rad_s, _ = search.residuals(drives)
+    missed = np.concatenate([angle_rad / search.sigma_rad, rate_rad_s / search.sigma_rad_s])
+    size = (np.nan_to_num(missed) / _ROBUST_SIGMAS) ** 2
+    outer, inner = np.sum(np.sqrt(1.0 + size) - 1.0, axis=0)
+    return float(outer), float(inner)
+
+
+def _covariance(
+    jacobian_parameters: Array, missed_value: Array, roughness_parameters: Array
+) -> Array:
+    """Of one axis's parameters, by how samples of whole stretches miss together.
+
+    The sandwich of White (1980) over clusters of successive samples: where the model is exact
+    and samples are independent it is the inverse of their information.
+    """
     n = jacobian_parameters.shape[1]
-    count = 4 * samples
-    missed = missed_value[:count].reshape(2, 2 * samples)
-    total = np.zeros((n, n))
-    for axis in range(2):
-        rows = slice(2 * samples * axis, 2 * samples * (axis + 1))
-        shown, misses = jacobian_parameters[rows], missed[axis]
-        total += shown.T @ shown / _excess(misses)
-    return total + np.eye(n) / _PRIOR**2
-
-
-def _excess(missed_value: Array) -> float:
-    """By how much more than independent sigmas the misses of one axis scatter; at least 1."""
-    present = missed_value[missed_value != 0.0]
-    if len(present) < 3:
-        return 1.0
-    variance = float(np.mean(present**2))
-    alike = min(max(float(np.mean(present[1:] * present[:-1])) / variance, 0.0), 0.999)
-    return max(variance * (1.0 + alike) / (1.0 - alike), 1.0)
+    weights = 1.0 / np.sqrt(1.0 + (missed_value / _ROBUST_SIGMAS) ** 2)
+    inverse = np.linalg.inv(jacobian_parameters.T @ (weights[:, None] * jacobian_parameters))
+    pulls = jacobian_parameters[:-n] * (weights * missed_value)[:-n, None]
+    samples = len(pulls) // 2
+    together = pulls[:samples] + pulls[samples:]  # angles and rates of the same time
+    parts = min(_STRETCHES, samples)
+    stretches = np.add.reduceat(together, np.arange(parts) * samples // parts, axis=0)
+    scatter = stretches.T @ stretches * parts / max(parts - n, 1) + np.eye(n) / _PRIOR**2
+    clustered = inverse @ scatter @ inverse
+    found = clustered if np.trace(clustered) > np.trace(inverse) else inverse
+    samples_missed = missed_value[:-n][missed_value[:-n] != 0.0]
+    if np.mean(samples_missed**2) > _MISFIT_SQUARES:
+        found = found + np.diag(roughness_parameters**2)
+    return found
 
 
 def _root_mean_square(missed_value: Array) -> Array:
