@@ -45,7 +45,11 @@ export function AxisSpace({ view, stretches }: Props) {
             <Keyholes view={view} x={x} scale={scale} />
             {view.masks.flatMap((mask) =>
               (mask.outline_deg[outer] ?? []).map((line, way) => (
-                <path key={`${mask.number}-${way}`} class="axis-mask" d={pathOf(line, mask.outline_deg[inner]?.[way] ?? [], scale)} />
+                <path
+                  key={`${mask.number}-${way}`}
+                  class={line.includes(null) ? "axis-mask axis-open" : "axis-mask"}
+                  d={pathOf(line, mask.outline_deg[inner]?.[way] ?? [], scale)}
+                />
               )),
             )}
             <Cones view={view} outer={outer} inner={inner} scale={scale} />
@@ -114,7 +118,7 @@ function Cone({ view, cone, outer, inner, scale }: ConeProps) {
       {ways.map((line, way) => (
         <path
           key={way}
-          class={counts ? "axis-cone" : "axis-cone axis-cone-lapsed"}
+          class={`axis-cone ${counts ? "" : "axis-cone-lapsed"} ${line.includes(null) ? "axis-open" : ""}`}
           d={pathOf(line, cone.outline_deg[inner]?.[now]?.[way] ?? [], scale)}
         />
       ))}

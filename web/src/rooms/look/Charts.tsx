@@ -10,7 +10,7 @@ import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { lastOf, onRows, type View } from "./view";
 
-const HEIGHT = 104;
+const HEIGHT = 118;
 const TIMES_HEIGHT = 26;
 const COLOURS = ["series-1", "series-2"];
 const AIR = 0.06; // of a stretch that is looked at closer, on either side
