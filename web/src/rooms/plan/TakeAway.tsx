@@ -5,6 +5,7 @@ import { send } from "../../api/client";
 import { download } from "../../api/download";
 import type { operations } from "../../api/schema";
 import { words } from "../../i18n";
+import { Copied } from "../../parts/Copied";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
 import type { Plan } from "./plan";
@@ -75,30 +76,3 @@ export function TakeAway({ plan }: { plan: Plan }) {
     </section>
   );
 }
-
-function Copied({ name, content, isOpen = false }: { name: string; content: string; isOpen?: boolean }) {
-  const text = words.value.plan.take;
-  const [isCopied, setIsCopied] = useState(false);
-  const copy = async () => {
-    await navigator.clipboard.writeText(content);
-    setIsCopied(true);
-    setTimeout(() => setIsCopied(false), 2000);
-  };
-  return (
-    <details open={isOpen}>
-      <summary>
-        <h3>{name}</h3>
-      </summary>
-      <pre tabIndex={0} aria-label={name}>
-        {content}
-      </pre>
-      <button type="button" class="small-button" onClick={() => void copy()}>
-        {text.copy(name)}
-      </button>
-      <span role="status" class="small">
-        {isCopied ? ` ${text.copied}` : ""}
-      </span>
-    </details>
-  );
-}
-

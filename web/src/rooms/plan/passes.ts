@@ -1,10 +1,9 @@
 /** Where the carrier is over the Earth while it is seen, for drawing: a sphere will do. */
+import type { LonLat } from "../../map/places";
 import type { Window } from "./windows";
 
 const EARTH_KM = 6371;
 const RAD = Math.PI / 180;
-
-export type LonLat = [number, number];
 
 /** The point below the carrier, seen from a place by azimuth, elevation and range. */
 function below(place: LonLat, azimuth_deg: number, elevation_deg: number, range_km: number): LonLat {

@@ -17,6 +17,6 @@ ${request}
 
 with slewtrack.Client("${service.replace(/\/$/, "")}") as client:
     plan = client.plan(REQUEST)
-print(plan["id"], plan["verification"]["passed"])
+print(plan.id, plan.passed)
 `;
 }
