@@ -158,7 +158,9 @@ def test_the_boresight_is_on_the_target(view):
 
 def test_the_cameras_frame_is_the_papers(view):
     km = 350.0 * 2.0 * np.tan(np.radians(view["frame_deg"]) / 2.0)
-    np.testing.assert_allclose(km, [5.36, 3.56], atol=0.005)  # the last printed digit, on the ground
+    np.testing.assert_allclose(
+        km, [5.36, 3.56], atol=0.005
+    )  # the last printed digit, on the ground
 
 
 def test_at_a_keyhole_the_boresight_is_in_the_plane_of_the_axes(view):
