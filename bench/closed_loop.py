@@ -3,8 +3,9 @@
     python bench/closed_loop.py [--truths 40] [--seed 7]
 
 Each truth is a carrier off its mean attitude by as much as the law lvlh assumes, swinging as it
-assumes with phases of its own.  Two horizon cameras see it some times before a pass over Las Vegas;
-the frames are rendered (air, clouds, noise), measured, and corrected for.  Told: the probability
+assumes with phases of its own, and with a rest that is alike as long as it assumes.  Two horizon
+cameras see it some times before a pass over Las Vegas; the frames are rendered (air, clouds,
+noise), measured, and corrected for.  Told: the probability
 that the target stays in frames of several sizes; kept: the share of truths in which it did.
 """
 
@@ -25,6 +26,7 @@ from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import HorizonRequest, Position, PredictedAttitude
 from planner.attitude import AttitudeCorrection, LvlhAttitude
+from planner.attitude.errors import alike
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, utc_from_text
 from planner.orbits import StateVectorOrbit, TleOrbit
@@ -44,6 +46,7 @@ LAS_VEGAS = GroundTarget(latitude_deg=36.1147, longitude_deg=-115.1728, height_m
 START_UTC = utc_from_text("2015-02-27T17:36:20Z")
 SESSION_S = np.arange(0.0, 90.1, 9.0)
 LOOKS_S = (-900.0, -480.0, -120.0)  # before the session, all by day
+REST_S = np.arange(LOOKS_S[0], SESSION_S[-1] + 30.0, 30.0)
 SIZES = (0.2, 0.3, 0.5, 0.7, 1.0, 1.5)  # of the HRC's frame
 CAMERAS = tuple(
     HorizonCamera(
@@ -58,14 +61,19 @@ class Truth:
 
     def __init__(self, rng: np.random.Generator) -> None:
         told = LAW.errors(Instants(START_UTC, np.zeros(1)))
-        self._mean_rad = rng.normal(0.0, 1.0, 3) * told.sigma_body_rad
+        lasting_rad = np.sqrt(told.sigma_body_rad**2 - told.forgotten_body_rad**2)
+        self._mean_rad = rng.normal(0.0, 1.0, 3) * lasting_rad
+        likeness = alike(np.subtract.outer(REST_S, REST_S), told.memory_s)
+        root = np.linalg.cholesky(likeness + 1e-9 * np.eye(len(REST_S)))
+        self._rest_rad = root @ rng.normal(0.0, 1.0, (len(REST_S), 3)) * told.forgotten_body_rad
         self._amplitude_rad = np.sqrt(2.0) * told.swing_rms_body_rad
         self._phase_rad = rng.uniform(0.0, 2.0 * np.pi, 3)
 
     def turn_rad(self, t_s: np.ndarray) -> np.ndarray:
         """At n times since START_UTC."""
         phase_rad = 2.0 * np.pi * np.asarray(t_s)[:, None] / LAW.orbital_period_s + self._phase_rad
-        return self._mean_rad + self._amplitude_rad * np.cos(phase_rad)
+        rest_rad = np.stack([np.interp(t_s, REST_S, rest) for rest in self._rest_rad.T], axis=1)
+        return self._mean_rad + self._amplitude_rad * np.cos(phase_rad) + rest_rad
 
 
 def main() -> None:

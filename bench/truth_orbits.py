@@ -7,16 +7,18 @@ the other ephemerides.
 
 from collections import defaultdict
 from collections.abc import Iterator
+from datetime import datetime
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 from orbit_age import created, differences, read_oem_file, read_tles, ric_m
-from truth_rows import Row, blocked_nees_row
+from scipy.optimize import brentq
+from truth_rows import GAUSS, LAPLACE, Row, nees_row
 
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc
 from planner.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
-from planner.orbits.accuracy import OrbitSigma, orbit_sigma, state_sigma
+from planner.orbits.accuracy import OEM_DRAG_WRONG, OrbitSigma, oem_sigma, orbit_sigma, state_sigma
 
 AXES = ("radial", "along", "across")
 TUNED_OEMS = ("2022-038", "2022-042")
@@ -25,7 +27,9 @@ HELD_OUT_MONTH = 4  # of the archive, and later
 TLE_AGES_DAYS = (0.04, 0.5, 1.0, 2.0, 3.0, 5.0)
 OEM_AGE_MAX_DAYS = 10.0  # as truth for elements
 NEAR_EPOCH_DAYS = 0.04
-OEM_AGE_MIN_DAYS = 2.0  # where it is worse than the elements it is tried on
+OEM_AGE_MIN_DAYS = 1.5  # where it is worse than the elements it is tried on
+OEM_YOUNG_DAYS = 0.3  # as truth for an older one
+BURN_MOVED_S = 3600.0  # a burn moved by more is another
 REBOOST_REV_DAY = -3e-4  # of the mean motion, from elements to the next
 SPREAD = 0.15  # of the age
 DAMAGED_SIGMA = 6.0
@@ -44,7 +48,7 @@ def rows(data: Path) -> Iterator[Row]:
     held_out = [oem for day, oem in read.items() if day not in TUNED_OEMS]
     for which, few in (("held out", held_out), ("all", list(read.values()))):
         yield from _tle_rows(tles, few, which)
-        yield from _oem_rows(tles, few, which)
+    yield from _oem_rows(tles, list(read.values()))
     yield from growth_rows(data / "tle" / ARCHIVE)
     yield from _state_rows(list(read.values()))
 
@@ -62,7 +66,8 @@ def _tle_rows(tles: list[TleOrbit], oems: list[OemOrbit], which: str) -> Iterato
     of = f"of {sum(map(len, found.values()))} cases, {len(found)} element sets, to 5 days of age"
     for k, axis in enumerate(AXES):
         sets = [np.array(cases)[:, k : k + 1] for cases in found.values()]
-        yield blocked_nees_row(1, f"TLE against ephemerides, {which}, {axis}", sets, of)
+        spread = LAPLACE if axis == "along" else GAUSS
+        yield nees_row(1, f"TLE against ephemerides, {which}, {axis}", sets, of, spread)
 
 
 def growth_rows(archive: Path) -> Iterator[Row]:
@@ -86,31 +91,94 @@ def growth_rows(archive: Path) -> Iterator[Row]:
         day, value = np.array(sound).T
         weeks = [value[day // WEEK_DAYS == week, None] for week in np.unique(day // WEEK_DAYS)]
         of = f"of {len(sound)} pairs, {len(found) - len(sound)} beyond {DAMAGED_SIGMA:g} sigma"
-        yield blocked_nees_row(1, f"TLE against a later one, along, {age:g} d", weeks, of)
+        yield nees_row(1, f"TLE against a later one, along, {age:g} d", weeks, of, LAPLACE)
 
 
-def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit], which: str) -> Iterator[Row]:
-    by_oem: dict[int, list[np.ndarray]] = defaultdict(list)
-    for tle, (number, oem) in product(tles, enumerate(oems)):
-        if elapsed_s(tle.epoch_utc, created(oem)) / DAY_S > OEM_AGE_MIN_DAYS:
-            normalised2 = _normalised2(oem, tle, tle, NEAR_EPOCH_DAYS)
-            if normalised2 is not None:
-                by_oem[number].append(normalised2)
-    # errors of one ephemeris at several ages are one error: each counts as one
-    ones = [np.mean(found, axis=0)[None, 1:2] for found in by_oem.values()]
-    cases = sum(map(len, by_oem.values()))
-    of = f"of {cases} cases, {len(by_oem)} ephemerides, 2 to 14 days"
-    yield blocked_nees_row(1, f"OEM against elements at their epoch, {which}, along", ones, of)
+def _oem_rows(tles: list[TleOrbit], oems: list[OemOrbit]) -> Iterator[Row]:
+    """Against elements at their epoch and younger ephemerides, the share by which its drag is wrong
+    found anew from all other ephemerides for each.
+    """
+    by_oem = [np.array(cases) for oem in oems if len(cases := _oem_cases(oem, tles, oems))]
+    squares = []
+    for number in range(len(by_oem)):
+        others = by_oem[:number] + by_oem[number + 1 :]
+        share = brentq(lambda share, o=others: _oem_nees(o, share).mean() - 1.0, 0.01, 2.0)
+        squares.append(_oem_nees(by_oem[number : number + 1], share))
+    share = brentq(lambda share: _oem_nees(by_oem, share).mean() - 1.0, 0.01, 2.0)
+    of = f"of {sum(map(len, by_oem))} cases; drag wrong by {share:.2f} of itself, of all"
+    left_out = [nees[:, None] for nees in squares]
+    yield nees_row(1, "OEM, its share from the others, along", left_out, of, LAPLACE)
+    told = [_oem_nees([cases], OEM_DRAG_WRONG)[:, None] for cases in by_oem]
+    yield nees_row(1, "OEM as told, along", told, f"of {sum(map(len, by_oem))} cases", LAPLACE)
+
+
+def _oem_cases(oem: OemOrbit, tles: list[TleOrbit], oems: list[OemOrbit]) -> list[np.ndarray]:
+    """Errors along the track squared, variances beside the drag's, and the drag's for a share of 1,
+    m2.
+    """
+    cases = []
+    for truth in (*tles, *oems):
+        epoch_utc = truth.epoch_utc if isinstance(truth, TleOrbit) else created(truth)
+        later_days = NEAR_EPOCH_DAYS if isinstance(truth, TleOrbit) else OEM_YOUNG_DAYS
+        age_days = elapsed_s(epoch_utc, created(oem)) / DAY_S + later_days
+        if age_days > OEM_AGE_MIN_DAYS and not _surprised(oem, oems, age_days):
+            found_m = differences(truth, oem, epoch_utc, later_days)
+            if len(found_m):
+                age_s, drag_m = np.array([age_days * DAY_S]), _drag_in_a_day_m(oem)
+                without = oem_sigma(age_s, 0.0).along_m[0] ** 2
+                without += _truth_along_m(truth, later_days) ** 2
+                cases.append(
+                    np.array([np.mean(found_m[:, 1] ** 2), without, (drag_m * age_days**2) ** 2])
+                )
+    return cases
+
+
+def _oem_nees(by_oem: list[np.ndarray], share: float) -> np.ndarray:
+    """Of each ephemeris: its errors at several ages are one."""
+    return np.array([np.mean(one[:, 0] / (one[:, 1] + share**2 * one[:, 2])) for one in by_oem])
+
+
+def _truth_along_m(truth: Orbit, age_days: float) -> float:
+    at_utc = created(truth) if isinstance(truth, OemOrbit) else truth.epoch_utc
+    at_utc = shifted_utc(at_utc, age_days * DAY_S)
+    ephemeris = truth.ephemeris(at_utc, shifted_utc(at_utc, 1.0))
+    return float(orbit_sigma(ephemeris, Instants(at_utc, np.zeros(1))).along_m[0])
+
+
+def _drag_in_a_day_m(oem: OemOrbit) -> float:
+    at_utc = created(oem)
+    return oem.ephemeris(at_utc, shifted_utc(at_utc, 1.0)).drag_in_a_day_m
+
+
+def _surprised(oem: OemOrbit, oems: list[OemOrbit], age_days: float) -> bool:
+    """Whether until then one of it and a younger ephemeris holds a burn that the other hasn't."""
+    mine_s = _burning_s(oem, created(oem))
+    end_s = age_days * DAY_S
+    for other in (one for one in oems if created(one) > created(oem)):
+        segment = other.message.segments[0]
+        first_s = elapsed_s(segment.epoch_utc, created(oem))
+        last_s = min(end_s, first_s + float(segment.t_s[-1]))
+        both = [
+            one[(one > max(first_s, 0.0)) & (one < last_s)]
+            for one in (mine_s, _burning_s(other, created(oem)))
+        ]
+        for one, two in (both, both[::-1]):
+            if any(not np.any(np.abs(two - at_s) < BURN_MOVED_S) for at_s in one):
+                return True
+    return False
+
+
+def _burning_s(oem: OemOrbit, epoch_utc: datetime) -> np.ndarray:
+    """Moments of burns, from an epoch on."""
+    segment = oem.message.segments[0]
+    burning_s = segment.t_s[:-1][np.diff(segment.t_s) < BURN_STEP_S]
+    return burning_s + elapsed_s(segment.epoch_utc, epoch_utc)
 
 
 def _burns(oems: list[OemOrbit], tle: TleOrbit, age_days: float) -> bool:
     """Whether an ephemeris holds a burn between the elements' epoch and then."""
-    for segment in (oem.message.segments[0] for oem in oems):
-        burning_s = segment.t_s[:-1][np.diff(segment.t_s) < BURN_STEP_S]
-        first_s = elapsed_s(tle.epoch_utc, segment.epoch_utc)
-        if np.any((burning_s > first_s) & (burning_s < first_s + age_days * DAY_S)):
-            return True
-    return False
+    since_s = np.concatenate([_burning_s(oem, tle.epoch_utc) for oem in oems])
+    return bool(np.any((since_s > 0.0) & (since_s < age_days * DAY_S)))
 
 
 def _normalised2(truth: Orbit, other: Orbit, tle: TleOrbit, age_days: float) -> np.ndarray | None:
@@ -164,4 +232,4 @@ def _state_rows(oems: list[OemOrbit]) -> Iterator[Row]:
     for k, lead_s in enumerate(STATE_LEADS_S):
         of = f"of {len(errors_m)}; the force model's part {model_rms_m[k, 1]:.1f} m along"
         what = f"state propagated {lead_s:.0f} s: radial, along, across"
-        yield blocked_nees_row(1, what, np.array_split(squares[:, k], len(oems)), of)
+        yield nees_row(1, what, np.split(squares[:, k], len(squares)), of)

@@ -16,7 +16,7 @@ from attitude import channel, held
 from orbit_age import created, read_oem_file, read_tles
 from scipy.spatial.transform import Rotation, Slerp
 from truth_orbits import ARCHIVE, HELD_OUT_MONTH, REBOOST_REV_DAY
-from truth_rows import Row, sigma_of_blocks, verdict
+from truth_rows import Row, share_row
 
 from planner.attitude import LvlhAttitude
 from planner.attitude.errors import MEAN_SIGMA_DEG
@@ -62,14 +62,9 @@ def rows(data: Path, sessions: int) -> Iterator[Row]:
         for edge in np.arange(BINS) / BINS:
             inside = (told >= edge) & (told <= edge + 1.0 / BINS)
             if inside.sum() >= LEAST:
-                apart = (kept - told)[:, None]
-                off = abs(np.mean(apart[inside], axis=0))
-                alike = [apart[inside & (orbits == orbit)] for orbit in np.unique(orbits[inside])]
-                is_met, why = verdict(np.maximum(off - GOAL, 0.0), sigma_of_blocks(alike))
-                seen = f"told {told[inside].mean():.3f}, kept {kept[inside].mean():.3f}"
-                of = f"of {inside.sum()} with {len(alike)} orbits{why}"
                 name = f"probability {edge:.1f}-{edge + 1.0 / BINS:.1f}, {what}"
-                yield Row(1, name, f"within {GOAL}", f"{seen} {of}", is_met)
+                sets = len(np.unique(orbits[inside]))
+                yield share_row(1, name, told[inside].mean(), kept[inside].mean(), sets, GOAL)
     likely = [b for b in budgets if b.probability_in_frame < LIKELY]
     warned = sum(b.warning(0) is not None for b in likely)
     yield Row(2, "likely misses that carry the warning", "all", f"{warned} of {len(likely)}",

@@ -4,15 +4,19 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import chi2, norm
 
 NEES_GOAL = (0.8, 1.3)
-FEW_SIGMA = 2.0  # by which a value may miss its goal for its number of blocks alone
+# A goal missed by less than this may be missed for the number of sets alone.
+FEW_SIGMA = 2.0
+GAUSS, LAPLACE = 2.0, 5.0  # variance of the square of an error of variance 1
 
 
 class Row(NamedTuple):
     """What a point of the table asks for and what was seen.
 
-    is_met: None where nothing is asked, or where the data are too few to tell.
+    is_met: None where nothing is asked, or where the goal is missed but a law that tells the truth
+    may well be seen so by as few independent sets.
     """
 
     point: int
@@ -22,41 +26,41 @@ class Row(NamedTuple):
     is_met: bool | None
 
 
-def nees_row(point: int, what: str, nees: float, of: str) -> Row:
-    """Mean squared error over the told variance, 1 where that is right."""
-    low, high = NEES_GOAL
-    is_met = bool(low <= nees <= high)
-    return Row(point, what, f"NEES {low}-{high}", f"{nees:.2f} {of}", is_met)
+def nees_row(
+    point: int, what: str, sets: Sequence[np.ndarray], of: str, spread: float = GAUSS
+) -> Row:
+    """NEES of each of m axes, of (k, m) squares of errors over their told sigma, in sets that are
+    independent: one satellite's elements, a stretch of telemetry.
 
-
-def blocked_nees_row(point: int, what: str, blocks: Sequence[np.ndarray], of: str) -> Row:
-    """NEES of each of m axes, of (k, m) squares of errors over their told sigma, in blocks of what
-    is alike: one satellite's elements, an hour of telemetry.
+    The sampling error is that of a law that tells the truth, one error a set.
     """
-    nees = np.mean(np.concatenate(blocks), axis=0)
-    sigma = sigma_of_blocks(blocks)
+    nees = np.mean(np.concatenate(sets), axis=0)
     low, high = NEES_GOAL
-    beyond = np.maximum(np.maximum(low - nees, nees - high), 0.0)
-    seen = ", ".join(f"{value:.2f}+-{off:.2f}" for value, off in zip(nees, sigma, strict=True))
-    is_met, why = verdict(beyond, sigma)
-    return Row(point, what, f"NEES {low}-{high}", f"{seen} {of}{why}", is_met)
+    by_number = np.sqrt(spread / len(sets))
+    freedom = len(sets) * GAUSS / spread
+    power = chi2.cdf(high * freedom, freedom) - chi2.cdf(low * freedom, freedom)
+    beyond = bool(np.any((nees < low) | (nees > high)))
+    doubtful = bool(np.all(np.abs(nees - 1.0) <= FEW_SIGMA * by_number))
+    values = ", ".join(f"{value:.2f}" for value in nees)
+    seen = f"{values} +-{by_number:.2f} {of}; {_sets(len(sets), power)}"
+    return Row(point, what, f"NEES {low}-{high}", seen, _verdict(beyond, doubtful))
 
 
-def sigma_of_blocks(blocks: Sequence[np.ndarray]) -> np.ndarray:
-    """Of the mean of all, by how much the blocks' own means differ; not finite of a single one."""
-    if len(blocks) < 2:
-        return np.full(blocks[0].shape[1:], np.inf)
-    means = [np.mean(block, axis=0) for block in blocks]
-    return np.asarray(np.std(means, axis=0, ddof=1) / np.sqrt(len(blocks)))
+def share_row(point: int, what: str, told: float, kept: float, sets: int, goal: float) -> Row:
+    """A told probability beside the share that was kept, of independent sets."""
+    by_number = np.sqrt(told * (1.0 - told) / sets)
+    power = 1.0 - 2.0 * norm.sf(goal / by_number)
+    off = abs(kept - told)
+    seen = f"told {told:.3f}, kept {kept:.3f} +-{by_number:.3f}; {_sets(sets, power)}"
+    is_met = _verdict(bool(off > goal), bool(off <= FEW_SIGMA * by_number))
+    return Row(point, what, f"within {goal}", seen, is_met)
 
 
-def verdict(beyond: np.ndarray, sigma: np.ndarray) -> tuple[bool | None, str]:
-    """Whether a goal is met, and why nothing can be told where its blocks are too few.
+def _verdict(beyond: bool, doubtful: bool) -> bool | None:
+    if not beyond:
+        return True
+    return None if doubtful else False
 
-    beyond: by how much values miss it; sigma: how well they are known.
-    """
-    if not np.any(beyond > 0.0):
-        return True, ""
-    if np.all(beyond <= FEW_SIGMA * sigma):
-        return None, "; too few to tell"
-    return False, ""
+
+def _sets(count: int, power: float) -> str:
+    return f"{count} independent, which show the truth so in {power:.0%}"

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from estimator.pipeline import VerticalEstimate
     from estimator.request import HorizonRequest
     from planner.campaigns import Campaign, CampaignRequest
-    from planner.flights.summary import PlanFlights
     from planner.export import FlightPlan
+    from planner.flights.summary import PlanFlights
     from planner.opportunities import Opportunities, OpportunityRequest
     from planner.scenario import Scenario
     from planner.sessions.plan import Plan
@@ -81,11 +81,11 @@ def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "
 def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
     """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
     from app.answers.view import view_json
-    from planner.platforms import HRC_PIXEL_ARCSEC
     from planner.view import view_plan
 
-    seen = view_plan(plan, step_s, HRC_PIXEL_ARCSEC)
-    told = view_json(seen, "", HRC_PIXEL_ARCSEC, verified=plan.verification.passed)
+    pixel_arcsec = plan.scenario.platform.camera.pixel_arcsec
+    seen = view_plan(plan, step_s, pixel_arcsec)
+    told = view_json(seen, "", pixel_arcsec, verified=plan.verification.passed)
     return columns_of(json.loads(told))
 
 

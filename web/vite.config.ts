@@ -1,10 +1,15 @@
 import { defineConfig } from "vite";
 
+import { cesium } from "./vite.cesium.ts";
+
+const OUT = "../app/http/page";
+
 // Addresses stay relative: the service sets <base>, so that the page works under a proxy's path.
 export default defineConfig({
   base: "./",
+  plugins: [cesium(OUT)],
   build: {
-    outDir: "../app/http/page",
+    outDir: OUT,
     emptyOutDir: true,
     assetsInlineLimit: 0, // fonts and pictures are files, as the content policy wants them
     modulePreload: { polyfill: false },

@@ -10,7 +10,6 @@ from app.requests.listings import listing_of_scenario
 from app.store.listing import Listing
 from planner.frames.time_scales import utc_text
 from planner.opportunities.ground_sample import sample_along_m
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
 from planner.sessions.plan import Plan
 from planner.verification import EarthFixedView
 
@@ -102,13 +101,14 @@ def _session_out(plan: Plan, number: int) -> SessionSummaryOut:
         best_elevation_deg=None if view is None else math.degrees(view.elevation_max_rad),
         best_at=None if view is None else utc_text(view.elevation_max_utc),
         probability_in_frame=None if budget is None else budget.probability_in_frame,
-        ground_sample_m=None if view is None else _ground_sample_m(view),
+        ground_sample_m=None
+        if view is None
+        else _ground_sample_m(view, plan.scenario.platform.camera.pixel_rad),
     )
 
 
-def _ground_sample_m(view: EarthFixedView) -> float | None:
+def _ground_sample_m(view: EarthFixedView, pixel_rad: float) -> float | None:
     """The carrier is nearest and highest at once, to a few metres of the range."""
-    pixel_rad = math.radians(HRC_PIXEL_ARCSEC / 3600.0)
     sine, range_m = np.array(math.sin(view.elevation_max_rad)), np.array(view.range_min_m)
     sample_m = float(sample_along_m(sine, range_m, pixel_rad))
     return None if math.isnan(sample_m) else sample_m

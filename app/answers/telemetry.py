@@ -17,7 +17,7 @@ from planner.telemetry.attitude import PointingParts
 from planner.telemetry.columns import AngleUnit, Kind, UnitFrom
 from planner.telemetry.compare import AxisComparison, Comparison
 from planner.telemetry.exceeded import Exceeded, Limit
-from planner.telemetry.following import Basis, ErrorSize, PhaseErrors
+from planner.telemetry.following import Basis, PhaseErrors
 from planner.telemetry.samples import Dropped
 
 _ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
@@ -358,17 +358,11 @@ def _phase(comparison: Comparison, phase: PhaseErrors) -> PhaseErrorsOut:
         kind=phase.kind,
         session=phase.session,
         samples=phase.error.samples,
-        **_sizes(phase.error),
+        rms_arcsec=_or_none(phase.error.rms_rad),
+        max_arcsec=_or_none(phase.error.max_rad),
+        mean_arcsec=_or_none(phase.error.mean_rad),
         **_span(comparison, phase.start_s, phase.stop_s),
     )
-
-
-def _sizes(error: ErrorSize) -> dict[str, float | None]:
-    sizes = {"rms": error.rms_rad, "max": error.max_rad, "mean": error.mean_rad}
-    return {
-        f"{name}_arcsec": _arcsec(size_rad) if error.samples else None
-        for name, size_rad in sizes.items()
-    }
 
 
 def _exceeded(comparison: Comparison, one: Exceeded) -> ExceededOut:
@@ -415,6 +409,11 @@ def _estimate(estimate: Estimate, decimals: int) -> EstimateOut:
 
 def _arcsec(angle_rad: float) -> float:
     return round(angle_rad * _ARCSEC_PER_RAD, 4) + 0.0
+
+
+def _or_none(angle_rad: float) -> float | None:
+    """None for NaN, of no samples."""
+    return None if math.isnan(angle_rad) else _arcsec(angle_rad)
 
 
 def _arcsecs(angle_rad: Sequence[float] | Array | None) -> list[float] | None:

@@ -88,10 +88,9 @@ def read_comparison_request(body: bytes) -> tuple[ComparisonRequest, SentSamples
     document = json_document(body)
     samples = document.get("samples") if isinstance(document, dict) else None
     if not isinstance(document, dict) or not isinstance(samples, dict):
-        request = _READER.read(body)
+        _READER.read(body)
         detail = "is required: t_s and columns; or send CSV by multipart, as the part samples"
-        if request.samples is None:
-            raise InvalidRequest(FieldError(field="samples", detail=detail))
+        raise InvalidRequest(FieldError(field="samples", detail=detail))
     sent = {name: samples[name] for name in samples if name != "epoch"}
     rest = {name: samples[name] for name in samples if name == "epoch"}
     request = _READER.read(json.dumps(document | {"samples": rest}).encode())

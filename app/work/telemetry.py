@@ -74,7 +74,8 @@ def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:
         for name, value in sent.samples.columns.items()
     )
     _require_each_once(columns, names)
-    t_s, notes = sent.samples.t_s, ()
+    notes: tuple[str, ...] = ()
+    t_s = sent.samples.t_s
     if t_s is None:
         t_s, notes = utc_seconds(sent.samples.utc, since_utc)
     return Samples(epoch_utc=since_utc, t_s=t_s, columns=columns, notes=notes)

@@ -8,7 +8,9 @@ import numpy as np
 from horizon_cases import camera
 
 from estimator.camera import HorizonCamera
+from estimator.limb.geometry import Limb
 from planner.arrays import Array
+from planner.frames.geodesy import WGS84_A_M, WGS84_B_M, itrf_from_geodetic
 
 RADIUS_M = 6371e3
 AZIMUTHS = 4000
@@ -127,3 +129,21 @@ def printed_circle(axis: Array, corrected: bool) -> Array:
             -(third * np.cos(t) + b * c * np.sin(t) / abc) / ac,
         ]
     )
+
+
+def geodetic_deg() -> float:
+    """Most that geodetic and geocentric nadir differ at 500 km."""
+    latitudes = np.deg2rad(np.arange(30.0, 61.0, 1.0))
+    limbs = [Limb(itrf_from_geodetic(at, 0.0, 500e3), WGS84_A_M, WGS84_B_M) for at in latitudes]
+    sines = [np.linalg.norm(np.cross(one.nadir_itrf, one.nadir_geodetic_itrf)) for one in limbs]
+    return float(np.rad2deg(np.arcsin(max(sines))))
+
+
+def points_needed() -> int:
+    """Fewest rays d with d.n = sin(dip) that leave n and the dip no freedom but n's length."""
+    rays = limb_rays(tilted_nadir(5.0, 3.0), 500e3)
+    for count in range(1, 6):
+        some = rays[:: len(rays) // count][:count]
+        if np.linalg.matrix_rank(np.column_stack([some, -np.ones(count)])) == 3:
+            return count
+    raise ValueError("five rays don't fix the nadir")

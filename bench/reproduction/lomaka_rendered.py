@@ -13,7 +13,7 @@ import numpy as np
 from horizon_cases import ring
 from scipy.spatial.transform import Rotation
 
-from estimator.pipeline import VerticalEstimate, estimate_vertical
+from estimator.pipeline import estimate_vertical
 from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import HorizonRenderer, Scene
 from estimator.rendering.sensor import Sensor
@@ -59,14 +59,28 @@ def error_map() -> Array:
     return np.array([[errors_deg(pitch, yaw) for pitch in MAP_DEG] for yaw in MAP_DEG])
 
 
+class RealAir(NamedTuple):
+    """On frames with real air: mean height of the limb found, km, and rms errors, deg."""
+
+    limb_km: float
+    unit_rays: float
+    estimator: float
+
+
 @lru_cache(maxsize=1)
-def real_air() -> tuple[VerticalEstimate, float]:
-    """The estimator's answer on a frame with real air, and its error, deg."""
-    request, images, truth = frames(3.0, -2.0, REAL, Sensor(colour=True))
-    answer = estimate_vertical(images, request)
-    if answer.geocentric is None:
-        raise RuntimeError(f"no vertical in a plain daylight frame: {answer.reason}")
-    return answer, _off_deg(answer.geocentric.nadir_body, truth)
+def real_air() -> RealAir:
+    """What the estimator and the paper's method make of four frames with real air."""
+    heights_km, errors = [], []
+    for pitch, yaw in ((3.0, -2.0), (-7.0, 5.0), (8.0, 8.0), (-4.0, -9.0)):
+        request, images, truth = frames(pitch, yaw, REAL, Sensor(colour=True))
+        answer = estimate_vertical(images, request)
+        if answer.geocentric is None or answer.limb_height_m is None:
+            raise RuntimeError(f"no vertical in a plain daylight frame: {answer.reason}")
+        heights_km.append(answer.limb_height_m / 1e3)
+        found = (paper_nadir(images, request.cameras, True), answer.geocentric.nadir_body)
+        errors.append([_off_deg(nadir, truth) for nadir in found])
+    unit_rays, estimator = np.sqrt(np.mean(np.square(errors), axis=0))
+    return RealAir(float(np.mean(heights_km)), float(unit_rays), float(estimator))
 
 
 def frames(

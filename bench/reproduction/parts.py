@@ -23,7 +23,9 @@ PARTS = (
     "sumarokov_modes",
     "lomaka_vertical",
     "lomaka_experiment",
+    "platonov_spacecraft",
     "platonov_imaging",
+    "platonov_laws",
 )
 
 

@@ -129,7 +129,9 @@ def settling(name: str, dispersed: bool) -> Settling:
     for one in runs:
         log = fly(name, one)
         needed.append([settled_after_s(log, row, windows[k].last_row - 1) for row, k in goals])
-        errors = [log.rate_error_rad_s[windows[k].first_row : windows[k].last_row - 1] for _, k in goals]
+        errors = [
+            log.rate_error_rad_s[windows[k].first_row : windows[k].last_row - 1] for _, k in goals
+        ]
         worst.append([np.rad2deg(np.abs(error).max()) for error in errors])
         late.append([np.rad2deg(np.abs(e[-round(5 * STRIP_S) :]).max()) for e in errors])
     return Settling(

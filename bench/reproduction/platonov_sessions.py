@@ -12,7 +12,6 @@ from datetime import timedelta
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
 from scipy.spatial.transform import Rotation
 from spacecraft_cases import EPOCH, local_axes, positions, sun_synchronous
 from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states

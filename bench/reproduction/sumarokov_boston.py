@@ -12,7 +12,7 @@ from planner.commands import ROWS_PER_S
 from planner.export.table_states import TableStates, table_states
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.time_scales import elapsed_s
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
+from planner.platforms.camera import HRC_PIXEL_ARCSEC
 from planner.targets import VisibleTarget
 from planner.targets.ground import GroundTarget
 from planner.targets.ground_moving import MovingGroundTarget

@@ -7,8 +7,8 @@ import numpy as np
 
 from planner.commands import COMMAND_STEP_S
 from planner.opportunities.ground_sample import sample_along_m
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
 from planner.platforms import ISS_HRC
+from planner.platforms.camera import HRC_PIXEL_ARCSEC
 from planner.platforms.two_axis import HRC_FRAME_HALF_RAD
 from reproduction.example_plans import LAS_VEGAS, view_of
 from reproduction.statements import Picture, Statement, holds, judge

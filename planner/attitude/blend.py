@@ -18,7 +18,7 @@ from planner.attitude.extrapolation import (
     Extrapolation,
     fit_extrapolation,
 )
-from planner.attitude.manoeuvre import last_manoeuvre_end
+from planner.attitude.manoeuvre import last_change
 
 LEADS_S = 150.0 * 2.0 ** np.arange(8)  # to beyond three orbits
 LEAST_S = 4.0 * TAIL_S  # of history
@@ -40,7 +40,7 @@ class Blend:
     extrapolations: k of them, all from the history's last row.  weights: (m, k), each row's sum
     is 1.  error_rms_body_rad: (m, 3), of the blend about each body axis, on the tail; beyond
     tried_s as it grows by the descriptions' own laws.  first_row: of the history, from which on
-    it was used; what is older holds a manoeuvre.
+    it was used; before, a manoeuvre began or ended.
     """
 
     extrapolations: tuple[Extrapolation, ...]
@@ -87,7 +87,7 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
             f"the history is only {t_s[-1] - t_s[0]:.0f} s long; at least {LEAST_S:.0f} s are "
             "needed to try an extrapolation on its tail"
         )
-    first_row = last_manoeuvre_end(t_s, q_body_from_lvlh)
+    first_row = last_change(t_s, q_body_from_lvlh)
     if t_s[-1] - t_s[first_row] < LEAST_S:
         first_row = 0
     t_s, q_body_from_lvlh = t_s[first_row:], q_body_from_lvlh[first_row:]

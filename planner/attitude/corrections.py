@@ -2,9 +2,9 @@
 
 The error is taken as a lasting turn, a swing at the orbital rate and a rest, each about every
 body axis and of the size the law itself tells: the measurements condition these.  A Gaussian
-process: the swing's amplitude and phase follow from it, and are forgotten over days, the rest is
-within minutes.
-Source: Rasmussen and Williams 2006, eq. 2.23-2.24; the rest's kernel is their eq. 4.19.
+process: the swing's amplitude and phase follow from it, and are forgotten over days as the orbital
+period is not known better; the rest is within minutes.
+Source: Rasmussen and Williams 2006, eq. 2.23-2.24.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,16 +17,13 @@ import numpy as np
 from pydantic import Field
 
 from planner.arrays import Array
-from planner.attitude.errors import REST_RAD, AttitudeErrors
+from planner.attitude.errors import AttitudeErrors, alike
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, elapsed_s, tai_us, utc_text
 from planner.spec import Within, spec
 
 CORRECTIONS_MAX = 100
-# By maximum likelihood on ISS telemetry (bench/attitude_figures.py).  A swing never forgotten does
-# best, but only just.
-SWING_MEMORY_S = 300_000.0
-REST_MEMORY_S = 400.0
+PERIOD_SIGMA = 0.003  # of the orbital period: the ISS's is 5,545 to 5,577 s
 CONTRADICTS_SIGMA = 5.0
 _MODES = 6
 _AT_A_TIME = 4096  # instants, for the memory they take
@@ -116,7 +113,8 @@ class Correction:
             np.zeros(3),
             f"{told.basis}; corrected by {_number(self.measured)}, the last of {last}",
             "a correction nearer to the session",
-            modes_body_rad,
+            np.zeros(3),
+            modes_body_rad=modes_body_rad,
         )
 
     def warning(self, instants: Instants) -> str:
@@ -133,9 +131,11 @@ class _Told:
 
     def __init__(self, errors: AttitudeErrors, instants: Instants) -> None:
         self.errors, self.instants = errors, instants
-        self._sigma_rad = np.broadcast_to(errors.sigma_body_rad, (len(instants), 3))
-        # REST_RAD of sigma is soon forgotten, or most of it where it is less; this share lasts.
-        self._share = self._sigma_rad / np.hypot(self._sigma_rad, REST_RAD)
+        shape = len(instants), 3
+        self._sigma_rad = np.broadcast_to(errors.sigma_body_rad, shape)
+        self._forgotten_rad = np.broadcast_to(errors.forgotten_body_rad, shape)
+        lasting_rad2 = self._sigma_rad**2 - self._forgotten_rad**2
+        self._lasting_rad = np.sqrt(np.maximum(lasting_rad2, 0.0))
 
     @property
     def variance_rad2(self) -> Array:
@@ -146,23 +146,21 @@ class _Told:
         """With the error at k other instants, about each axis: (3, n, k)."""
         t_s = self.instants.since_s(other.instants.epoch_utc)
         apart_s = t_s[:, None] - other.instants.t_s
-        swing = np.cos(2.0 * np.pi / period_s * apart_s) * np.exp(
-            -0.5 * (apart_s / SWING_MEMORY_S) ** 2
-        )
+        phase_rad = 2.0 * np.pi / period_s * apart_s
+        swing = np.cos(phase_rad) * np.exp(-0.5 * (PERIOD_SIGMA * phase_rad) ** 2)
         swing_rad2 = np.multiply.outer(self.errors.swing_rms_body_rad**2, swing)
-        rest = 1.0 / (1.0 + 0.5 * (apart_s / REST_MEMORY_S) ** 2)
-        rest_rad2 = np.multiply.outer(REST_RAD**2, rest)
-        shares = np.einsum("na,ka->ank", self._share, other._share)
-        return np.asarray(swing_rad2 + shares * (rest_rad2 + self._lasting_rad2(other)))
+        forgotten_rad2 = np.einsum("na,ka->ank", self._forgotten_rad, other._forgotten_rad)
+        forgotten_rad2 *= alike(apart_s, self.errors.memory_s)
+        lasting_rad2 = np.einsum("pna,pka->ank", self._lasting_parts_rad, other._lasting_parts_rad)
+        return np.asarray(swing_rad2 + forgotten_rad2 + lasting_rad2)
 
-    def _lasting_rad2(self, other: "_Told") -> Array:
-        """Of known parts; of unknown ones as of an error that grows by news."""
-        if len(self.errors.parts_body_rad):
-            parts = self.errors.parts_body_rad, other.errors.parts_body_rad
-            return np.asarray(np.einsum("pna,pka->ank", *parts))
-        mine, others = (one._sigma_rad.T**2 for one in (self, other))
-        sums = mine[:, :, None] + others[:, None, :]
-        return 2.0 * mine[:, :, None] * others[:, None, :] / np.maximum(sums, _TINY)
+    @cached_property
+    def _lasting_parts_rad(self) -> Array:
+        """What lasts, each part times a number of its own, (p, n, 3)."""
+        if not len(self.errors.parts_body_rad):
+            return self._lasting_rad[None]
+        share = self._lasting_rad / np.maximum(self._sigma_rad, _TINY)
+        return np.asarray(self.errors.parts_body_rad * share)
 
 
 class _Measurements:

@@ -11,9 +11,10 @@ from planner.spec import Within, spec
 # The vehicle's two attitude solutions in the telemetry of 2018-10-12 are 138 arcsec apart.
 KNOWLEDGE_RAD = np.deg2rad(138.0 / 3600.0) / np.sqrt(6.0)
 MEAN_SIGMA_DEG = 0.05
-# What is left of the ISS's motion about body x, y, z beside mean and swing, as REST_MEMORY_S of
-# corrections.py has it.
-REST_RAD = np.deg2rad([0.0095, 0.017, 0.007])
+# What is left of the ISS's motion about body x, y, z beside mean and swing, and how long it stays
+# `alike`: the likeliest on the telemetry of 2018-10-12 (bench/attitude_figures.py).
+REST_RAD = np.deg2rad([0.0084, 0.0191, 0.0071])
+REST_MEMORY_S = 500.0
 _TurnDeg = Annotated[float, Within(0.0, 180.0)]
 
 
@@ -41,8 +42,10 @@ class AttitudeErrors:
     swing_rms_body_rad: (3,), of sinusoids at the orbital rate whose phases are unknown.
     modes_body_rad: (m, n, 3), instead of sigma_body_rad where there are any: independent errors,
     each a turn over the n instants.
+    forgotten_body_rad: (n, 3) or (3,), what of sigma_body_rad doesn't last: it is `alike` within
+    memory_s.  The rest of it stays for good.
     parts_body_rad: (k, n, 3), what sigma_body_rad is the root of the squares of, where that is
-    known: each times a number of its own that stays the same for good.
+    known: each times a number of its own.
     basis: on what evidence.  better: what would make them smaller.
     """
 
@@ -50,6 +53,8 @@ class AttitudeErrors:
     swing_rms_body_rad: Array
     basis: str
     better: str
+    forgotten_body_rad: Array
+    memory_s: float = REST_MEMORY_S
     modes_body_rad: Array = field(default_factory=lambda: np.zeros((0, 1, 3)))
     parts_body_rad: Array = field(default_factory=lambda: np.zeros((0, 1, 3)))
 
@@ -68,10 +73,29 @@ class AttitudeErrors:
             self.swing_rms_body_rad if swing_deg is None else np.deg2rad(swing_deg),
             basis,
             better,
+            self.forgotten_body_rad if sigma_deg is None else soon_forgotten(np.deg2rad(sigma_deg)),
+            self.memory_s if sigma_deg is None else REST_MEMORY_S,
             parts_body_rad=self.parts_body_rad if sigma_deg is None else np.zeros((0, 1, 3)),
         )
 
 
-def known_errors(sigma_body_rad: Array, basis: str, better: str) -> AttitudeErrors:
-    """Of a law that follows the swing itself; the vehicle's knowledge added."""
-    return AttitudeErrors(np.hypot(KNOWLEDGE_RAD, sigma_body_rad), np.zeros(3), basis, better)
+def known_errors(
+    measured_body_rad: Array, basis: str, better: str, memory_s: float = REST_MEMORY_S
+) -> AttitudeErrors:
+    """Of a law that follows the swing itself; the vehicle's knowledge, which lasts, added."""
+    sigma_body_rad = np.hypot(KNOWLEDGE_RAD, measured_body_rad)
+    return AttitudeErrors(sigma_body_rad, np.zeros(3), basis, better, measured_body_rad, memory_s)
+
+
+def soon_forgotten(sigma_body_rad: Array) -> Array:
+    """REST_RAD of an error, or most of it where it is less."""
+    return np.asarray(REST_RAD * sigma_body_rad / np.hypot(sigma_body_rad, REST_RAD))
+
+
+def alike(apart_s: Array, memory_s: float) -> Array:
+    """Correlation of what is forgotten.
+
+    Source: Rasmussen and Williams 2006, eq. 4.17, the Matern class with nu = 5/2.
+    """
+    x = np.sqrt(5.0) / memory_s * np.abs(apart_s)
+    return np.asarray((1.0 + x + x**2 / 3.0) * np.exp(-x))

@@ -46,9 +46,7 @@ class Description:
 
         A rate that changes steadily errs by the square; an attitude held stays within the swing.
         """
-        if self.terms or self.is_dying:
-            return 1.5
-        return 2.0 if self.has_rate else 0.75
+        return 2.0 if self.has_rate and not self.is_dying else 1.5
 
 
 DESCRIPTIONS = (

@@ -23,6 +23,9 @@ from planner.spec import spec
 HISTORY_ORBITS = 5.0
 ROW_STEP_S = 10.0
 LEAD_MAX_S = 6.0 * 3600.0
+# Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
+# (bench/attitude_figures.py).
+ERROR_MEMORY_S = 1250.0
 
 
 @spec
@@ -97,11 +100,12 @@ class HarmonicAttitude(CorrectableAttitude):
         if not self.carried_on.first_row:
             return (self.choice_at(lead_s),)
         t_s, _ = self._history
-        end_utc = shifted_utc(self.segments[-1].epoch_utc, float(t_s[self.carried_on.first_row]))
+        change_utc = shifted_utc(self.segments[-1].epoch_utc, float(t_s[self.carried_on.first_row]))
         return (
             self.choice_at(lead_s),
-            f"the attitude history holds a manoeuvre, which ended about {utc_text(end_utc)}; "
-            "what is older is not used",
+            f"the attitude history holds a manoeuvre, which ended or began about "
+            f"{utc_text(change_utc)}; what is older is not used, and nothing foretells when a "
+            "manoeuvre ends",
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
@@ -111,6 +115,7 @@ class HarmonicAttitude(CorrectableAttitude):
             self.carried_on.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit",
             "a history that ends nearer to the session",
+            ERROR_MEMORY_S,
         )
 
     def q_law_body_from_eci(self, instants: Instants, states: OrbitStates) -> Rotation:

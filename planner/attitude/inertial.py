@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.correctable import CorrectableAttitude
-from planner.attitude.errors import KNOWLEDGE_RAD, AttitudeErrors
+from planner.attitude.errors import KNOWLEDGE_RAD, AttitudeErrors, soon_forgotten
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
@@ -90,12 +90,14 @@ class InertialAttitude(CorrectableAttitude):
         parts_rad = self._error_parts_body_rad(instants.since_s(self.epoch))
         known_rad = np.full_like(parts_rad[:1], KNOWLEDGE_RAD)
         parts_rad = np.concatenate([parts_rad, known_rad])
+        sigma_rad = np.linalg.norm(parts_rad, axis=0)
         return AttitudeErrors(
-            np.linalg.norm(parts_rad, axis=0),
+            sigma_rad,
             np.zeros(3),
             "measured: the constant body rate on ISS telemetry in torque equilibrium "
             "(bench/truth.py)",
             "attitude and rate nearer to the session, or a longer history (law harmonic)",
+            soon_forgotten(sigma_rad),
             parts_body_rad=parts_rad,
         )
 

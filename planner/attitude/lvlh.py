@@ -19,7 +19,7 @@ from planner.spec import Within, spec
 
 # Rms of the sinusoid at the orbital rate in which the ISS swings about its mean in torque
 # equilibrium on 2018-10-12, about body x, y, z (bench/attitude_figures.py).
-SWING_RMS_BODY_RAD = np.deg2rad([0.236, 0.013, 0.007])
+SWING_RMS_BODY_RAD = np.deg2rad([0.238, 0.011, 0.006])
 
 
 @spec
@@ -60,4 +60,5 @@ class LvlhAttitude(CorrectableAttitude):
             "measured: the ISS's swing about its mean attitude in torque equilibrium, of unknown "
             f"phase; the mean itself is assumed right to {MEAN_SIGMA_DEG:g} deg an axis",
             "the carrier's attitude telemetry (law harmonic)",
+            REST_RAD,
         )

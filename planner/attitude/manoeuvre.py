@@ -1,4 +1,4 @@
-"""When the last manoeuvre in an attitude history ended."""
+"""Since when an attitude history goes on as it does now: a manoeuvre ended or began before."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -13,13 +13,13 @@ MANOEUVRE_RATIO = 6.0
 NOISE_RAD = np.deg2rad(0.02)  # below, turns say nothing
 
 
-def last_manoeuvre_end(t_s: Array, q_body_from_lvlh: Rotation) -> int:
-    """The first row of the history after its last manoeuvre; 0 where it holds none.
+def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> int:
+    """The first row of the history after a manoeuvre's end or begin; 0 where it holds none.
 
     t_s: shape (n,), increasing.
-    A manoeuvre turns the body against LVLH in five minutes by six times what it does in the last
-    quarter of an hour.  One that still goes on, or ended minutes ago, isn't told from a motion
-    that was always there.
+    A manoeuvre turns the body against LVLH in five minutes by six times what it did, or does, in a
+    quarter of an hour without.  One that began or ended minutes ago isn't told from a motion that
+    was always there.
     """
     after = np.searchsorted(t_s, t_s + STEP_S)
     first = np.flatnonzero(after < len(t_s))
@@ -29,9 +29,11 @@ def last_manoeuvre_end(t_s: Array, q_body_from_lvlh: Rotation) -> int:
     turn_rad = (q_body_from_lvlh[after] * q_body_from_lvlh[first].inv()).magnitude()
     turn_rad *= STEP_S / (t_s[after] - t_s[first])
     turn_rad = np.maximum(turn_rad, NOISE_RAD)
-    present = t_s[after] > t_s[-1] - PRESENT_S
-    if not present.any():
-        return 0
-    usual_rad = np.sqrt(np.mean(turn_rad[present] ** 2))
-    manoeuvring = np.flatnonzero(turn_rad > MANOEUVRE_RATIO * usual_rad)
-    return int(after[manoeuvring[-1]]) if len(manoeuvring) else 0
+    oldest = np.searchsorted(t_s[after], t_s[after] - PRESENT_S, side="right")
+    sums = np.concatenate([[0.0], np.cumsum(turn_rad**2)])
+    rows = np.arange(len(after)) + 1
+    usual_rad = np.sqrt((sums[rows] - sums[oldest]) / (rows - oldest))
+    faster = turn_rad > MANOEUVRE_RATIO * usual_rad[-1]
+    slower = usual_rad * MANOEUVRE_RATIO < usual_rad[-1]
+    other = np.flatnonzero(faster | slower)
+    return int(after[other[-1]]) if len(other) else 0

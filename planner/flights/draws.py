@@ -48,7 +48,7 @@ class Draw:
 
 _MEMBERS = {
     ORBIT: ("orbit_scores", "along_laplace_score"),
-    ATTITUDE: ("attitude_scores", "phase_rad"),
+    ATTITUDE: ("attitude_scores", "phase_rad", "swing_share"),
     EARTH: ("earth_score",),
     CLOCK: ("clock_score",),
     DRIVE: ("drive",),

@@ -1,6 +1,7 @@
 """Which of a camera's frames hold the target, and how sharp they are."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,16 @@ class Frames:
     error_rad: Array
     smear_px: Array
     share: Array
+
+    @classmethod
+    def joined(cls, blocks: Sequence["Frames"]) -> "Frames":
+        """One after the other."""
+        return cls(
+            **{
+                name: np.concatenate([getattr(block, name) for block in blocks])
+                for name in cls.__dataclass_fields__
+            }
+        )
 
     @property
     def holds(self) -> Mask:
@@ -71,8 +82,8 @@ def frames_of(
     """
     seen_platform = los_platform - cross(structure_rad, los_platform)
     place = places_in_frame(platform, angle_rad, seen_platform).reshape(*at_s.shape, 2)
-    ways = place @ _WAY
     with np.errstate(invalid="ignore"):  # of what is behind the camera
+        ways = place @ _WAY
         extent = np.max(ways.max(axis=1) - ways.min(axis=1), axis=1)
     half = np.tan(platform.frame_half_rad)
     return Frames(

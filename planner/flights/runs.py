@@ -13,6 +13,7 @@ from planner.flights.frames import Frames, frames_of
 from planner.flights.scene import Seen, SessionScene
 
 FRAMES_COMPARED = 11  # of a session, for the causes' shares: errors change slowly, as the budget's
+FRAMES_AT_ONCE = 4000  # 60 MB
 GEOMETRY = tuple(cause for cause in CAUSES if cause != DRIVE)
 
 
@@ -172,14 +173,20 @@ def _half_squares(one_px: tuple[Array, Array], other_px: tuple[Array, Array]) ->
 
 
 def _frames(scene: SessionScene, motion: Motion, seen: Seen, at_s: Array) -> Frames:
-    flown_s = at_s.ravel() - scene.from_s
-    return frames_of(
-        scene.scenario.platform,
-        at_s,
-        _at(flown_s, motion.t_s, motion.angle_rad),
-        _at(flown_s, motion.t_s, motion.structure_rad),
-        seen.directions_platform(at_s),
-    )
+    blocks = []
+    for first in range(0, len(at_s), FRAMES_AT_ONCE):
+        block_s = at_s[first : first + FRAMES_AT_ONCE]
+        flown_s = block_s.ravel() - scene.from_s
+        blocks.append(
+            frames_of(
+                scene.scenario.platform,
+                block_s,
+                _at(flown_s, motion.t_s, motion.angle_rad),
+                _at(flown_s, motion.t_s, motion.structure_rad),
+                seen.directions_platform(block_s),
+            )
+        )
+    return blocks[0] if len(blocks) == 1 else Frames.joined(blocks)
 
 
 def _at(t_s: Array, known_s: Array, angle_rad: Array) -> Array:

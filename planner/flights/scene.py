@@ -22,7 +22,7 @@ from planner.sessions.uncertainty import CLOCK_S
 from planner.targets import VisibleTarget
 
 NODE_S = 1.0  # between directions that are found; in between they are interpolated
-POINTS = 6  # by a polynomial through so many: good to 1e-6 arcsec on a 400 km pass
+POINTS = 6  # by a polynomial through so many: good to 3e-5 arcsec on a 400 km pass
 LEAD_S = 10.0  # flown before a session, for the drives to be at work when it begins
 
 

@@ -14,13 +14,15 @@ MEASURED_TLE = (
     "ones for the growth, by the drag in the elements; reboosts excluded (bench/truth.py)"
 )
 MEASURED_OEM = (
-    "growth measured on two ISS ephemerides of February 2022 (bench/truth.py); "
-    "20, 50, 20 m at its creation assumed"
+    "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each (bench/truth.py); "
+    "20, 50, 40 m at its creation assumed"
 )
 ASSUMED_STATE = (
     "10 m and 0.01 m/s at the state's epoch assumed, as of a GNSS receiver; "
     "the force model's growth measured (bench/truth.py)"
 )
+# The air foretold is wrong by so much of itself, rms of ten ephemerides.
+OEM_DRAG_WRONG = 0.2
 DRAG_LEAST_IN_A_DAY_M = 1200.0  # the air varies, however little of it the elements tell
 _RATE_RAD_S = 2.0 * np.pi / 5560.0  # the ISS's, whose figures these are
 _STATE_M, _STATE_M_S = 10.0, 0.01
@@ -30,8 +32,7 @@ _STATE_M, _STATE_M_S = 10.0, 0.01
 class OrbitSigma:
     """1-sigma errors along radial, along-track and cross-track, each shape (n,).
 
-    Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures; drag makes
-    the growth along the track of an ephemeris vary by a factor of three with solar activity.
+    Of a prediction free of manoeuvres the source didn't know of.  The ISS's figures.
     basis: on what evidence.  better: what would make them smaller.
     is_along_laplace: whether the error along the track is rather Laplace's than Gauss's.
     """
@@ -50,7 +51,7 @@ def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
     if ephemeris.kind == "tle":
         return tle_sigma(age_s, ephemeris.drag_in_a_day_m)
     if ephemeris.kind == "oem":
-        return oem_sigma(age_s)
+        return oem_sigma(age_s, ephemeris.drag_in_a_day_m)
     return state_sigma(age_s, paper_model=isinstance(ephemeris, PaperEphemeris))
 
 
@@ -64,10 +65,7 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
     days = age_s / DAY_S
     drag_m = max(abs(drag_in_a_day_m), DRAG_LEAST_IN_A_DAY_M) * days**0.6  # per day
     return OrbitSigma(
-        # What drifts along the track has another radius, by 2/3 of the drift in a radian.
-        radial_m=np.sqrt(
-            150.0**2 + (60.0 * days) ** 2 + (1.07 * drag_m / (DAY_S * _RATE_RAD_S)) ** 2
-        ),
+        radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(1.6 * drag_m) ** 2),
         along_m=np.hypot(1200.0, drag_m * days),
         cross_m=np.hypot(400.0, 190.0 * days),
         basis=MEASURED_TLE,
@@ -76,16 +74,28 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
     )
 
 
-def oem_sigma(age_s: Array) -> OrbitSigma:
-    """Of an operator's ephemeris, this long after it was made."""
+def oem_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
+    """Of an operator's ephemeris, this long after it was made.
+
+    drag_in_a_day_m: how far along the track the drag in it takes the satellite in a day.  The
+    operator's forecast of the air stays wrong by the same share, so the error grows as drag does.
+    It is the cause of the elements' error, too, and as often small.
+    """
     days = age_s / DAY_S
+    drag_m = OEM_DRAG_WRONG * drag_in_a_day_m * days  # per day
     return OrbitSigma(
-        radial_m=np.hypot(20.0, 12.0 * days),
-        along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + (550.0 * days**2) ** 2),
-        cross_m=np.hypot(20.0, 12.0 * days),
+        radial_m=np.hypot(20.0, _radial_m(2.0 * drag_m)),
+        along_m=np.sqrt(50.0**2 + (1000.0 * days) ** 2 + (drag_m * days) ** 2),
+        cross_m=np.hypot(40.0, 8e-4 * drag_m * days),  # the node turns at another rate
         basis=MEASURED_OEM,
         better="a younger ephemeris",
+        is_along_laplace=True,
     )
+
+
+def _radial_m(drift_m_day: Array) -> Array:
+    """What drifts along the track has another radius, by 2/3 of the drift in a radian."""
+    return np.asarray(drift_m_day / (1.5 * DAY_S * _RATE_RAD_S))
 
 
 def state_sigma(age_s: Array, *, paper_model: bool) -> OrbitSigma:

@@ -21,6 +21,7 @@ from planner.orbits.cell_defects import (
     smooth_arcs,
     strongest_push,
 )
+from planner.orbits.decay import drag_in_a_day_m
 from planner.orbits.ephemeris import EDGE_S, Ephemeris, OrbitStates
 from planner.orbits.hermite import hermite, hermite_error_m
 from planner.spec import spec
@@ -79,8 +80,13 @@ class OemOrbit:
             start_utc=start_utc,
             stop_utc=stop_utc,
             warnings=tuple(dict.fromkeys(warning for arc in arcs for warning in arc.warnings)),
+            drag_in_a_day_m=self._drag_in_a_day_m,
             arcs=tuple(arcs),
         )
+
+    @cached_property
+    def _drag_in_a_day_m(self) -> float:
+        return drag_in_a_day_m(self.message.segments)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """The platforms known by name."""
 
-from planner.platforms.camera import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, Camera
+from planner.platforms.camera import PIXELS_ARCSEC, Camera
 from planner.platforms.carrier_mode import CarrierMode
 from planner.platforms.choice import PLATFORMS, Platform
 from planner.platforms.definition import AngleDeg, AxisDefinition, JerkDegS3, PlatformDefinition
@@ -10,7 +10,6 @@ from planner.platforms.iss_hrc import ISS_HRC
 from planner.platforms.two_axis import AxisLimits, ParkPosition, StructuralMode, TwoAxisPlatform
 
 __all__ = [
-    "HRC_PIXEL_ARCSEC",
     "IDEAL_DRIVE",
     "ISS_HRC",
     "PIXELS_ARCSEC",

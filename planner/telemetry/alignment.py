@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Indices
 from planner.telemetry.columns import Kind
 from planner.telemetry.motion import PlannedMotion
 
@@ -88,10 +88,10 @@ class Alignment:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """values: offset, drift, then each channel's own.  covariance: of them."""
+    """parameters: offset, drift, then each channel's own.  covariance_parameters: of them."""
 
-    values: Array
-    covariance: Array
+    parameters: Array
+    covariance_parameters: Array
 
 
 def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alignment:
@@ -103,8 +103,8 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
 
 def _with_lags(channels: Sequence[Channel], fit: _Fit, axes: int) -> Alignment:
     """The axes one by one: a drive may be late and never early."""
-    offset, drift = fit.values[:2]
-    sigma_s, drift_sigma = np.sqrt(np.diag(fit.covariance)[:2])
+    offset, drift = fit.parameters[:2]
+    sigma_s, drift_sigma = np.sqrt(np.diag(fit.covariance_parameters)[:2])
     late: list[Estimate | None] = []
     for axis in range(axes):
         own = [channel for channel in channels if channel.motion.axis == axis]
@@ -126,86 +126,90 @@ def _with_lags(channels: Sequence[Channel], fit: _Fit, axes: int) -> Alignment:
 def _late(own: Sequence[Channel], fit: _Fit) -> Estimate:
     """Against the offset of all, their drift taken as it is."""
     fixed = [
-        replace(channel, tag_s=(channel.tag_s - fit.values[0]) / (1.0 + fit.values[1]))
+        replace(channel, tag_s=(channel.tag_s - fit.parameters[0]) / (1.0 + fit.parameters[1]))
         for channel in own
     ]
     alone = _fit(fixed, 0.0, drift_sigma=1e-12)
-    return Estimate(float(alone.values[0]), float(np.sqrt(alone.covariance[0, 0])))
+    return Estimate(float(alone.parameters[0]), float(np.sqrt(alone.covariance_parameters[0, 0])))
 
 
 def _fit(
     channels: Sequence[Channel], start_offset_s: float, drift_sigma: float = DRIFT_SIGMA
 ) -> _Fit:
     nuisance_sigma = [sigma for channel in channels for sigma in channel.nuisance_sigma]
-    prior = 1.0 / np.array([_OFFSET_SIGMA_S, drift_sigma, *nuisance_sigma]) ** 2
-    values = np.zeros(len(prior))
-    values[0] = start_offset_s
+    prior_weights = 1.0 / np.array([_OFFSET_SIGMA_S, drift_sigma, *nuisance_sigma]) ** 2
+    parameters = np.zeros(len(prior_weights))
+    parameters[0] = start_offset_s
     places = _places(channels)
     for channel, columns in zip(channels, places, strict=True):
-        off, _ = _residual(channel, values, columns)
-        values[columns[2]] = np.median(off) if len(off) else 0.0
-    scales = np.full(len(channels), np.inf)
+        off, _ = _residual(channel, parameters, columns)
+        parameters[columns[2]] = np.median(off) if len(off) else 0.0
+    scale_by_channel = np.full(len(channels), np.inf)
     for _ in range(_ROUNDS_MAX):
-        normal, right = np.diag(prior), -prior * values
-        right[0] = 0.0  # nothing is known of the offset beforehand
+        normal, right_parameters = np.diag(prior_weights), -prior_weights * parameters
+        right_parameters[0] = 0.0  # nothing is known of the offset beforehand
         for number, (channel, columns) in enumerate(zip(channels, places, strict=True)):
-            residual, slope = _residual(channel, values, columns)
-            scales[number] = _scale(residual)
-            weighted = _weight(residual, scales[number])[:, None] * slope
+            residual, slope = _residual(channel, parameters, columns)
+            scale_by_channel[number] = _scale(residual)
+            weighted = _weight(residual, scale_by_channel[number])[:, None] * slope
             normal[np.ix_(columns, columns)] += weighted.T @ slope
-            right[columns] += weighted.T @ residual
-        step = _solve(normal, right)
-        values = values + step
+            right_parameters[columns] += weighted.T @ residual
+        step = _solve(normal, right_parameters)
+        parameters = parameters + step
         if abs(step[0]) < 1e-9 and abs(step[1]) < 1e-13:
             break
-    return _Fit(values, _covariance(channels, values, scales, prior))
+    return _Fit(parameters, _covariance(channels, parameters, scale_by_channel, prior_weights))
 
 
-def _places(channels: Sequence[Channel]) -> list[list[int]]:
-    """Of each channel the values it hangs on: the clock's, then its own."""
+def _places(channels: Sequence[Channel]) -> list[Indices]:
+    """Of each channel the parameters it hangs on: the clock's, then its own."""
     ends = 2 + np.cumsum([0, *(len(channel.nuisance_sigma) for channel in channels)])
-    return [[0, 1, *range(first, last)] for first, last in pairwise(ends.tolist())]
+    return [np.array([0, 1, *range(first, last)]) for first, last in pairwise(ends.tolist())]
 
 
-def _residual(channel: Channel, values: Array, columns: list[int]) -> tuple[Array, Array]:
+def _residual(channel: Channel, parameters: Array, columns: Indices) -> tuple[Array, Array]:
     """What is left of the rows within the table, and by what it falls, (n, k)."""
-    t_s = (channel.tag_s - values[0]) / (1.0 + values[1])
+    t_s = (channel.tag_s - parameters[0]) / (1.0 + parameters[1])
     inside = channel.motion.is_within(t_s)
     t_s = t_s[inside]
     planned, change = channel.planned(t_s)
     nuisance = channel.nuisance(t_s)
     slope = np.column_stack([-change, -change * t_s, nuisance])
-    return channel.value[inside] - planned - nuisance @ values[columns[2:]], slope
+    return channel.value[inside] - planned - nuisance @ parameters[columns[2:]], slope
 
 
-def _scale(residual: Array) -> float:
-    if not len(residual):
+def _scale(error: Array) -> float:
+    if not len(error):
         return 1.0
-    middle = np.median(residual)
-    return max(1.4826 * float(np.median(np.abs(residual - middle))), _SCALE_MIN)
+    middle = np.median(error)
+    return max(1.4826 * float(np.median(np.abs(error - middle))), _SCALE_MIN)
 
 
-def _weight(residual: Array, scale: float) -> Array:
+def _weight(error: Array, scale: float) -> Array:
     """Huber's, over the scale squared."""
-    size = np.abs(residual) / scale
+    size = np.abs(error) / scale
     return np.asarray(np.minimum(1.0, _HUBER / np.maximum(size, 1e-300)) / scale**2)
 
 
-def _solve(normal: Array, right: Array) -> Array:
+def _solve(normal: Array, right_parameters: Array) -> Array:
     unit = np.sqrt(np.diag(normal))
-    return np.asarray(np.linalg.solve(normal / np.outer(unit, unit), right / unit) / unit)
+    return np.asarray(
+        np.linalg.solve(normal / np.outer(unit, unit), right_parameters / unit) / unit
+    )
 
 
-def _covariance(channels: Sequence[Channel], values: Array, scales: Array, prior: Array) -> Array:
+def _covariance(
+    channels: Sequence[Channel], parameters: Array, scale_by_channel: Array, prior_weights: Array
+) -> Array:
     """Of white errors, or of errors that go together within a block of time where that is more.
 
     Source: Huber 1981, sec. 7.6; blocks as clusters: Liang and Zeger 1986, eq. 6.
     """
-    normal = np.diag(prior)
-    scores = np.zeros((_BLOCKS, len(values)))
+    normal = np.diag(prior_weights)
+    scores = np.zeros((_BLOCKS, len(parameters)))
     spread = np.zeros_like(normal)
-    for channel, columns, scale in zip(channels, _places(channels), scales, strict=True):
-        residual, slope = _residual(channel, values, columns)
+    for channel, columns, scale in zip(channels, _places(channels), scale_by_channel, strict=True):
+        residual, slope = _residual(channel, parameters, columns)
         if not len(residual):
             continue
         weight = _weight(residual, float(scale))
@@ -219,7 +223,7 @@ def _covariance(channels: Sequence[Channel], values: Array, scales: Array, prior
     inverse = np.linalg.inv(normal * np.outer(unit, unit)) * np.outer(unit, unit)
     together = scores.T @ scores * _BLOCKS / (_BLOCKS - 3.0)
     white, clustered = (
-        inverse @ (np.diag(prior) + middle) @ inverse for middle in (spread, together)
+        inverse @ (np.diag(prior_weights) + middle) @ inverse for middle in (spread, together)
     )
     return white if white[0, 0] > clustered[0, 0] else clustered
 
@@ -228,7 +232,7 @@ def _cost(channels: Sequence[Channel], fit: _Fit) -> float:
     """Mean error by its size, rows outside the table as a whole motion off."""
     total, rows = 0.0, 0
     for channel, columns in zip(channels, _places(channels), strict=True):
-        residual, _ = _residual(channel, fit.values, columns)
+        residual, _ = _residual(channel, fit.parameters, columns)
         planned, _ = channel.planned(channel.tag_s)
         room = max(float(np.std(planned)), _SCALE_MIN)
         inside = float(np.sum(np.minimum(np.abs(residual) / room, 1.0)))

@@ -24,6 +24,7 @@ from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import boresight_platform, carried_axes
 from planner.spec import Within, spec
 from planner.telemetry.following import Followed
+from planner.telemetry.motion import PlannedMotion
 
 UNMEASURED_DEG2 = 32_400.0  # 180 deg: the turn about the line of sight
 SECOND_MEASUREMENTS_MAX = 100
@@ -174,8 +175,6 @@ def _angles(
     plan: FlightPlan, followed: Sequence[Followed], t_s: float
 ) -> tuple[Array, Array | None]:
     """Planned angles and what the axes were off them, (1, 2) each; None without both."""
-    from planner.telemetry.motion import PlannedMotion
-
     count = len(plan.scenario.platform.axis_names)
     planned_rad = np.array(
         [[PlannedMotion(plan.table, axis).angle_rad(np.array([t_s]))[0] for axis in range(count)]]
@@ -200,13 +199,13 @@ def _frame(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[Array, Array]:
 
 
 def _axes_part(
-    platform: TwoAxisPlatform, planned_rad: Array, off_rad: Array | None, sides: Array
+    platform: TwoAxisPlatform, planned_rad: Array, off_rad: Array | None, side_directions: Array
 ) -> Array | None:
     if off_rad is None:
         return None
     [flown] = boresight_platform(platform, planned_rad + off_rad)
     [planned] = boresight_platform(platform, planned_rad)
-    return np.asarray(sides @ (flown - planned))
+    return np.asarray(side_directions @ (flown - planned))
 
 
 def _reckoned_turn_rad(plan: FlightPlan, epoch_utc: datetime) -> Array:

@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.errors import InvalidInput
 from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.telemetry.alignment import Alignment, Channel, Estimate, align
 from planner.telemetry.cleaning import order
-from planner.telemetry.columns import RAD_BY_UNIT, Column
+from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
 from planner.telemetry.exceeded import Exceeded, Limit, limits_exceeded
 from planner.telemetry.following import (
     ErrorSize,
@@ -123,9 +123,9 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     )
 
 
-def _sound(value: Array, most: float) -> Array:
+def _sound(value: Array, bound: float) -> Array:
     """NaN for what no sensor and no clock tells."""
-    return np.where(np.abs(value) < most, value, np.nan)
+    return np.where(np.abs(value) < bound, value, np.nan)
 
 
 def _require_some(tag_s: Array, plan: FlightPlan) -> None:
@@ -189,15 +189,16 @@ def _aligned(
     rate_rad_s: Array,
     motions: Sequence[PlannedMotion],
     start_s: float,
-    near: np.ndarray,
-) -> tuple[Alignment, np.ndarray]:
+    near: Mask,
+) -> tuple[Alignment, Mask]:
     """Aligned, spikes found against that, and aligned again without them."""
     bad = np.zeros(len(tag_s), dtype=bool)
     for last in (False, True):
+        kinds: tuple[tuple[Kind, Array], ...] = (("angle", angle_rad), ("rate", rate_rad_s))
         channels = [
             Channel(motion=motion, kind=kind, tag_s=tag_s[own], value=value[own, motion.axis])
             for motion in motions
-            for kind, value in (("angle", angle_rad), ("rate", rate_rad_s))
+            for kind, value in kinds
             if (own := near & ~bad & np.isfinite(value[:, motion.axis])).sum() >= SAMPLES_MIN
         ]
         if not channels:
@@ -213,7 +214,7 @@ def _aligned(
 
 def _spikes(
     t_s: Array, angle_rad: Array, rate_rad_s: Array, motions: Sequence[PlannedMotion]
-) -> np.ndarray:
+) -> Mask:
     bad = np.zeros(len(t_s), dtype=bool)
     for motion in motions:
         for value, planned, find in (

@@ -11,7 +11,14 @@ import numpy as np
 from planner.arrays import Array
 from planner.errors import InvalidInput
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_from_text, utc_text
-from planner.telemetry.columns import Column, ColumnMeaning, meaning_of, unit_of, words_of
+from planner.telemetry.columns import (
+    Column,
+    ColumnMeaning,
+    UnitFrom,
+    meaning_of,
+    unit_of,
+    words_of,
+)
 from planner.telemetry.samples import SAMPLES_MAX, Samples
 
 COLUMNS_MAX = 200
@@ -140,15 +147,15 @@ def _header(cells: _Cells, way_out: str) -> tuple[list[str], int, list[str]]:
 
 def _axis_columns(
     names: list[str], units: list[str], axis_names: Sequence[str], notes: list[str]
-) -> tuple[list[int], list[tuple[ColumnMeaning, str]], list[str]]:
+) -> tuple[list[int], list[tuple[ColumnMeaning, UnitFrom]], list[str]]:
     places: list[int] = []
-    found: list[tuple[ColumnMeaning, str]] = []
+    found: list[tuple[ColumnMeaning, UnitFrom]] = []
     ignored: list[str] = []
     for place, name in enumerate(names):
         meaning = meaning_of(name, axis_names)
         if meaning is None:
             continue
-        unit_from = "name"
+        unit_from: UnitFrom = "name"
         if meaning.unit is None and place < len(units):
             unit, per_s = unit_of(units[place])
             is_rate = meaning.kind == "rate" or per_s is not None
@@ -272,7 +279,7 @@ def utc_seconds(texts: Sequence[str], since_utc: datetime) -> tuple[Array, tuple
             since_first_s = (stamps - stamps[0]) / np.timedelta64(1, "s")
             if elapsed_s(last_utc, first_utc) == since_first_s[-1]:  # no leap second between
                 t_s[list(rows)] = elapsed_s(first_utc, since_utc) + since_first_s
-    for row in np.flatnonzero(np.isnan(t_s)):
+    for row in np.flatnonzero(np.isnan(t_s)).tolist():
         t_s[row] = _one_utc_s(texts[row], since_utc)
     return t_s, notes
 

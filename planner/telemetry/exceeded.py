@@ -1,5 +1,6 @@
 """Limits of the platform that the measured motion went beyond, by more than its noise."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,7 +13,10 @@ from planner.telemetry.following import Followed
 
 Limit = Literal["angle_min", "angle_max", "rate", "acceleration"]
 _SIGMA = 5.0
-_SLOPE_S = {"rate": 0.4, "acceleration": 1.0}  # of which the motion is a parabola, and a cubic
+_SLOPE_S: dict[Limit, float] = {
+    "rate": 0.4,
+    "acceleration": 1.0,
+}  # of which the motion is a parabola, and a cubic
 _ROWS_MIN = 7
 _APART_S = 1.0  # what is beyond again sooner is the same stretch
 _NOISE_MAX = 0.2  # of a limit: with more, nothing is told of it
@@ -38,18 +42,21 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
     angle_rad = followed.motion.angle_rad(t_s) + followed.error_rad
     if followed.basis == "angles":
         checked += ["angle_min", "angle_max"]
-        room = _SIGMA * _noise(angle_rad)
+        margin = _SIGMA * _noise(angle_rad)
         low, high = limits.angle_min_rad, limits.angle_max_rad
-        found += _beyond("angle_min", t_s, -angle_rad, -low, room, -1.0)
-        found += _beyond("angle_max", t_s, angle_rad, high, room, 1.0)
-    bounds = {"rate": limits.rate_max_rad_s, "acceleration": limits.acceleration_max_rad_s2}
-    for limit, order in (("rate", 1), ("acceleration", 2)):
+        found += _beyond("angle_min", t_s, -angle_rad, -low, margin, -1.0)
+        found += _beyond("angle_max", t_s, angle_rad, high, margin, 1.0)
+    motions: tuple[tuple[Limit, int, float], ...] = (
+        ("rate", 1, limits.rate_max_rad_s),
+        ("acceleration", 2, limits.acceleration_max_rad_s2),
+    )
+    for limit, order, bound in motions:
         told = False
         for run in followed.runs:
             value, noise = _motion(followed, angle_rad, run, order, _SLOPE_S[limit])
-            if value is not None and noise < _NOISE_MAX * bounds[limit]:
+            if value is not None and noise < _NOISE_MAX * bound:
                 told = True
-                found += _either_way(limit, t_s[run], value, bounds[limit], _SIGMA * noise)
+                found += _either_way(limit, t_s[run], value, bound, _SIGMA * noise)
         if told:
             checked.append(limit)
     return sorted(found, key=lambda one: one.start_s), checked
@@ -83,22 +90,22 @@ def _noise(value: Array) -> float:
     """Of a row by itself, by third differences."""
     if len(value) < 4:
         return 0.0
-    return 1.4826 * float(np.median(np.abs(np.diff(value, 3)))) / np.sqrt(20.0)
+    return 1.4826 * float(np.median(np.abs(np.diff(value, 3)))) / math.sqrt(20.0)
 
 
 def _either_way(
-    limit: Limit, t_s: Array, value: Array, bound: float, room: float
+    limit: Limit, t_s: Array, value: Array, bound: float, margin: float
 ) -> list[Exceeded]:
     return [
-        *_beyond(limit, t_s, value, bound, room, 1.0),
-        *_beyond(limit, t_s, -value, bound, room, -1.0),
+        *_beyond(limit, t_s, value, bound, margin, 1.0),
+        *_beyond(limit, t_s, -value, bound, margin, -1.0),
     ]
 
 
 def _beyond(
-    limit: Limit, t_s: Array, value: Array, bound: float, room: float, sign: float
+    limit: Limit, t_s: Array, value: Array, bound: float, margin: float, sign: float
 ) -> list[Exceeded]:
-    beyond = np.flatnonzero(value > bound + room)
+    beyond = np.flatnonzero(value > bound + margin)
     found = []
     for rows in np.split(beyond, np.flatnonzero(np.diff(t_s[beyond]) > _APART_S) + 1):
         if not len(rows):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from datetime import datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from planner.arrays import Indices
+from planner.arrays import Array, Indices
 from planner.errors import InvalidInput
 from planner.export.description import notes, one_line, session_label
 from planner.export.figure import AXIS_COLOURS
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 _ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 _SWING_COLOUR, _STICK_COLOUR = "#7b5aa6", "#b3282d"
-_MARK = {"linewidth": 4.0, "solid_capstyle": "butt", "alpha": 0.8}
+_MARK: dict[str, Any] = {"linewidth": 4.0, "solid_capstyle": "butt", "alpha": 0.8}
 
 
 def write_comparison_png(comparison: Comparison, created_utc: datetime) -> bytes:
@@ -133,7 +133,7 @@ def _draw_error(panel: Axes, axis: AxisComparison, colour: str) -> None:
     panel.text(0.01, 0.95, text, transform=panel.transAxes, va="top", fontsize=9)
 
 
-def _extremes(error_rad: np.ndarray, most: int) -> Indices:
+def _extremes(error_rad: Array, most: int) -> Indices:
     """Rows of the least and the greatest of each of so many parts: no peak is lost."""
     if len(error_rad) <= 2 * most:
         return np.arange(len(error_rad))

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.arrays import Array, Mask
+from planner.arrays import Array, Indices, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.hermite import AxisHermite
 
@@ -49,7 +49,7 @@ class PlannedMotion:
         inside = 2.0 * half[cell] + 6.0 * jerk[cell] * u_s
         return np.where(self.is_within(t_s), inside, 0.0)
 
-    def _place(self, t_s: Array) -> tuple[np.ndarray, Array]:
+    def _place(self, t_s: Array) -> tuple[Indices, Array]:
         inside_s = np.clip(t_s, 0.0, self.stop_s)
         cells = len(self.table.angle_rad) - 1
         cell = np.minimum((inside_s * ROWS_PER_S).astype(np.intp), cells - 1)

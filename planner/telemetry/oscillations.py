@@ -99,7 +99,7 @@ def _line_hz(error_rad: Array, step_s: float) -> float | None:
     if power[peak] < _ABOVE_OTHERS * float(np.median(power[usable])):
         return None
     best_hz = _refined_hz(left, step_s, float(frequency_hz[peak]), 1.0 / span_s)
-    _, rest = _sinusoid(left, np.arange(count) * step_s, best_hz)
+    _, rest = _sinusoid(left, _even_s(count, step_s), best_hz)
     explained = 1.0 - float(np.mean(rest**2)) / variance
     # Power over the noise's, of the best among so many frequencies of pure noise.
     chance = 0.5 * count * math.exp(-0.5 * count * explained / max(1.0 - explained, 1e-12) / 2.0)
@@ -108,12 +108,16 @@ def _line_hz(error_rad: Array, step_s: float) -> float | None:
 
 def _refined_hz(error_rad: Array, step_s: float, frequency_hz: float, room_hz: float) -> float:
     """Least squares near a peak of the spectrum."""
-    t_s = np.arange(len(error_rad)) * step_s
+    t_s = _even_s(len(error_rad), step_s)
     for _ in range(3):
         tried = frequency_hz + room_hz * np.linspace(-0.5, 0.5, 9)
         rest = [float(np.sum(_sinusoid(error_rad, t_s, hz)[1] ** 2)) for hz in tried]
         frequency_hz, room_hz = float(tried[int(np.argmin(rest))]), 0.25 * room_hz
     return frequency_hz
+
+
+def _even_s(count: int, step_s: float) -> Array:
+    return np.asarray(np.arange(count) * step_s, dtype=np.float64)
 
 
 def _sinusoid(error_rad: Array, t_s: Array, frequency_hz: float) -> tuple[float, Array]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.errors import InvalidInput
 from planner.telemetry.columns import RAD_BY_UNIT, AngleUnit, Column, Kind
 from planner.telemetry.motion import PlannedMotion
@@ -21,19 +21,19 @@ _TURN_RAD = 2.0 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A column in one unit: misfit as a share of its motion at each offset tried, (k,)."""
+    """A column in one unit: its misfit as a share of its motion at each offset tried, (k,)."""
 
-    misfit: Array
+    misfit_share: Array
 
     @property
     def least(self) -> float:
-        return float(self.misfit.min())
+        return float(self.misfit_share.min())
 
 
 def offsets_s() -> Array:
     """Those tried; the telemetry's clock ahead where positive."""
     count = round(OFFSET_MAX_S / _STEP_S)
-    return np.arange(-count, count + 1) * _STEP_S
+    return np.asarray(np.arange(-count, count + 1) * _STEP_S, dtype=np.float64)
 
 
 def in_units(
@@ -51,7 +51,10 @@ def in_units(
             told[place] = _told_by_others(columns[place], known)
     sure = [column for column in told if column is not None]
     total = sum(
-        (units[column.meaning.unit].misfit for column, units in zip(sure, tried, strict=True)),
+        (
+            units[column.meaning.unit].misfit_share
+            for column, units in zip(sure, tried, strict=True)
+        ),
         start=np.zeros(len(offsets_s())),
     )
     # Of equals, as in a steady track, the least offset.
@@ -121,6 +124,6 @@ def _near(angle_rad: Array, planned_rad: Array) -> Array:
     return np.asarray(angle_rad + _TURN_RAD * np.round((planned_rad - angle_rad) / _TURN_RAD))
 
 
-def _misfit(value: Array, planned: Array, is_within: np.ndarray, room: float) -> Array:
-    off = np.minimum(np.abs(value - planned) / room, 1.0)
+def _misfit(value: Array, planned_value: Array, is_within: Mask, scale: float) -> Array:
+    off = np.minimum(np.abs(value - planned_value) / scale, 1.0)
     return np.asarray(np.where(is_within, off, 0.5).mean(axis=-1))

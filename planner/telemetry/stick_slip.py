@@ -3,6 +3,7 @@
 What stands still is judged by the slope of a few rows, as many as the noise asks for.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +48,7 @@ def stick_slip(followed: Followed) -> list[StickSlip]:
 def _in_run(followed: Followed, run: slice) -> list[StickSlip]:
     t_s = followed.t_s[run]
     command_rad_s = followed.motion.rate_rad_s(t_s)
-    speed = np.abs(command_rad_s)
+    speed_rad_s = np.abs(command_rad_s)
     step_s = (t_s[-1] - t_s[0]) / (len(t_s) - 1)
     relative = np.full(len(t_s), np.nan)
     for window_s in _WINDOWS_S:
@@ -55,12 +56,12 @@ def _in_run(followed: Followed, run: slice) -> list[StickSlip]:
         if rows >= len(t_s):
             break
         off_rad_s, noise_rad_s = _rate_error(followed, run, rows, step_s)
-        clear = np.isnan(relative) & (speed > max(noise_rad_s / _STEADY, _RATE_MIN_RAD_S))
-        clear &= speed < _RATE_MAX_RAD_S
+        clear = np.isnan(relative) & (speed_rad_s > max(noise_rad_s / _STEADY, _RATE_MIN_RAD_S))
+        clear &= speed_rad_s < _RATE_MAX_RAD_S
         relative[clear] = 1.0 + off_rad_s[clear] / command_rad_s[clear]
     stuck, slips = np.abs(relative) < _STUCK, relative > _SLIPS
     found = [
-        _stretch(t_s, followed.error_rad[run], speed, stuck, slice(first, last))
+        _stretch(t_s, followed.error_rad[run], speed_rad_s, stuck, slice(first, last))
         for first, last in _alternating(t_s, stuck, slips)
     ]
     return [one for one in found if one.stuck_share > _SHARE_MIN]
@@ -79,7 +80,7 @@ def _rate_error(followed: Followed, run: slice, rows: int, step_s: float) -> tup
 
 def _noise(error: Array) -> float:
     """Of a row by itself: third differences keep little of what is smooth."""
-    return 1.4826 * float(np.median(np.abs(np.diff(error, 3)))) / np.sqrt(20.0)
+    return 1.4826 * float(np.median(np.abs(np.diff(error, 3)))) / math.sqrt(20.0)
 
 
 def _alternating(t_s: Array, stuck: Mask, slips: Mask) -> list[tuple[int, int]]:
@@ -105,7 +106,9 @@ def _alternating(t_s: Array, stuck: Mask, slips: Mask) -> list[tuple[int, int]]:
     return found
 
 
-def _stretch(t_s: Array, error_rad: Array, speed: Array, stuck: Mask, rows: slice) -> StickSlip:
+def _stretch(
+    t_s: Array, error_rad: Array, speed_rad_s: Array, stuck: Mask, rows: slice
+) -> StickSlip:
     held = stuck[rows].astype(np.int8)
     ends = np.flatnonzero(np.diff(held) < 0)
     off_rad = error_rad[rows]
@@ -119,5 +122,5 @@ def _stretch(t_s: Array, error_rad: Array, speed: Array, stuck: Mask, rows: slic
         slips=len(ends),
         stuck_share=float(held.mean()),
         slip_rad=max(caught_up, default=0.0),
-        rate_rad_s=float(speed[rows].max()),
+        rate_rad_s=float(speed_rad_s[rows].max()),
     )

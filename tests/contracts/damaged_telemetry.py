@@ -1,6 +1,6 @@
 """Which damage does telemetry come with, and what must be told of it?
 
-Each file is made of sound rows of another program (tests/oracles/other_platform.py): angles of a
+Each file is made of sound rows of another program (tests/other_platform.py): angles of a
 clock 0.37 s ahead.
 """
 

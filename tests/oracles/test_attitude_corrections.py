@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.special import gamma, kv
 
 from planner.attitude import (
     AemAttitude,
@@ -16,8 +17,7 @@ from planner.attitude import (
     InertialAttitude,
     LvlhAttitude,
 )
-from planner.attitude.corrections import REST_MEMORY_S
-from planner.attitude.errors import REST_RAD
+from planner.attitude.errors import REST_MEMORY_S, REST_RAD
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, utc_from_text
 from planner.orbits import OrbitStates
@@ -44,6 +44,12 @@ def correction(before_s, turn_deg, sigma_deg=0.02, heading_deg=None):
     )
 
 
+def matern(apart_s):
+    """Of order 5/2 by its Bessel function: Rasmussen and Williams 2006, eq. 4.14."""
+    x = np.sqrt(5.0) * np.maximum(np.abs(apart_s), 1e-6) / REST_MEMORY_S
+    return 2.0**-1.5 / gamma(2.5) * x**2.5 * kv(2.5, x)
+
+
 def law(*corrections, sigma_deg=(0.1, 0.1, 0.1), swing_deg=STILL):
     uncertainty = AttitudeUncertainty(sigma_body_deg=sigma_deg, swing_rms_body_deg=swing_deg)
     return LvlhAttitude(uncertainty=uncertainty, corrections=corrections)
@@ -66,7 +72,7 @@ def test_one_measurement_of_a_constant_turn_has_the_closed_form():
     one = law(correction(600.0, (0.15, -0.05, 0.0)))
     known, seen = 0.1**2, 0.02**2
     lasting = known**2 / (known + REST_DEG**2)
-    alike = lasting + (known - lasting) / (1.0 + 0.5 * (645.0 / REST_MEMORY_S) ** 2)
+    alike = lasting + (known - lasting) * matern(645.0)
     share = alike / (known + seen)
     np.testing.assert_allclose(turned_deg(one)[5], share * np.array([0.15, -0.05, 0.0]), atol=1e-9)
     # a session's errors are told by their six largest modes
@@ -118,7 +124,7 @@ def test_the_covariance_is_that_of_a_joint_gaussian_drawn_at_random():
     looks_s, session_s = np.array([-900.0, -300.0]), np.array([0.0, 90.0])
 
     all_s = np.concatenate([looks_s, session_s])
-    alike = 1.0 / (1.0 + 0.5 * (np.subtract.outer(all_s, all_s) / REST_MEMORY_S) ** 2)
+    alike = matern(np.subtract.outer(all_s, all_s))
     rest = rng.multivariate_normal(np.zeros(4), (sigma**2 - lasting**2) * alike, draws).T
     swings = np.outer(np.cos(rate * all_s), cos) + np.outer(np.sin(rate * all_s), sin)
     error = bias + rest + swings

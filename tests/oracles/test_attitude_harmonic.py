@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from planner.attitude import HarmonicAttitude
-from planner.attitude.manoeuvre import last_manoeuvre_end
+from planner.attitude.manoeuvre import last_change
 from planner.errors import OutsideCoverage
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, shifted_utc, utc_from_text, utc_text
@@ -138,7 +138,7 @@ def test_a_swing_is_no_manoeuvre(phase_rad):
     noise = np.random.default_rng(3).normal(0.0, 1e-4, (len(t_s), 3))  # 0.006 deg
     swing_rad = np.deg2rad(0.33) * np.cos(2.0 * np.pi / 5560.0 * t_s + phase_rad)
     q = Rotation.from_rotvec(noise + np.outer(swing_rad, [1.0, 0.0, 0.0]))
-    assert last_manoeuvre_end(t_s, q) == 0
+    assert last_change(t_s, q) == 0
 
 
 def test_the_attitude_carried_on_has_no_kink_between_leads():

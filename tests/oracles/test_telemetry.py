@@ -4,6 +4,8 @@
 own motor, friction, sensors and clock.
 """
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from flown_las_vegas import PERFECT, planned, telemetry
@@ -112,10 +114,7 @@ def test_an_axis_later_than_the_other_is_told_and_not_taken_for_the_clock(tmp_pa
     """Alpha's tags are those of a platform that moves 50 ms later."""
     content = telemetry(tmp_path, clock=Clock(0.37, 0.0), rate_hz=20.0).decode().splitlines()
     rows = [line.split(",") for line in content]
-    late = [
-        [row[0], before[1], row[2], before[3], row[4]]
-        for before, row in zip(rows[1:], rows[2:], strict=False)
-    ]
+    late = [[row[0], before[1], row[2], before[3], row[4]] for before, row in pairwise(rows[1:])]
     found = compared("\n".join([content[0], *map(",".join, late)]).encode())
     lags_s = {one.name: one.lag_s for one in found.axes}
     assert lags_s["alpha"].value == pytest.approx(0.05, abs=0.005)

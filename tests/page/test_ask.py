@@ -162,9 +162,10 @@ def test_a_session_is_dragged_and_moved_by_keys(ask):
 
 
 def test_conflicting_sessions_show_what_each_way_out_gives_up(ask):
-    ask.get_by_role("slider", name="End of the session").press("Home")
+    end = ask.get_by_role("slider", name="End of the session")
+    end.press("Home")
     for _ in range(2):
-        ask.get_by_role("slider", name="End of the session").press("PageUp")
+        end.press("PageUp")
     ask.get_by_role("button", name="Add a session").click()
     ask.get_by_label("Place or coordinates").fill("40.76, -111.89, 1288")
     ask.get_by_role("button", name="Find").click()

@@ -27,5 +27,6 @@ export const ROOMS: readonly Room[] = [
   { path: "/spacecraft/plans/:id", title: "spacecraft", load: () => import("./rooms/spacecraft/SpacecraftRoom") },
   { path: "/horizon", title: "horizon", inMenu: true, load: () => import("./rooms/horizon/HorizonRoom") },
   { path: "/flights", title: "flights", inMenu: true, load: () => import("./rooms/flights/FlightsRoom") },
+  { path: "/flights/:id", title: "flights", load: () => import("./rooms/flights/FlightsRoom") },
   { path: "/telemetry", title: "telemetry", inMenu: true, load: () => import("./rooms/telemetry/TelemetryRoom") },
 ];

@@ -26,10 +26,22 @@ export async function sendOff(
   until?: AbortSignal,
 ): Promise<Sent> {
   const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
-  const answer = await postForAnswer(path, request, { headers, query, signal: until });
-  const location = new URL(answer.headers.get("Location") ?? "", answer.url).pathname;
-  const id = location.slice(location.lastIndexOf("/") + 1);
+  const id = made(await postForAnswer(path, request, { headers, query, signal: until }));
   return { path: `${path}/${id}`, id };
+}
+
+/** Has a plan flown. */
+export async function sendOffFlights(plan: string, request: object, until?: AbortSignal): Promise<Sent> {
+  const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
+  const given = { id: plan, headers, signal: until };
+  const id = made(await postForAnswer("/v1/plans/{id}/flights", request, given));
+  return { path: `/v1/flights/${id}`, id };
+}
+
+/** The id of what an answer made. */
+function made(answer: Response): string {
+  const { pathname } = new URL(answer.headers.get("Location") ?? "", answer.url);
+  return pathname.slice(pathname.lastIndexOf("/") + 1);
 }
 
 /** Until it is done; raises Problem for a refusal or failure. */

@@ -21,6 +21,12 @@ async function read(module: Promise<{ default: unknown }>): Promise<Outlines | n
   };
 }
 
+/** Coasts and borders in detail, as lines of longitude and latitude, deg. */
+export async function boundaries(): Promise<[number, number][][]> {
+  const atlas = (await import("world-atlas/countries-50m.json")).default as unknown as Topology;
+  return mesh(atlas, atlas.objects.countries as never).coordinates as [number, number][][];
+}
+
 export async function wantOutlines(): Promise<void> {
   outlines.value ??= await read(import("world-atlas/countries-110m.json"));
 }

@@ -1,3 +1,45 @@
-import type { Words } from "..";
+import { counted, type Words } from "..";
 
-export const flights: Words["flights"] = {};
+export const flights: Words["flights"] = {
+  what: "План проигрывается много раз с теми ошибками, на которые рассчитан его бюджет наведения: как часто камера держит цель, насколько резко и что виновато.",
+  plan: "План",
+  planHint: "Его id; последние предлагаются.",
+  runs: "Прогонов",
+  runsHint: "400 дают вероятность до 0,05, 1000 – до 0,03.",
+  seed: "Зерно",
+  seedHint: "То же зерно даёт те же ошибки.",
+  fly: "Проиграть",
+  before: "Проиграно раньше",
+  of: (flown: number, runs: number, seed: number) =>
+    `${flown} из ${counted(runs, "прогона", "прогонов", "прогонов")}, зерно ${seed}.`,
+  toPlan: "К плану",
+  cancelled: "Отменено; сказанное относится к прогонам, которые успели пройти.",
+  inFrame: (probability: string) => `Все кадры держат свои цели в ${probability} прогонов`,
+  sharp: (probability: string) => `все к тому же резкие в ${probability}`,
+  interval: (low: string, high: string) => `(от ${low} до ${high})`,
+  contributors: "Что виновато",
+  cause: "Причина",
+  share: "Доля дисперсии промахов",
+  smearShare: "Доля дисперсии смаза",
+  session: (number: number, label: string) => `Сеанс ${number}: ${label}`,
+  told: "В кадре, по плану",
+  flown: "В кадре, по прогонам",
+  sharpFrames: "Все кадры резкие",
+  framesHeld: "Кадров с целью",
+  ofThemSharp: (share: string) => `резких ${share}`,
+  smear: "Смаз (5, 50, 95 % прогонов)",
+  miss: "Наибольший промах (5, 50, 95 %)",
+  fifths: (low: string, middle: string, high: string) => `${low}; ${middle}; ${high}`,
+  nominal: "Без ошибок",
+  frames: (frames: number, held: number, sharp: number) =>
+    `${counted(frames, "кадр", "кадра", "кадров")}, с целью ${held}, резких ${sharp}`,
+  turn: (deg: string) => `картинка поворачивается между кадрами не больше чем на ${deg}°`,
+  mover: (px: string) => `подвижный объект сдвигается до ${px} px`,
+  histogram: "Наибольший промах каждого прогона.",
+  histogramOf: (last: string) => `Гистограмма наибольших промахов прогонов, от 0 до ${last} угл. с`,
+  beyond: (count: number) => `Дальше: ${counted(count, "прогон", "прогона", "прогонов")}.`,
+  error: "Ошибка кадров без возмущений",
+  smearOfFrames: "Смаз кадров без возмущений",
+  atMost: (value: string) => `не больше ${value}`,
+  seriesOf: (name: string, most: string) => `${name}, не больше ${most}`,
+};

@@ -34,10 +34,11 @@ export default function AskRoom(_: RoomProps) {
   useEffect(() => void wantOutlines().catch(() => undefined), []); // a map without coasts is still one
   useEffect(() => keepSearching(), []);
   const from = place.value.query.get("from");
+  const isRevision = place.value.query.has("revises"); // of a plan that was made
   useEffect(() => {
     if (!from) return;
     get("/v1/plans/{id}/request", { id: from, signal: work.current.signal }).then(
-      (asked) => draft.load(asked as unknown as PlanRequest, from),
+      (asked) => draft.load(asked as unknown as PlanRequest, isRevision ? from : null),
       (error: unknown) => isAbort(error) || setLoadError(error),
     );
   }, [from]);

@@ -67,7 +67,7 @@ export default function PlanRoom({ params }: RoomProps) {
     <div class="room one">
       <div class="row heading">
         <h1>{plan.summary.name || plan.summary.targets.join(", ")}</h1>
-        <Link to={`/?from=${id}`} class="button">
+        <Link to={`/?from=${id}&revises=yes`} class="button">
           {text.plan.one.change}
         </Link>
       </div>

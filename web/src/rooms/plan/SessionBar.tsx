@@ -20,12 +20,14 @@ export function SessionBar({ window }: { window: Window }) {
   const dragged = useRef<{ edge: Edge; grabbed_ms: number; start: number; stop: number } | null>(null);
   const { start, stop } = draft.session.value;
   if (!start || !stop || !window.session) return null;
-  const rise = Date.parse(window.rise);
-  const span = Date.parse(window.set) - rise;
-  const least = Date.parse(window.session.start);
-  const most = Date.parse(window.session.stop);
   const [first, last] = [Date.parse(start), Date.parse(stop)];
-  const place = (ms: number) => `${Math.min(100, Math.max(0, (100 * (ms - rise)) / span))}%`;
+  const [rise, set] = [Date.parse(window.rise), Date.parse(window.set)];
+  // A session beside its window is drawn there, too.
+  const left = Math.min(rise, first);
+  const span = Math.max(set, last) - left;
+  const least = Math.min(Date.parse(window.session.start), first);
+  const most = Math.max(Date.parse(window.session.stop), last);
+  const place = (ms: number) => `${Math.min(100, Math.max(0, (100 * (ms - left)) / span))}%`;
 
   const move = (edge: Edge, by_ms: number, from = { start: first, stop: last }) => {
     let [next, end] = [from.start, from.stop];
@@ -46,7 +48,7 @@ export function SessionBar({ window }: { window: Window }) {
   };
   const at = (clientX: number) => {
     const box = bar.current?.getBoundingClientRect();
-    return box ? rise + (span * (clientX - box.left)) / box.width : rise;
+    return box ? left + (span * (clientX - box.left)) / box.width : left;
   };
   const drag = (event: TargetedPointerEvent<HTMLElement>) => {
     const held = dragged.current;
@@ -97,7 +99,9 @@ export function SessionBar({ window }: { window: Window }) {
   return (
     <div class="session-bar">
       <div class="session-window" ref={bar}>
-        <Profile window={window} />
+        <div class="session-profile" style={{ left: place(rise), right: `calc(100% - ${place(set)})` }}>
+          <Profile window={window} />
+        </div>
         <div class="session-out" style={{ left: 0, width: place(first) }} />
         <div class="session-out" style={{ right: 0, width: `calc(100% - ${place(last)})` }} />
         {refusal?.offered && (
@@ -115,8 +119,8 @@ export function SessionBar({ window }: { window: Window }) {
         {slider("stop", last, text.stop)}
       </div>
       <div class="session-scale" aria-hidden="true">
-        <span>{clock(rise)}</span>
-        <span>{clock(window.set)}</span>
+        <span>{clock(left)}</span>
+        <span>{clock(left + span)}</span>
       </div>
       <p class="session-told">
         <b>

@@ -16,6 +16,7 @@ import {
   searchError,
   sessionIn,
   type Window,
+  windowNear,
   windowOf,
 } from "./windows";
 import { Problem } from "../../api/problem";
@@ -26,6 +27,7 @@ export function WindowsPanel() {
   const text = words.value.plan.windows;
   const now = found.value;
   const taken = now && windowOf(now.windows, draft.session.value);
+  const near = now && windowNear(now.windows, draft.session.value);
   const error = searchError.value;
   const isTargets = error instanceof Problem && error.field?.startsWith("targets.0.target");
   return (
@@ -44,7 +46,7 @@ export function WindowsPanel() {
       {now && now.windows.length > 0 && (
         <>
           <Overview windows={now.windows} taken={taken} />
-          {taken && <SessionBar window={taken} />}
+          {near && <SessionBar window={near} />}
           <List windows={now.windows} taken={taken} />
         </>
       )}

@@ -8,12 +8,12 @@ import * as draft from "./draft";
 import { circleOf, groundTrack } from "./passes";
 import { refused } from "./refusal";
 import { textOf } from "./target";
-import { found, windowOf } from "./windows";
+import { found, windowNear } from "./windows";
 
 export function WorldMap() {
   const text = words.value.plan.map;
   const now = found.value;
-  const window = now ? windowOf(now.windows, draft.session.value) : null;
+  const window = now ? windowNear(now.windows, draft.session.value) : null;
   const track = window ? groundTrack(window) : [];
   const radius = window && circleOf(window, draft.leastElevation_deg.value);
   const seen: LonLat | null = window?.place ? [window.place.longitude_deg, window.place.latitude_deg] : placeOf(draft.session.value);

@@ -18,6 +18,6 @@ ${request}
 
 with slewtrack.Client("${service.replace(/\/$/, "")}") as client:
     plan = client.${call}(REQUEST)
-print(plan["id"], plan["verification"]["passed"])
+print(plan.id, plan.passed)
 `;
 }

@@ -30,6 +30,17 @@ export function searchAgain(): void {
   retries.value++;
 }
 
+const NEAR_MS = 3_600_000;
+
+/** The window that a session lies in or near, to draw it by. */
+export function windowNear(windows: readonly Window[], one: draft.DraftSession): Window | null {
+  if (!one.start || !one.stop) return null;
+  const middle = (Date.parse(one.start) + Date.parse(one.stop)) / 2;
+  const away = (window: Window) => Math.max(0, Date.parse(window.rise) - middle, middle - Date.parse(window.set));
+  const nearest = windows.reduce<Window | null>((best, window) => (!best || away(window) < away(best) ? window : best), null);
+  return nearest && away(nearest) < NEAR_MS ? nearest : null;
+}
+
 /** Of the Sun at the target; null in space. */
 export function lightOf(sunElevation_deg: number | null | undefined): Light | null {
   if (sunElevation_deg == null) return null;
@@ -55,16 +66,34 @@ export function quality(window: Window): number | null {
   return Math.min(1, below_m / sample);
 }
 
-/** The session that a click on a window takes: all of it, or of a long one its middle minutes. */
+/** The session that a click on a window takes: what other sessions leave of it, of a long one the
+    middle minutes; null where nothing is left. */
 export function sessionIn(window: Window): { start: string; stop: string } | null {
   if (!window.session) return null;
-  const first = Date.parse(window.session.start);
-  const last = Date.parse(window.session.stop);
-  if (last - first <= LONGEST_S * 1000) return window.session;
+  const free = longestFree(Date.parse(window.session.start), Date.parse(window.session.stop));
+  if (!free) return null;
+  const [first, last] = free;
+  if (last - first <= LONGEST_S * 1000) return { start: rfc3339(first), stop: rfc3339(last) };
   const middle = Math.round(Date.parse(window.highest_at) / 1000) * 1000;
   const half = (LONGEST_S * 1000) / 2;
   const start = Math.max(first, Math.min(middle - half, last - 2 * half));
   return { start: rfc3339(start), stop: rfc3339(start + 2 * half) };
+}
+
+/** Of a span of time, what the sessions beside the chosen one leave in one piece. */
+function longestFree(first: number, last: number): [number, number] | null {
+  const others = draft.sessions
+    .peek()
+    .filter((one, number) => number !== draft.chosen.peek() && one.start && one.stop)
+    .map((one) => [Date.parse(one.start ?? ""), Date.parse(one.stop ?? "")] as const)
+    .sort((one, other) => one[0] - other[0]);
+  let [from, longest] = [first, null as [number, number] | null];
+  for (const [start, stop] of [...others, [last, last] as const]) {
+    const to = Math.min(start, last);
+    if (to - from > (longest ? longest[1] - longest[0] : 0)) longest = [from, to];
+    from = Math.max(from, stop);
+  }
+  return longest;
 }
 
 /** The window that a session lies in. */
