@@ -61,7 +61,7 @@ export const spacecraft = {
   gimbalMargin: (margin: string) => `margin from singularity ${margin}`,
   seen: "The session over time",
   turn: (angle: string) => `turn ${angle}°`,
-  wait: "orbital orientation, or settling",
+  wait: "wait",
   sphere: "Momentum of the gyros",
   sphereLabel: "Momentum of the gyros in its sphere: arrows turn it",
   sphereHint: "Body axes. The gyros can take the sphere's momentum in every direction. Drag or use arrows to turn it.",

@@ -81,11 +81,13 @@ function Seen({ session, view }: { session: Session; view: SessionView }) {
   const [chosen, setChosen] = useState<Stretch | null>(null);
   const stretches = useMemo(() => stretchesOf(session, text), [session, text]);
   const stop_s = view.t_s[view.t_s.length - 1] ?? 0;
+  const looks = stretches.filter((one) => one.kind === "track");
+  const closer = looks.findIndex((one) => one.start_s === chosen?.start_s);
   return (
     <div ref={box} role="group" aria-label={text.seen}>
       <div class="session-seen">
         <div>
-          <SessionMap view={view} />
+          <SessionMap view={view} closer={closer < 0 ? null : closer} />
           <MomentumSphere view={view} />
         </div>
         <SessionCharts session={session} view={view} chosen={chosen} onWhole={() => setChosen(null)} />

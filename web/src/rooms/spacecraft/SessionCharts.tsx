@@ -85,7 +85,7 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
       {stabilisation.runs > 0 && (
         <Strip
           name={text.errors}
-          unit="°/s"
+          unit={`${digits(limits.rate_error_max_deg_s)} °/s`}
           keys={BODY}
           fact={text.worst(digits(stabilisation.worst_deg_s, 2), digits(limits.rate_error_max_deg_s), stabilisation.runs)}
         >
@@ -93,8 +93,8 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
             {...common}
             label={text.told(text.errors)}
             lines={errors}
-            limits={[limits.rate_error_max_deg_s]}
-            isLogarithmic
+            limits={[0, 1]}
+            withLimits
             height={HEIGHT}
           />
         </Strip>
@@ -164,13 +164,14 @@ function linesOf(rows: readonly (readonly number[])[], names: readonly string[])
   }));
 }
 
-/** The worst of all runs stands over the whole of each imaging interval. */
+/** The worst of all runs stands over the whole of each imaging interval, as a share of the limit. */
 function errorLines({ stabilisation }: Session, view: SessionView, shades: readonly Shade[]): Line[] {
   return BODY.map((label, axis) => ({
     label,
     values: view.t_s.map((t_s) => {
       const number = shades.findIndex((one) => t_s >= one.start_s - 0.1 && t_s <= one.stop_s + 0.1);
-      return stabilisation.windows[number]?.rate_error_deg_s[axis] ?? null;
+      const error_deg_s = stabilisation.windows[number]?.rate_error_deg_s[axis];
+      return error_deg_s === undefined ? null : error_deg_s / view.limits.rate_error_max_deg_s;
     }),
     colour: COLOURS[axis] ?? "text",
     width: 2,

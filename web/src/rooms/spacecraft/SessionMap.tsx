@@ -13,9 +13,18 @@ interface Places {
   longitude_deg: readonly (number | null)[];
 }
 
-export function SessionMap({ view }: { view: SessionView }) {
+interface Props {
+  view: SessionView;
+  /** Number of the swath to come closer to; null for all. */
+  closer: number | null;
+}
+
+export function SessionMap({ view, closer }: Props) {
   const text = words.value.spacecraft;
-  const around = useMemo(() => [...view.requests, ...view.swaths].flatMap(placesOf), [view]);
+  const around = useMemo(() => {
+    const swath = closer === null ? undefined : view.swaths[closer];
+    return swath ? placesOf(swath) : [...view.requests, ...view.swaths].flatMap(placesOf);
+  }, [view, closer]);
   const track = useMemo(() => placesOf(view.carrier), [view]);
   return (
     <section aria-label={text.map}>
