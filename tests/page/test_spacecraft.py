@@ -16,7 +16,7 @@ PATIENCE_MS = 180_000
 
 @pytest.fixture(scope="module")
 def session(service):
-    """The example with a strip on the other side of the Earth, which can't be imaged: its answer."""
+    """The answer to the example with a strip more, beyond the Earth's edge: left out."""
     elsewhere = {
         "mode": "strip",
         "name": "elsewhere",
