@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from imaging_cases import EPOCH, sun_synchronous
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
-from spacecraft_cases import EPOCH, sun_synchronous
 from spacecraft_flight import settle_table
 
 from planner.arrays import Array

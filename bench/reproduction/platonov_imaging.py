@@ -8,8 +8,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from imaging_cases import area, session_request, sun_synchronous
 from matplotlib.figure import Figure
-from spacecraft_cases import area, session_request, sun_synchronous
 from spacecraft_flight import PAPER_TURNS_S
 
 from planner.spacecraft.flight.closed_loop import Log

@@ -12,8 +12,8 @@ from datetime import timedelta
 from functools import lru_cache
 from pathlib import Path
 
+from imaging_cases import EPOCH, local_axes, positions, sun_synchronous
 from scipy.spatial.transform import Rotation
-from spacecraft_cases import EPOCH, local_axes, positions, sun_synchronous
 from spacecraft_flight import PAPER_TURNS_S, itself, orbit_states
 
 from app.requests.spacecraft import read_spacecraft_request

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from imaging_cases import EPOCH, sun_synchronous
 from matplotlib.figure import Figure
-from spacecraft_cases import EPOCH, sun_synchronous
 from spacecraft_flight import orbit_states
 
 from planner.frames.time_scales import Instants
