@@ -38,7 +38,7 @@ def drag_in_a_day_m(segments: tuple[OemSegment, ...]) -> float:
             for at_s in (begin_s, begin_s + DAY_S)
         ]
         lost_m = float(np.median(of_orbits_m_s[0] - of_orbits_m_s[1])) / orbit_s
-        return 0.75 * rate_rad_s * DAY_S * abs(lost_m)
+        return float(0.75 * rate_rad_s * DAY_S * abs(lost_m))
     return UNKNOWN_DRAG_IN_A_DAY_M
 
 

@@ -334,7 +334,7 @@ def _covariance(
     stretches = np.add.reduceat(together, np.arange(parts) * samples // parts, axis=0)
     scatter = stretches.T @ stretches * parts / max(parts - n, 1) + np.eye(n) / _PRIOR**2
     clustered = inverse @ scatter @ inverse
-    found = clustered if np.trace(clustered) > np.trace(inverse) else inverse
+    found = np.asarray(clustered if np.trace(clustered) > np.trace(inverse) else inverse, float)
     samples_missed = missed_value[:-n][missed_value[:-n] != 0.0]
     if np.mean(samples_missed**2) > _MISFIT_SQUARES:
         found = found + np.diag(roughness_parameters**2)
