@@ -139,5 +139,5 @@ def _gyro(platform: TwoAxisPlatform, log: Log, swing_rad_s: Array) -> Array:
     alpha = log.angle_rad[:, :1]
     along = np.dot(outer, inner) * outer
     turned = along + np.cos(alpha) * (inner - along) + np.sin(alpha) * np.cross(outer, inner)
-    about: Array = np.stack([swing_rad_s @ outer, np.sum(turned * swing_rad_s, axis=1)], axis=1)
-    return log.rate_rad_s + about
+    about = np.stack([swing_rad_s @ outer, np.sum(turned * swing_rad_s, axis=1)], axis=1)
+    return np.asarray(log.rate_rad_s + about)

@@ -102,7 +102,7 @@ def steady_bristle(plant: Plant, axis: int, rate_rad_s: float) -> float:
 @compiled
 def relative_rate_rad_s(plant: Plant, states: Array, axis: int) -> float:
     """w of the axis."""
-    rate = states[AXIS_STATES * axis + RATE]
+    rate: float = states[AXIS_STATES * axis + RATE]
     modes = len(plant.mode_rad_s)
     if modes == 0:
         return float(rate)
