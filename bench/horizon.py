@@ -23,8 +23,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 from horizon_cases import COLOUR, NEGATIVES, Case, case, negative, other_air, random_air, ring
-from horizon_paper_method import paper_nadir
 from horizon_photographs import Photograph
+from reproduction.lomaka_method import paper_nadir
 from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera

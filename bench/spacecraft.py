@@ -14,7 +14,7 @@ import time
 from datetime import timedelta
 
 import numpy as np
-from spacecraft_cases import DATA, EPOCH, line, session_request, sun_synchronous
+from imaging_cases import DATA, EPOCH, line, session_request, sun_synchronous
 from spacecraft_choice import bench_choice, bench_turns
 from spacecraft_flight import bench_areas, bench_many, bench_settle, bench_timeline
 

@@ -6,8 +6,8 @@ import time
 from datetime import datetime, timedelta
 
 import numpy as np
+from imaging_cases import DATA
 from scipy.spatial.transform import Rotation
-from spacecraft_cases import DATA
 
 from planner.errors import Refusal
 from planner.orbits import TleOrbit

@@ -7,8 +7,8 @@ from datetime import timedelta
 from functools import partial
 
 import numpy as np
+from imaging_cases import EPOCH, area, session_request, sun_synchronous
 from scipy.spatial.transform import Rotation
-from spacecraft_cases import EPOCH, area, session_request, sun_synchronous
 
 from planner.errors import Refusal
 from planner.frames.time_scales import Instants

@@ -10,8 +10,8 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_ROOMS = ("spacecraft", "campaigns", "slew", "label_search.py")  # which have kernels
-_CONSTANTS = ("commands.py",)  # whose values are compiled into them
+_ROOMS = ("spacecraft", "simulation", "campaigns", "slew", "label_search.py")  # which have kernels
+_CONSTANTS = ("commands.py", "platforms/drive.py")  # whose values are compiled into them
 
 
 def _digest(planner: Path) -> str:

@@ -27,11 +27,14 @@ if TYPE_CHECKING:
     from estimator.pipeline import VerticalEstimate
     from estimator.request import HorizonRequest
     from planner.campaigns import Campaign, CampaignRequest
+    from planner.export import FlightPlan
+    from planner.flights.summary import PlanFlights
     from planner.opportunities import Opportunities, OpportunityRequest
     from planner.scenario import Scenario
     from planner.sessions.plan import Plan
     from planner.spacecraft.plan import ImagingPlan
     from planner.spacecraft.requests import ImagingPlanRequest
+    from planner.telemetry.compare import Comparison
 
 __all__ = [
     "AsyncClient",
@@ -46,8 +49,10 @@ __all__ = [
     "Refused",
     "ServiceError",
     "campaign",
+    "compare",
     "estimate_vertical",
     "export",
+    "fly",
     "opportunities",
     "plan",
     "plan_imaging",
@@ -76,11 +81,11 @@ def plan(request: "Scenario | Json", *, progress: OnProgress | None = None) -> "
 def view(plan: "Plan", *, step_s: float | None = None) -> Columns:
     """What there is to see along a plan, in the columns of `Client.view`: degrees and metres."""
     from app.answers.view import view_json
-    from planner.opportunities.request import HRC_PIXEL_ARCSEC
     from planner.view import view_plan
 
-    seen = view_plan(plan, step_s, HRC_PIXEL_ARCSEC)
-    told = view_json(seen, "", HRC_PIXEL_ARCSEC, verified=plan.verification.passed)
+    pixel_arcsec = plan.scenario.platform.camera.pixel_arcsec
+    seen = view_plan(plan, step_s, pixel_arcsec)
+    told = view_json(seen, "", pixel_arcsec, verified=plan.verification.passed)
     return columns_of(json.loads(told))
 
 
@@ -94,6 +99,16 @@ def export(plan: "Plan", format_name: str) -> bytes:
         raise InvalidInput(f"must be one of {', '.join(EXPORTERS)}", field="format_name")
     require_verified(plan.verification.findings)
     return EXPORTERS[format_name].write(plan, datetime.now(UTC))
+
+
+def fly(
+    plan: "Plan", *, runs: int = 400, seed: int = 0, progress: OnProgress | None = None
+) -> "PlanFlights":
+    """The plan flown many times with errors drawn anew: what its camera holds, and how sharply."""
+    from planner.flights.pipeline import fly_plan
+
+    tell = _on_stage(progress)
+    return fly_plan(plan, runs, seed, lambda done: tell("runs", done, runs))
 
 
 def opportunities(request: "OpportunityRequest | Json") -> "Opportunities":
@@ -125,6 +140,15 @@ def estimate_vertical(
 
     pixels = [decode_image(image) if isinstance(image, bytes) else image for image in images]
     return estimate(pixels, _value_of(request, read_estimate_request))
+
+
+def compare(plan: "FlightPlan", csv: bytes, *, epoch: datetime | None = None) -> "Comparison":
+    """What flew beside a plan: telemetry as CSV; epoch: from which its t_s counts, the plan's."""
+    from planner.telemetry.compare import compare as compare_samples
+    from planner.telemetry.csv_text import read_csv
+
+    names = plan.scenario.platform.axis_names
+    return compare_samples(plan, read_csv(csv, names, epoch, plan.table.epoch_utc))
 
 
 def plan_imaging(

@@ -172,6 +172,26 @@ class Campaign:
     members: Members = field(repr=False)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Flights:
+    """Flights of a plan, each with errors drawn anew.
+
+    probability_in_frame: that every frame of every session holds its target.  probability_sharp:
+    that each is smeared over less than a pixel, too.  contributors: causes, the most to blame
+    first; sessions: the same of each.
+    """
+
+    id: str
+    state: str
+    flown: int
+    probability_in_frame: float
+    probability_sharp: float
+    contributors: tuple[Members, ...]
+    warnings: tuple[str, ...]
+    sessions: tuple[Members, ...] = field(repr=False)
+    members: Members = field(repr=False)
+
+
 def job_of(members: Members) -> Job:
     """A JobResponse, an entry of a list."""
     return Job(
@@ -271,5 +291,20 @@ def campaign_of(members: Members) -> Campaign:
         value=choice["value"],
         bound=choice["bound"],
         passes=tuple(members["passes"]),
+        members=members,
+    )
+
+
+def flights_of(members: Members) -> Flights:
+    """A FlightsResponse of runs that are all flown."""
+    return Flights(
+        id=members["id"],
+        state=members["state"],
+        flown=members["flown"],
+        probability_in_frame=members["probability_in_frame"],
+        probability_sharp=members["probability_sharp"],
+        contributors=tuple(members["contributors"]),
+        warnings=tuple(members["warnings"]),
+        sessions=tuple(members["sessions"]),
         members=members,
     )

@@ -16,7 +16,7 @@ from email.utils import parsedate_to_datetime
 from typing import Any, NoReturn, TypeVar
 
 from slewtrack import answers
-from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan, Window
+from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
 from slewtrack.events import Events, OnProgress, TimeIsUp
 from slewtrack.filters import Filters, query_of
 from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, problem_of
@@ -27,6 +27,8 @@ Json = bytes | Mapping[str, Any]
 PLANS, SPACECRAFT_PLANS = "/v1/plans", "/v1/spacecraft/plans"
 SEARCHES, SPACECRAFT_SEARCHES = "/v1/opportunities", "/v1/spacecraft/opportunities"
 CAMPAIGNS = "/v1/campaigns"
+FLIGHTS = "/v1/flights"
+COMPARISONS = "/v1/telemetry/comparisons"
 SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
 PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
 WAIT_S = 30  # of a POST, for what takes no longer
@@ -201,6 +203,33 @@ def wait_for_campaign(
     return answers.campaign_of(members)
 
 
+def fly(
+    plan_id: str,
+    request: Json,
+    progress: OnProgress | None,
+    timeout_s: float | None,
+    patience_s: float,
+) -> Call[Flights]:
+    """Submitted and waited for, all runs flown."""
+    job = yield from submit(flights_path(plan_id), request, None, patience_s)
+    return (yield from wait_for_flights(job.id, progress, timeout_s, patience_s))
+
+
+def wait_for_flights(
+    job_id: str, progress: OnProgress | None, timeout_s: float | None, patience_s: float
+) -> Call[Flights]:
+    """The flights once all runs are flown; raises Refused, Cancelled, NotFinished."""
+    members = yield from _wait(FLIGHTS, job_id, progress, timeout_s, patience_s)
+    if members["state"] != "done":
+        _raise_unmade(members)
+    return answers.flights_of(members)
+
+
+def flights_path(plan_id: str) -> str:
+    """Where a plan's flights are posted and listed."""
+    return f"{PLANS}/{plan_id}/flights"
+
+
 def _raise_unmade(members: Members) -> NoReturn:
     if problem := members.get("problem"):
         raise Refused(problem_of(problem))
@@ -349,6 +378,26 @@ def estimate_vertical(images: Sequence[bytes], request: Json, patience_s: float)
     ]
     ask = Ask(method="POST", path="/v1/horizon/estimates", parts=parts)
     return (yield from document(ask, patience_s))
+
+
+def compare(
+    request: Json, csv: bytes | None, format_name: str | None, patience_s: float
+) -> Call[bytes]:
+    """What flew beside a plan: the answer, or a picture in a format."""
+    ask = post(COMPARISONS, request, query={} if format_name is None else {"format": format_name})
+    if csv is not None:
+        parts = (
+            ("request", "request.json", body_of(request), "application/json"),
+            ("samples", "samples.csv", csv, "text/csv"),
+        )
+        ask = replace(ask, headers={}, body=None, parts=parts)
+    return (yield from good(ask, patience_s)).body
+
+
+def comparison(request: Json, csv: bytes | None, patience_s: float) -> Call[Members]:
+    """The answer's members."""
+    members: Members = json.loads((yield from compare(request, csv, "json", patience_s)))
+    return members
 
 
 def platforms(patience_s: float) -> Call[Sequence[Members]]:

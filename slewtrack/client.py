@@ -15,9 +15,10 @@ from typing import Any, Self, TypeVar, Unpack
 import httpx
 
 from slewtrack import calls
-from slewtrack.answers import Campaign, Columns, Job, Members, Opportunities, Plan, Window
+from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
 from slewtrack.calls import (
     CAMPAIGNS,
+    FLIGHTS,
     PLANS,
     SEARCHES,
     SPACECRAFT_PLANS,
@@ -220,9 +221,53 @@ class Client(Carrier):
         """Those there are, the latest first."""
         return self._run(calls.jobs(CAMPAIGNS, limit, filters, self._service.patience_s))
 
+    def fly(
+        self,
+        plan_id: str,
+        request: Json,
+        *,
+        progress: OnProgress | None = None,
+        timeout_s: float | None = None,
+    ) -> Flights:
+        """A plan flown many times with errors drawn anew; `runs` and `seed` of them."""
+        return self._run(calls.fly(plan_id, request, progress, timeout_s, self._service.patience_s))
+
+    def wait_for_flights(
+        self,
+        flights_id: str,
+        *,
+        progress: OnProgress | None = None,
+        timeout_s: float | None = None,
+    ) -> Flights:
+        """Those that were posted before."""
+        return self._run(
+            calls.wait_for_flights(flights_id, progress, timeout_s, self._service.patience_s)
+        )
+
+    def flights(
+        self, plan_id: str | None = None, *, limit: int = 50, **filters: Unpack[Filters]
+    ) -> list[Job]:
+        """Those there are of a plan, of all unless given, the latest first."""
+        path = FLIGHTS if plan_id is None else calls.flights_path(plan_id)
+        return self._run(calls.jobs(path, limit, filters, self._service.patience_s))
+
+    def delete_flights(self, flights_id: str) -> None:
+        """Cancel them, or delete them when they are flown."""
+        self._run(calls.delete(FLIGHTS, flights_id, self._service.patience_s))
+
     def estimate_vertical(self, images: Sequence[bytes], request: Json) -> Members:
         """The nadir in body axes from one image file per camera."""
         return self._run(calls.estimate_vertical(images, request, self._service.patience_s))
+
+    def compare(self, request: Json, csv: bytes | None = None) -> Members:
+        """What flew beside a kept plan: its samples in the request, or in a CSV file."""
+        return self._run(calls.comparison(request, csv, self._service.patience_s))
+
+    def draw_comparison(
+        self, request: Json, csv: bytes | None = None, format_name: str = "png"
+    ) -> bytes:
+        """The same as a picture: png or svg."""
+        return self._run(calls.compare(request, csv, format_name, self._service.patience_s))
 
     def platforms(self) -> Sequence[Members]:
         """Those that a request can name, each as it may write out its own."""

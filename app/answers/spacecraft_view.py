@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.answers.columns import columns_of, numbers
-from app.answers.members import to_json
+from app.answers.members import degrees, to_json
 from app.answers.ranges import (
     Count,
     ElevationDeg,
@@ -18,7 +18,9 @@ from app.answers.ranges import (
 from app.answers.view import BodyTrackOut, CarrierTrackOut
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.export.map import asked_rad
+from planner.spacecraft.flight.stabilisation import RATE_ERROR_MAX_RAD_S
 from planner.spacecraft.table import TICK_S
+from planner.spacecraft.vehicle.definition import AgileSpacecraft
 from planner.view.spacecraft import NO_WINDOW, SessionView
 
 
@@ -97,6 +99,23 @@ class AskedPlacesOut:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SessionLimitsOut:
+    """What the session keeps to.
+
+    rate_axis_max_deg_s: about each body axis, in turns. E.g. `1.58`.
+    rate_error_max_deg_s: about each body axis while the camera runs, for the image to be sharp.
+    E.g. `0.001`.
+    gimbal_rate_max_deg_s: of each gimbal. E.g. `57.3`.
+    momentum_sphere_n_m_s: the gyros can take so much in every direction. E.g. `60.0`.
+    """
+
+    rate_axis_max_deg_s: NotNegative
+    rate_error_max_deg_s: NotNegative
+    gimbal_rate_max_deg_s: NotNegative
+    momentum_sphere_n_m_s: NotNegative
+
+
+@dataclass(frozen=True, kw_only=True)
 class SpacecraftViewResponse:
     """What there is to see of an imaging session: a line for each row shown, in every column.
 
@@ -114,6 +133,8 @@ class SpacecraftViewResponse:
     alpha_body_deg_s2: its derivative, in body axes.
     gimbal_deg: angles of the four gyros' gimbals.
     gimbal_rate_deg_s: rates of the four gyros' gimbals.
+    momentum_n_m_s: of the gyros' rotors, in body axes.
+    limits: what the session keeps to.
     swaths: what each window images.
     requests: what was asked for, imaged or not.
     """
@@ -130,6 +151,8 @@ class SpacecraftViewResponse:
     alpha_body_deg_s2: list[list[Signed]]
     gimbal_deg: list[list[Signed]]
     gimbal_rate_deg_s: list[list[Signed]]
+    momentum_n_m_s: list[list[Signed]]
+    limits: SessionLimitsOut
     carrier: CarrierTrackOut
     line: LineTraceOut
     sun: BodyTrackOut
@@ -153,6 +176,8 @@ def spacecraft_view_json(view: SessionView, plan_id: str, *, verified: bool) -> 
             step_s=view.step_s,
             t_s=view.t_s.tolist(),
             window=[None if one == NO_WINDOW else one for one in view.window.tolist()],
+            momentum_n_m_s=numbers(view.momentum_body_n_m_s, 1.0, 6),
+            limits=_limits(view.plan.spacecraft),
             carrier=columns_of(CarrierTrackOut, view.carrier),
             line=columns_of(LineTraceOut, view.line),
             sun=columns_of(BodyTrackOut, view.sun),
@@ -160,6 +185,15 @@ def spacecraft_view_json(view: SessionView, plan_id: str, *, verified: bool) -> 
             swaths=_swaths(view),
             requests=_asked(view),
         )
+    )
+
+
+def _limits(spacecraft: AgileSpacecraft) -> SessionLimitsOut:
+    return SessionLimitsOut(
+        rate_axis_max_deg_s=degrees(spacecraft.slew.rate_axis_rad_s),
+        rate_error_max_deg_s=degrees(RATE_ERROR_MAX_RAD_S),
+        gimbal_rate_max_deg_s=degrees(spacecraft.array.rate_max_rad_s),
+        momentum_sphere_n_m_s=spacecraft.slew.momentum_sphere_n_m_s,
     )
 
 

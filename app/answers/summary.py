@@ -3,10 +3,13 @@
 import math
 from dataclasses import dataclass, replace
 
-from app.answers.ranges import Count, ElevationDeg, Share
+import numpy as np
+
+from app.answers.ranges import Count, ElevationDeg, NotNegative, Share
 from app.requests.listings import listing_of_scenario
 from app.store.listing import Listing
 from planner.frames.time_scales import utc_text
+from planner.opportunities.ground_sample import sample_along_m
 from planner.sessions.plan import Plan
 from planner.verification import EarthFixedView
 
@@ -27,6 +30,9 @@ class SessionSummaryOut:
     best_at: when that is; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
     probability_in_frame: that the target stays inside the camera's frame over the whole session;
     null for a test motion. E.g. `0.97`.
+    ground_sample_m: the longer side of a pixel of 0.678 arcsec on the ground where the carrier is
+    nearest; null unless the target is on the Earth, and not told of plans that older versions
+    made. E.g. `1.33`.
     """
 
     session: Count
@@ -39,6 +45,7 @@ class SessionSummaryOut:
     best_elevation_deg: ElevationDeg | None
     best_at: str | None
     probability_in_frame: Share | None
+    ground_sample_m: NotNegative | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +101,17 @@ def _session_out(plan: Plan, number: int) -> SessionSummaryOut:
         best_elevation_deg=None if view is None else math.degrees(view.elevation_max_rad),
         best_at=None if view is None else utc_text(view.elevation_max_utc),
         probability_in_frame=None if budget is None else budget.probability_in_frame,
+        ground_sample_m=None
+        if view is None
+        else _ground_sample_m(view, plan.scenario.platform.camera.pixel_rad),
     )
+
+
+def _ground_sample_m(view: EarthFixedView, pixel_rad: float) -> float | None:
+    """The carrier is nearest and highest at once, to a few metres of the range."""
+    sine, range_m = np.array(math.sin(view.elevation_max_rad)), np.array(view.range_min_m)
+    sample_m = float(sample_along_m(sine, range_m, pixel_rad))
+    return None if math.isnan(sample_m) else sample_m
 
 
 def listing_of_plan(plan: Plan) -> Listing:

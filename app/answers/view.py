@@ -22,6 +22,7 @@ from app.answers.ranges import (
 from planner.export import SegmentKind
 from planner.frames.time_scales import utc_text
 from planner.platforms import AxisLimits
+from planner.pointing.angles import keyholes_rad
 from planner.view import PlanView
 from planner.view.cones import ConeTrace
 from planner.view.motion import AxesMotion, BaselineSlew
@@ -247,6 +248,10 @@ class PlanViewResponse:
     session: number of the session that belongs to, from 0; null on the way to the final state.
     axes: how each axis moves, by its name.
     limits: what each axis may do, by its name.
+    keyholes_deg: angles of the second axis at which the boresight lies in the plane of both: near
+    them the first must turn fast. E.g. `[-90.0, 90.0]`.
+    frame_deg: the camera's field of view along the frame's first side and its second. E.g.
+    `[2.6, 1.7]`.
     targets: of each session.
     keep_out: of each cone of the request.
     masks: of each of the platform's.
@@ -265,6 +270,8 @@ class PlanViewResponse:
     session: list[Count | None]
     axes: dict[str, AxisMotionOut]
     limits: dict[str, AxisBoundsOut]
+    keyholes_deg: list[Signed]
+    frame_deg: list[NotNegative]
     carrier: CarrierTrackOut
     boresight: BoresightTraceOut
     footprint: FootprintTraceOut
@@ -299,6 +306,8 @@ def view_json(view: PlanView, plan_id: str, pixel_arcsec: float, *, verified: bo
                 name: _bounds(limits)
                 for name, limits in zip(table.axis_names, scenario.axis_limits, strict=True)
             },
+            keyholes_deg=[degrees(at_rad) for at_rad in keyholes_rad(scenario.platform)],
+            frame_deg=[degrees(2.0 * half_rad) for half_rad in scenario.platform.frame_half_rad],
             carrier=columns_of(CarrierTrackOut, view.carrier, unknown),
             boresight=columns_of(BoresightTraceOut, view.boresight, unknown),
             footprint=columns_of(FootprintTraceOut, view.footprint, unknown),

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from app.cli.compare import compare
 from app.cli.files import (
     Exports,
     RequestFile,
@@ -22,6 +23,7 @@ from app.cli.files import (
     takes_standard_output,
     write,
 )
+from app.cli.fly import fly
 from app.cli.kept import export, list_plans, show, watch
 from app.cli.keys import keys
 from app.cli.one_line import FAILED, REFUSED, one_line_for_what_goes_wrong, say
@@ -86,10 +88,12 @@ main.add_typer(keys, name="keys")
 
 
 main.command()(plan)
+main.command()(fly)
 main.command("list")(list_plans)
 main.command()(show)
 main.command()(export)
 main.command()(watch)
+main.command()(compare)
 
 
 @main.command()

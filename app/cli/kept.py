@@ -121,7 +121,7 @@ def export(
 
 
 def watch(plan_id: Id, url: Url = None) -> None:
-    """Follow a plan or a campaign until it has ended; 0 done, 1 failed or cancelled, 2 refused."""
+    """Follow a plan, campaign or flights to their end; 0 done, 1 failed or cancelled, 2 refused."""
     from app.cli.service import service
 
     console = report_console()
@@ -139,9 +139,14 @@ def watch(plan_id: Id, url: Url = None) -> None:
 def _follow(client: "Client", job_id: str, tell: "Callable[[Progress], None]") -> bool:
     from slewtrack import Refused
 
-    try:
-        return client.wait(job_id, progress=tell).passed
-    except Refused as refused:
-        if refused.problem.status != HTTPStatus.NOT_FOUND:
-            raise
-    return client.wait_for_campaign(job_id, progress=tell).state == "done"
+    waits = (
+        lambda: client.wait(job_id, progress=tell).passed,
+        lambda: client.wait_for_campaign(job_id, progress=tell).state == "done",
+    )
+    for wait in waits:
+        try:
+            return wait()
+        except Refused as refused:
+            if refused.problem.status != HTTPStatus.NOT_FOUND:
+                raise
+    return client.wait_for_flights(job_id, progress=tell).state == "done"

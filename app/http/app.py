@@ -22,6 +22,7 @@ from app.http.door.watch import Watch
 from app.http.head_as_get import HeadAsGet
 from app.http.metrics import Metrics
 from app.http.openapi.schema import complete
+from app.http.planners_page import serve_page
 from app.http.query import require_sound_query
 from app.http.readiness import (
     Readiness,
@@ -31,13 +32,16 @@ from app.http.readiness import (
 )
 from app.http.routes import (
     campaigns,
+    flights,
     horizon,
     imaging_opportunities,
     opportunities,
+    plan_flights,
     plans,
     platforms,
     spacecraft,
     system,
+    telemetry,
 )
 from app.http.view_cache import ViewCache
 from app.jobs.dispatcher import Dispatcher
@@ -64,12 +68,14 @@ _TAGS = [
     {"name": name, "description": meaning}
     for name, meaning in (
         ("plans", "Command tables of a two-axis platform: sessions in, a verified table out."),
+        ("flights", "Plans flown many times with errors drawn anew: what the camera will hold."),
         ("opportunities", "When each target can be seen."),
         ("campaigns", "Many targets over days: which sessions, in what order, all planned."),
         (
             "horizon",
             "The local vertical, measured in images of the horizon; what cameras will see.",
         ),
+        ("telemetry", "What flew beside what was planned."),
         ("spacecraft", "Imaging sessions of the agile CMG spacecraft."),
         ("platforms", "What can be asked for by name."),
         ("system", "For operators and monitors."),
@@ -80,7 +86,10 @@ _OF_API = (
     plans,
     opportunities,
     campaigns,
+    plan_flights,
+    flights,
     horizon,
+    telemetry,
     spacecraft,
     imaging_opportunities,
     platforms,
@@ -112,6 +121,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     for resource in (*_OF_API, pages):
         app.include_router(resource.router)
     pages.serve_files(app)
+    serve_page(app)
     errors.install(app)
     _guard_and_watch(app, settings)
     _describe(app)

@@ -5,7 +5,6 @@ from functools import lru_cache
 from pathlib import Path
 
 from fastapi import APIRouter, FastAPI, Request, Response
-from fastapi.responses import RedirectResponse
 from starlette.staticfiles import StaticFiles
 
 from app.http.door.access import PAGE_FILES
@@ -37,12 +36,6 @@ def serve_files(app: FastAPI) -> None:
     """What the pages load: Swagger UI and ReDoc as fastapi-offline packs them, and our own."""
     files = StaticFiles(directory=_OURS, packages=[("fastapi_offline", "static")])
     app.mount(PAGE_FILES.rstrip("/"), files, name="page-files")
-
-
-@router.get("/")
-async def get_root() -> Response:
-    """Who types the service's address gets what there is to read."""
-    return RedirectResponse("docs")
 
 
 @router.get("/openapi.json")

@@ -12,12 +12,13 @@ from typing import Any, NamedTuple
 from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
-from app.store import jobs, plans
+from app.store import flights, jobs, plans
 from app.store.ids import JobState, new_id
 from app.store.jobs import Job, NewJob
 from app.store.packed import NewPlan
 from app.store.plans import StoredPlan
 from app.work.campaign import NewCampaign, Part, choose, without_refused
+from app.work.flights import NewFlights, fly_part, prepare_flights
 from app.work.plan import plan_and_pack
 from app.work.spacecraft import plan_and_pack_session
 
@@ -135,7 +136,52 @@ CAMPAIGN = JobKind(
     },
 )
 
-JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN)}
+
+def _store_flights(connection: Connection, job: Job, new: NewFlights) -> Settled:
+    if job.cancel_requested:
+        return Settled("cancelled")
+    flights.store(connection, job.id, new.document)
+    for number, request in enumerate(new.parts):
+        jobs.accept(
+            connection,
+            NewJob(
+                id=new_id(),
+                kind=RUNS.name,
+                name=f"{job.name} part {number}",
+                request=request,
+                request_sha256=hashlib.sha256(request).hexdigest(),
+                deadline_s=min(RUNS.bounds.deadline_s, job.deadline_s),
+                key_id=job.key_id,
+                parent_id=job.id,
+                rank=_PART_RANK,
+            ),
+        )
+    return Settled("running")
+
+
+def _store_runs(connection: Connection, job: Job, outcomes: bytes) -> Settled:
+    flights.store(connection, job.id, outcomes)
+    return Settled("done")
+
+
+FLIGHTS = JobKind(
+    name="flights",
+    # 200 sessions flown once, the most there are to prepare, took ?? s of a core and ?? GB.
+    bounds=Bounds(deadline_s=300.0, memory_mib=2000),
+    work=prepare_flights,
+    store=_store_flights,
+    has_parts=True,
+    stages={"as planned": 0, "runs": 3},
+)
+RUNS = JobKind(
+    name="flight runs",
+    # Some 5 s of a core as a rule.
+    bounds=Bounds(deadline_s=300.0, memory_mib=2000),
+    work=fly_part,
+    store=_store_runs,
+)
+
+JOB_KINDS = {kind.name: kind for kind in (PLAN, SPACECRAFT_PLAN, CAMPAIGN, FLIGHTS, RUNS)}
 
 
 def replace_refused(connection: Connection, refused: Job, problem: Mapping[str, Any]) -> None:

@@ -35,7 +35,7 @@ def settle(
     if problem is None:
         return Settled(take_up_again(connection, job, attempts_max))
     state: JobState = "refused" if problem["status"] < 500 else "failed"
-    if state == "refused" and job.parent_id is not None and not job.cancel_requested:
+    if state == "refused" and "campaign" in job.options and not job.cancel_requested:
         replace_refused(connection, job, problem)
     jobs.finish(connection, job, state, problem)
     return Settled(state)

@@ -51,6 +51,7 @@ class NewJob:
     key_id: str | None = None
     idempotency: str | None = None
     parent_id: str | None = None
+    plan_id: str | None = None
     rank: int = 0
     listing: Listing = field(default_factory=Listing)
 
@@ -72,6 +73,7 @@ class Job:
     options: Mapping[str, Any]
     key_id: str | None
     parent_id: str | None
+    plan_id: str | None
     attempts: int
     deadline_s: float
     created_utc: datetime
@@ -102,6 +104,8 @@ class Claim:
     token: str
 
 
+# Among a job's options: that it is nothing without each of its parts; what they are called.
+NEEDS_ALL = "parts"
 _WHOLE = aliased(JobRow)
 _UNWANTED: ColumnElement[bool] = or_(
     JobRow.cancel_requested,
@@ -188,13 +192,17 @@ def latest(
     *,
     before: str | None = None,
     parent_id: str | None = None,
+    plan_id: str | None = None,
     sought: Sought = EVERYTHING,
 ) -> list[Job]:
     """Jobs of a kind, the latest first; `before` an id.
 
-    Parts of the larger job, or without one those that are no parts.
+    Parts of the larger job, or without one those that are no parts; with `plan_id` those about
+    that plan.
     """
     conditions = [JobRow.kind == kind, JobRow.parent_id == parent_id, *sought.conditions()]
+    if plan_id is not None:
+        conditions.append(JobRow.plan_id == plan_id)
     if before is not None:
         conditions.append(JobRow.id < before)
     found = connection.execute(_JOBS.where(*conditions).order_by(JobRow.id.desc()).limit(limit))
@@ -334,10 +342,17 @@ def _record_end_of_part(connection: Connection, whole_id: str) -> None:
     counted = {state: int(count) for state, count in grouped}
     left = sum(counted.get(state, 0) for state in OPEN_STATES)
     done = sum(counted.values()) - left
-    data = {"stage": "plans", "done": done, "of": done + left}
+    data = {"stage": whole.options.get(NEEDS_ALL, "plans"), "done": done, "of": done + left}
     events.record(connection, whole_id, events.PROGRESS, data)
-    if not left:
-        finish(connection, whole, "cancelled" if whole.cancel_requested else "done")
+    if left:
+        return
+    if whole.cancel_requested:
+        finish(connection, whole, "cancelled")
+    elif NEEDS_ALL in whole.options and counted.get("done", 0) < done:
+        broken = next(part for part in parts_of(connection, whole_id) if part.state != "done")
+        finish(connection, whole, broken.state, broken.problem)
+    else:
+        finish(connection, whole, "done")
 
 
 def give_back(connection: Connection, job: Job, *, counted: bool) -> None:
@@ -367,11 +382,14 @@ def cancel(connection: Connection, job_id: str) -> Job | None:
 
 
 def remove(connection: Connection, job_id: str) -> bool:
-    """Delete a finished job with its plan and events; False when there is none such."""
+    """Delete a finished job with its plan, events and flights; False when there is none such."""
     gone = connection.execute(
         delete(JobRow).where(JobRow.id == job_id, JobRow.state.not_in(OPEN_STATES))
     )
-    return gone.rowcount > 0
+    if gone.rowcount == 0:
+        return False
+    connection.execute(delete(JobRow).where(JobRow.plan_id == job_id))
+    return True
 
 
 def remove_finished(connection: Connection, before_utc: datetime, limit: int) -> list[str]:
@@ -381,7 +399,8 @@ def remove_finished(connection: Connection, before_utc: datetime, limit: int) ->
         .where(JobRow.finished_utc < before_utc, JobRow.parent_id.is_(None))
         .limit(limit)
     ).all()
-    connection.execute(delete(JobRow).where(JobRow.id.in_(found)))
+    gone = or_(JobRow.id.in_(found), JobRow.plan_id.in_(found))
+    connection.execute(delete(JobRow).where(gone))
     return list(found)
 
 

@@ -1,4 +1,4 @@
-"""The tables: jobs, plans, campaigns, events, probes, keys and the audit log."""
+"""The tables: jobs, plans, campaigns, flights, events, probes, keys and the audit log."""
 
 from datetime import datetime
 from typing import Any
@@ -43,6 +43,7 @@ class JobRow(Base):
     idempotency: SHA-256 of who sent which Idempotency-Key where; None without one.
     rank: smaller goes first.  lease_until_s: by `database_now_s`; a running job without a lease
     waits for others.
+    plan_id: the job of the plan that this one is about; whoever deletes that deletes this.
     platform ... target_words: `app.store.listing`; targets: the first of target_count.
     words, target_words: what filters look into, `folded`.
     """
@@ -59,6 +60,7 @@ class JobRow(Base):
     key_id: Mapped[str | None] = mapped_column(PlainString(64))
     idempotency: Mapped[str | None] = mapped_column(PlainString(64), unique=True)
     parent_id: Mapped[str | None] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"))
+    plan_id: Mapped[str | None] = mapped_column(_ID)
     rank: Mapped[int]
     attempts: Mapped[int]
     lease_token: Mapped[str | None] = mapped_column(PlainString(32))
@@ -83,6 +85,7 @@ class JobRow(Base):
         Index(None, "state", "rank", "id"),  # what to take up next
         Index(None, "kind", "id"),  # lists
         Index(None, "parent_id", "state"),
+        Index(None, "plan_id", "id"),  # lists
         Index(None, "lease_token"),
         Index(None, "finished_utc"),  # retention
     )
@@ -133,6 +136,18 @@ class CampaignRow(Base):
     """
 
     __tablename__ = "campaigns"
+
+    id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    document: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class FlightsRow(Base):
+    """What a job of flights found: of all of them at first, or of some runs, its parts.
+
+    document: as `app.work.flights` packs it.
+    """
+
+    __tablename__ = "flights"
 
     id: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     document: Mapped[bytes] = mapped_column(LargeBinary)

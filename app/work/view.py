@@ -26,15 +26,15 @@ class AskedView:
     """Of which plan, and how.
 
     verified: whether its verification passed.  format_name: None for JSON.
-    step_s: None to have it chosen.  pixel_arcsec: of a platform's plans.  created_utc: the date a
-    file states.
+    step_s: None to have it chosen.  pixel_arcsec: None for the platform's camera's.  created_utc:
+    the date a file states.
     """
 
     plan_id: str
     verified: bool
     format_name: str | None
     step_s: float | None
-    pixel_arcsec: float
+    pixel_arcsec: float | None
     created_utc: datetime
 
 
@@ -42,13 +42,14 @@ def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> 
     """Raises InvalidInput for the step, OutsideCoverage, and Unverified of all but JSON."""
     packed = unpack(table_columns)
     plan = stored_plan(request, packed)
+    pixel_arcsec = asked.pixel_arcsec or plan.scenario.platform.camera.pixel_arcsec
     if asked.format_name is None:
-        view = view_plan(plan, asked.step_s, asked.pixel_arcsec)
-        return view_json(view, asked.plan_id, asked.pixel_arcsec, verified=asked.verified)
+        view = view_plan(plan, asked.step_s, pixel_arcsec)
+        return view_json(view, asked.plan_id, pixel_arcsec, verified=asked.verified)
     require_verified_table(packed)
     if asked.format_name in DRAWN:
         return DRAWN[asked.format_name].write(plan, asked.created_utc)
-    view = view_plan(plan, asked.step_s, asked.pixel_arcsec)
+    view = view_plan(plan, asked.step_s, pixel_arcsec)
     return VIEW_EXPORTERS[asked.format_name].write(view, asked.created_utc)
 
 

@@ -11,6 +11,7 @@ import os
 import app.work.campaign
 import app.work.horizon
 import app.work.spacecraft
+import app.work.telemetry
 import app.work.view  # noqa: F401 (for the children to find)
 from app.requests.examples.plan import LAS_VEGAS
 from app.work.plan import plan_and_pack

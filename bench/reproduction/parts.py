@@ -11,9 +11,21 @@ from typing import Protocol, cast
 from reproduction.statements import Picture, Statement
 
 PARTS = (
+    "sumarokov_equipment",
+    "sumarokov_attitude",
+    "sumarokov_orbit",
+    "sumarokov_angles",
+    "sumarokov_transfer",
     "sumarokov_sessions",
+    "sumarokov_las_vegas",
+    "sumarokov_flight",
+    "sumarokov_boston",
+    "sumarokov_modes",
     "lomaka_vertical",
+    "lomaka_experiment",
+    "platonov_spacecraft",
     "platonov_imaging",
+    "platonov_laws",
 )
 
 

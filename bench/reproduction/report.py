@@ -69,8 +69,10 @@ def _number(value: float | str | None, tolerance: float, unit: str) -> str:
     """As many digits as the tolerance holds; all there are where it holds all."""
     if value is None or isinstance(value, str):
         return "-"
-    if tolerance == 0.0 or value == 0.0:
-        text = f"{value:.10g}"
+    if abs(value) < 0.5 * tolerance:
+        text = "0"
+    elif tolerance == 0.0 or value == 0.0:
+        text = f"{value:.10g}" if abs(value) < 1e6 else f"{value:.6g}"
     else:
         decimals = math.ceil(-math.log10(tolerance))
         digits = max(1, decimals + 1 + math.floor(math.log10(abs(value))))

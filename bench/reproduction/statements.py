@@ -55,3 +55,8 @@ class Picture:
 def judge(stated: float, ours: float, within: float) -> Verdict:
     """Do the two agree within what the paper's rounding or its reading off a figure allows?"""
     return "agrees" if abs(ours - stated) <= within else "differs"
+
+
+def holds(claim: bool) -> Verdict:
+    """Does a claim without a number hold for us?"""
+    return "agrees" if claim else "differs"

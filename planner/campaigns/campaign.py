@@ -287,7 +287,8 @@ def _in_utc(
     length_s = np.array([request.targets[look.target].lengths_s[look.length] for look in chosen])
     target = np.array([look.target for look in chosen], np.intp)
     targets = [wanted.target for wanted in request.targets]
-    views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, request.pixel_arcsec)
+    pixel_rad = request.opportunities().pixel_rad
+    views = viewing.seen(carrier, targets, target, start_s + 0.5 * length_s, pixel_rad)
     told = iter(
         ChosenLook(
             target=look.target,

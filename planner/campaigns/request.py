@@ -13,9 +13,9 @@ from planner.campaigns.view import ViewWeights
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
-from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC, TARGETS_MAX
+from planner.opportunities.request import TARGETS_MAX
 from planner.orbits import Orbit
-from planner.platforms import AngleDeg, Platform
+from planner.platforms import PIXELS_ARCSEC, AngleDeg, Platform
 from planner.scenario import SlewOptions
 from planner.spec import Within, require_within, spec
 from planner.targets import WindowTarget
@@ -80,7 +80,8 @@ class CampaignRequest:
     start: when the campaign begins; UTC, rounded up to a command row.
     stop: when it ends; UTC.
     view: how much the quality of the view counts in what a look is worth.
-    pixel_arcsec: angle a pixel sees, for the ground samples told.
+    pixel_arcsec: angle a pixel sees, for the ground samples told; unless given, that of the
+    platform's camera. E.g. `0.68`.
     step_s: looks begin on whole multiples of it after `start`; finer finds more and takes longer.
     """
 
@@ -94,7 +95,7 @@ class CampaignRequest:
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
     view: ViewWeights = ViewWeights()
-    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
     slew: SlewOptions = SlewOptions()
     step_s: Annotated[float, Within(*STEPS_S)] = STEP_S
 

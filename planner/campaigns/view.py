@@ -151,14 +151,14 @@ class Viewing:
         targets: Sequence[Target],
         target: Indices,
         t_s: Array,
-        pixel_arcsec: float,
+        pixel_rad: float,
     ) -> list[Seen]:
         """Of looks at `target` (rows of targets) at t_s, (n,) each."""
         seen: list[Seen | None] = [None] * len(target)
         for rows, sight, which in in_sights(target, targets, carrier):
             view = view_of(sight, which, t_s[rows])
             probability = self.probability(sight, which, t_s[rows])
-            pixel_m = math.radians(pixel_arcsec / 3600.0) * view.plumb_m * view.stretch_ratio
+            pixel_m = pixel_rad * view.plumb_m * view.stretch_ratio
             on_earth = isinstance(sight, EarthSight)
             for n, row in enumerate(rows.tolist()):
                 seen[row] = Seen(

@@ -79,7 +79,7 @@ def _sightings(
     t_s, shape, carrier = at_s.ravel(), at_s.shape, sight.carrier
     seen = sight.sighting(which, t_s)
     direction_itrf, range_m = seen.direction_itrf, seen.range_m
-    pixel_rad = math.radians(request.pixel_arcsec / 3600.0)
+    pixel_rad = request.pixel_rad
     sine = np.sin(seen.elevation_rad) if isinstance(sight, EarthSight) else np.ones(len(t_s))
     los_platform = carrier.in_platform(direction_itrf, t_s)
     angle_rad, branch, branches = _pointing(request.platform, los_platform, shape)

@@ -11,12 +11,10 @@ from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
 from planner.orbits import Orbit
-from planner.platforms import Platform
+from planner.platforms import PIXELS_ARCSEC, Platform
 from planner.spec import Within, spec
 from planner.targets import WindowTarget
 
-HRC_PIXEL_ARCSEC = math.degrees(1.15 / 350e3) * 3600.0  # 1.15 m from 350 km: Sumarokov 2016
-PIXELS_ARCSEC = (1e-4, 36e3)
 SAMPLES = (2, 1000)  # a window's edges at least
 TARGETS_MAX = 5000
 DAYS_MAX = 31.0
@@ -97,7 +95,8 @@ class OpportunityRequest:
     start: when the search begins; UTC.
     stop: when it ends; UTC.
     samples: instants per window, its edges included, at which angles and the rest are told.
-    pixel_arcsec: angle a pixel sees, for the ground sample distance.
+    pixel_arcsec: angle a pixel sees, for the ground sample distance; unless given, that of the
+    platform's camera. E.g. `0.68`.
     """
 
     name: str = ""
@@ -109,7 +108,7 @@ class OpportunityRequest:
     stop: datetime
     conditions: OpportunityConditions = OpportunityConditions()
     samples: Annotated[int, Within(*SAMPLES)] = 5
-    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] = HRC_PIXEL_ARCSEC
+    pixel_arcsec: Annotated[float, Within(*PIXELS_ARCSEC)] | None = None
 
     def __post_init__(self) -> None:
         if elapsed_s(self.stop, self.start) < 1.0:
@@ -128,6 +127,13 @@ class OpportunityRequest:
             seen.add(wanted.id)
             wanted.target.require_known(f"targets.{number}.target", self.start, self.stop)
         self._require_bounds()
+
+    @property
+    def pixel_rad(self) -> float:
+        """Angle a pixel sees."""
+        if self.pixel_arcsec is None:
+            return self.platform.camera.pixel_rad
+        return math.radians(self.pixel_arcsec / 3600.0)
 
     @property
     def assumed(self) -> tuple[Assumed, ...]:

@@ -5,6 +5,9 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Annotated
 
+from planner.platforms.camera import HRC_CAMERA, Camera
+from planner.platforms.carrier_mode import CarrierMode
+from planner.platforms.drive import AxisDrive
 from planner.platforms.field_mask import FieldMask
 from planner.platforms.two_axis import (
     HRC_FRAME_HALF_RAD,
@@ -24,6 +27,7 @@ AngleDeg = Annotated[float, Within(-1080.0, 1080.0)]
 STOPS_APART_DEG = 1e-3
 JerkDegS3 = Annotated[float, Within(1e-4, 1e3)]
 MASKS_MAX = 8  # each makes the way around them a larger problem
+MODES_MAX = 8  # each makes a flight longer to compute
 _MotionLimit = Annotated[float, Within(1e-4, 1e3)]
 _WidthDeg = Annotated[float, Within(1e-6, 170.0)]
 
@@ -41,6 +45,7 @@ class AxisDefinition:
     jerk_max_deg_s3: largest jerk, either way.
     rate_min_deg_s: below this commanded rate friction makes the drive oscillate; it is reported,
     not forbidden.
+    drive: how it follows a table in flight.
     """
 
     name: str
@@ -51,6 +56,7 @@ class AxisDefinition:
     acceleration_max_deg_s2: _MotionLimit
     jerk_max_deg_s3: JerkDegS3
     rate_min_deg_s: Annotated[float, Within(0.0, 1e3)] = 0.0
+    drive: AxisDrive = field(default_factory=AxisDrive)
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -92,10 +98,12 @@ class PlatformDefinition:
     given.
     frame_turn_deg: how far the first side is turned from the inner axis, right-handed about the
     boresight; how the HRC's frame lies isn't published, 0 is assumed.
+    camera: how fine, how long and how often it takes frames; the HRC's unless given.
     park_positions_deg: by name, the angle of each axis by its name; a plan's `final_state` may
     name one.
     masks: up to 8 regions fixed to the platform's base that the boresight never enters: kept by
     slews, tracks and windows.
+    structural_modes: up to 8 in which the carrier rocks when the axes accelerate.
     """
 
     name: str
@@ -105,8 +113,10 @@ class PlatformDefinition:
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     field_of_view_deg: tuple[_WidthDeg, _WidthDeg] = HRC_FIELD_OF_VIEW_DEG
     frame_turn_deg: Annotated[float, Within(-180.0, 180.0)] = 0.0
+    camera: Camera = HRC_CAMERA
     park_positions_deg: Mapping[str, Mapping[str, AngleDeg]] = field(default_factory=dict)
     masks: tuple[FieldMask, ...] = ()
+    structural_modes: tuple[CarrierMode, ...] = ()
 
     def __post_init__(self) -> None:
         if self.outer.name == self.inner.name:
@@ -115,6 +125,11 @@ class PlatformDefinition:
             self._require_park_position(name, angles_deg)
         if len(self.masks) > MASKS_MAX:
             raise ValueError(f"masks must hold at most {MASKS_MAX} masks, not {len(self.masks)}")
+        if len(self.structural_modes) > MODES_MAX:
+            raise ValueError(
+                f"structural_modes must hold at most {MODES_MAX} modes, "
+                f"not {len(self.structural_modes)}"
+            )
         for number, mask in enumerate(self.masks):
             if mask.name in [before.name for before in self.masks[:number]]:
                 raise ValueError(f"masks.{number}.name must be its own, not {mask.name!r} again")
@@ -152,6 +167,7 @@ class PlatformDefinition:
                 math.radians(self.field_of_view_deg[1]) / 2.0,
             ),
             frame_turn_rad=math.radians(self.frame_turn_deg),
+            camera=self.camera,
             park_positions=tuple(
                 ParkPosition(
                     name=name,
@@ -163,4 +179,6 @@ class PlatformDefinition:
                 for name, angles_deg in self.park_positions_deg.items()
             ),
             masks=self.masks,
+            drives=(self.outer.drive, self.inner.drive),
+            structural_modes=self.structural_modes,
         )

@@ -8,11 +8,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.platforms.camera import HRC_CAMERA, Camera
+from planner.platforms.carrier_mode import UNIT_TOLERANCE, CarrierMode
+from planner.platforms.drive import AxisDrive
 from planner.platforms.field_mask import FieldMask
 from planner.spec import UnitPart, Within, spec
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]
-UNIT_TOLERANCE = 1e-6
 # 5.36 x 3.56 km from 350 km (Sumarokov 2016).
 HRC_FRAME_HALF_RAD = (math.atan(2.68 / 350.0), math.atan(1.78 / 350.0))
 
@@ -68,8 +70,11 @@ class TwoAxisPlatform:
     frame_half_rad: half the camera's field of view along the frame's first side and along its
     second.  frame_turn_rad: how far the first side is turned from the inner axis, right-handed
     about the boresight.
+    camera: how fine, how long and how often it takes frames.
     park_positions: where it may be left at rest.
     masks: what stands in its view; fixed to the base, as the carrier is.
+    drives: how the axes follow a table, in the order of `axis_names`.  structural_modes: how the
+    carrier rings when they do.
     Source: Sumarokov 2016, eq. 10-11.
     """
 
@@ -84,8 +89,11 @@ class TwoAxisPlatform:
     q_platform_from_body_xyzw: tuple[UnitPart, UnitPart, UnitPart, UnitPart] = (0.0, 0.0, 0.0, 1.0)
     frame_half_rad: tuple[float, float] = HRC_FRAME_HALF_RAD
     frame_turn_rad: float = 0.0
+    camera: Camera = HRC_CAMERA
     park_positions: tuple[ParkPosition, ...] = ()
     masks: tuple[FieldMask, ...] = ()
+    drives: tuple[AxisDrive, AxisDrive] = (AxisDrive(), AxisDrive())
+    structural_modes: tuple[CarrierMode, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (

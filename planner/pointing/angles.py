@@ -1,5 +1,6 @@
 """Axis angles, rates and accelerations that point a two-axis platform along a direction."""
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -115,6 +116,16 @@ def singular_margin_rad(platform: TwoAxisPlatform, angle_rad: Array, los_platfor
     normal = cross(outer, inner)
     sine = np.abs(np.sum(los_platform * normal, axis=1)) / np.linalg.norm(normal, axis=1)
     return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
+
+
+def keyholes_rad(platform: TwoAxisPlatform) -> tuple[float, float]:
+    """Inner angles, ascending in [-pi, pi), at which `singular_margin_rad` is zero."""
+    outer, inner = platform.axes_platform
+    zero = np.asarray(platform.zero_direction_platform)
+    normal = np.cross(outer, inner)
+    at_rad = math.atan2(-float(normal @ zero), float(normal @ np.cross(inner, zero)))
+    low, high = sorted((one + math.pi) % math.tau - math.pi for one in (at_rad, at_rad + math.pi))
+    return low, high
 
 
 def cosine_coefficients(platform: TwoAxisPlatform, directions_platform: Array) -> Array:

@@ -62,7 +62,9 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
     final, losses = sessions_after_conflicts(scenario, onto_tracks)
     table = assemble_table(epoch_utc, scenario.platform.axis_names, joins)
     with stage("pointing budget"):
-        budgets = tuple(_budget(final, ephemeris, table, session) for session in final.sessions)
+        budgets = tuple(
+            session_budget(final, ephemeris, table, session) for session in final.sessions
+        )
     misses = [budget.warning(number) for number, budget in enumerate(budgets) if budget]
     with stage("verification"):
         report = verify(table, final)
@@ -159,10 +161,10 @@ def _segments(scenario: Scenario, joins: list[Join]) -> tuple[Segment, ...]:
     return tuple(segments)
 
 
-def _budget(
+def session_budget(
     scenario: Scenario, ephemeris: Ephemeris, table: CommandTable, session: Session
 ) -> PointingBudget | None:
-    """None where no target is looked at."""
+    """Of the linear kind; None where no target is looked at.  ephemeris: over the session."""
     if isinstance(session.target, BenchMotionTarget):
         return None
     rows = session_rows(session, scenario.initial_state.epoch)

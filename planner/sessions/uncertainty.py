@@ -20,7 +20,7 @@ from planner.frames.time_scales import DAY_S, Instants, elapsed_s
 from planner.orbits import Ephemeris, OrbitStates
 from planner.orbits.accuracy import orbit_sigma
 from planner.platforms import TwoAxisPlatform
-from planner.pointing.angles import boresight_platform, carried_axes
+from planner.pointing.frame import frame_axes
 from planner.pointing.line_of_sight import LineOfSight
 from planner.sessions.probability import lattice_points, probability_inside
 from planner.targets import VisibleTarget
@@ -215,7 +215,7 @@ class Scene:
     ) -> None:
         n = len(los.instants)
         self.rows = np.unique(np.linspace(0, n - 1, min(n, samples)).round().astype(np.intp))
-        image = _image_axes(platform, angle_rad)
+        image = frame_axes(platform, angle_rad)
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
         if shares.max() > OFF_TARGET:
@@ -255,17 +255,6 @@ class Scene:
         )
         seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
         return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
-
-
-def _image_axes(platform: TwoAxisPlatform, angle_rad: Array) -> Array:
-    """Directions along the frame's sides, both square to the boresight, (n, 2, 3)."""
-    boresight = boresight_platform(platform, angle_rad)
-    inner = carried_axes(platform, angle_rad)[1]
-    along = inner - np.sum(inner * boresight, axis=1)[:, None] * boresight
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    c, s = np.cos(platform.frame_turn_rad), np.sin(platform.frame_turn_rad)
-    first = c * along + s * cross(boresight, along)
-    return np.stack([first, cross(boresight, first)], axis=1)
 
 
 def _farthest(shares: Array, rows: Indices) -> Indices:
@@ -370,16 +359,21 @@ def _attitude_offsets(scene: Scene, errors: AttitudeErrors) -> list[Bias]:
     return biases
 
 
+def ut1_sigma_s(instants: Instants) -> float:
+    """1-sigma of UT1 at the last of them, by how far the data of the Earth's turning reach."""
+    end_utc = iers_data_end_utc()
+    past_days = elapsed_s(instants.epoch_utc, end_utc) / DAY_S
+    past_days += float(instants.t_s[-1]) / DAY_S
+    predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
+    return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
+
+
 def _earth_offsets(scene: Scene, passing_platform: Array) -> Bias:
     """UT1; the pole's part is a tenth of it.
 
     passing_platform: how far the Earth's turning moves the target from `_PROBE_S` before to after.
     """
-    end_utc = iers_data_end_utc()
-    past_days = elapsed_s(scene.instants.epoch_utc, end_utc) / DAY_S
-    past_days += float(scene.instants.t_s[-1]) / DAY_S
-    predicted_days = max(0.0, min(past_days + IERS_PREDICTED_DAYS, IERS_PREDICTED_DAYS))
-    ut1_s = 2e-5 + 2.5e-4 * predicted_days**0.75 + 8.5e-4 * max(0.0, past_days)
+    ut1_s = ut1_sigma_s(scene.instants)
     cause = _Cause(
         "Earth orientation",
         "measured UT1 drift of 0.85 ms a day where the last value is held, before that IERS "

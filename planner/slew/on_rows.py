@@ -27,7 +27,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
 
     A sampled profile whose Hermite breaks a limit or leaves the plan by more than 0.1 arcsec
     is replaced, axis by axis, by the smoothest motion whose jerk changes on rows only, which
-    a cubic Hermite reproduces.
+    a cubic Hermite reproduces; so is one that spares modes, which feel what is flown.
     Raises InfeasibleSlew when the time is too short by less than a row or so for that.
     """
     began_s = time.perf_counter()
@@ -42,7 +42,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
         solution.lower_bounds_rad2_s5 or (0.0,) * len(solution.profiles),
         strict=True,
     ):
-        if reproduces(profile, rows, slew.limits):
+        if not slew.avoid_modes and reproduces(profile, rows, slew.limits):
             profiles.append(profile)
             status.append(found)
             continue

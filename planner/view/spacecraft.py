@@ -50,6 +50,7 @@ class SessionView:
     step_s: from row to row, but for the last.  t_s: since the table's epoch, (n,).
     window: number of the window that the row is in, NO_WINDOW for none, (n,).
     omega_body_rad_s, alpha_body_rad_s2: (n, 3).  gimbal_rad, gimbal_rate_rad_s: (n, 4).
+    momentum_body_n_m_s: of the gyros' rotors, (n, 3).
     swath_rad: latitudes and longitudes around what each window images; None beside the Earth.
     """
 
@@ -61,6 +62,7 @@ class SessionView:
     alpha_body_rad_s2: Array
     gimbal_rad: Array
     gimbal_rate_rad_s: Array
+    momentum_body_n_m_s: Array
     carrier: CarrierTrack
     line: LineTrace
     sun: BodyTrack
@@ -88,6 +90,7 @@ def view_session(plan: SessionTable, step_s: float | None) -> SessionView:
         alpha_body_rad_s2=table.alpha_body_rad_s2[row],
         gimbal_rad=table.gimbal_rad[row],
         gimbal_rate_rad_s=table.gimbal_rate_rad_s[row],
+        momentum_body_n_m_s=plan.spacecraft.array.momentum(table.gimbal_rad[row]),
         carrier=carrier_track(scene),
         line=_line_trace(ground, scene),
         sun=sun,

@@ -11,8 +11,8 @@ FILES = sorted(
     path for room in ("app", "planner", "estimator") for path in (ROOT / room).rglob("*.py")
 )
 UNIT = re.compile(
-    r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px|kg"
-    r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|m3_s2|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|deg_s[23]?|(deg|rad)2_s5"
+    r"_(m|km|m2|mm|um|nm|s|us|ms|days?|orbits|seconds|jyear|mjd|jd|rad2?|deg2?|arcsec2?|mas|hz|px2?|kg"
+    r"|n_m|n_m_s|pa|k|e|bytes|kg_m2|kg_m3|m3_s2|mas_yr|rad_yr|m_s2?|km_s|rad_s[23]?|arcsec_s|arcmin_s|deg_s[23]?|(deg|rad)2_s5"
     r"|per_s[23]?|ticks|rows)$"
 )
 # What has no unit, by the word a name holds.
@@ -32,7 +32,7 @@ DIRECTION = re.compile(
 # The parts of a state have several units, which stand beside it.
 PURE_ARRAY = re.compile(
     r"(^|_)(directions?|cosines?|normals?|axis|axes|rotation|matrix|weights?|coefficients?|mask|image|unit"
-    r"|numbers|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
+    r"|numbers|signs|mrp|states?|basis|limits|shares?|probabilities|priorities|knots|scores?|costs?|parameters)(_|$)"
 )
 NUMBER = ("float", "float | None")
 ARRAY = re.compile(

@@ -155,10 +155,3 @@ def test_what_is_no_origin_is_refused_when_the_service_starts(monkeypatch, text)
         settings_of_environment()
     assert refusal.value.field == "SLEWTRACK_ALLOWED_ORIGINS"
     assert "each must be an origin such as https://planner.example" in refusal.value.detail
-
-
-def test_the_services_own_address_leads_to_its_pages(there):
-    answer = there.get("/", follow_redirects=False)
-    assert (answer.status_code, answer.headers["location"]) == (307, "docs")
-    assert there.get("/").url.path == "/docs"
-    assert there.head("/", follow_redirects=False).status_code == 307

@@ -76,6 +76,10 @@ def test_the_best_elevation_is_that_of_the_opportunity(client, two):
     # The judge looks every 0.05 s: at 1 deg/s past the zenith that is 0.001 deg of the parabola.
     assert vegas["best_elevation_deg"] == pytest.approx(window["highest_deg"], abs=1e-3)
     assert vegas["best_at"][:19] == window["highest_at"][:19]
+    # 1 m of a range of 401 km between the nearest and the highest instant.
+    sample_m = window["closest"]["ground_sample_along_m"]
+    assert vegas["ground_sample_m"] == pytest.approx(sample_m, rel=1e-5)
+    assert two["summary"]["sessions"][1]["ground_sample_m"] is None
 
 
 def test_lists_tell_of_it(client, two):

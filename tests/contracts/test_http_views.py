@@ -12,6 +12,7 @@ from lxml import etree
 from PIL import Image
 from refusal_cases import request
 from scipy.io import netcdf_file
+from scipy.spatial.transform import Rotation
 from waiting import PatientClient
 
 from app.http.app import create_app
@@ -153,6 +154,20 @@ def test_the_boresight_is_on_the_target(view):
     assert apart_deg < 0.01
     corners = view["footprint"]["latitude_deg"][row]
     assert min(corners) < target["latitude_deg"][row] < max(corners)
+
+
+def test_the_cameras_frame_is_the_papers(view):
+    km = 350.0 * 2.0 * np.tan(np.radians(view["frame_deg"]) / 2.0)
+    np.testing.assert_allclose(km, [5.36, 3.56], atol=0.005)  # the last printed digit, on the ground
+
+
+def test_at_a_keyhole_the_boresight_is_in_the_plane_of_the_axes(view):
+    platform = read_plan_request(json.dumps(LAS_VEGAS).encode()).platform
+    outer, inner = platform.axes_platform
+    turns = Rotation.from_rotvec(np.radians(view["keyholes_deg"])[:, None] * inner)
+    across = turns.apply(platform.zero_direction_platform) @ np.cross(outer, inner)
+    np.testing.assert_allclose(across, 0.0, atol=1e-10)  # the angles' last digit is 1e-9 deg
+    assert len(across) == 2
 
 
 def test_the_window_around_the_session(view):

@@ -17,6 +17,7 @@ import pytest
 
 from app.requests.campaign import campaign_request_json_schema, read_campaign_request
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.flights import FLIGHTS_EXAMPLES
 from app.requests.examples.horizon import (
     ESTIMATE_EXAMPLE,
     PICTURE_EXAMPLES,
@@ -26,6 +27,7 @@ from app.requests.examples.horizon import (
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS, PLAN_EXAMPLES
 from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.flights import flights_request_json_schema, read_flights_request
 from app.requests.horizon import (
     horizon_request_json_schemas,
     read_estimate_request,
@@ -68,7 +70,7 @@ _CONES = [
     {"half_angle_deg": 5.0, "direction_platform": [0.0, 0.0, -1.0]},
 ]
 _AXIS = {"angle_min_deg": -175.0, "angle_max_deg": 175.0, "rate_max_deg_s": 3.0,
-         "acceleration_max_deg_s2": 1.0, "jerk_max_deg_s3": 1.0}  # fmt: skip
+         "acceleration_max_deg_s2": 1.0, "jerk_max_deg_s3": 1.0, "drive": {}}  # fmt: skip
 _PLACE = {"latitude_deg": 36.0, "longitude_deg": -115.0}
 FRAGMENTS = [
     _with(slew={"keep_out": _CONES, "avoid_modes": [{"frequency_hz": 0.2}]}),
@@ -87,6 +89,9 @@ FRAGMENTS = [
         "zero_direction_platform": [0.0, 0.0, 1.0],
         "q_platform_from_body_xyzw": [0.0, 0.0, 0.0, 1.0],
         "field_of_view_deg": [0.9, 0.6],
+        "camera": {},
+        "structural_modes": [{"axis_platform": [1.0, 0.0, 0.0], "frequency_hz": 0.3,
+                              "inertia_kg_m2": 5e5}],
         "park_positions_deg": {"stowed": {"alpha": 0.0, "beta": 90.0}}}),
     _aimed(mode="ground_moving", epoch="2015-02-27T17:36:00Z", course_deg=0.0, speed_m_s=5.0,
            **_PLACE),
@@ -146,6 +151,8 @@ def _kinds() -> tuple[Asked, ...]:
               tuple(d | {"rest_angles_deg": {"alpha": 0.0, "beta": 0.0}, "conditions": {},
                          "view": {}}
                     for d in _shown(CAMPAIGN_EXAMPLES))),
+        Asked("flights", read_flights_request, flights_request_json_schema(template),
+              _shown(FLIGHTS_EXAMPLES)),
         Asked("opportunities", read_opportunity_request,
               opportunity_request_json_schema(template), _shown(OPPORTUNITY_EXAMPLES)),
         Asked("spacecraft", read_spacecraft_request, spacecraft_request_json_schema(template),

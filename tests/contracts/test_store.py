@@ -58,8 +58,10 @@ def test_migrations_lead_to_the_models(tmp_path):
 def as_of(database, version):
     """The tables as a version before 0006 left them."""
     with database.writing() as connection:
-        for table in ("search_pages", "searches"):
+        for table in ("flights", "search_pages", "searches"):
             connection.execute(text(f"DROP TABLE {table}"))
+        connection.execute(text("DROP INDEX ix_jobs_plan_id_id"))
+        connection.execute(text("ALTER TABLE jobs DROP COLUMN plan_id"))
         for added in Listing().columns(""):
             connection.execute(text(f"ALTER TABLE jobs DROP COLUMN {added}"))
         connection.execute(text(f"UPDATE alembic_version SET version_num = '{version}'"))

@@ -24,10 +24,12 @@ from app.http.openapi.schema import ANSWERS
 from app.http.routes import jobs as job_routes
 from app.jobs.kinds import JOB_KINDS
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
+from app.requests.examples.flights import FLIGHTS_EXAMPLES
 from app.requests.examples.horizon import ESTIMATE_EXAMPLE, PICTURE_EXAMPLES, PREDICTION_EXAMPLES
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.spacecraft import IMAGING_OPPORTUNITY_EXAMPLES, SPACECRAFT_EXAMPLES
+from app.requests.examples.telemetry import COMPARISON_EXAMPLES
 from app.settings import Settings
 from app.store import jobs
 from app.store.ids import new_id
@@ -41,6 +43,7 @@ SEARCHES = {
     "/v1/opportunities": OPPORTUNITY_EXAMPLES["cities"][1],
     "/v1/spacecraft/opportunities": IMAGING_OPPORTUNITY_EXAMPLES["four modes"][1],
 }
+FLIGHTS = "/v1/flights"
 LIST_MAX, LIST_SHOWN = 10, 5
 LINES_MAX = 12
 TEXT_MAX, TEXT_SHOWN = 1000, 60
@@ -115,12 +118,14 @@ def all_answers(folder: Path) -> dict[str, Any]:
             answers.ask("GET", path)
         for path in KEPT:
             _made(answers, path)
+        _flown(answers)
         _asked_at_once(answers)
         answers.ask("GET", "/v1/audit")
     with _that_never_ends(folder / "hangs") as client:
         answers.client = client
         for path in KEPT:
             _under_way(answers, path)
+        _ended_on_request(answers, FLIGHTS, "flights", "Las Vegas, before uplink")
     return answers.shown
 
 
@@ -144,6 +149,20 @@ def _made(answers: Answers, path: str) -> None:
         answers.ask("GET", table, name=name, made_id=made_id, query=f"?format={name}")
 
 
+def _flown(answers: Answers) -> None:
+    """A plan of its own, so that it can be made by itself."""
+    plan_id = answers.client.post("/v1/plans", json=LAS_VEGAS).json()["id"]
+    path = "/v1/plans/{id}/flights"
+    later = {"json": FLIGHTS_EXAMPLES["errors"][1], "headers": {"Prefer": "respond-async"}}
+    answers.ask("POST", path, made_id=plan_id, **later)
+    waits = {"json": FLIGHTS_EXAMPLES["series"][1], "headers": {"Prefer": "wait=60"}}
+    flights_id = answers.ask("POST", path, made_id=plan_id, **waits).json()["id"]
+    answers.ask("GET", path, made_id=plan_id)
+    answers.ask("GET", FLIGHTS)
+    answers.ask("GET", f"{FLIGHTS}/{{id}}", made_id=flights_id)
+    answers.ask("GET", f"{FLIGHTS}/{{id}}/events", made_id=flights_id)
+
+
 def _seen(answers: Answers, path: str, made_id: str, formats: dict[str, Any]) -> None:
     view = f"{path}/{{id}}/view"
     answers.ask("GET", view, made_id=made_id)
@@ -164,6 +183,9 @@ def _asked_at_once(answers: Answers) -> None:
     ]
     request = {"request": json.dumps(ESTIMATE_EXAMPLE)}
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
+    [plan] = answers.client.get("/v1/plans", params={"state": "done", "limit": 1}).json()["plans"]
+    compared = COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
+    answers.ask("POST", "/v1/telemetry/comparisons", json=compared)
 
 
 def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:
@@ -190,14 +212,28 @@ def _under_way(answers: Answers, path: str) -> None:
     running_id = answers.ask("POST", path, json=request, headers=later).json()["id"]
     answers.ask("DELETE", one, made_id=running_id)
     answers.client.delete(f"{path}/{running_id}").raise_for_status()
-    elsewhere = NewJob(
-        id=new_id(),
-        kind=kind,
-        name=request["name"],
-        request=b"",
-        request_sha256="0" * 64,
-        deadline_s=60.0,
+    _ended_on_request(answers, path, kind, request["name"])
+
+
+def _ended_on_request(answers: Answers, path: str, kind: str, name: str) -> None:
+    """What waits is ended at once, what another service works on a little later."""
+    one = f"{path}/{{id}}"
+    here, elsewhere = (
+        NewJob(
+            id=new_id(),
+            kind=kind,
+            name=name,
+            request=b"",
+            request_sha256="0" * 64,
+            deadline_s=60.0,
+            options={"runs": 100, "seed": 1} if kind == "flights" else {},
+        )
+        for _ in range(2)
     )
+    if path == FLIGHTS:
+        with answers.client.app.state.database.writing() as connection:
+            jobs.accept(connection, here)
+        answers.ask("DELETE", one, made_id=here.id)
     with answers.client.app.state.database.writing() as connection:
         jobs.accept(connection, elsewhere, lease_s=3600.0)
     with patch.object(job_routes, "CANCEL_WAIT_S", 0.0):

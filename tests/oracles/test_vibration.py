@@ -132,12 +132,16 @@ def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz
         ((146.263, 0.0, 0.0), (100.418, -0.216, 0.005), 24.8, 0.1),
         ((50.0, -0.823, 0.0), (45.92, -0.13, 0.0), 8.4, 0.1),
         ((-4.297, 0.65, 0.0), (-4.526, 0.48, 0.0), 11.8, 0.2),
+        ((51.2576, 0.0, 0.0), (62.0869, 0.6498, -0.005523), 9.2, 2.0),
     ],
 )
 def test_in_little_time_modes_are_weighed_until_each_is_left_as_little_as_wanted(
     start, end, duration_s, frequency_hz
 ):
-    """With the usual weights they leave 4.8, 1.6 and 2.8 times as much."""
+    """With the usual weights the first three leave 4.8, 1.6 and 2.8 times as much.
+
+    The last leaves 1.05 times as much where rows follow a motion that isn't made for them.
+    """
     mode = StructuralMode(frequency_hz=frequency_hz)
     orders = ("angle_rad", "rate_rad_s", "acceleration_rad_s2")
     states = [

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 
 from horizon_cases import NEGATIVES, case, negative, random_air, ring
-from horizon_paper_method import paper_nadir
+from reproduction.lomaka_method import paper_nadir
 
 from estimator.check import Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, InvalidImage, Reason

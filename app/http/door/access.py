@@ -22,6 +22,11 @@ from app.store.api_keys import Key, KeyScope
 # a page can't send a key.
 PAGES = frozenset({"/", "/docs", "/redoc", "/openapi.json"})
 PAGE_FILES = "/page-files/"
+BUILT_FILES = "/assets/"
+# First parts of the planner's page's own addresses (web/src/rooms.ts).
+PAGE_ROOMS = frozenset(
+    {"plans", "opportunities", "horizon", "spacecraft", "campaigns", "flights", "telemetry", "jobs"}
+)
 PROBES = frozenset({"/healthz", "/readyz"})
 _PASSED_ON = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
 
@@ -136,9 +141,14 @@ def scope_needed(method: str, path: str) -> KeyScope:
 
 
 def is_page(scope: Scope) -> bool:
-    """Documentation, the same for everyone."""
+    """Documentation and the planner's page without what it asks: the same for everyone."""
     path: str = scope["path"]
-    return scope["method"] in ("GET", "HEAD") and (path in PAGES or path.startswith(PAGE_FILES))
+    is_one = (
+        path in PAGES
+        or path.startswith((PAGE_FILES, BUILT_FILES))
+        or path.split("/")[1] in PAGE_ROOMS
+    )
+    return scope["method"] in ("GET", "HEAD") and is_one
 
 
 def is_loopback(host: str) -> bool:

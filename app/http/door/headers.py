@@ -24,6 +24,12 @@ PAGE_CONTENT_POLICY = (
     "img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self'; worker-src blob:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
+# The planner's page: Cesium compiles WebAssembly and starts workers from blobs.
+PLANNERS_PAGE_CONTENT_POLICY = (
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
+    "img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "
+    "frame-ancestors 'none'; base-uri 'self'; form-action 'none'"
+)
 
 _ALWAYS = {
     "X-Content-Type-Options": "nosniff",

@@ -24,7 +24,9 @@ Schema = dict[str, Any]
 _ENTRY = re.compile(r"(?:^|(?<=  ))(\w+(?:, \w+)*):\s", re.MULTILINE)
 # At a name's end, the longest that fits, and how it is written.
 _UNITS = {
+    "arcmin_s": "arcmin/s",
     "arcsec": "arcsec",
+    "arcsec_s": "arcsec/s",
     "deg": "deg",
     "deg2": "deg^2",
     "deg2_s5": "deg^2/s^5",
@@ -35,6 +37,7 @@ _UNITS = {
     "hz": "Hz",
     "jyear": "Julian year",
     "kg": "kg",
+    "kg_m2": "kg m^2",
     "km": "km",
     "km_s": "km/s",
     "m": "m",
@@ -44,6 +47,8 @@ _UNITS = {
     "mas_yr": "mas/yr",
     "n_m": "N m",
     "n_m_s": "N m s",
+    "per_s": "1/s",
+    "per_s2": "1/s^2",
     "px": "pixels",
     "s": "s",
 }

@@ -15,6 +15,7 @@ from app.http.openapi.examples import show_examples
 from app.http.openapi.fields import describe
 from app.http.problems import PROBLEM_JSON
 from app.requests.campaign import campaign_request_json_schema
+from app.requests.flights import FlightsRequest, flights_request_json_schema
 from app.requests.horizon import (
     PictureRequest,
     PredictionRequest,
@@ -26,6 +27,7 @@ from app.requests.spacecraft import (
     imaging_opportunity_json_schema,
     spacecraft_request_json_schema,
 )
+from app.requests.telemetry import ComparisonRequest, comparison_request_json_schema
 from estimator.request import HorizonRequest
 from planner.campaigns import CampaignRequest
 from planner.opportunities import OpportunityRequest
@@ -44,20 +46,24 @@ KEY_SCHEME = "key"
 _REQUESTS = {
     "PlanRequest": plan_request_json_schema,
     "CampaignRequest": campaign_request_json_schema,
+    "FlightsRequest": flights_request_json_schema,
     "OpportunityRequest": opportunity_request_json_schema,
     "ImagingPlanRequest": spacecraft_request_json_schema,
     "ImagingOpportunityRequest": imaging_opportunity_json_schema,
+    "ComparisonRequest": comparison_request_json_schema,
 }
 
 _REQUEST_KINDS = (
     PlanRequest,
     CampaignRequest,
+    FlightsRequest,
     OpportunityRequest,
     ImagingPlanRequest,
     ImagingOpportunityRequest,
     HorizonRequest,
     PredictionRequest,
     PictureRequest,
+    ComparisonRequest,
 )
 
 

@@ -45,8 +45,12 @@ def accept_job(
     body: bytes,
     key: str | None,
     options: Mapping[str, Any],
+    plan_id: str | None = None,
 ) -> Job:
-    """The job for a request, new or known by its key; raises KeyReused, QueueFull."""
+    """The job for a request, new or known by its key; raises KeyReused, QueueFull.
+
+    plan_id: of the plan it is about.
+    """
     state, kind = request.app.state, JOB_KINDS[resource.kind]
     dispatcher: Dispatcher = state.dispatcher
     key_id = getattr(request.state, "key_id", None)
@@ -60,6 +64,7 @@ def accept_job(
         deadline_s=min(kind.bounds.deadline_s, state.settings.job_deadline_s),
         options=options,
         key_id=key_id,
+        plan_id=plan_id,
         idempotency=None if key is None else _digest(key_id or "", kind.name, key),
     )
     job = dispatcher.submit(new, spec)

@@ -12,7 +12,7 @@ from app.store.ids import JobState, is_id
 from app.store.sought import Sought
 from planner.errors import InvalidInput
 from planner.frames.time_scales import utc_from_text
-from planner.opportunities.request import HRC_PIXEL_ARCSEC, PIXELS_ARCSEC
+from planner.platforms import PIXELS_ARCSEC
 
 LIST_MAX = 200
 _KEY_CHARACTERS_MAX = 255
@@ -113,12 +113,13 @@ class ViewQuery(TableQuery):
 class PlanViewQuery(ViewQuery):
     """How closely to look at a plan, and in which format to show it."""
 
-    pixel_arcsec: float = Field(
-        default=HRC_PIXEL_ARCSEC,
+    pixel_arcsec: float | None = Field(
+        default=None,
         ge=PIXELS_ARCSEC[0],
         le=PIXELS_ARCSEC[1],
         allow_inf_nan=False,
-        description="Angle a pixel sees, for the ground samples of JSON and NetCDF.",
+        description="Angle a pixel sees, for the ground samples of JSON and NetCDF; unless "
+        "given, that of the platform's camera.",
     )
 
 

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 
 from fastapi import APIRouter, Depends
 
-from app.answers.members import degrees, fill
+from app.answers.platform import definition_of
 from app.http.negotiation import accepts_json
-from planner.platforms import PLATFORMS, AxisDefinition, AxisLimits, PlatformDefinition
-from planner.platforms.two_axis import TwoAxisPlatform, UnitVector
+from planner.platforms import PLATFORMS, PlatformDefinition
 
 router = APIRouter(tags=["platforms"], dependencies=[Depends(accepts_json)])
-
-_DECIMALS = 12  # 3 deg/s, not 3.0000000000000004
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,31 +25,3 @@ class PlatformList:
 async def get_platforms() -> PlatformList:
     """Axes, limits and mount of each; copy one into a request's `platform` to change it."""
     return PlatformList(platforms=[definition_of(platform) for platform in PLATFORMS.values()])
-
-
-def definition_of(platform: TwoAxisPlatform) -> PlatformDefinition:
-    """The platform in degrees."""
-    return PlatformDefinition(
-        name=platform.name,
-        outer=_axis(platform.outer_name, platform.outer_axis_platform, platform.outer_limits),
-        inner=_axis(platform.inner_name, platform.inner_axis_platform, platform.inner_limits),
-        zero_direction_platform=platform.zero_direction_platform,
-        q_platform_from_body_xyzw=platform.q_platform_from_body_xyzw,
-        field_of_view_deg=(
-            degrees(2.0 * platform.frame_half_rad[0], _DECIMALS),
-            degrees(2.0 * platform.frame_half_rad[1], _DECIMALS),
-        ),
-        frame_turn_deg=degrees(platform.frame_turn_rad, _DECIMALS),
-        park_positions_deg={
-            position.name: {
-                axis: degrees(angle_rad, _DECIMALS)
-                for axis, angle_rad in zip(platform.axis_names, position.angle_rad, strict=True)
-            }
-            for position in platform.park_positions
-        },
-        masks=platform.masks,
-    )
-
-
-def _axis(name: str, axis_platform: UnitVector, limits: AxisLimits) -> AxisDefinition:
-    return fill(AxisDefinition, limits, name=name, axis_platform=axis_platform, decimals=_DECIMALS)

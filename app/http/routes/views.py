@@ -25,7 +25,6 @@ from app.store import jobs
 from app.store.plans import StoredPlan
 from app.work.view import AskedView
 from planner.errors import Refusal
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
 
 _JSON_FORMAT = "json"
 
@@ -60,7 +59,7 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
                 f"there is nothing to see yet: the plan's state is {job.state}; GET "
                 f"{resource.path}/{job.id} tells more"
             )
-        pixel_arcsec = query.pixel_arcsec if isinstance(query, PlanViewQuery) else HRC_PIXEL_ARCSEC
+        pixel_arcsec = query.pixel_arcsec if isinstance(query, PlanViewQuery) else None
         tag = immutable_tag(plan, f"view-{form}-{query.step_s}-{pixel_arcsec}")
         if is_known_already(request, tag):
             return not_modified(tag)

@@ -1,0 +1,364 @@
+"""The answer about flights of a plan: probabilities, what is to blame, what the frames show."""
+
+import json
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from app.answers.job import JobResponse, job_out, page
+from app.answers.members import degrees, degrees_of, fill, from_store, to_json
+from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
+from planner.arrays import Array
+from planner.flights.contributors import Contributor
+from planner.flights.nominal import NominalSession
+from planner.flights.proportion import Proportion
+from planner.flights.runs import RunOutcomes
+from planner.flights.summary import Histogram, PlanFlights, SessionFlights, joined, summarise
+
+if TYPE_CHECKING:  # children answer without a database
+    from app.store.jobs import Job
+
+_DECIMALS = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class NominalOut:
+    """A session flown as planned: no errors but those of the drives as they nominally are.
+
+    Lists hold every so many frames, at most 300 of them.
+
+    frames: how many the camera takes.
+    held: how many of them hold the target from the first moment of the exposure to the last.
+    sharp: how many of these are smeared over less than a pixel.
+    turn_deg: the largest turn of the view from one frame to the next.
+    t_s: when each frame begins, since the epoch.
+    error_arcsec: the largest angle between boresight and target during the exposure.
+    error_m: the same at the target, across the line of sight; null for a target in the sky.
+    smear_px: the longest way between two places of the target in the image during the exposure.
+    holds: whether the frame holds the target.
+    north_deg: from the frame's first side towards its second, without jumps; the celestial north
+    for a target in the sky.
+    ground_sample_across_m: width of a pixel on the ground, across the lean of the line of sight;
+    null for a target in the sky.
+    ground_sample_along_m: its length, along the lean; null for a target in the sky, and where a
+    pixel reaches the horizon.
+    mover_ground_m: how far what was asked about moves from one frame of its series to the next;
+    null without. E.g. `208.33`.
+    mover_px: the same in the image, by the view of each frame shown; null without. E.g. `[181.2]`.
+    """
+
+    frames: Count
+    held: Count
+    sharp: Count
+    turn_deg: HalfTurnDeg
+    t_s: list[NotNegative]
+    error_arcsec: list[NotNegative]
+    error_m: list[NotNegative] | None
+    smear_px: list[NotNegative]
+    holds: list[bool]
+    north_deg: list[Signed]
+    ground_sample_across_m: list[NotNegative] | None
+    ground_sample_along_m: list[NotNegative | None] | None
+    mover_ground_m: NotNegative | None
+    mover_px: list[NotNegative] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContributorOut:
+    """One cause's part in what varies from run to run: Sobol's indices.
+
+    cause: what is not known exactly, as in the pointing budget.
+    share: of the variance of the target's place in the image, what the cause has a hand in, by
+    itself or with others; all causes together make 1 or more.
+    share_sigma: how far chance may have moved that.
+    alone_share: what would vanish of the variance, were the cause known; by chance it may lie a
+    little below 0.
+    alone_sigma: how far chance may have moved that.
+    smear_share: `share`, of the smear.
+    smear_share_sigma: how far chance may have moved that.
+    smear_alone_share: `alone_share`, of the smear.
+    smear_alone_sigma: how far chance may have moved that.
+    """
+
+    cause: str
+    share: NotNegative
+    share_sigma: NotNegative
+    alone_share: Signed
+    alone_sigma: NotNegative
+    smear_share: NotNegative
+    smear_share_sigma: NotNegative
+    smear_alone_share: Signed
+    smear_alone_sigma: NotNegative
+
+
+@dataclass(frozen=True, kw_only=True)
+class HistogramOut:
+    """How many runs missed by how much at worst.
+
+    edges_arcsec: of the bins, one more than there are.
+    counts: of the runs in each bin.
+    beyond: how many runs missed by more than the last edge.
+    """
+
+    edges_arcsec: list[NotNegative]
+    counts: list[Count]
+    beyond: Count
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionFlightsOut:
+    """A session under errors; null where no run is flown yet.
+
+    session: its number in the plan.
+    label: what it is called in lists.
+    told_probability_in_frame: what the plan's linear budget says of the same.
+    probability_in_frame: share of the runs in which all frames hold the target.
+    in_frame_interval: within which that probability lies with 95 % confidence (Wilson).
+    probability_sharp: share of the runs in which all frames hold it smeared over less than a pixel.
+    sharp_interval: within which that probability lies with 95 % confidence (Wilson).
+    frames_held: share of all runs' frames that hold the target.
+    frames_sharp: share of all runs' frames that hold it smeared over less than a pixel.
+    smear_px: median of a run's frames; in 5, 50 and 95 % of the runs it is less. [pixels]
+    miss_m: largest distance of the target from the boresight in a run, across the line of sight; in
+    5, 50 and 95 % of the runs it is less; null for a target in the sky. [m]
+    misses: the same as an angle, as a histogram.
+    contributors: what is to blame, the most first.
+    nominal: the session flown as planned.
+    """
+
+    session: Count
+    label: str
+    told_probability_in_frame: Share
+    probability_in_frame: Share | None
+    in_frame_interval: list[Share] | None
+    probability_sharp: Share | None
+    sharp_interval: list[Share] | None
+    frames_held: Share | None
+    frames_sharp: Share | None
+    smear_px: list[NotNegative] | None
+    miss_m: list[NotNegative] | None
+    misses: HistogramOut | None
+    contributors: list[ContributorOut]
+    nominal: NominalOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlightsFound:
+    """What the runs flown so far say of the plan.
+
+    plan: id of the plan that is flown.
+    runs: how many flights were asked for.
+    seed: of their errors.
+    flown: how many flights are flown already; all that is told is of these.
+    epoch: of `t_s`, the plan's row 0; UTC.
+    probability_in_frame: share of the runs in which every frame of every session holds its target;
+    null before any is flown.
+    in_frame_interval: within which that probability lies with 95 % confidence (Wilson).
+    probability_sharp: share of the runs in which each of these frames is smeared over less than a
+    pixel, too; null before any run is flown.
+    sharp_interval: within which that probability lies with 95 % confidence (Wilson).
+    contributors: what is to blame, the most first; all sessions together.
+    sessions: those that look at a target.
+    warnings: what one should know, such as where the plan's linear budget is off. E.g.
+    `["session 0: the budget tells a probability of 0.950, ..."]`.
+    """
+
+    plan: str
+    runs: Annotated[int, Field(ge=2)]
+    seed: Count
+    flown: Count
+    epoch: str | None
+    probability_in_frame: Share | None
+    in_frame_interval: list[Share] | None
+    probability_sharp: Share | None
+    sharp_interval: list[Share] | None
+    contributors: list[ContributorOut]
+    sessions: list[SessionFlightsOut]
+    warnings: list[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlightsResponse(FlightsFound, JobResponse):
+    """Flights of a plan as they stand."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlightsList:
+    """Flights of a plan, the latest first.
+
+    flights: those of this page.
+    next: `cursor` of what comes after, null at the end. E.g.
+    `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    """
+
+    flights: list[JobResponse]
+    next: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionHead:
+    """What is known of a session before any disturbed run."""
+
+    session: int
+    label: str
+    told_probability_in_frame: float
+    nominal: NominalOut
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlightsHead:
+    """What is known of all runs before any."""
+
+    plan: str
+    runs: int
+    seed: int
+    epoch: str
+    sessions: list[SessionHead]
+
+
+def nominal_out(flown: NominalSession) -> NominalOut:
+    """In the answer's units."""
+    along_m = flown.ground_sample_along_m
+    return NominalOut(
+        frames=flown.frames,
+        held=flown.held,
+        sharp=flown.sharp,
+        turn_deg=degrees(flown.turn_rad, _DECIMALS),
+        t_s=_list(flown.t_s),
+        error_arcsec=_arcsec(flown.error_rad),
+        error_m=None if flown.error_m is None else _list(flown.error_m),
+        smear_px=_list(flown.smear_px),
+        holds=flown.holds.tolist(),
+        north_deg=degrees_of(flown.north_rad),
+        ground_sample_across_m=_list_or_none(flown.ground_sample_across_m),
+        ground_sample_along_m=None
+        if along_m is None
+        else [length if np.isfinite(length) else None for length in _list(along_m)],
+        mover_ground_m=flown.mover_ground_m,
+        mover_px=_list_or_none(flown.mover_px),
+    )
+
+
+def flights_found(
+    head: FlightsHead, parts: Sequence[tuple[int, list[RunOutcomes]]]
+) -> FlightsFound:
+    """parts: each from which run on, and its outcomes by session; in any order."""
+    by_part = [sessions for _, sessions in sorted(parts, key=lambda part: part[0])]
+    found = summarise([joined(runs) for runs in zip(*by_part, strict=True)]) if by_part else None
+    sessions = [
+        _session_out(told, found.sessions[number] if found else None)
+        for number, told in enumerate(head.sessions)
+    ]
+    whole = _told_of(found)
+    return fill(
+        FlightsFound,
+        head,
+        flown=found.in_frame.runs if found else 0,
+        **whole,
+        sessions=sessions,
+        warnings=[] if found is None else _warnings(head, found),
+    )
+
+
+def flights_json(job: "Job", document: bytes | None, parts: Sequence[Any]) -> bytes:
+    """A FlightsResponse as UTF-8 JSON; document: a FlightsHead, None before there is one."""
+    if document is None:
+        options = job.options
+        found = FlightsFound(
+            plan=job.plan_id or "",
+            runs=options["runs"],
+            seed=options["seed"],
+            flown=0,
+            epoch=None,
+            **_told_of(None),
+            sessions=[],
+            warnings=[],
+        )
+    else:
+        head = from_store(FlightsHead, json.loads(zlib.decompress(document)))
+        found = flights_found(head, parts)
+    return to_json(fill(FlightsResponse, found, job_out(job)))
+
+
+def flights_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
+    """A FlightsList."""
+    flights, after = page(jobs, limit)
+    return to_json(FlightsList(flights=flights, next=after))
+
+
+def _told_of(found: PlanFlights | SessionFlights | None) -> dict[str, Any]:
+    if found is None:
+        names = ("probability_in_frame", "in_frame_interval", "probability_sharp", "sharp_interval")
+        return {**dict.fromkeys(names), "contributors": []}
+    return {
+        "probability_in_frame": found.in_frame.value,
+        "in_frame_interval": _interval(found.in_frame),
+        "probability_sharp": found.sharp.value,
+        "sharp_interval": _interval(found.sharp),
+        "contributors": [_contributor_out(one) for one in found.contributors],
+    }
+
+
+def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlightsOut:
+    if flown is None:
+        names = ("frames_held", "frames_sharp", "smear_px", "miss_m", "misses")
+        return fill(SessionFlightsOut, told, **_told_of(None), **dict.fromkeys(names))
+    on_earth = told.nominal.error_m is not None
+    return fill(
+        SessionFlightsOut,
+        told,
+        **_told_of(flown),
+        frames_held=flown.held_share,
+        frames_sharp=flown.sharp_share,
+        smear_px=_list(flown.smear_px),
+        miss_m=_list(flown.miss_m) if on_earth else None,
+        misses=_histogram_out(flown.miss_rad),
+    )
+
+
+def _warnings(head: FlightsHead, found: PlanFlights) -> list[str]:
+    warnings = []
+    for told, flown in zip(head.sessions, found.sessions, strict=True):
+        if flown.in_frame.differs_from(told.told_probability_in_frame):
+            low, high = _interval(flown.in_frame)
+            warnings.append(
+                f"session {told.session}: the plan's budget tells a probability of "
+                f"{told.told_probability_in_frame:.3f} that the target stays in the frame, the "
+                f"flights {flown.in_frame.value:.3f} ({low:.3f} to {high:.3f}): more than chance; "
+                "the budget is linear and knows no drives but their resolution: trust the flights"
+            )
+    return warnings
+
+
+def _contributor_out(one: Contributor) -> ContributorOut:
+    numbers = {
+        name: round(value, _DECIMALS) for name, value in vars(one).items() if name != "cause"
+    }
+    return ContributorOut(cause=one.cause, **numbers)
+
+
+def _histogram_out(misses: Histogram) -> HistogramOut:
+    return HistogramOut(
+        edges_arcsec=_arcsec(misses.edges_rad), counts=misses.counts.tolist(), beyond=misses.beyond
+    )
+
+
+def _interval(found: Proportion) -> list[float]:
+    return [round(end, _DECIMALS) for end in found.interval()]
+
+
+def _arcsec(angles_rad: Array) -> list[float]:
+    return _list(np.degrees(angles_rad) * 3600.0)
+
+
+def _list(numbers: Array) -> list[float]:
+    rounded: list[float] = np.round(numbers, _DECIMALS).tolist()
+    return rounded
+
+
+def _list_or_none(numbers: Array | None) -> list[float] | None:
+    return None if numbers is None else _list(numbers)

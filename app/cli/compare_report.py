@@ -1,0 +1,103 @@
+"""The summary of telemetry beside its plan, on the terminal."""
+
+from rich.console import Console
+from rich.text import Text
+
+from app.answers.telemetry import AxisComparisonOut, ComparisonResponse, SamplesOut
+from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
+
+_TIME = slice(11, 23)
+
+
+def print_comparison(console: Console, answer: ComparisonResponse) -> None:
+    """Samples, clock, axes and phases, what they did, what was seen beside."""
+    _print_samples(console, answer.samples)
+    offset, drift = answer.time_offset_s, answer.clock_drift
+    console.print(
+        f"clock {offset.value:+.6f} s ahead at {answer.epoch}, 1 sigma {offset.sigma:.2g}; "
+        f"drift {1e6 * drift.value:+.3f} ppm, 1 sigma {1e6 * drift.sigma:.2g}"
+    )
+    table = report_table(
+        "errors",
+        *(
+            "<axis",
+            "<phase",
+            "<from",
+            "samples",
+            "rms arcsec",
+            "max arcsec",
+            "mean arcsec",
+            "lag ms",
+        ),
+    )
+    for name, axis in answer.axes.items():
+        table.add_row(
+            Text(name),
+            f"all, of {axis.basis}",
+            "",
+            str(axis.samples),
+            *(f"{size:.2f}" for size in (axis.rms_arcsec, axis.max_arcsec, axis.mean_arcsec)),
+            f"{1e3 * axis.lag_s:.2f}",
+        )
+        for phase in axis.phases:
+            session = "" if phase.session is None else f" {phase.session}"
+            table.add_row(
+                "",
+                f"{phase.kind}{session}",
+                phase.start[_TIME],
+                str(phase.samples),
+                *(
+                    or_dash(size, ".2f")
+                    for size in (phase.rms_arcsec, phase.max_arcsec, phase.mean_arcsec)
+                ),
+                "",
+            )
+    print_table(console, table)
+    for name, axis in answer.axes.items():
+        _print_what_it_did(console, name, axis)
+    for parts in answer.pointing:
+        along, across = parts.attitude_arcsec
+        console.print(
+            f"{parts.at[_TIME]} by {parts.measured}: attitude moves the target by "
+            f"{along:+.1f}, {across:+.1f} arcsec in the frame"
+        )
+    print_warnings(console, answer.warnings)
+
+
+def _print_samples(console: Console, samples: SamplesOut) -> None:
+    lost = ", ".join(f"{count} {reason}" for reason, count in samples.dropped.items())
+    units = ", ".join(f"{column.name} in {column.unit}" for column in samples.columns)
+    console.print(
+        Text(
+            f"{samples.used} of {samples.read} rows used"
+            + (f" (dropped: {lost})" if lost else "")
+            + f", {samples.start[_TIME]} to {samples.stop[_TIME]}, {len(samples.gaps)} gaps; "
+            + units
+        )
+    )
+
+
+def _print_what_it_did(console: Console, name: str, axis: AxisComparisonOut) -> None:
+    for swing in axis.oscillations:
+        console.print(
+            Text(
+                f"{name} oscillates {swing.start[_TIME]} to {swing.stop[_TIME]}: "
+                f"{swing.frequency_hz:.3f} Hz, {swing.amplitude_arcsec:.2f} arcsec"
+            )
+        )
+    for stuck in axis.stick_slip:
+        console.print(
+            Text(
+                f"{name} sticks and slips {stuck.start[_TIME]} to {stuck.stop[_TIME]}: "
+                f"{stuck.slips} slips of up to {stuck.slip_arcsec:.2f} arcsec below "
+                f"{stuck.rate_arcsec_s:.1f} arcsec/s"
+            )
+        )
+    for beyond in axis.limits_exceeded:
+        console.print(
+            Text(
+                f"{name} {beyond.limit} {beyond.value:g} {beyond.unit} beyond {beyond.bound:g} "
+                f"from {beyond.start[_TIME]} to {beyond.stop[_TIME]}",
+                style="red",
+            )
+        )

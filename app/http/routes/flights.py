@@ -1,0 +1,73 @@
+"""Flights over HTTP: listed, followed, ended."""
+
+from typing import Annotated
+
+import anyio.to_thread
+from fastapi import APIRouter, Depends, Query, Request, Response
+from sqlalchemy import Connection
+
+from app.answers.flights import FlightsList, FlightsResponse, flights_json, flights_list_json
+from app.http.blocking import read
+from app.http.negotiation import JSON, accepts_json
+from app.http.routes.jobs import add_delete, add_events, job_of, list_jobs, no_such
+from app.http.routes.plan_queries import ListQuery, PathId
+from app.http.routes.resources import JobResource
+from app.jobs.kinds import FLIGHTS
+from app.requests.flights import FlightsRequest
+from app.store import flights
+from app.store.jobs import Job
+from app.store.listing import Listing
+from app.work.flights import unpacked_outcomes
+
+RESOURCE = JobResource(
+    kind=FLIGHTS.name,
+    path="/v1/flights",
+    request_schema=FlightsRequest.__name__,
+    listing=lambda _: Listing(),
+    singular="flight",
+)
+router = APIRouter(tags=["flights"], prefix=RESOURCE.path)
+
+
+@router.get(
+    "",
+    summary="Which flights are there?",
+    response_model=FlightsList,
+    dependencies=[Depends(accepts_json)],
+)
+async def get_flights(request: Request, query: Annotated[ListQuery, Query()]) -> Response:
+    """Of all plans, the latest first."""
+    jobs_and_one = await list_jobs(request, RESOURCE, query)
+    return Response(flights_list_json(jobs_and_one, query.limit), media_type=JSON)
+
+
+@router.get(
+    "/{id}",
+    summary="Flights of a plan, as far as they are",
+    response_model=FlightsResponse,
+    responses={404: no_such(RESOURCE)},
+    dependencies=[Depends(accepts_json)],
+)
+async def get_flight(request: Request, flights_id: PathId) -> Response:
+    """What the runs flown so far say; it doesn't change once they are all."""
+    _, answer = await find_flights(request, flights_id)
+    return Response(answer, media_type=JSON, headers={"Cache-Control": "no-cache"})
+
+
+add_delete(router, RESOURCE)
+add_events(router, RESOURCE)
+
+
+async def find_flights(request: Request, job_id: str) -> tuple[Job, bytes]:
+    """The job, and the answer that tells of it; raises 404."""
+
+    def reading(connection: Connection) -> tuple[Job, bytes | None, list[bytes]]:
+        job = job_of(connection, RESOURCE, job_id)
+        return job, flights.get(connection, job_id), flights.parts_of(connection, job_id)
+
+    job, document, parts = await read(request, reading)
+
+    def answer() -> bytes:
+        return flights_json(job, document, [unpacked_outcomes(part) for part in parts])
+
+    return job, await anyio.to_thread.run_sync(answer)

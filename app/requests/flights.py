@@ -1,0 +1,31 @@
+"""A request for flights of a plan, read."""
+
+from typing import Annotated
+
+from app.requests.json_reader import JsonReader
+from planner.flights.draws import SEED_MAX
+from planner.flights.ground_view import Mover
+from planner.spec import Within, spec
+
+
+@spec
+class FlightsRequest:
+    """A plan's table flown many times, with errors drawn anew for each run.
+
+    name: yours, told in lists. E.g. `"Las Vegas, before uplink"`.
+    runs: how many flights; 400 tell a probability to 0.05 with 95 % confidence, 1,000 to 0.03.
+    seed: of the errors; the same seed draws the same ones, run by run, however many runs there are.
+    mover: something that moves over the ground at the target, whose shift from frame to frame is
+    told.
+    """
+
+    name: str = ""
+    runs: Annotated[int, Within(2, 20_000)] = 400
+    seed: Annotated[int, Within(0, SEED_MAX)] = 0
+    mover: Mover | None = None
+
+
+_READER = JsonReader(FlightsRequest)
+
+read_flights_request = _READER.read
+flights_request_json_schema = _READER.json_schema

@@ -1,0 +1,155 @@
+"""Requests for telemetry beside a plan: JSON with its columns, or the same columns as CSV."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from app.requests.json_reader import JsonReader, json_document
+from planner.arrays import Array
+from planner.attitude.corrections import Corrections
+from planner.errors import FieldError, InvalidRequest
+from planner.spec import Within, spec
+from planner.telemetry.attitude import SECOND_MEASUREMENTS_MAX, ImageOffset
+from planner.telemetry.samples import SAMPLES_MAX
+
+_Second = Annotated[float, Within(-1e10, 1e10)] | None
+_COLUMNS_MAX = 20
+_TIMES = ("t_s", "utc")
+_COLUMN_SCHEMA: dict[str, Any] = {
+    "type": "array",
+    "items": {"anyOf": [{"type": "number"}, {"type": "null"}]},
+    "description": "A measured column, a number or null per time tag: NAME_deg and NAME_rate_deg_s "
+    "for each axis NAME of the platform; also in _rad, _mrad, _arcmin, _arcsec.",
+}
+
+
+@spec
+class TelemetrySamples:
+    """Time tags by the telemetry's own clock, and per axis NAME of the platform a column of angles
+    (`NAME_deg`), of rates (`NAME_rate_deg_s`) or both.
+
+    Rows may be in any order, doubled, damaged or missing; null is no value. What was done with
+    them is told.
+
+    epoch: from which t_s counts; unless given, the plan's; UTC. E.g. `"2015-02-27T17:34:00Z"`.
+    t_s: time tags, at most 400,000. E.g. `[100.0, 100.2, 100.4]`.
+    utc: time tags instead of t_s; UTC. E.g. `["2015-02-27T17:35:40.000Z"]`.
+    """
+
+    epoch: datetime | None = None
+    t_s: tuple[_Second, ...] = ()
+    utc: tuple[str, ...] = ()
+
+
+@spec
+class ComparisonRequest:
+    """What was measured of the axes while a plan was flown, and what else was seen meanwhile.
+
+    plan: id of the plan that was flown. E.g. `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
+    corrections: measured rotations of the carrier during the plan, each as a horizon estimate
+    answers its `correction`. E.g. `[{"epoch": "2015-02-27T17:37:00Z", "turn_body_deg":
+    [0.25, 0.05, 0.0], "covariance_deg2": [[4e-4, 0.0, 0.0], [0.0, 4e-4, 0.0],
+    [0.0, 0.0, 32400.0]]}]`.
+    image_offsets: where the target was found in frames of the session. E.g.
+    `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
+    """
+
+    plan: str
+    samples: TelemetrySamples | None = None
+    corrections: Corrections = ()
+    image_offsets: Annotated[
+        tuple[ImageOffset, ...], Field(max_length=SECOND_MEASUREMENTS_MAX)
+    ] = ()
+
+    def __post_init__(self) -> None:
+        if not self.plan:
+            raise ValueError("plan is required: the id of the plan that was flown")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SentSamples:
+    """Of JSON.  t_s: (n,), NaN for null; None where utc tells the time.  columns: (n,) each."""
+
+    t_s: Array | None
+    utc: tuple[str, ...]
+    columns: Mapping[str, Array]
+
+
+_READER = JsonReader(ComparisonRequest)
+
+
+def read_comparison_request(body: bytes) -> tuple[ComparisonRequest, SentSamples]:
+    """JSON with its samples; raises InvalidRequest."""
+    document = json_document(body)
+    samples = document.get("samples") if isinstance(document, dict) else None
+    if not isinstance(document, dict) or not isinstance(samples, dict):
+        _READER.read(body)
+        detail = "is required: t_s and columns; or send CSV by multipart, as the part samples"
+        raise InvalidRequest(FieldError(field="samples", detail=detail))
+    sent = {name: samples[name] for name in samples if name != "epoch"}
+    rest = {name: samples[name] for name in samples if name == "epoch"}
+    request = _READER.read(json.dumps(document | {"samples": rest}).encode())
+    return request, _sent(sent)
+
+
+def read_comparison_head(body: bytes) -> ComparisonRequest:
+    """What goes with CSV: all but the columns; raises InvalidRequest."""
+    request = _READER.read(body)
+    if request.samples is not None and (request.samples.t_s or request.samples.utc):
+        detail = "stands in the CSV file; leave it out here"
+        raise InvalidRequest(FieldError(field="samples.t_s", detail=detail))
+    return request
+
+
+def comparison_request_json_schema(ref_template: str) -> dict[str, Any]:
+    """JSON Schema; its `$defs` hold what it refers to by `ref_template`."""
+    schema = _READER.json_schema(ref_template)
+    schema["$defs"]["TelemetrySamples"]["additionalProperties"] = _COLUMN_SCHEMA
+    return schema
+
+
+def _sent(members: dict[str, Any]) -> SentSamples:
+    if len(members) > _COLUMNS_MAX:
+        raise _fault("samples", f"has {len(members)} columns; at most {_COLUMNS_MAX} are read")
+    times = [name for name in _TIMES if members.get(name)]
+    if len(times) != 1:
+        raise _fault("samples.t_s", "is required, or utc instead: a time tag for each sample")
+    utc = members.pop("utc", None) or []
+    if not (isinstance(utc, list) and all(isinstance(text, str) for text in utc)):
+        raise _fault("samples.utc", "must be a list of texts such as 2015-02-27T17:36:20.000Z")
+    t_s = members.pop("t_s", None)
+    count = len(utc or t_s) if isinstance(utc or t_s, list) else 0
+    if count > SAMPLES_MAX:
+        raise _fault(f"samples.{times[0]}", f"has {count} tags; at most {SAMPLES_MAX} are read")
+    columns = {name: _column(name, value) for name, value in members.items()}
+    for name, column in columns.items():
+        if len(column) != count:
+            raise _fault(
+                f"samples.{name}"[:80],
+                f"must have a value for each of the {count} time tags, null where there is none; "
+                f"it has {len(column)}",
+            )
+    return SentSamples(t_s=None if utc else _column("t_s", t_s), utc=tuple(utc), columns=columns)
+
+
+def _column(name: str, value: object) -> Array:
+    field = f"samples.{name}"[:80]
+    if not isinstance(value, list):
+        raise _fault(field, "must be a list of numbers, null where there is none")
+    kinds = {*map(type, value)}
+    if not kinds <= {int, float, type(None)}:
+        number = next(k for k, one in enumerate(value) if type(one) not in (int, float, type(None)))
+        raise _fault(f"{field}.{number}", "must be a number, or null where there is none")
+    try:
+        return np.array(value, dtype=np.float64)
+    except OverflowError:
+        raise _fault(field, "holds a whole number too large to be measured") from None
+
+
+def _fault(field: str, detail: str) -> InvalidRequest:
+    return InvalidRequest(FieldError(field=field, detail=detail))

@@ -1,0 +1,178 @@
+"""A child's work for flights of a plan: flown as planned, split into parts, each part flown."""
+
+import base64
+import json
+import zlib
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from app.answers.flights import FlightsHead, SessionHead, nominal_out
+from app.requests.flights import read_flights_request
+from app.store.packed import PackedColumns, pack, unpack
+from app.work.plan import require_verified_table, stored_plan
+from app.work.progress import Progress, report
+from planner.errors import InvalidInput
+from planner.export import FlightPlan
+from planner.flights.drives import flown_by
+from planner.flights.nominal import nominal_session
+from planner.flights.runs import RunOutcomes, fly_runs
+from planner.flights.scene import SessionScene, session_scenes
+from planner.frames.time_scales import utc_text
+from planner.sessions.pipeline import session_budget
+
+FLOWN_MAX_S = 1e6  # of flight in all runs together: some ten minutes of a core
+_PART_S = 1e4  # of flight in one part: some five seconds
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanToFly:
+    """What is flown, as a child is sent it, and by whom it was planned.
+
+    asked: the request for flights.  request: the plan's.  table_columns: its stored table.
+    """
+
+    plan_id: str
+    asked: bytes
+    request: bytes
+    table_columns: bytes
+
+    def to_bytes(self, **part: int) -> bytes:
+        """JSON."""
+        return json.dumps(
+            {
+                "plan_id": self.plan_id,
+                "asked": self.asked.decode(),
+                "request": self.request.decode(),
+                "table": base64.b64encode(self.table_columns).decode(),
+                **part,
+            }
+        ).encode()
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewFlights:
+    """document: what is known of all runs before any: a FlightsHead, JSON, zlib.  parts: to fly."""
+
+    document: bytes
+    parts: tuple[bytes, ...]
+
+
+def prepare_flights(body: bytes, _: object = None) -> NewFlights:
+    """Fly it once as planned, and split the runs; raises a Refusal."""
+    report(Progress(stage="as planned"))
+    what, _ = _read(body)
+    plan = _plan(what)
+    scenes = session_scenes(plan)
+    asked = read_flights_request(what.asked)
+    counts = _runs_by_part(scenes, asked.runs)
+    head = flights_head(plan, scenes, what)
+    firsts = [sum(counts[:number]) for number in range(len(counts))]
+    return NewFlights(
+        document=zlib.compress(json.dumps(asdict(head)).encode()),
+        parts=tuple(
+            what.to_bytes(first=first, count=count)
+            for first, count in zip(firsts, counts, strict=True)
+        ),
+    )
+
+
+def flights_head(plan: FlightPlan, scenes: Sequence[SessionScene], what: PlanToFly) -> FlightsHead:
+    """What there is to tell before any disturbed run."""
+    asked, table = read_flights_request(what.asked), plan.table
+    fly = flown_by(plan.scenario.platform)
+    sessions = []
+    for scene in scenes:
+        session = plan.scenario.sessions[scene.number]
+        budget = session_budget(plan.scenario, scene.ephemeris, table, session)
+        assert budget is not None  # of a target that can be seen
+        sessions.append(
+            SessionHead(
+                session=scene.number,
+                label=session.label,
+                told_probability_in_frame=budget.probability_in_frame,
+                nominal=nominal_out(nominal_session(scene, fly, asked.mover)),
+            )
+        )
+    return FlightsHead(
+        plan=what.plan_id,
+        runs=asked.runs,
+        seed=asked.seed,
+        epoch=utc_text(table.epoch_utc, 1),
+        sessions=sessions,
+    )
+
+
+def fly_part(body: bytes, _: object = None) -> bytes:
+    """Outcomes of some runs, packed."""
+    what, part = _read(body)
+    plan = _plan(what)
+    asked = read_flights_request(what.asked)
+    outcomes = fly_runs(
+        session_scenes(plan),
+        flown_by(plan.scenario.platform),
+        asked.seed,
+        part["first"],
+        part["count"],
+        lambda done: report(Progress(stage="runs", done=done, of=part["count"])),
+    )
+    return packed_outcomes(outcomes, part["first"])
+
+
+def packed_outcomes(sessions: Sequence[RunOutcomes], first: int) -> bytes:
+    """As they are stored."""
+    return pack(
+        PackedColumns(
+            columns={
+                f"{number}.{name}": values
+                for number, runs in enumerate(sessions)
+                for name, values in runs.columns.items()
+            },
+            facts={"first": first, "sessions": len(sessions)},
+        )
+    )
+
+
+def unpacked_outcomes(packed: bytes) -> tuple[int, list[RunOutcomes]]:
+    """The first run's number, and the outcomes by session."""
+    part = unpack(packed)
+    sessions = []
+    for number in range(part.facts["sessions"]):
+        columns: dict[str, Any] = {
+            name: part.columns[f"{number}.{name}"] for name in RunOutcomes.__dataclass_fields__
+        }
+        columns |= {name: columns[name] > 0.5 for name in ("holds", "sharp")}
+        sessions.append(RunOutcomes(**columns))
+    return part.facts["first"], sessions
+
+
+def _read(body: bytes) -> tuple[PlanToFly, dict[str, Any]]:
+    members = json.loads(body)
+    what = PlanToFly(
+        plan_id=members.pop("plan_id"),
+        asked=members.pop("asked").encode(),
+        request=members.pop("request").encode(),
+        table_columns=base64.b64decode(members.pop("table")),
+    )
+    return what, members
+
+
+def _plan(what: PlanToFly) -> FlightPlan:
+    packed = unpack(what.table_columns)
+    require_verified_table(packed)
+    return stored_plan(what.request, packed)
+
+
+def _runs_by_part(scenes: Sequence[SessionScene], runs: int) -> list[int]:
+    """Of even numbers but for the last; raises InvalidInput."""
+    flown_s = sum(float(scene.table.t_s[-1]) for scene in scenes)
+    most = int(FLOWN_MAX_S / flown_s)
+    if runs > most:
+        raise InvalidInput(
+            f"{runs} runs of {flown_s:.0f} s each are {runs * flown_s:.3g} s of flight, and "
+            f"{FLOWN_MAX_S:.0e} s may be asked for at a time: ask for {most} runs at most",
+            field="runs",
+        )
+    size = 2 * max(int(_PART_S / flown_s / 2.0), 1)
+    whole, rest = divmod(runs, size)
+    return [size] * whole + [rest] * (rest > 0)

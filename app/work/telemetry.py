@@ -1,0 +1,107 @@
+"""A child's work on telemetry: what was sent, read and compared with a stored plan."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from app.answers.members import ProvenanceOut
+from app.answers.telemetry import comparison_json
+from app.requests.telemetry import ComparisonRequest, SentSamples
+from app.store.packed import unpack
+from app.work.plan import stored_plan
+from planner.errors import InvalidInput
+from planner.export import Exporter, FlightPlan
+from planner.telemetry.attitude import PointingParts, from_image, from_rotation
+from planner.telemetry.columns import Column, ColumnMeaning, meaning_of
+from planner.telemetry.compare import Comparison, compare
+from planner.telemetry.csv_text import read_csv, utc_seconds
+from planner.telemetry.figure import write_comparison_png, write_comparison_svg
+from planner.telemetry.samples import Samples
+
+PICTURES: dict[str, Exporter[Comparison]] = {
+    "png": Exporter("plan and flight, drawn", "image/png", ".png", write_comparison_png),
+    "svg": Exporter("the same in vectors", "image/svg+xml", ".svg", write_comparison_svg),
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SentTelemetry:
+    """What was asked, and its samples: of JSON, or the bytes of a CSV file."""
+
+    request: ComparisonRequest
+    samples: SentSamples | bytes
+
+
+def compare_stored(
+    plan_request: bytes,
+    table_columns: bytes,
+    sent: SentTelemetry,
+    provenance: ProvenanceOut,
+    picture: str | None,
+    created_utc: datetime,
+) -> bytes:
+    """The answer as JSON, or a picture in the format asked for; raises Refusals."""
+    comparison, pointing = compare_sent(stored_plan(plan_request, unpack(table_columns)), sent)
+    if picture is not None:
+        return PICTURES[picture].write(comparison, created_utc)
+    return comparison_json(comparison, pointing, sent.request.plan, provenance)
+
+
+def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> tuple[Comparison, list[PointingParts]]:
+    """With what was measured beside the axes; raises Refusals."""
+    request = sent.request
+    comparison = compare(plan, _samples(plan, sent))
+    followed = [axis.followed for axis in comparison.axes]
+    pointing = [
+        from_rotation(plan, followed, one, f"corrections.{number}")
+        for number, one in enumerate(request.corrections)
+    ]
+    pointing += [
+        from_image(plan, followed, one, f"image_offsets.{number}")
+        for number, one in enumerate(request.image_offsets)
+    ]
+    return comparison, sorted(pointing, key=lambda parts: parts.epoch_utc)
+
+
+def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:
+    names = plan.scenario.platform.axis_names
+    epoch_utc = sent.request.samples and sent.request.samples.epoch
+    if isinstance(sent.samples, bytes):
+        return read_csv(sent.samples, names, epoch_utc or None, plan.table.epoch_utc)
+    since_utc = epoch_utc or plan.table.epoch_utc
+    columns = tuple(
+        Column(name=name, meaning=_meaning(name, names), value=value)
+        for name, value in sent.samples.columns.items()
+    )
+    _require_each_once(columns, names)
+    notes: tuple[str, ...] = ()
+    t_s = sent.samples.t_s
+    if t_s is None:
+        t_s, notes = utc_seconds(sent.samples.utc, since_utc)
+    return Samples(epoch_utc=since_utc, t_s=t_s, columns=columns, notes=notes)
+
+
+def _meaning(name: str, axis_names: Sequence[str]) -> ColumnMeaning:
+    meaning = meaning_of(name, axis_names)
+    if meaning is None:
+        raise _fault(
+            name,
+            "tells of no axis of this platform; give t_s, "
+            + ", ".join(f"{axis}_deg or {axis}_rate_deg_s" for axis in axis_names),
+        )
+    return meaning
+
+
+def _require_each_once(columns: Sequence[Column], axis_names: Sequence[str]) -> None:
+    if not columns:
+        raise _fault(f"{axis_names[0]}_deg", "is required, or a column of another axis or of rates")
+    seen: dict[tuple[int, str], str] = {}
+    for column in columns:
+        key = (column.meaning.axis, column.meaning.kind)
+        if key in seen:
+            raise _fault(column.name, f"tells the same as {seen[key][:80]}; send one of them")
+        seen[key] = column.name
+
+
+def _fault(name: str, detail: str) -> InvalidInput:
+    return InvalidInput(f"{name[:60]} {detail}", field=f"samples.{name}"[:80])

@@ -1,0 +1,40 @@
+"""A table flown by a platform's drives, as they are and as they may be."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from planner.commands import CommandTable
+from planner.flights.runs import Fly
+from planner.platforms import AxisDrive, TwoAxisPlatform
+from planner.simulation.flight import FlownMotion, fly
+
+# What temperature and age change; the loop is software and stays.  A fifth is assumed.
+TOLERANCE = 0.2
+_TOGETHER = ("coulomb_deg_s2", "breakaway_deg_s2")
+_EACH = ("viscous_per_s", "cable_tension_deg_s2", "cable_stiffness_per_s2")
+_FARTHEST_SIGMAS = 3.0
+
+
+def flown_by(platform: TwoAxisPlatform) -> Fly:
+    """A seed draws noise, and each axis's friction and cable: log-normal about the platform's."""
+
+    def fly_once(table: CommandTable, seed: int | None) -> FlownMotion:
+        if seed is None:
+            return fly(table, platform)
+        random = np.random.default_rng(seed)
+        outer, inner = (_drawn(drive, random) for drive in platform.drives)
+        return fly(table, platform, drives=(outer, inner), seed=seed)
+
+    return fly_once
+
+
+def _drawn(drive: AxisDrive, random: np.random.Generator) -> AxisDrive:
+    sigmas = np.clip(random.standard_normal(1 + len(_EACH)), -_FARTHEST_SIGMAS, _FARTHEST_SIGMAS)
+    factors = [math.exp(TOLERANCE * sigma) for sigma in sigmas]
+    changed = {name: getattr(drive, name) * factors[0] for name in _TOGETHER}
+    changed |= {
+        name: getattr(drive, name) * factor for name, factor in zip(_EACH, factors[1:], strict=True)
+    }
+    return replace(drive, **changed)

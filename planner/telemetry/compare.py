@@ -1,0 +1,278 @@
+"""Telemetry beside its plan, from the rows as they came to what they say: the story of the room."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.arrays import Array, Mask
+from planner.errors import InvalidInput
+from planner.export.exporter import FlightPlan
+from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
+from planner.telemetry.alignment import Alignment, Channel, Estimate, align
+from planner.telemetry.cleaning import order
+from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
+from planner.telemetry.exceeded import Exceeded, Limit, limits_exceeded
+from planner.telemetry.following import (
+    ErrorSize,
+    Followed,
+    PhaseErrors,
+    error_size,
+    follow,
+    gap_starts,
+    phases,
+    spikes_of_angles,
+    spikes_of_rates,
+)
+from planner.telemetry.motion import PlannedMotion
+from planner.telemetry.oscillations import Oscillation, oscillations
+from planner.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
+from planner.telemetry.search import OFFSET_MAX_S, in_units
+from planner.telemetry.stick_slip import StickSlip, stick_slip
+
+_TURN_RAD = 2.0 * np.pi
+_POOR = 0.3  # of the motion: errors so large mean another plan, or columns mistaken
+GAPS_MAX = 200
+_TAG_MAX_S, _VALUE_MAX = 1e10, 1e9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AxisComparison:
+    """What one axis did.  lag_s: see `Alignment.lags_s`."""
+
+    name: str
+    followed: Followed
+    error: ErrorSize
+    lag_s: Estimate
+    phases: tuple[PhaseErrors, ...]
+    oscillations: tuple[Oscillation, ...]
+    stick_slip: tuple[StickSlip, ...]
+    limits_exceeded: tuple[Exceeded, ...]
+    limits_checked: tuple[Limit, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison:
+    """gaps_s: (start, stop) after the table's epoch, of all axes.  wrapped: angles brought within
+    half a turn of the plan."""
+
+    plan: FlightPlan
+    samples: CleanSamples
+    columns: tuple[Column, ...]
+    ignored: tuple[str, ...]
+    alignment: Alignment
+    axes: tuple[AxisComparison, ...]
+    step_s: float
+    gaps_s: tuple[tuple[float, float], ...]
+    wrapped: int
+    notes: tuple[str, ...]
+
+
+def compare(plan: FlightPlan, samples: Samples) -> Comparison:
+    """Raises InvalidInput for telemetry that tells nothing of the plan."""
+    table, platform = plan.table, plan.scenario.platform
+    names = platform.axis_names
+    motions = [PlannedMotion(table, axis) for axis in range(len(names))]
+    sound = [replace(column, value=_sound(column.value, _VALUE_MAX)) for column in samples.columns]
+    columns = [column for column in sound if np.isfinite(column.value).any()]
+    empty = [column.name for column in sound if column not in columns]
+    if not columns:
+        raise InvalidInput("no column holds a number", field="samples")
+    tag_s = _sound(samples.t_s, _TAG_MAX_S) + elapsed_s(samples.epoch_utc, table.epoch_utc)
+    _require_some(tag_s, plan)
+    columns, start_s = in_units(columns, tag_s, motions)
+    angle_rad, rate_rad_s, wrapped = _in_radians(columns, tag_s - start_s, motions)
+    ordered = order(tag_s, np.hstack([angle_rad, rate_rad_s]))
+    row, dropped = ordered.row, ordered.dropped
+    near = (tag_s[row] > start_s - 60.0) & (tag_s[row] < motions[0].stop_s + start_s + 60.0)
+    alignment, bad = _aligned(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s, near)
+    t_s = alignment.t_s(tag_s[row])
+    inside = motions[0].is_within(t_s)
+    dropped["outside_plan"] = int(np.sum(~inside))
+    dropped["outlier"] = int(np.sum(bad & inside))
+    kept = inside & ~bad
+    _require_enough(int(kept.sum()), dropped, plan)
+    clean = CleanSamples(
+        tag_s=tag_s[row][kept],
+        angle_rad=angle_rad[row][kept],
+        rate_rad_s=rate_rad_s[row][kept],
+        read=len(samples.t_s),
+        dropped={reason: count for reason, count in sorted(dropped.items()) if count},
+        reordered=ordered.reordered,
+    )
+    axes, notes = _axes(plan, clean, alignment, motions)
+    own_s = t_s[kept]
+    gaps_s = [(float(own_s[k - 1]), float(own_s[k])) for k in gap_starts(own_s)[1:]]
+    return Comparison(
+        plan=plan,
+        samples=clean,
+        columns=tuple(columns),
+        ignored=(*samples.ignored, *empty),
+        alignment=alignment,
+        axes=tuple(axes),
+        step_s=float(np.median(np.diff(own_s))),
+        gaps_s=tuple(gaps_s[:GAPS_MAX]),
+        wrapped=wrapped,
+        notes=(
+            *samples.notes,
+            *(f"{name} holds no number" for name in empty),
+            *_notes_on_units(samples, columns),
+            *notes,
+        ),
+    )
+
+
+def _sound(value: Array, bound: float) -> Array:
+    """NaN for what no sensor and no clock tells."""
+    return np.where(np.abs(value) < bound, value, np.nan)
+
+
+def _require_some(tag_s: Array, plan: FlightPlan) -> None:
+    table = plan.table
+    known = tag_s[np.isfinite(tag_s)]
+    if not len(known):
+        raise InvalidInput(
+            f"no row has a time tag that can be read: seconds in t_s, or UTC such as "
+            f"{utc_text(table.epoch_utc)} in utc",
+            field="samples.t_s",
+        )
+    stop_s = float(table.t_s[-1])
+    if known.max() < -OFFSET_MAX_S or known.min() > stop_s + OFFSET_MAX_S:
+        first, last = (
+            utc_text(shifted_utc(table.epoch_utc, float(np.clip(t, -1e9, 1e9))))
+            for t in (known.min(), known.max())
+        )
+        raise InvalidInput(
+            f"the samples run from {first} to {last}, the plan from {utc_text(table.epoch_utc)} "
+            f"to {utc_text(shifted_utc(table.epoch_utc, stop_s))}: give the epoch that t_s counts "
+            f"from, or the plan that was flown; offsets up to {OFFSET_MAX_S:g} s are found",
+            field="samples.epoch",
+        )
+
+
+def _require_enough(kept: int, dropped: Counter[Dropped], plan: FlightPlan) -> None:
+    if kept < SAMPLES_MIN:
+        lost = ", ".join(f"{count} {reason}" for reason, count in dropped.items() if count)
+        raise InvalidInput(
+            f"{kept} rows are left ({lost or 'none was dropped'}); a comparison needs "
+            f"{SAMPLES_MIN} within the plan, which runs from {utc_text(plan.table.epoch_utc)} for "
+            f"{plan.table.t_s[-1]:g} s",
+            field="samples",
+        )
+
+
+def _in_radians(
+    columns: Sequence[Column], t_s: Array, motions: Sequence[PlannedMotion]
+) -> tuple[Array, Array, int]:
+    """Angles within half a turn of the plan's, rates, (n, 2) each; how many were brought there."""
+    angle_rad = np.full((len(t_s), len(motions)), np.nan)
+    rate_rad_s = np.full_like(angle_rad, np.nan)
+    wrapped = 0
+    for column in columns:
+        meaning = column.meaning
+        assert meaning.unit is not None
+        value = column.value * RAD_BY_UNIT[meaning.unit]
+        if meaning.kind == "rate":
+            rate_rad_s[:, meaning.axis] = value / meaning.per_s
+            continue
+        off_rad = motions[meaning.axis].angle_rad(np.nan_to_num(t_s)) - value
+        turns = np.round(np.nan_to_num(off_rad / _TURN_RAD))
+        wrapped += int(np.sum(turns != 0.0))
+        angle_rad[:, meaning.axis] = value + _TURN_RAD * turns
+    return angle_rad, rate_rad_s, wrapped
+
+
+def _aligned(
+    tag_s: Array,
+    angle_rad: Array,
+    rate_rad_s: Array,
+    motions: Sequence[PlannedMotion],
+    start_s: float,
+    near: Mask,
+) -> tuple[Alignment, Mask]:
+    """Aligned, spikes found against that, and aligned again without them."""
+    bad = np.zeros(len(tag_s), dtype=bool)
+    for last in (False, True):
+        kinds: tuple[tuple[Kind, Array], ...] = (("angle", angle_rad), ("rate", rate_rad_s))
+        channels = [
+            Channel(motion=motion, kind=kind, tag_s=tag_s[own], value=value[own, motion.axis])
+            for motion in motions
+            for kind, value in kinds
+            if (own := near & ~bad & np.isfinite(value[:, motion.axis])).sum() >= SAMPLES_MIN
+        ]
+        if not channels:
+            raise InvalidInput(
+                f"a comparison needs {SAMPLES_MIN} samples of an axis while the plan is flown",
+                field="samples",
+            )
+        alignment = align(channels, start_s, len(motions))
+        if last or not (bad := _spikes(alignment.t_s(tag_s), angle_rad, rate_rad_s, motions)).any():
+            break
+    return alignment, bad
+
+
+def _spikes(
+    t_s: Array, angle_rad: Array, rate_rad_s: Array, motions: Sequence[PlannedMotion]
+) -> Mask:
+    bad = np.zeros(len(t_s), dtype=bool)
+    for motion in motions:
+        for value, planned, find in (
+            (angle_rad[:, motion.axis], motion.angle_rad, spikes_of_angles),
+            (rate_rad_s[:, motion.axis], motion.rate_rad_s, spikes_of_rates),
+        ):
+            own = np.flatnonzero(np.isfinite(value))
+            if len(own):
+                bad[own] |= find(value[own] - planned(t_s[own]))
+    return bad
+
+
+def _axes(
+    plan: FlightPlan,
+    clean: CleanSamples,
+    alignment: Alignment,
+    motions: Sequence[PlannedMotion],
+) -> tuple[list[AxisComparison], list[str]]:
+    platform = plan.scenario.platform
+    t_s = alignment.t_s(clean.tag_s)
+    axes: list[AxisComparison] = []
+    notes: list[str] = []
+    for motion, name, limits, lag_s in zip(
+        motions, platform.axis_names, platform.axis_limits, alignment.lags_s, strict=True
+    ):
+        columns = clean.angle_rad[:, motion.axis], clean.rate_rad_s[:, motion.axis]
+        followed = follow(motion, t_s, *columns)
+        if followed is None or lag_s is None:
+            notes.append(f"there is no telemetry of {name}")
+            continue
+        error = error_size(followed.error_rad)
+        if error.rms_rad > _POOR * np.std(motion.angle_rad(t_s)) and error.rms_rad > 1e-3:
+            notes.append(
+                f"{name} is {np.degrees(error.rms_rad):.3g} deg rms off, hardly on its plan: is it "
+                "the plan that was flown, and the column of this axis?"
+            )
+        exceeded, checked = limits_exceeded(followed, limits)
+        axes.append(
+            AxisComparison(
+                name=name,
+                followed=followed,
+                error=error,
+                lag_s=lag_s,
+                phases=tuple(phases(followed, plan.segments)),
+                oscillations=tuple(oscillations(followed)),
+                stick_slip=tuple(stick_slip(followed)),
+                limits_exceeded=tuple(exceeded),
+                limits_checked=tuple(checked),
+            )
+        )
+    return axes, notes
+
+
+def _notes_on_units(samples: Samples, columns: Sequence[Column]) -> list[str]:
+    named = {column.name: column.meaning.unit for column in samples.columns}
+    return [
+        f"{column.name} fits the plan in {column.meaning.unit} and was read so"
+        + (f", not in {named[column.name]} as its name says" if named[column.name] else "")
+        for column in columns
+        if column.unit_from == "fit"
+    ]

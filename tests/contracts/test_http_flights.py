@@ -1,0 +1,247 @@
+"""Are flights of a plan a resource like the others, and the same however they are split?"""
+
+import asyncio
+import json
+from concurrent.futures import Future
+
+import pytest
+from live_service import live_service
+from waiting import PatientClient, eventually
+
+import slewtrack
+from app.http.app import create_app
+from app.jobs.kinds import FLIGHTS, JOB_KINDS, RUNS
+from app.jobs.settling import settle
+from app.requests.examples.plan import LAS_VEGAS
+from app.requests.plan import read_plan_request
+from app.settings import Settings
+from app.store import events, jobs
+from app.work import flights as flights_work
+from planner.errors import Unreachable
+from planner.flights.pipeline import fly_plan
+from planner.sessions.pipeline import make_plan
+
+ASKED = {"runs": 6, "seed": 3, "mover": {"speed_m_s": 20.8}}
+LATER = {"Prefer": "respond-async"}
+NOBODY = "01a203fd-cbae-73f8-8276-319f76b8842c"
+STILL = {"kind": "constant_rate", "angle_deg": 0.0, "rate_deg_s": 0.0}
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory):
+    settings = Settings(data_dir=tmp_path_factory.mktemp("flights"), database_url="", workers=2)
+    with PatientClient(create_app(settings), base_url="http://localhost") as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def plan_id(client):
+    return client.post("/v1/plans", json=LAS_VEGAS).json()["id"]
+
+
+@pytest.fixture(scope="module")
+def flown(client, plan_id):
+    answer = client.post(f"/v1/plans/{plan_id}/flights", json=ASKED)
+    assert answer.status_code == 201, answer.text
+    return answer
+
+
+def test_what_is_pinned_is_told(flown, plan_id):
+    told = flown.json()
+    assert {"probability_in_frame", "probability_sharp", "contributors"} <= told.keys()
+    assert (told["plan"], told["runs"], told["flown"], told["state"]) == (plan_id, 6, 6, "done")
+    [session] = told["sessions"]
+    low, high = session["in_frame_interval"]
+    assert low <= session["probability_in_frame"] <= high
+    assert session["probability_sharp"] <= session["probability_in_frame"]
+    nominal = session["nominal"]
+    assert nominal["held"] == nominal["frames"] == len(nominal["t_s"]) == 270
+    assert nominal["mover_ground_m"] == pytest.approx(208.0)
+    assert sum(session["misses"]["counts"]) + session["misses"]["beyond"] == 6
+
+
+def test_the_service_flies_what_python_flies(flown):
+    """Parts in children of two workers, and one loop here: the same runs."""
+    alone = fly_plan(make_plan(read_plan_request(json.dumps(LAS_VEGAS).encode())), 6, 3)
+    told = flown.json()
+    assert told["probability_in_frame"] == alone.in_frame.value
+    assert told["sessions"][0]["frames_held"] == pytest.approx(alone.sessions[0].held_share)
+    assert told["sessions"][0]["miss_m"] == pytest.approx(alone.sessions[0].miss_m, rel=1e-6)
+    assert [one["cause"] for one in told["contributors"]] == [
+        one.cause for one in alone.contributors
+    ]
+
+
+def test_it_is_the_same_however_it_is_split(sent):
+    plan, _ = flights_work._read(sent)
+    split = flights_work.prepare_flights(plan.to_bytes())
+    assert len(split.parts) == 1
+    by_two = [plan.to_bytes(first=first, count=2) for first in (4, 0, 2)]
+    outcomes = [flights_work.unpacked_outcomes(flights_work.fly_part(part)) for part in by_two]
+    whole = flights_work.unpacked_outcomes(flights_work.fly_part(split.parts[0]))
+    in_order = sorted(outcomes, key=lambda part: part[0])
+    for name, values in whole[1][0].columns.items():
+        parts = [runs.columns[name] for _, [runs] in in_order]
+        assert values.tolist() == [value for part in parts for value in part.tolist()]
+
+
+@pytest.fixture(scope="module")
+def sent(client, flown):
+    """What the child was sent."""
+    with client.app.state.database.reading() as connection:
+        return jobs.request_of(connection, flown.json()["id"])
+
+
+def test_it_is_kept_listed_and_followed(client, plan_id, flown):
+    location = flown.headers["location"]
+    assert location == f"/v1/flights/{flown.json()['id']}"
+    assert client.get(location).json() == flown.json()
+    for path in (f"/v1/plans/{plan_id}/flights", "/v1/flights"):
+        listed = client.get(path).json()["flights"]
+        assert flown.json()["id"] in [one["id"] for one in listed]
+        assert listed[0]["targets"] == client.get("/v1/plans").json()["plans"][0]["targets"]
+    assert client.get(f"/v1/plans/{plan_id}/flights?state=failed").json()["flights"] == []
+    events = client.get(f"{location}/events").text
+    assert '"stage": "runs", "done": 1, "of": 1, "percent": 100' in events
+    assert events.rstrip().count('"state": "done"') == 1
+
+
+def test_the_same_key_flies_once(client, plan_id):
+    path = f"/v1/plans/{plan_id}/flights"
+    given = {"json": {"runs": 2}, "headers": {**LATER, "Idempotency-Key": "once"}}
+    first, again = (client.post(path, **given) for _ in range(2))
+    assert first.status_code == again.status_code == 202
+    assert first.json()["id"] == again.json()["id"]
+    other = client.post(path, json={"runs": 4}, headers=given["headers"])
+    assert other.status_code == 422
+    assert other.json()["type"].endswith("idempotency-key-reused")
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({"runs": 1}, "runs"),
+        ({"runs": 10**6}, "runs"),
+        ({"seed": -1}, "seed"),
+        ({"runs": 20_000}, "runs"),  # 200 s of flight each
+        ({"mover": {"speed_m_s": -1.0}}, "mover.speed_m_s"),
+        ({"flights": 3}, "flights"),
+    ],
+)
+def test_what_is_out_of_bounds_is_refused_by_name(client, plan_id, body, field):
+    answer = client.post(f"/v1/plans/{plan_id}/flights", json=body)
+    assert answer.status_code == 422, answer.text
+    told = answer.json()
+    assert field in (told.get("field"), *(error["field"] for error in told.get("errors", ())))
+
+
+def test_what_can_not_fly_is_refused_plainly(client):
+    motion = {"mode": "test_motion", "axes": {"alpha": STILL, "beta": STILL}}
+    session = {**LAS_VEGAS["sessions"][0], "target": motion}
+    test = client.post("/v1/plans", json=LAS_VEGAS | {"sessions": [session]}).json()
+    answer = client.post(f"/v1/plans/{test['id']}/flights", json={})
+    assert (answer.status_code, "no target" in answer.json()["detail"]) == (422, True)
+    assert client.post(f"/v1/plans/{NOBODY}/flights", json={}).status_code == 404
+    waits = client.post("/v1/plans", json=LAS_VEGAS, headers=LATER).json()["id"]
+    client.delete(f"/v1/plans/{waits}")
+    eventually(
+        lambda: client.get(f"/v1/plans/{waits}").json()["state"] not in ("queued", "running")
+    )
+    if client.get(f"/v1/plans/{waits}").json()["state"] == "cancelled":
+        assert client.post(f"/v1/plans/{waits}/flights", json={}).status_code == 409
+
+
+def test_a_spacecrafts_plan_names_its_own_runs(client):
+    with client.app.state.database.writing() as connection:
+        new = jobs.NewJob(
+            id=NOBODY[:-1] + "d",
+            kind="spacecraft",
+            name="",
+            request=b"{}",
+            request_sha256="0" * 64,
+            deadline_s=60.0,
+        )
+        jobs.accept(connection, new, lease_s=3600.0)
+    answer = client.post(f"/v1/plans/{new.id}/flights", json={})
+    assert answer.status_code == 404
+    assert "closed-loop runs" in answer.json()["detail"]
+
+
+def test_flights_go_with_their_plan(client):
+    plan_id = client.post("/v1/plans", json=LAS_VEGAS).json()["id"]
+    location = client.post(f"/v1/plans/{plan_id}/flights", json={"runs": 2}).headers["location"]
+    running = client.post(f"/v1/plans/{plan_id}/flights", json={"runs": 2000}, headers=LATER)
+    assert client.delete(f"/v1/plans/{plan_id}").status_code == 204
+    for gone in (location, running.headers["location"], f"/v1/plans/{plan_id}/flights"):
+        assert client.get(gone).status_code == 404
+    assert client.post(f"/v1/plans/{plan_id}/flights", json={"runs": 2}).status_code == 404
+
+
+def test_they_are_cancelled_with_all_their_parts(client, plan_id):
+    location = client.post(
+        f"/v1/plans/{plan_id}/flights", json={"runs": 4000}, headers=LATER
+    ).headers["location"]
+    eventually(lambda: '"waits_for"' in json.dumps(_events(client, location)))
+    ended = client.delete(location)
+    assert ended.status_code in (200, 202)
+    eventually(lambda: client.get(location).json()["state"] == "cancelled")
+    assert client.delete(location).status_code == 204
+    assert client.get(location).status_code == 404
+
+
+def _events(client, location):
+    with client.app.state.database.reading() as connection:
+        return [event.data for event in events.after(connection, location.rsplit("/")[-1], 0)]
+
+
+def test_a_part_that_fails_is_told_of_the_whole(client, sent):
+    """No probability of the runs that are left is passed off as that of all."""
+    new = flights_work.prepare_flights(sent)
+    with client.app.state.database.writing() as connection:
+        whole = jobs.NewJob(
+            id=NOBODY[:-1] + "e",
+            kind=FLIGHTS.name,
+            name="",
+            request=b"",
+            request_sha256="0" * 64,
+            deadline_s=60.0,
+            options={"runs": 6, "seed": 3, jobs.NEEDS_ALL: "runs"},
+        )
+        token = jobs.accept(connection, whole, 60.0)
+        job = jobs.job_of_lease(connection, token)
+        done: Future = Future()
+        done.set_result(new)
+        assert settle(connection, job, FLIGHTS, done, 3).state == "running"
+        [part] = jobs.parts_of(connection, whole.id)
+        failed: Future = Future()
+        failed.set_exception(Unreachable("no way"))
+        settle(connection, part, RUNS, failed, 3)
+    told = client.get(f"/v1/flights/{whole.id}").json()
+    assert (told["state"], told["problem"]["detail"]) == ("refused", "no way")
+    assert told["probability_in_frame"] is None
+    assert set(JOB_KINDS) >= {"flights", "flight runs"}
+
+
+def test_clients_fly_and_wait(tmp_path):
+    told = []
+    with live_service(tmp_path) as there, slewtrack.Client(there.address) as service:
+        plan_id = service.plan(LAS_VEGAS).id
+        flown = service.fly(plan_id, {"runs": 2, "seed": 1}, progress=told.append)
+        assert (flown.flown, flown.state) == (2, "done")
+        assert 0.0 <= flown.probability_sharp <= flown.probability_in_frame <= 1.0
+        assert service.wait_for_flights(flown.id).members == flown.members
+        assert [job.id for job in service.flights(plan_id)] == [flown.id]
+        assert [job.id for job in service.flights()] == [flown.id]
+
+        async def awaited():
+            async with slewtrack.AsyncClient(there.address) as service:
+                again = await service.fly(plan_id, {"runs": 2, "seed": 1})
+                assert len(await service.flights(plan_id)) == 2
+                await service.delete_flights(again.id)
+                return again
+
+        assert asyncio.run(awaited()).sessions == flown.sessions
+        service.delete_flights(flown.id)
+        with pytest.raises(slewtrack.Refused):
+            service.wait_for_flights(flown.id)
+    assert "runs" in [progress.stage for progress in told]

@@ -1,0 +1,55 @@
+"""Does `slewtrack fly` fly here and by a service, report, draw, and refuse in one line?"""
+
+import json
+from pathlib import Path
+
+import pytest
+from live_service import live_service
+from typer.testing import CliRunner
+
+from app.cli import main
+
+LAS_VEGAS = Path(__file__).parents[2] / "examples" / "las_vegas_2015.json"
+
+
+def fly(*words):
+    return CliRunner().invoke(main, ["fly", str(LAS_VEGAS), *map(str, words)])
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fly")
+    answer, picture = folder / "told.json", folder / "flights.png"
+    result = fly("--runs", 4, "--seed", 2, "--json", answer, "--plot", picture)
+    assert result.exit_code == 0, result.stderr
+    assert "4 flights (seed 2)" in result.stdout
+    titles = {line.strip() for line in result.stdout.splitlines()}
+    assert {"under errors", "as planned", "to blame"} <= titles
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    return json.loads(answer.read_text())
+
+
+def test_here(told):
+    assert (told["runs"], told["flown"], told["seed"]) == (4, 4, 2)
+    assert told["sessions"][0]["nominal"]["frames"] == 270
+
+
+def test_a_service_flies_the_same(told, tmp_path):
+    with live_service(tmp_path) as service:
+        answer = tmp_path / "there.json"
+        words = ("--runs", 4, "--seed", 2, "--json", answer, "--url", service.address)
+        result = fly(*words)
+        assert result.exit_code == 0, result.stderr
+        there = json.loads(answer.read_text())
+    for name in ("probability_in_frame", "probability_sharp", "contributors"):
+        assert there[name] == told[name]
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [(("--runs", 1), "runs"), (("--seed", -1), "seed"), (("--plot", "flights.gif"), "--plot")],
+)
+def test_refusals_are_one_line(words, named):
+    result = fly(*words)
+    assert result.exit_code == 2
+    assert named in result.stderr.splitlines()[0]

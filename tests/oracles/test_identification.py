@@ -1,0 +1,106 @@
+"""Are a drive's parameters found from a flight that another program made?"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flight_reference import Reference
+
+sys.path.append(str(Path(__file__).parents[1] / "properties"))
+from flight_cases import ARCSEC, rough, swinging
+
+from planner.platforms import ISS_HRC, AxisDrive
+from planner.simulation.flight import fly
+from planner.simulation.identification import identify
+
+NAMES = tuple(
+    f"{axis}.{field}"
+    for axis in ISS_HRC.axis_names
+    for field in ("coulomb_deg_s2", "command_latency_s", "bandwidth_hz")
+)
+
+
+def truth(drives):
+    named = dict(zip(ISS_HRC.axis_names, drives, strict=True))
+    return np.array([getattr(named[axis], field) for axis, field in (n.split(".") for n in NAMES)])
+
+
+@pytest.fixture(scope="module")
+def flown_by_scipy():
+    """Both axes with other friction, latency and bandwidth than the platform is taken to have."""
+    drives = (
+        rough(
+            coulomb_deg_s2=0.16, breakaway_deg_s2=0.32, command_latency_s=0.05, bandwidth_hz=0.35
+        ),
+        rough(
+            coulomb_deg_s2=0.06, breakaway_deg_s2=0.12, command_latency_s=0.08, bandwidth_hz=0.27
+        ),
+    )
+    table = swinging(20.0)
+    angle_rad, _ = Reference(ISS_HRC, drives).fly(table, 1001, rtol=1e-7, atol=1e-9)
+    return table, drives, np.arange(1001) / 50.0, angle_rad
+
+
+def test_angles_tell_the_drive(flown_by_scipy):
+    table, drives, t_s, angle_rad = flown_by_scipy
+    noise = 0.15 * ARCSEC * np.random.default_rng(1).standard_normal(angle_rad.shape)
+    found = identify(table, ISS_HRC, t_s, angle_rad + noise, None, NAMES)
+    np.testing.assert_allclose(found.parameters, truth(drives), rtol=0.03)
+    assert np.all(found.residual_rad < 0.3 * ARCSEC)
+    assert np.all(np.isnan(found.residual_rad_s))
+    assert found.drives[0].coulomb_deg_s2 == found.parameters[0]
+    assert found.drives[0].breakaway_deg_s2 == pytest.approx(2.0 * found.parameters[0])
+
+
+def test_gyro_rates_with_a_bias_tell_it_too(flown_by_scipy):
+    table, drives, t_s, angle_rad = flown_by_scipy
+    noise = 0.5 * ARCSEC * np.random.default_rng(2).standard_normal(angle_rad.shape)
+    bias = np.array([3.0, -2.0]) * ARCSEC
+    rate_rad_s = np.gradient(angle_rad, t_s, axis=0) + noise + bias
+    found = identify(table, ISS_HRC, t_s[::5], None, rate_rad_s[::5], NAMES)
+    coulomb = [0, 3]
+    np.testing.assert_allclose(found.parameters[coulomb], truth(drives)[coulomb], rtol=0.1)
+    np.testing.assert_allclose(found.bias_rad_s, bias, rtol=0, atol=0.5 * ARCSEC)
+
+
+def test_sigmas_are_what_seeds_scatter():
+    """Within a factor of three: an encoder's noise also moves the axis, which sigmas leave out."""
+    table, drives = swinging(40.0), (AxisDrive(), AxisDrive())
+    scaled = []
+    for seed in range(4):
+        flown = fly(table, ISS_HRC, drives=drives, seed=seed)
+        found = identify(
+            table, ISS_HRC, flown.t_s[::10], flown.measured_angle_rad[::10], None, NAMES
+        )
+        sigma = np.sqrt(np.diag(found.covariance_parameters))
+        scaled.append((found.parameters - truth(drives)) / sigma)
+    assert 1.0 / 9.0 < np.mean(np.square(scaled)) < 9.0
+
+
+def test_what_a_flight_does_not_show_keeps_a_wide_sigma():
+    """A constant pull is what the loop's integral settles to."""
+    table = swinging(20.0)
+    flown = fly(table, ISS_HRC)
+    found = identify(
+        table, ISS_HRC, flown.t_s, flown.measured_angle_rad, None, ["beta.cable_tension_deg_s2"]
+    )
+    assert np.sqrt(found.covariance_parameters[0, 0]) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("names", "what", "says"),
+    [
+        (["gamma.coulomb_deg_s2"], "angles", "name an axis (alpha, beta), a dot and one of"),
+        (["alpha.inertia_kg_m2"], "angles", "'alpha.inertia_kg_m2' can't be identified"),
+        (["alpha.coulomb_deg_s2"], "nothing", "measured_angle_rad, measured_rate_rad_s or both"),
+        (["alpha.coulomb_deg_s2"], "too late", "0 samples within the table's 20 s are too few"),
+    ],
+)
+def test_what_cannot_be_identified_is_refused(names, what, says):
+    table, t_s = swinging(20.0), np.arange(10.0) + (30.0 if what == "too late" else 0.0)
+    angle_rad = None if what == "nothing" else np.zeros((10, 2))
+    with pytest.raises(ValueError, match=r".+") as refused:
+        identify(table, replace(ISS_HRC), t_s, angle_rad, None, names)
+    assert says in str(refused.value)

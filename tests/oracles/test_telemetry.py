@@ -1,0 +1,139 @@
+"""Does a comparison find what another program put into its telemetry?
+
+`other_platform.py` shares no code with the planner: its own interpolation of the table's CSV, its
+own motor, friction, sensors and clock.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from flown_las_vegas import PERFECT, planned, telemetry
+from other_platform import Clock, Drive
+
+import slewtrack
+
+ARCSEC = np.radians(1.0 / 3600.0)
+SIGMAS = 4.5  # one in 150,000
+
+
+def compared(content):
+    return slewtrack.compare(planned(), content)
+
+
+def axis(comparison, name):
+    return next(one for one in comparison.axes if one.name == name)
+
+
+@pytest.mark.parametrize("drift", [50e-6, 5e-6, -20e-6])
+@pytest.mark.parametrize("columns", ["angles", "angles and rates"])
+def test_offset_and_drift_of_the_clock_are_found(tmp_path, drift, columns):
+    """The condition for 1e-6: 2 arcsec at 15 Hz over 230 s with up to 1.3 deg/s give a sigma of
+    0.5e-6, so that four sigmas are 2e-6; at 0.3 arcsec they are within 1e-6."""
+    clock = Clock(offset_s=0.37, drift=drift)
+    found = compared(telemetry(tmp_path, clock=clock, noise_arcsec=0.3, columns=columns)).alignment
+    assert found.offset_s.value == pytest.approx(0.37, abs=0.005)
+    assert found.drift.value == pytest.approx(drift, abs=1e-6)
+    assert found.drift.sigma < 2.5e-7
+    assert abs(found.drift.value - drift) < SIGMAS * found.drift.sigma
+    # The motor of the other program integrates in steps of 2 ms: what it is late by is not noise.
+    assert abs(found.offset_s.value - 0.37) < SIGMAS * found.offset_s.sigma + 0.001
+
+
+def test_a_gyro_alone_tells_the_offset_and_as_much_of_the_drift_as_its_noise_lets_it(tmp_path):
+    """0.001 deg/s at 15 Hz: an axis accelerates by 0.02 deg/s2 at most, so that one row tells the
+    time to 50 ms and 3,450 to 3 ms, as the sigma says."""
+    content = telemetry(tmp_path, clock=Clock(0.37, 50e-6), gyro_noise_deg_s=0.001, columns="rates")
+    found = compared(content)
+    offset, drift = found.alignment.offset_s, found.alignment.drift
+    assert 0.001 < offset.sigma < 0.005
+    assert abs(offset.value - 0.37) < SIGMAS * offset.sigma
+    assert abs(drift.value - 50e-6) < SIGMAS * drift.sigma
+    assert {one.followed.basis for one in found.axes} == {"rates"}
+    finer = telemetry(tmp_path, clock=Clock(0.37, 50e-6), gyro_noise_deg_s=2e-5, columns="rates")
+    found = compared(finer).alignment
+    assert found.offset_s.value == pytest.approx(0.37, abs=0.005)
+    assert found.drift.value == pytest.approx(50e-6, abs=1e-6 + SIGMAS * found.drift.sigma)
+    assert found.drift.sigma < 1e-6
+
+
+def test_sigmas_are_honest_over_many_flights(tmp_path):
+    """Squares of errors over their sigmas, of 20 noises: chi-square of 20, 8 to 38 in 99 of 100."""
+    told = []
+    for seed in range(20):
+        content = telemetry(
+            tmp_path, clock=Clock(0.37, 5e-6), noise_arcsec=20.0, columns="angles", seed=seed
+        )
+        found = compared(content).alignment
+        told.append((found.drift.value - 5e-6) / found.drift.sigma)
+    assert 5.0 < np.sum(np.square(told)) < 40.0
+
+
+def test_a_clock_that_is_far_off_or_behind_is_found(tmp_path):
+    for offset_s in (-41.3, 75.0):
+        found = compared(telemetry(tmp_path, clock=Clock(offset_s, 0.0), columns="angles"))
+        assert found.alignment.offset_s.value == pytest.approx(offset_s, abs=0.005)
+
+
+def test_errors_are_the_noise_that_was_put_in(tmp_path):
+    found = compared(telemetry(tmp_path, clock=Clock(0.37, 0.0), noise_arcsec=2.0))
+    for one in found.axes:
+        assert one.error.rms_rad == pytest.approx(2.0 * ARCSEC, rel=0.05)
+        by_phase = {phase.kind: phase.error for phase in one.phases}
+        assert by_phase["slew"].samples + by_phase["track"].samples == one.error.samples
+        assert one.oscillations == one.stick_slip == one.limits_exceeded == ()
+
+
+def test_a_swing_is_found_with_its_frequency_amplitude_and_ends(tmp_path):
+    swing = Drive(swing_hz=0.8, swing_deg=8.0 / 3600.0, swing_from_s=140.0, swing_to_s=180.0)
+    for columns in ("angles", "angles and rates"):
+        found = compared(telemetry(tmp_path, PERFECT | {"beta": swing}, columns=columns))
+        [one] = axis(found, "beta").oscillations
+        assert axis(found, "alpha").oscillations == ()
+        assert one.frequency_hz == pytest.approx(0.8, abs=0.005)
+        assert one.amplitude_rad == pytest.approx(8.0 * ARCSEC, rel=0.1)
+        assert one.start_s == pytest.approx(140.0, abs=2.5)  # two cycles
+        assert one.stop_s == pytest.approx(180.0, abs=2.5)
+
+
+def test_an_axis_that_sticks_is_told_with_the_rates_it_sticks_at(tmp_path):
+    """Friction of 0.3 deg/s2 that lets go at 0.42 against a loop of 1 Hz: slips of 11 arcsec."""
+    rough = Drive(bandwidth_hz=1.0, friction_deg_s2=0.3, break_away=1.4)
+    found = compared(telemetry(tmp_path, PERFECT | {"beta": rough}, rate_hz=50.0, noise_arcsec=0.3))
+    stretches = axis(found, "beta").stick_slip
+    assert stretches
+    assert axis(found, "alpha").stick_slip == ()
+    lag_rad = np.radians(0.3) / (2.0 * np.pi) ** 2
+    for one in stretches:
+        assert one.rate_rad_s < 60.0 * ARCSEC  # it creeps at the start of the plan
+        assert one.slips >= 2
+        assert 0.1 * lag_rad < one.slip_rad < 2.0 * lag_rad
+
+
+def test_an_axis_later_than_the_other_is_told_and_not_taken_for_the_clock(tmp_path):
+    """Alpha's tags are those of a platform that moves 50 ms later."""
+    content = telemetry(tmp_path, clock=Clock(0.37, 0.0), rate_hz=20.0).decode().splitlines()
+    rows = [line.split(",") for line in content]
+    late = [[row[0], before[1], row[2], before[3], row[4]] for before, row in pairwise(rows[1:])]
+    found = compared("\n".join([content[0], *map(",".join, late)]).encode())
+    lags_s = {one.name: one.lag_s for one in found.axes}
+    assert lags_s["alpha"].value == pytest.approx(0.05, abs=0.005)
+    assert lags_s["beta"].value == 0.0
+    assert found.alignment.offset_s.value == pytest.approx(0.37, abs=0.005)
+
+
+def test_a_rate_beyond_its_limit_is_told(tmp_path):
+    """The platform may turn at 0.5 deg/s only, say; alpha tracks at up to 1.3."""
+    from dataclasses import replace
+
+    plan = planned()
+    platform = plan.scenario.platform
+    slow = replace(platform.outer_limits, rate_max_rad_s=np.radians(0.5))
+    limited = platform.with_limits((slow, platform.inner_limits))
+    plan = replace(plan, scenario=replace(plan.scenario, platform=limited))
+    found = slewtrack.compare(plan, telemetry(tmp_path))
+    beyond = axis(found, "alpha").limits_exceeded
+    peak_rad_s = np.abs(plan.table.rate_rad_s[:, 0]).max()
+    assert {one.limit for one in beyond} == {"rate"}
+    assert max(abs(one.value) for one in beyond) == pytest.approx(peak_rad_s, rel=0.02)
+    assert axis(found, "beta").limits_exceeded == ()

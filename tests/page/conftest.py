@@ -1,0 +1,80 @@
+"""How do tests see the planner's page?  In a browser, served by a real service, offline.
+
+`make test-page` names the browser; without one they are skipped.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from urllib.parse import urlsplit
+
+import pytest
+from browsing import LAPTOP
+from live_service import Service, live_service
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+
+FLAGS = [
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+PATIENCE_MS = 20_000.0
+
+OpenPage = Callable[..., Page]
+expect.set_options(timeout=PATIENCE_MS)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Debian's Chromium."""
+    chromium = os.environ.get("SLEWTRACK_TEST_CHROMIUM")
+    if not chromium:
+        pytest.skip("no browser: `make test-page` brings one")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def service(browser, tmp_path_factory) -> Iterator[Service]:
+    """One for all tests, with data of its own."""
+    with live_service(tmp_path_factory.mktemp("service")) as service:
+        yield service
+
+
+@pytest.fixture
+def open_page(browser, service) -> Iterator[OpenPage]:
+    """Opens addresses of the service in fresh browsers; at the end nothing must have gone wrong.
+
+    No request may leave for another origin, nothing be refused by the content policy, and no
+    exception be left to the browser.
+    """
+    contexts: list[BrowserContext] = []
+    faults: list[str] = []
+
+    def open_page(path: str = "/", *, at: Service = service, **settings: object) -> Page:
+        options = {"base_url": at.address, "viewport": LAPTOP, "locale": "en-GB", **settings}
+        context = browser.new_context(**options)
+        contexts.append(context)
+        context.set_default_timeout(PATIENCE_MS)
+        page = context.new_page()
+
+        def look_at(url: str) -> None:
+            parts = urlsplit(url)
+            if parts.scheme not in ("blob", "data") and not url.startswith(f"{at.address}/"):
+                faults.append(f"asked elsewhere: {url}")
+
+        page.on("request", lambda request: look_at(request.url))
+        page.on("pageerror", lambda error: faults.append(f"exception: {error}"))
+        page.on(
+            "console",
+            lambda message: (
+                "Content Security Policy" in message.text and faults.append(message.text)
+            ),
+        )
+        page.goto(at.address + path)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert faults == []

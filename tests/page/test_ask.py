@@ -1,0 +1,208 @@
+"""Flow 1: is what a person clicks, types, pastes, drops or drags what is planned?"""
+
+import re
+
+import pytest
+from browsing import ROOT, violations
+from playwright.sync_api import expect
+
+from app.requests.examples.plan import LAS_VEGAS
+
+OEM = (ROOT / "app/requests/examples/data/orbit.oem").read_text()
+TLE = (
+    "ISS (ZARYA)\n"
+    "1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991\n"
+    "2 25544  51.6478 271.9610 0008043  54.4849  18.6646 15.54887163930964\n"
+)
+
+
+def windows_found(page):
+    expect(page.get_by_role("list", name="Windows, the first first")).to_be_visible()
+    return page.get_by_role("list", name="Windows, the first first").get_by_role("button")
+
+
+def planned(page):
+    """The request of the plan that the page now makes, as the service keeps it."""
+    page.get_by_role("button", name="Plan").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    plan_id = page.url.rsplit("/", 1)[1]
+    return page.request.get(f"/v1/plans/{plan_id}/request").json()
+
+
+@pytest.fixture
+def ask(open_page):
+    page = open_page()
+    windows_found(page)
+    return page
+
+
+def test_the_packaged_example_is_planned_as_it_is(ask):
+    assert planned(ask) == LAS_VEGAS | {"on_conflict": "refuse"}
+
+
+def test_a_place_is_found_by_name_and_its_best_window_taken(ask):
+    ask.get_by_label("Place or coordinates").fill("Ljubljana")
+    ask.get_by_role("button", name="Find").click()
+    expect(ask.get_by_text("GeoNames 3196359")).to_be_visible()
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    request = planned(ask)
+    assert request["sessions"][0]["target"] == {"mode": "place", "name": "Ljubljana"}
+    assert "initial_state" not in request
+
+
+def test_of_places_of_one_name_one_is_chosen(ask):
+    ask.get_by_label("Place or coordinates").fill("Springfield")
+    ask.get_by_role("button", name="Find").click()
+    ask.get_by_role("button", name="Springfield, Ohio, US").click()
+    expect(ask.get_by_text("Taken: Springfield")).to_be_visible()
+    assert planned(ask)["sessions"][0]["target"]["name"] == "Springfield, Ohio, US"
+
+
+def test_coordinates_are_taken_with_letters_and_height(ask):
+    entry = ask.get_by_label("Place or coordinates")
+    entry.fill("33.87 S 151.21 E, 40")
+    entry.press("Enter")
+    expect(ask.get_by_role("status").filter(has_text="found")).to_be_visible()
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    [session] = planned(ask)["sessions"]
+    assert session["target"] == {
+        "mode": "ground", "latitude_deg": -33.87, "longitude_deg": 151.21, "height_m": 40,
+    }  # fmt: skip
+
+
+def test_a_click_on_the_map_is_a_target(ask):
+    world = ask.get_by_role("application")
+    box = world.bounding_box()
+    # Flat, 360 degrees wide, 12 north in the middle.
+    east_deg, north_deg = 15.0, 46.0
+    scale = box["width"] / 360.0
+    world.click(
+        position={
+            "x": box["width"] / 2 + east_deg * scale,
+            "y": box["height"] / 2 - (north_deg - 12.0) * scale,
+        }
+    )
+    entry = ask.get_by_label("Place or coordinates")
+    expect(entry).not_to_have_value("36.1147, -115.1728, 610")
+    latitude, longitude = (float(part) for part in entry.input_value().split(",")[:2])
+    assert (latitude, longitude) == pytest.approx((north_deg, east_deg), abs=1.0 / scale)
+
+
+def test_the_map_by_keyboard(ask):
+    world = ask.get_by_role("application")
+    world.focus()
+    world.press("ArrowRight")
+    world.press("ArrowUp")
+    world.press("Enter")
+    expect(ask.get_by_label("Place or coordinates")).to_have_value("41.11, -110.17")
+
+
+@pytest.mark.parametrize(
+    ("kind", "label", "entry", "target"),
+    [("Star", "Star", "Vega", {"mode": "star", "name": "Vega"}),
+     ("Star", "Star", "HIP 91262", {"mode": "star", "hip": 91262})],
+)  # fmt: skip
+def test_a_star(ask, kind, label, entry, target):
+    ask.get_by_role("radio", name=kind).check()
+    ask.get_by_role("textbox", name=label).fill(entry)
+    ask.get_by_role("button", name="Find").click()
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    assert planned(ask)["sessions"][0]["target"] == target
+
+
+@pytest.mark.parametrize("body", ["Sun", "Moon"])
+def test_sun_and_moon(ask, body):
+    ask.get_by_role("radio", name="Sun, Moon, planet").check()
+    ask.get_by_label("Body").select_option(body)
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    assert planned(ask)["sessions"][0]["target"] == {"mode": "body", "name": body.lower()}
+
+
+def test_a_pasted_tle(ask):
+    ask.get_by_text("Orbit", exact=True).click()
+    entry = ask.get_by_label("TLE, or a CCSDS OEM, OMM or OPM")
+    entry.fill("no orbit")
+    expect(ask.get_by_text("This is no orbit known here")).to_be_visible()
+    entry.fill(TLE)
+    expect(ask.get_by_text("This is no orbit known here")).to_be_hidden()
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    assert planned(ask)["orbit"] == {"source": "tle", "content": TLE.strip()}
+
+
+def test_a_dropped_oem(ask):
+    ask.get_by_text("Orbit", exact=True).click()
+    data = ask.evaluate_handle(
+        "text => { const data = new DataTransfer();"
+        " data.items.add(new File([text], 'orbit.oem')); return data; }",
+        OEM,
+    )
+    ask.dispatch_event(".drop", "drop", {"dataTransfer": data})
+    expect(ask.get_by_text("OEM ·")).to_be_visible()
+    expect(ask.get_by_label("From, UTC")).to_have_value("2015-02-27T17:28")
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    assert planned(ask)["orbit"]["source"] == "oem"
+
+
+def test_a_session_is_dragged_and_moved_by_keys(ask):
+    start = ask.get_by_role("slider", name="Start of the session")
+    expect(start).to_have_attribute("aria-valuetext", "17:36:20 UTC")
+    start.press("ArrowRight")
+    expect(start).to_have_attribute("aria-valuetext", "17:36:21 UTC")
+    start.press("Shift+ArrowLeft")
+    expect(start).to_have_attribute("aria-valuetext", "17:36:11 UTC")
+    box = start.bounding_box()
+    ask.mouse.move(box["x"] + 7, box["y"] + 20)
+    ask.mouse.down()
+    ask.mouse.move(box["x"] + 107, box["y"] + 20, steps=5)
+    ask.mouse.up()
+    dragged = start.get_attribute("aria-valuetext")
+    assert dragged > "17:36:30 UTC"
+    request = planned(ask)
+    assert request["sessions"][0]["start"] == f"2015-02-27T{dragged.removesuffix(' UTC')}Z"
+
+
+def test_conflicting_sessions_show_what_each_way_out_gives_up(ask):
+    end = ask.get_by_role("slider", name="End of the session")
+    end.press("Home")
+    for _ in range(2):
+        end.press("PageUp")
+    ask.get_by_role("button", name="Add a session").click()
+    ask.get_by_label("Place or coordinates").fill("40.76, -111.89, 1288")
+    ask.get_by_role("button", name="Find").click()
+    expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    windows_found(ask).first.click()
+    ask.get_by_role("button", name="Plan").click()
+    group = ask.get_by_role("group", name="What each way out gives up")
+    expect(group.get_by_role("button")).to_have_count(3)
+    expect(group).to_contain_text(re.compile(r"session \d loses [\d.]+ s"))
+    assert violations(ask) == []
+    group.get_by_role("button", name="Lose as little as possible").click()
+    expect(ask.get_by_test_id("verdict")).to_contain_text("Passed")
+    plan_id = ask.url.rsplit("/", 1)[1]
+    request = ask.request.get(f"/v1/plans/{plan_id}/request").json()
+    assert request["on_conflict"] == "least_loss"
+    assert len(request["sessions"]) == 2
+
+
+def test_a_plan_goes_back_into_the_form_and_becomes_its_next_revision(ask):
+    first = planned(ask)
+    ask.get_by_role("link", name="Change the request").click()
+    start = ask.get_by_role("slider", name="Start of the session")
+    start.press("ArrowRight")
+    second = planned(ask)
+    assert second["sessions"][0]["start"] == "2015-02-27T17:36:21Z"
+    assert second["sessions"][0]["target"] == first["sessions"][0]["target"]
+    plan = ask.request.get("/v1" + re.sub(r"^https?://[^/]+", "", ask.url)).json()
+    assert plan["revision"] == 2
+
+
+def test_searches_for_windows_are_not_left_behind(ask, service):
+    def kept():
+        return len(ask.request.get("/v1/opportunities?limit=100").json()["opportunities"])
+
+    before = kept()
+    for days in ("4", "5", "6"):
+        with ask.expect_response(lambda answer: answer.request.method == "DELETE"):
+            ask.get_by_label("Days").fill(days)
+            ask.get_by_label("Days").press("Enter")
+    assert kept() == before

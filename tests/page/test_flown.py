@@ -1,0 +1,78 @@
+"""Can a plan be flown on the page, and its telemetry be compared?"""
+
+import json
+
+import httpx
+import pytest
+from browsing import ROOT, violations
+from playwright.sync_api import expect
+
+
+@pytest.fixture(scope="module")
+def plan(service) -> str:
+    """The id of the Las Vegas pass."""
+    request = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
+    return httpx.post(f"{service.address}/v1/plans", json=request, timeout=60.0).json()["id"]
+
+
+def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
+    page = open_page(f"/flights?plan={plan}")
+    page.get_by_label("Runs").fill("40")
+    page.get_by_role("button", name="Fly it").click()
+    verdict = page.get_by_test_id("flights-verdict")
+    expect(verdict).to_contain_text("of the flights", timeout=120_000)
+    expect(page.get_by_text("40 of 40 flights")).to_be_visible()
+    expect(page.get_by_role("img", name="Histogram of the runs' largest misses")).to_be_visible()
+    expect(page.get_by_role("img", name="Smear of the frames, as planned")).to_be_visible()
+    expect(page.get_by_role("row", name="attitude").first).to_be_visible()
+    assert violations(page) == []
+    page.goto(page.url.rsplit("/flights", 1)[0] + "/flights")
+    expect(page.get_by_role("heading", name="Flown before")).to_be_visible()
+
+
+def test_flights_under_way_are_cancelled(open_page, plan):
+    page = open_page(f"/flights?plan={plan}")
+    page.get_by_label("Runs").fill("9000")
+    page.get_by_role("button", name="Fly it").click()
+    expect(page.get_by_role("progressbar")).to_be_visible(timeout=60_000)
+    page.get_by_role("button", name="Cancel").click()
+    expect(page.get_by_text("Cancelled; what is told")).to_be_visible(timeout=60_000)
+
+
+def test_flights_of_no_plan_are_refused_in_words(open_page):
+    page = open_page("/flights?plan=nothing")
+    page.get_by_role("button", name="Fly it").click()
+    expect(page.get_by_role("alert")).to_contain_text("must be the id of a plan")
+
+
+def telemetry(service, plan: str, ahead_s: float) -> bytes:
+    """The table's own rows, by a clock that is ahead."""
+    table = httpx.get(f"{service.address}/v1/plans/{plan}/table", params={"format": "json"}).json()
+    columns = ("t_s", "alpha_deg", "beta_deg")
+    lines = [",".join(columns)]
+    for t_s, *angles in zip(*(table[column] for column in columns), strict=True):
+        lines.append(",".join(map(str, [t_s + ahead_s, *angles])))
+    lines[5:5] = ["nonsense,,"]
+    return "\n".join(lines).encode()
+
+
+def test_telemetry_is_compared_with_its_plan(open_page, service, plan, tmp_path):
+    file = tmp_path / "flight.csv"
+    file.write_bytes(telemetry(service, plan, 0.37))
+    page = open_page(f"/telemetry?plan={plan}")
+    page.get_by_label("Telemetry, CSV").set_input_files(str(file))
+    page.get_by_role("button", name="Compare").click()
+    expect(page.get_by_test_id("comparison")).to_contain_text("0.3700", timeout=60_000)
+    drawn = page.get_by_alt_text("Plan and flight drawn over time")
+    assert drawn.evaluate("image => image.naturalWidth") > 0
+    expect(page.get_by_text("left out: no_time")).to_be_visible()
+    assert violations(page) == []
+
+
+def test_a_file_that_tells_nothing_is_refused_in_words(open_page, plan, tmp_path):
+    file = tmp_path / "notes.csv"
+    file.write_text("dear diary\n")
+    page = open_page(f"/telemetry?plan={plan}")
+    page.get_by_label("Telemetry, CSV").set_input_files(str(file))
+    page.get_by_role("button", name="Compare").click()
+    expect(page.get_by_role("alert")).to_contain_text("samples", timeout=60_000)

@@ -1,0 +1,51 @@
+"""Can images of the horizon be measured on the page, and checked against a plan?"""
+
+import json
+
+import httpx
+from browsing import ROOT, violations
+from playwright.sync_api import expect
+
+FRAMES = [str(ROOT / f"examples/horizon_{name}.png") for name in ("ahead", "right")]
+
+
+def test_dropped_images_give_verdict_ellipse_and_overlays(open_page):
+    page = open_page("/horizon")
+    measure = page.get_by_role("button", name="Measure the vertical")
+    expect(measure).to_be_disabled()
+    page.get_by_label("Choose images").set_input_files(FRAMES)
+    measure.click()
+    expect(page.get_by_test_id("horizon-verdict")).to_contain_text("Consistent", timeout=60_000)
+    expect(page.get_by_role("img", name="Error ellipse of the nadir")).to_be_visible()
+    for camera in ("ahead", "right"):
+        overlay = page.get_by_alt_text(
+            f"Limb points and the fitted limb in the image of camera {camera}"
+        )
+        assert overlay.evaluate("image => image.naturalWidth") == 640
+    page.get_by_text("As a correction for the next plan").click()
+    assert "turn_body_deg" in json.loads(page.locator("details pre").inner_text())
+    assert violations(page) == []
+
+
+def test_the_plan_says_where_and_how_the_carrier_should_be(open_page, service):
+    example = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
+    example["attitude"] = {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 3.0, "roll_deg": 0.0}
+    plan = httpx.post(f"{service.address}/v1/plans", json=example, timeout=60.0).json()["id"]
+    page = open_page(f"/horizon?plan={plan}")
+    page.get_by_role("button", name="Take the example's images").click()
+    page.get_by_role("button", name="Take them from the plan").click()
+    expect(page.get_by_text("predicted attitude are the plan's")).to_be_visible(timeout=60_000)
+    page.get_by_role("button", name="Measure the vertical").click()
+    expect(page.get_by_test_id("horizon-verdict")).to_contain_text("Not consistent", timeout=60_000)
+
+
+def test_what_is_no_image_is_refused_in_words(open_page, tmp_path):
+    page = open_page("/horizon")
+    wrong = tmp_path / "notes.png"
+    wrong.write_text("no image")
+    page.get_by_label("Choose images").set_input_files([FRAMES[0], str(wrong)])
+    page.get_by_role("button", name="Measure the vertical").click()
+    expect(page.get_by_role("alert")).to_contain_text("images")
+    page.get_by_label("Request", exact=True).fill("{")
+    expect(page.get_by_text("JSON", exact=False).first).to_be_visible()
+    expect(page.get_by_role("button", name="Measure the vertical")).to_be_disabled()

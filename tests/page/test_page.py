@@ -1,0 +1,55 @@
+"""Does the page open, in every room, and can everyone use it?"""
+
+import re
+from pathlib import Path
+
+import pytest
+from browsing import PHONE, ROOT, violations
+from playwright.sync_api import expect
+
+from app.http.door.access import PAGE_ROOMS
+
+ROOMS = re.findall(r'path: "(/[^":]*)"', (ROOT / "web/src/rooms.ts").read_text())
+
+
+def test_every_room_has_an_address_that_the_service_knows():
+    paths = re.findall(r'path: "(/[^"]*)"', (ROOT / "web/src/rooms.ts").read_text())
+    assert paths
+    assert {path.split("/")[1] for path in paths} - {""} <= PAGE_ROOMS
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("path", ROOMS)
+def test_each_room_opens_and_is_accessible(open_page, path, theme):
+    page = open_page(path, color_scheme=theme)
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    assert violations(page) == []
+
+
+def test_a_plan_is_made_and_its_table_downloaded(open_page):
+    page = open_page()
+    page.get_by_role("button", name="Plan").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    assert re.search(r"/plans/[0-9a-z-]+$", page.url)
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Download CSV").click()
+    assert "alpha_deg" in Path(download.value.path()).read_text()
+    page.reload()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    assert violations(page) == []
+
+
+def test_russian_stays_chosen(open_page):
+    page = open_page("/plans")
+    page.get_by_label("Language").select_option("ru")
+    expect(page.get_by_role("heading", level=1)).to_have_text("Сохранённое")
+    page.reload()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Сохранённое")
+    assert page.evaluate("document.documentElement.lang") == "ru"
+
+
+@pytest.mark.parametrize("path", ROOMS)
+def test_nothing_is_wider_than_a_phone(open_page, path):
+    page = open_page(path, viewport=PHONE)
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]

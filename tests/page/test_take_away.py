@@ -1,0 +1,81 @@
+"""Flow 4: does everything that leaves the page say what the service says?"""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import expect
+
+from app.requests.examples.plan import LAS_VEGAS
+from planner.export import EXPORTERS
+
+
+@pytest.fixture
+def plan_page(open_page):
+    page = open_page()
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    page.get_by_role("button", name="Plan").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    return page
+
+
+def test_every_export_can_be_saved(plan_page):
+    path = "/v1/plans/" + plan_page.url.rsplit("/", 1)[1]
+    saved = {}
+    region = plan_page.get_by_role("region", name="Take away")
+    for button in [
+        region.get_by_role("button", name="Download CSV"),
+        *region.get_by_role("list").get_by_role("button").all(),
+    ]:
+        with plan_page.expect_download() as download:
+            button.click()
+        name = download.value.suggested_filename
+        saved[name.rsplit(".", 1)[1]] = Path(download.value.path()).read_bytes()
+    assert len(saved) == len(EXPORTERS)
+    assert saved["csv"] == plan_page.request.get(f"{path}/table?format=csv").body()
+
+
+def test_the_verdict_says_what_the_answer_says(plan_page):
+    path = "/v1/plans/" + plan_page.url.rsplit("/", 1)[1]
+    summary = plan_page.request.get(path).json()["summary"]
+    verdict = plan_page.get_by_test_id("verdict").inner_text()
+    assert f"in frame {100 * summary['probability_in_frame']:.1f} %" in verdict
+    [session] = summary["sessions"]
+    assert f"ground sample {session['ground_sample_m']:.2f} m" in verdict
+    assert f"elevation up to {session['best_elevation_deg']:.0f}°" in verdict
+    # Of 3 deg/s the pass takes 0.99.
+    assert "least margin 67 % of alpha rate at 17:37:30 UTC" in verdict
+
+
+def test_the_permalink_opens_the_same_plan(plan_page, open_page):
+    plan_page.get_by_role("button", name="Copy Permalink").click()
+    link = plan_page.evaluate("navigator.clipboard.readText()")
+    assert link == plan_page.url
+    other = open_page(link.removeprefix(re.match(r"https?://[^/]+", link)[0]))
+    verdict = other.get_by_test_id("verdict")
+    expect(verdict).to_have_text(plan_page.get_by_test_id("verdict").inner_text().replace("\n", ""))
+
+
+def test_the_request_as_json_curl_and_python(plan_page, service, tmp_path):
+    def copied(name):
+        plan_page.locator("summary").filter(has_text=name).click()
+        plan_page.get_by_role("button", name=f"Copy {name}").click()
+        return plan_page.evaluate("navigator.clipboard.readText()")
+
+    asked = LAS_VEGAS | {"on_conflict": "refuse"}
+    assert json.loads(copied("Request as JSON")) == asked
+    curl = copied("curl")
+    assert f"curl -s -X POST '{service.address}/v1/plans'" in curl
+    assert json.loads(curl.split("--data-binary '")[1].removesuffix("'")) == asked
+    script = tmp_path / "again.py"
+    script.write_text(copied("Python"))
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout.endswith(" True\n")
+
+
+def test_it_prints_on_one_page(plan_page):
+    pdf = plan_page.pdf(prefer_css_page_size=True)
+    assert re.findall(rb"/Type /Pages\s*/Count (\d+)", pdf) == [b"1"]

@@ -1,0 +1,67 @@
+/** A job's server-sent events, resumed after a broken connection as EventSource would. */
+import { address } from "../router";
+import { authorization } from "./key";
+import { NoAnswer, Problem } from "./problem";
+
+export interface JobEvent {
+  id: string | null;
+  kind: string;
+  data: Record<string, unknown>;
+}
+
+const ENDS = new Set(["done", "refused", "failed", "cancelled"]);
+const TRIES = 5;
+
+/** path: ".../events". EventSource itself can't send an API key. */
+export async function* follow(path: string, until?: AbortSignal): AsyncGenerator<JobEvent> {
+  let last: string | null = null;
+  for (let failures = 0; ; ) {
+    try {
+      const headers: Record<string, string> = { Accept: "text/event-stream", ...authorization() };
+      if (last !== null) headers["Last-Event-ID"] = last;
+      const answer = await fetch(address(path), { headers, signal: until, cache: "no-store" });
+      if (!answer.ok) throw await Problem.of(answer);
+      for await (const event of read(answer)) {
+        failures = 0;
+        last = event.id ?? last;
+        yield event;
+        if (event.kind === "state" && ENDS.has(String(event.data.state))) return;
+      }
+    } catch (error) {
+      if (until?.aborted || (error instanceof Problem && error.status < 500)) throw error;
+    }
+    if (++failures >= TRIES) throw new NoAnswer(path);
+    await new Promise((resolve) => setTimeout(resolve, 2000));
+  }
+}
+
+async function* read(answer: Response): AsyncGenerator<JobEvent> {
+  if (!answer.body) return;
+  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    const parts = (rest + value).split(/\r?\n\r?\n/);
+    rest = parts.pop() ?? "";
+    for (const part of parts) {
+      const event = parse(part);
+      if (event) yield event;
+    }
+  }
+}
+
+function parse(text: string): JobEvent | null {
+  let id: string | null = null;
+  let kind = "message";
+  const data: string[] = [];
+  for (const line of text.split(/\r?\n/)) {
+    const [name, ...value] = line.split(":");
+    const content = value.join(":").replace(/^ /, "");
+    if (name === "id") id = content;
+    else if (name === "event") kind = content;
+    else if (name === "data") data.push(content);
+  }
+  if (data.length === 0) return null;
+  return { id, kind, data: JSON.parse(data.join("\n")) as Record<string, unknown> };
+}

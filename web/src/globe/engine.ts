@@ -1,0 +1,136 @@
+/** Cesium's engine over files of our own service: a chunk that is loaded after the rest. */
+import {
+  BoundingSphere,
+  buildModuleUrl,
+  Cartesian3,
+  CesiumWidget,
+  Color,
+  Credit,
+  CreditDisplay,
+  CzmlDataSource,
+  DirectionalLight,
+  Ellipsoid,
+  HeadingPitchRange,
+  ImageryLayer,
+  Ion,
+  JulianDate,
+  Material,
+  Matrix4,
+  PolylineCollection,
+  TileMapServiceImageryProvider,
+  Transforms,
+} from "@cesium/engine";
+
+import { boundaries } from "../map/outlines";
+import type { GlobeView, Place } from "./globe";
+
+// Neither is told of in the engine's types.
+const untold = { buildModuleUrl, Transforms } as unknown as {
+  buildModuleUrl: { setBaseUrl: (url: string) => void };
+  Transforms: { iau2006XysData: { computeXysRadians: () => undefined } };
+};
+untold.buildModuleUrl.setBaseUrl(new URL(/* @vite-ignore */ "./cesium/", import.meta.url).href);
+Ion.defaultAccessToken = "";
+CreditDisplay.cesiumCredit = new Credit("CesiumJS");
+// Cesium's own Sun isn't drawn and our light comes from the plan; without these tables, 2 MB that
+// it would fetch, it takes the sidereal time.
+untold.Transforms.iau2006XysData = { computeXysRadians: () => undefined };
+
+const SPACE = "#0a111b";
+const LINES = Color.fromBytes(235, 240, 246, 140);
+const OVER_TARGET_M = 900e3;
+
+export interface Opened extends GlobeView {
+  close: () => void;
+}
+
+/** czml: a document of the service, as it is.  onBroken: when it can draw no more. */
+export async function openGlobe(
+  element: HTMLElement,
+  czml: object,
+  epoch_ms: number,
+  onBroken: (error: unknown) => void,
+): Promise<Opened> {
+  const widget = new CesiumWidget(element, {
+    baseLayer: ImageryLayer.fromProviderAsync(
+      TileMapServiceImageryProvider.fromUrl(buildModuleUrl("Assets/Textures/NaturalEarthII")),
+      { saturation: 0.55, brightness: 0.95 },
+    ),
+    skyBox: false,
+    skyAtmosphere: false,
+    scene3DOnly: true,
+    automaticallyTrackDataSourceClocks: false,
+    requestRenderMode: true,
+    maximumRenderTimeChange: Infinity,
+    showRenderLoopErrors: false,
+    creditContainer: document.createElement("div"), // the page's own line names the sources
+    creditViewport: document.createElement("div"),
+  });
+  const { scene, clock, camera } = widget;
+  scene.renderError.addEventListener((_: unknown, error: unknown) => onBroken(error));
+  scene.backgroundColor = Color.fromCssColorString(SPACE);
+  scene.fog.enabled = false;
+  scene.globe.showGroundAtmosphere = false;
+  scene.globe.enableLighting = true;
+  scene.globe.dynamicAtmosphereLighting = false;
+  [scene.globe.lightingFadeOutDistance, scene.globe.lightingFadeInDistance] = [0, 1]; // at any distance
+  const light = new DirectionalLight({ direction: new Cartesian3(1, 0, 0) });
+  scene.light = light;
+  clock.shouldAnimate = false;
+  const epoch = JulianDate.fromDate(new Date(epoch_ms));
+  void addLines(scene);
+  const source = await CzmlDataSource.load(czml);
+  await widget.dataSources.add(source);
+  return {
+    show: (t_s, sun) => {
+      JulianDate.addSeconds(epoch, t_s, clock.currentTime);
+      if (sun) {
+        const overhead = Ellipsoid.WGS84.geodeticSurfaceNormal(cartesian(sun));
+        light.direction = Cartesian3.negate(overhead, new Cartesian3());
+      }
+      scene.requestRender();
+    },
+    overview: (places) => {
+      const sphere = BoundingSphere.fromPoints(places.map(cartesian));
+      camera.lookAtTransform(Matrix4.IDENTITY);
+      camera.viewBoundingSphere(sphere, new HeadingPitchRange(0, -1.2, Math.max(3.6 * sphere.radius, 3200e3)));
+      camera.lookAtTransform(Matrix4.IDENTITY);
+      scene.requestRender();
+    },
+    lookAt: (place) => {
+      camera.viewBoundingSphere(
+        new BoundingSphere(cartesian(place), 1),
+        new HeadingPitchRange(0, -0.9, OVER_TARGET_M),
+      );
+      camera.lookAtTransform(Matrix4.IDENTITY);
+      scene.requestRender();
+    },
+    zoom: (factor) => {
+      const height_m = camera.positionCartographic.height;
+      camera.zoomIn(height_m * (1 - 1 / factor));
+      scene.requestRender();
+    },
+    close: () => {
+      const { canvas } = scene;
+      const context = canvas.getContext("webgl2") ?? canvas.getContext("webgl");
+      widget.destroy();
+      context?.getExtension("WEBGL_lose_context")?.loseContext(); // not only when it is collected
+    },
+  };
+}
+
+/** Coasts and borders: the picture's pixels are 10 km wide. */
+async function addLines(scene: CesiumWidget["scene"]): Promise<void> {
+  const lines = await boundaries();
+  if (scene.isDestroyed()) return;
+  const drawn = scene.primitives.add(new PolylineCollection()) as PolylineCollection;
+  const material = Material.fromType("Color", { color: LINES });
+  for (const line of lines) {
+    drawn.add({ positions: Cartesian3.fromDegreesArray(line.flat()), width: 1, material });
+  }
+  scene.requestRender();
+}
+
+function cartesian({ longitude_deg, latitude_deg, height_m }: Place): Cartesian3 {
+  return Cartesian3.fromDegrees(longitude_deg, latitude_deg, height_m ?? 0);
+}

@@ -1,0 +1,57 @@
+import type { ComponentChildren } from "preact";
+
+import { NoAnswer, Problem } from "../api/problem";
+import { words } from "../i18n";
+
+interface Props {
+  error: unknown;
+  /** Offered where asking again may help. */
+  again?: () => void;
+  /** The ways out, below. */
+  children?: ComponentChildren;
+}
+
+/** A refusal, a failure or a lost connection in words, with the way out. */
+export function ProblemNotice({ error, again, children }: Props) {
+  const text = words.value.shell;
+  const { title, detail, field, instance } = told(error);
+  return (
+    <div class="notice notice-error" role="alert">
+      <p class="notice-title">{title}</p>
+      <p>{detail}</p>
+      {field && (
+        <p class="small">
+          {text.problem.field}: <code>{field}</code>
+        </p>
+      )}
+      {children}
+      {again && (
+        <button type="button" onClick={again}>
+          {text.again}
+        </button>
+      )}
+      {instance && (
+        <p class="small">
+          {text.problem.reference}: <code>{instance}</code>
+        </p>
+      )}
+    </div>
+  );
+}
+
+/** Whether the same request may be answered otherwise: it was ours or nobody's fault. */
+export function mayHelpAgain(error: unknown): boolean {
+  return !(error instanceof Problem) || error.status >= 500 || error.status === 429;
+}
+
+function told(error: unknown) {
+  const text = words.value.shell.problem;
+  if (error instanceof Problem) {
+    const { title, detail, status, instance } = error.document;
+    return { title, detail, field: error.field, instance: status >= 500 ? instance : null };
+  }
+  if (error instanceof NoAnswer) {
+    return { title: text.noAnswer, detail: text.noAnswerDetail, field: null, instance: null };
+  }
+  throw error; // ours: the room's boundary shows it
+}

@@ -1,0 +1,66 @@
+/** Position and predicted attitude as a kept plan has them at the frames' epoch. */
+import { useState } from "preact/hooks";
+
+import { words } from "../../i18n";
+import { Field } from "../../parts/Field";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { place } from "../../router";
+import { filledFromPlan, type HorizonRequest } from "./estimate";
+
+interface Props {
+  request: HorizonRequest | null;
+  onRequest: (request: HorizonRequest) => void;
+}
+
+const SIGMA_DEG = 0.5;
+
+export function FromPlan({ request, onRequest }: Props) {
+  const text = words.value.horizon;
+  const [id, setId] = useState(place.value.query.get("plan") ?? "");
+  const [sigma_deg, setSigma] = useState(SIGMA_DEG);
+  const [isFilled, setFilled] = useState(false);
+  const [error, setError] = useState<unknown>(null);
+  const fill = async (event: Event) => {
+    event.preventDefault();
+    if (!request) return;
+    setError(null);
+    setFilled(false);
+    try {
+      onRequest(await filledFromPlan(id.trim(), request, sigma_deg));
+      setFilled(true);
+    } catch (caught) {
+      setError(caught);
+    }
+  };
+  return (
+    <form onSubmit={(event) => void fill(event)}>
+      <div class="from-plan">
+        <Field label={text.plan} hint={text.planHint}>
+          {(control) => (
+            <input {...control} value={id} onInput={(event) => setId(event.currentTarget.value)} />
+          )}
+        </Field>
+        <Field label={text.sigma}>
+          {(control) => (
+            <input
+              {...control}
+              type="number"
+              min={0.001}
+              max={180}
+              step="any"
+              value={sigma_deg}
+              onInput={(event) => setSigma(event.currentTarget.valueAsNumber)}
+            />
+          )}
+        </Field>
+        <button type="submit" disabled={!request || !id.trim() || !(sigma_deg > 0)}>
+          {text.fill}
+        </button>
+      </div>
+      <p role="status" class="small">
+        {isFilled && text.filled}
+      </p>
+      {error !== null && <ProblemNotice error={error} />}
+    </form>
+  );
+}

@@ -1,0 +1,92 @@
+/** What the images say: the verdict, the nadir with its ellipse, each camera's overlay. */
+import { useState } from "preact/hooks";
+
+import { words } from "../../i18n";
+import { digits, number, percent } from "../../i18n/forms";
+import { Ellipse } from "./Ellipse";
+import type { Estimate } from "./estimate";
+
+export function Result({ found }: { found: Estimate }) {
+  const text = words.value.horizon;
+  return (
+    <section class="panel" aria-labelledby="horizon-result">
+      <h2 id="horizon-result">{text.result}</h2>
+      <p data-testid="horizon-verdict" role="status" class={`verdict verdict-${found.verdict}`}>
+        <strong>{text.verdicts[found.verdict]}</strong>
+        {found.sigma_deg !== null && ` ${text.sigmaOf(digits(found.sigma_deg))}`}
+        {found.check &&
+          ` ${text.differs(digits(found.check.angle_deg), percent(found.check.probability))}`}
+        {found.explanation && ` ${found.explanation}`}
+      </p>
+      <div class="horizon">
+        {found.covariance_deg2 && (
+          <figure>
+            <Ellipse covariance_deg2={found.covariance_deg2} check={found.check} />
+            <figcaption class="small">{text.ellipse}</figcaption>
+          </figure>
+        )}
+        <dl>
+          <Vector name={text.nadir} value={found.nadir_body} />
+          <Vector name={text.geodetic} value={found.nadir_geodetic_body} />
+          {found.limb_height_km !== null && (
+            <>
+              <dt>{text.limb}</dt>
+              <dd>
+                {number(found.limb_height_km)} ± {number(found.limb_height_sigma_km)} km
+              </dd>
+            </>
+          )}
+          {found.warnings.length > 0 && (
+            <>
+              <dt>{text.warnings}</dt>
+              {found.warnings.map((warning) => (
+                <dd key={warning}>{warning}</dd>
+              ))}
+            </>
+          )}
+        </dl>
+      </div>
+      <div class="overlays">
+        {found.cameras.map((camera) => (
+          <figure key={camera.name}>
+            {camera.overlay_png && (
+              <img src={`data:image/png;base64,${camera.overlay_png}`} alt={text.overlayOf(camera.name)} />
+            )}
+            <figcaption>
+              <strong>{camera.name}</strong>:{" "}
+              {camera.used
+                ? text.used(number(camera.arc_deg), digits(camera.residual_px, 2))
+                : `${text.notUsed} ${camera.explanation ?? ""}`}
+            </figcaption>
+          </figure>
+        ))}
+      </div>
+      {found.correction && <Correction json={JSON.stringify(found.correction, null, 2)} />}
+    </section>
+  );
+}
+
+function Vector({ name, value }: { name: string; value: readonly number[] | null }) {
+  if (!value) return null;
+  return (
+    <>
+      <dt>{name}</dt>
+      <dd class="mono">{value.map((part) => part.toFixed(6)).join(", ")}</dd>
+    </>
+  );
+}
+
+function Correction({ json }: { json: string }) {
+  const text = words.value.horizon;
+  const [isCopied, setCopied] = useState(false);
+  return (
+    <details>
+      <summary>{text.correction}</summary>
+      <pre tabIndex={0}>{json}</pre>
+      <button type="button" onClick={() => void navigator.clipboard.writeText(json).then(() => setCopied(true))}>
+        {text.copy}
+      </button>
+      <span role="status"> {isCopied && text.copied}</span>
+    </details>
+  );
+}

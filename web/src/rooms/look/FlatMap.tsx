@@ -1,0 +1,194 @@
+/** The plan on a flat map: track, boresight, footprint, targets, day and night. */
+import { computed } from "@preact/signals";
+import { geoCircle, geoEquirectangular, geoGraticule10, geoPath, type GeoProjection } from "d3-geo";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+
+import { words } from "../../i18n";
+import { outlines, wantDetail, wantOutlines } from "../../map/outlines";
+import { cursor_s } from "../../time/cursor";
+import { longitudeAt, rowAt, type View, valueAt } from "./view";
+
+type LonLat = [number, number];
+
+const HEIGHT = 380;
+const LEAST_DEG = 24;
+const NIGHT_STEP_S = 20;
+const FOOTPRINTS = 24; // outlines along the sessions
+
+export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
+  const text = words.value.look.map;
+  const box = useRef<HTMLDivElement>(null);
+  const [width, setWidth] = useState(0);
+  useEffect(() => {
+    void wantOutlines().then(wantDetail);
+    const element = box.current;
+    if (!element) return;
+    const watch = new ResizeObserver(() => setWidth(element.clientWidth));
+    watch.observe(element);
+    return () => watch.disconnect();
+  }, []);
+  const track = useMemo(() => lineOf(view.carrier.longitude_deg, view.carrier.latitude_deg), [view]);
+  const trace = useMemo(() => lineOf(view.boresight.longitude_deg, view.boresight.latitude_deg), [view]);
+  const projection = useMemo(() => {
+    if (width === 0) return null;
+    const made = geoEquirectangular().clipExtent([
+      [-2, -2],
+      [width + 2, HEIGHT + 2],
+    ]);
+    return isWhole || track.length === 0
+      ? made.fitSize([width, HEIGHT], { type: "Sphere" })
+      : fit(made, [...track.flat(), ...trace.flat()], width);
+  }, [width, isWhole, track, trace]);
+  const shapes = outlines.value;
+  const drawn = useMemo(() => {
+    if (!projection) return null;
+    const path = geoPath(projection);
+    return {
+      path,
+      land: (shapes && path(shapes.land)) ?? "",
+      borders: (shapes && path(shapes.borders)) ?? "",
+      graticule: path(geoGraticule10()) ?? "",
+      track: path({ type: "MultiLineString", coordinates: track }) ?? "",
+      trace: path({ type: "MultiLineString", coordinates: trace }) ?? "",
+      footprints: footprintRows(view)
+        .map((row) => path({ type: "LineString", coordinates: footprintAt(view, row) }) ?? "")
+        .join(""),
+    };
+  }, [projection, shapes, track, trace, view]);
+  return (
+    <div class="look-map" ref={box}>
+      <svg width={width} height={HEIGHT} role="img" aria-label={text.told}>
+        <rect class="lm-sea" width={width} height={HEIGHT} />
+        {drawn && projection && (
+          <>
+            <path class="lm-land" d={drawn.land} />
+            <path class="lm-borders" d={drawn.borders} />
+            <path class="lm-graticule" d={drawn.graticule} />
+            <Night view={view} projection={projection} />
+            <path class="lm-track" d={drawn.track} />
+            <path class="lm-trace" d={drawn.trace} />
+            <path class="lm-footprints" d={drawn.footprints} />
+            <Targets view={view} projection={projection} />
+            <Now view={view} projection={projection} />
+          </>
+        )}
+      </svg>
+    </div>
+  );
+}
+
+/** The hemisphere away from the Sun. */
+function Night({ view, projection }: { view: View; projection: GeoProjection }) {
+  const step = useMemo(() => computed(() => NIGHT_STEP_S * Math.round(cursor_s.value / NIGHT_STEP_S)), []);
+  const t_s = step.value;
+  const [longitude, latitude] = [longitudeAt(view, view.sun.longitude_deg, t_s), valueAt(view, view.sun.latitude_deg, t_s)];
+  if (longitude === null || latitude === null) return null;
+  const night = geoCircle().center([longitude + 180, -latitude]).radius(90)();
+  return <path class="lm-night" d={geoPath(projection)(night) ?? ""} />;
+}
+
+function Targets({ view, projection }: { view: View; projection: GeoProjection }) {
+  const row = rowAt(view, cursor_s.value);
+  return (
+    <>
+      {view.targets.map((target) => {
+        const [longitude, latitude] = [target.longitude_deg[row], target.latitude_deg[row]];
+        const point = longitude == null || latitude == null ? null : projection([longitude, latitude]);
+        if (!point) return null;
+        const isNow = view.session[row] === target.session;
+        return (
+          <g key={target.session} class={isNow ? "lm-target lm-target-now" : "lm-target"} transform={`translate(${point[0]},${point[1]})`}>
+            <path d="M-6,0H-2M2,0H6M0,-6V-2M0,2V6" />
+            <circle r={4.5} />
+            <text x={9} y={-6}>
+              {target.name}
+            </text>
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
+function Now({ view, projection }: { view: View; projection: GeoProjection }) {
+  const t_s = cursor_s.value;
+  const carrier = pointAt(view, view.carrier, t_s, projection);
+  const end = pointAt(view, view.boresight, t_s, projection);
+  const row = rowAt(view, t_s);
+  const kind = view.activity[row] ?? "wait";
+  const footprint = footprintAt(view, row);
+  return (
+    <>
+      {footprint.length > 0 && <path class="lm-footprint" d={geoPath(projection)({ type: "Polygon", coordinates: [footprint] }) ?? ""} />}
+      {carrier && end && <path class={`lm-boresight lm-${kind}`} d={`M${carrier.join()}L${end.join()}`} />}
+      {end && <circle class={`lm-end lm-${kind}`} cx={end[0]} cy={end[1]} r={3} />}
+      {carrier && <circle class="lm-carrier" cx={carrier[0]} cy={carrier[1]} r={5} />}
+    </>
+  );
+}
+
+interface Trace {
+  latitude_deg: readonly (number | null)[];
+  longitude_deg: readonly (number | null)[];
+}
+
+function pointAt(view: View, trace: Trace, t_s: number, projection: GeoProjection): LonLat | null {
+  const [longitude, latitude] = [longitudeAt(view, trace.longitude_deg, t_s), valueAt(view, trace.latitude_deg, t_s)];
+  return longitude === null || latitude === null ? null : projection([longitude, latitude]);
+}
+
+/** Known points in lines; d3 cuts at the date line itself. */
+function lineOf(longitudes: readonly (number | null)[], latitudes: readonly (number | null)[]): LonLat[][] {
+  const lines: LonLat[][] = [[]];
+  const every = Math.max(1, Math.floor(longitudes.length / 600));
+  for (let row = 0; row < longitudes.length; row++) {
+    if (row % every !== 0 && row !== longitudes.length - 1) continue;
+    const [longitude, latitude] = [longitudes[row], latitudes[row]];
+    if (longitude == null || latitude == null) lines.push([]);
+    else lines[lines.length - 1]?.push([longitude, latitude]);
+  }
+  return lines.filter((line) => line.length > 1);
+}
+
+/** Rows at which the frame's outline is drawn, in sessions. */
+function footprintRows(view: View): number[] {
+  const rows = view.activity.flatMap((kind, row) => (kind === "track" ? [row] : []));
+  const every = Math.max(1, Math.ceil(rows.length / FOOTPRINTS));
+  return rows.filter((_, k) => k % every === 0);
+}
+
+/** Around the frame, clockwise as d3 wants what is inside; empty where a corner misses the Earth. */
+function footprintAt(view: View, row: number): LonLat[] {
+  const [longitudes, latitudes] = [view.footprint.longitude_deg[row] ?? [], view.footprint.latitude_deg[row] ?? []];
+  const corners: LonLat[] = [];
+  for (const [k, longitude] of longitudes.entries()) {
+    const latitude = latitudes[k];
+    if (longitude === null || latitude == null) return [];
+    corners.push([longitude, latitude]);
+  }
+  const [first] = corners;
+  if (!first) return [];
+  const area = corners.reduce((sum, [x, y], k) => {
+    const [nextX, nextY] = corners[(k + 1) % corners.length] ?? first;
+    return sum + x * nextY - nextX * y;
+  }, 0);
+  return area > 0 ? [first, ...corners.slice(1).reverse(), first] : [...corners, first];
+}
+
+/** The points in the middle of the map, with air around them. */
+function fit(projection: GeoProjection, points: LonLat[], width: number): GeoProjection {
+  const [x, y] = points.reduce(
+    ([east, north], [longitude]) => [east + Math.cos((longitude * Math.PI) / 180), north + Math.sin((longitude * Math.PI) / 180)],
+    [0, 0],
+  );
+  const middle = (Math.atan2(y, x) * 180) / Math.PI;
+  const away = points.map(([longitude]) => ((longitude - middle + 540) % 360) - 180);
+  const latitudes = points.map(([, latitude]) => latitude);
+  const [left, right, low, high] = [Math.min(...away), Math.max(...away), Math.min(...latitudes), Math.max(...latitudes)];
+  const wide = Math.max((right - left) * 1.25, LEAST_DEG, (width / HEIGHT) * Math.max((high - low) * 1.25, LEAST_DEG * 0.6));
+  return projection
+    .rotate([-(middle + (left + right) / 2), 0])
+    .center([0, (low + high) / 2])
+    .scale((width * 180) / Math.PI / Math.min(wide, 360))
+    .translate([width / 2, HEIGHT / 2]);
+}

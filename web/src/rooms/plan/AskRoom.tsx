@@ -1,0 +1,105 @@
+/** What is asked of a plan: orbit, targets, sessions in their windows. */
+import { useEffect, useRef, useState } from "preact/hooks";
+
+import { get } from "../../api/client";
+import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
+import { isAbort } from "../../api/problem";
+import { remove } from "../../api/client";
+import { words } from "../../i18n";
+import { Bar } from "../../parts/Bar";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { go, place } from "../../router";
+import type { RoomProps } from "../../rooms";
+import * as draft from "./draft";
+import { OrbitPanel } from "./OrbitPanel";
+import { wantOutlines } from "../../map/outlines";
+import type { PlanRequest } from "./plan";
+import "./plan.css";
+import { failure } from "./refusal";
+import { RefusalNotice } from "./RefusalNotice";
+import { SequencePanel } from "./SequencePanel";
+import { TargetPanel } from "./TargetPanel";
+import { keepSearching } from "./windows";
+import { WindowsPanel } from "./WindowsPanel";
+import { WorldMap } from "./WorldMap";
+
+export default function AskRoom(_: RoomProps) {
+  const text = words.value;
+  const [progress, setProgress] = useState<Progress | null>(null);
+  const [sent, setSent] = useState<Sent | null>(null);
+  const [loadError, setLoadError] = useState<unknown>(null);
+  const told = useRef<HTMLDivElement>(null);
+  const work = useRef(new AbortController());
+  useEffect(() => () => work.current.abort(), []);
+  useEffect(() => void wantOutlines().catch(() => undefined), []); // a map without coasts is still one
+  useEffect(() => keepSearching(), []);
+  const from = place.value.query.get("from");
+  const isRevision = place.value.query.has("revises"); // of a plan that was made
+  useEffect(() => {
+    if (!from) return;
+    get("/v1/plans/{id}/request", { id: from, signal: work.current.signal }).then(
+      (asked) => draft.load(asked as unknown as PlanRequest, isRevision ? from : null),
+      (error: unknown) => isAbort(error) || setLoadError(error),
+    );
+  }, [from]);
+
+  const plan = async () => {
+    failure.value = null;
+    work.current = new AbortController();
+    const until = work.current.signal;
+    setProgress({ state: "queued", stage: null, percent: null });
+    try {
+      const query: Record<string, string> = draft.revises.value ? { revises: draft.revises.value } : {};
+      const made = await sendOff("/v1/plans", draft.request.value, query, until);
+      setSent(made);
+      await untilDone(made, setProgress, until);
+      draft.revises.value = null;
+      go(`/plans/${made.id}`);
+    } catch (error) {
+      if (isAbort(error)) return;
+      if (!(error instanceof Cancelled)) failure.value = error;
+      told.current?.scrollIntoView({ block: "nearest" });
+    } finally {
+      setProgress(null);
+      setSent(null);
+    }
+  };
+  const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
+  return (
+    <div class="room ask">
+      <h1 class="hidden">{text.shell.rooms.plan}</h1>
+      <div class="ask-form">
+        {loadError !== null && <ProblemNotice error={loadError} />}
+        <OrbitPanel />
+        <TargetPanel />
+        <SequencePanel plan={() => void plan()} />
+        <div class="ask-go" ref={told}>
+          <RefusalNotice plan={() => void plan()} />
+          <div class="row">
+            <button
+              type="button"
+              class="primary big"
+              disabled={progress !== null || !draft.isComplete.value}
+              onClick={() => void plan()}
+            >
+              {text.plan.plan}
+            </button>
+            {progress && (
+              <>
+                <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+                <button type="button" onClick={cancel} disabled={!sent}>
+                  {text.shell.cancel}
+                </button>
+              </>
+            )}
+            {!draft.isComplete.value && <span class="small">{text.plan.incomplete}</span>}
+          </div>
+        </div>
+      </div>
+      <div class="ask-view">
+        <WorldMap />
+        <WindowsPanel />
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,151 @@
+/** What the verdict stands on: sessions, margins, the pointing budget, warnings. */
+import { words } from "../../i18n";
+import { clock, digits, number, percent } from "../../i18n/forms";
+import type { Plan } from "./plan";
+
+export function Figures({ plan }: { plan: Plan }) {
+  const text = words.value.plan.one;
+  return (
+    <>
+      {plan.verification.findings.length > 0 && (
+        <section class="notice notice-error">
+          <h2>{text.findings}</h2>
+          <ul>
+            {plan.verification.findings.map((finding) => (
+              <li key={finding.detail}>{finding.detail}</li>
+            ))}
+          </ul>
+        </section>
+      )}
+      {plan.warnings.length > 0 && (
+        <section class="notice notice-warn">
+          <h2>{text.warnings}</h2>
+          <ul>
+            {plan.warnings.map((warning) => (
+              <li key={warning}>{warning}</li>
+            ))}
+          </ul>
+        </section>
+      )}
+      <div class="figures">
+        <Sessions plan={plan} />
+        <Margins plan={plan} />
+        <Budget plan={plan} />
+      </div>
+    </>
+  );
+}
+
+function Sessions({ plan }: { plan: Plan }) {
+  const text = words.value.plan.one;
+  const { columns } = text;
+  return (
+    <section class="panel scroll-x" tabIndex={0} aria-label={text.sessions}>
+      <h2>{text.sessions}</h2>
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">{columns.target}</th>
+            <th scope="col">{columns.times}</th>
+            <th scope="col" class="number">{columns.elevation}</th>
+            <th scope="col" class="number">{columns.range}</th>
+            <th scope="col" class="number">{columns.error}</th>
+            <th scope="col" class="number">{columns.probability}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {plan.summary.sessions.map((one) => {
+            const pointing = plan.pointing.find((held) => held.session === one.session);
+            return (
+              <tr key={one.session}>
+                <td>{one.name ?? one.target}</td>
+                <td>
+                  {clock(one.start)}–{clock(one.stop)}
+                </td>
+                <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
+                <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} km`}</td>
+                <td class="number">{pointing == null ? "–" : `${digits(pointing.max_arcsec, 2)}″`}</td>
+                <td class="number">{percent(one.probability_in_frame)}</td>
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+function Margins({ plan }: { plan: Plan }) {
+  const text = words.value.plan.one;
+  const { columns } = text;
+  return (
+    <section class="panel scroll-x" tabIndex={0} aria-label={text.margins}>
+      <h2>{text.margins}</h2>
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">{columns.axis}</th>
+            <th scope="col">{columns.limit}</th>
+            <th scope="col" class="number">{columns.reached}</th>
+            <th scope="col" class="number">{columns.margin}</th>
+            <th scope="col" class="number">{columns.at}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {Object.entries(plan.margins).flatMap(([axis, limits]) =>
+            Object.entries(limits).map(
+              ([limit, one]) =>
+                one && (
+                  <tr key={axis + limit}>
+                    <td>{axis}</td>
+                    <td>
+                      {text.limits[limit as keyof typeof text.limits] ?? limit} {digits(one.limit)}
+                    </td>
+                    <td class="number">{digits(one.extreme)}</td>
+                    <td class="number">
+                      {digits(one.margin)} {one.unit}
+                    </td>
+                    <td class="number">{clock(one.at)}</td>
+                  </tr>
+                ),
+            ),
+          )}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+function Budget({ plan }: { plan: Plan }) {
+  const text = words.value.plan.one;
+  const { columns } = text;
+  const budgets = plan.uncertainty.filter((one) => one !== null);
+  if (budgets.length === 0) return null;
+  return (
+    <section class="panel scroll-x budget" tabIndex={0} aria-label={text.budget}>
+      <h2>{text.budget}</h2>
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">{columns.cause}</th>
+            <th scope="col" class="number">{columns.sigma}</th>
+            <th scope="col" class="number">{columns.ground}</th>
+            <th scope="col">{columns.better}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {budgets.flatMap((budget) =>
+            budget.contributions.map((one) => (
+              <tr key={`${budget.session}-${one.cause}`}>
+                <td>{budgets.length > 1 ? `${budget.session + 1}: ${one.cause}` : one.cause}</td>
+                <td class="number">{digits(one.sigma_arcsec)}″</td>
+                <td class="number">{one.ground_m == null ? "–" : `${digits(one.ground_m)} m`}</td>
+                <td>{one.better}</td>
+              </tr>
+            )),
+          )}
+        </tbody>
+      </table>
+    </section>
+  );
+}

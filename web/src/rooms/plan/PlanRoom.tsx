@@ -1,0 +1,105 @@
+/** One plan: its verdict, what it looks like, what can be taken away; or why there is none. */
+import { lazy, Suspense } from "preact/compat";
+import { useEffect, useState } from "preact/hooks";
+
+import { remove } from "../../api/client";
+import { Cancelled, type Progress, untilDone } from "../../api/job";
+import { Problem } from "../../api/problem";
+import { words } from "../../i18n";
+import { Bar } from "../../parts/Bar";
+import { Link } from "../../parts/Link";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import type { RoomProps } from "../../rooms";
+import { Figures } from "./Figures";
+import { fetchPlan, isPlan, type Plan } from "./plan";
+import "./plan.css";
+import "./one.css";
+import { TakeAway } from "./TakeAway";
+import { Verdict } from "./Verdict";
+
+const Look = lazy(() => import("../look/Look"));
+
+export default function PlanRoom({ params }: RoomProps) {
+  const id = params.id ?? "";
+  const text = words.value;
+  const [plan, setPlan] = useState<Plan | null>(null);
+  const [progress, setProgress] = useState<Progress | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const [tries, setTries] = useState(0);
+  useEffect(() => {
+    const wanted = new AbortController();
+    setPlan(null);
+    setError(null);
+    made(id, setProgress, wanted.signal).then(setPlan, (caught: unknown) => wanted.signal.aborted || setError(caught));
+    return () => wanted.abort();
+  }, [id, tries]);
+  if (error !== null) {
+    return (
+      <div class="room">
+        <h1>{text.shell.rooms.one}</h1>
+        <Why error={error} again={() => setTries(tries + 1)} />
+        <p>
+          <Link to={`/?from=${id}`} class="button">
+            {text.plan.one.change}
+          </Link>
+        </p>
+      </div>
+    );
+  }
+  if (!plan) {
+    return (
+      <div class="room">
+        <h1>{text.plan.one.working}</h1>
+        {progress ? (
+          <div class="row">
+            <Bar label={progress.stage ?? text.shell.states[progress.state]} percent={progress.percent} />
+            <button type="button" onClick={() => void remove("/v1/plans/{id}", { id }).catch(setError)}>
+              {text.shell.cancel}
+            </button>
+          </div>
+        ) : (
+          <p class="loading">{text.shell.loading}</p>
+        )}
+      </div>
+    );
+  }
+  return (
+    <div class="room one">
+      <div class="row heading">
+        <h1>{plan.summary.name || plan.summary.targets.join(", ")}</h1>
+        <Link to={`/?from=${id}&revises=yes`} class="button">
+          {text.plan.one.change}
+        </Link>
+      </div>
+      <Verdict plan={plan} />
+      <Suspense fallback={<p class="loading">{text.shell.loading}</p>}>
+        <Look plan={plan} />
+      </Suspense>
+      <div class="one-below">
+        <div>
+          <Figures plan={plan} />
+        </div>
+        <TakeAway plan={plan} />
+      </div>
+    </div>
+  );
+}
+
+/** The plan, once it is made. */
+async function made(id: string, tell: (now: Progress) => void, until: AbortSignal): Promise<Plan> {
+  const answer = await fetchPlan(id, until);
+  if (isPlan(answer)) return answer;
+  if (answer.problem) throw new Problem(answer.problem);
+  if (answer.state === "cancelled") throw new Cancelled();
+  await untilDone({ path: `/v1/plans/${id}`, id }, tell, until);
+  const finished = await fetchPlan(id, until);
+  if (isPlan(finished)) return finished;
+  throw new Error(`a plan in the state ${finished.state} has no table`);
+}
+
+function Why({ error, again }: { error: unknown; again: () => void }) {
+  const text = words.value.plan.one;
+  if (error instanceof Cancelled) return <p class="notice">{text.cancelled}</p>;
+  if (error instanceof Problem && error.status === 404) return <p class="notice">{text.gone}</p>;
+  return <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />;
+}

@@ -1,0 +1,32 @@
+/** A window's elevation over time, on the light there is at the target. */
+import { lightOf, type Window } from "./windows";
+
+const WIDE = 1000;
+const HIGH = 100;
+
+/** Stretched to whatever it stands in; decoration, its figures are told beside it. */
+export function Profile({ window }: { window: Window }) {
+  const { at, elevation_deg, sun_elevation_deg } = window.through;
+  const rise = Date.parse(window.rise);
+  const span = Math.max(1, Date.parse(window.set) - rise);
+  const x = at.map((instant) => (WIDE * (Date.parse(instant) - rise)) / span);
+  const line = elevation_deg.map((angle, index) => {
+    const height = (HIGH * Math.min(Math.max(angle, 0), 90)) / 90;
+    return `${(x[index] ?? 0).toFixed(1)},${(HIGH - height).toFixed(1)}`;
+  });
+  return (
+    <svg class="profile" viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" aria-hidden="true">
+      {x.slice(1).map((right, index) => (
+        <rect
+          key={right}
+          class={`light-${lightOf(sun_elevation_deg[index]) ?? "space"} ground`}
+          x={x[index]}
+          y={0}
+          width={right - (x[index] ?? 0) + 1}
+          height={HIGH}
+        />
+      ))}
+      <path class="elevation" d={`M0,${HIGH} L${line.join(" L")} L${WIDE},${HIGH} Z`} />
+    </svg>
+  );
+}

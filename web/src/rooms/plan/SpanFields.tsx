@@ -1,0 +1,56 @@
+/** From when on, for how long and how high windows are looked for. */
+import { words } from "../../i18n";
+import { rfc3339 } from "../../i18n/forms";
+import { Field } from "../../parts/Field";
+import * as draft from "./draft";
+
+export function SpanFields() {
+  const text = words.value.plan.span;
+  const local = rfc3339(draft.from_ms.value).slice(0, 16);
+  return (
+    <div class="span-fields">
+      <Field label={text.from}>
+        {(props) => (
+          <input
+            {...props}
+            type="datetime-local"
+            value={local}
+            onChange={(event) => {
+              const given = Date.parse(`${event.currentTarget.value}Z`);
+              if (Number.isFinite(given)) draft.from_ms.value = given;
+            }}
+          />
+        )}
+      </Field>
+      <NumberField label={text.days} least={1} most={14} of={draft.days} />
+      <NumberField label={text.elevation} least={0} most={85} of={draft.leastElevation_deg} />
+    </div>
+  );
+}
+
+interface NumberProps {
+  label: string;
+  least: number;
+  most: number;
+  of: { value: number };
+}
+
+function NumberField({ label, least, most, of }: NumberProps) {
+  return (
+    <Field label={label}>
+      {(props) => (
+        <input
+          {...props}
+          type="number"
+          min={least}
+          max={most}
+          value={of.value}
+          onChange={(event) => {
+            const given = event.currentTarget.valueAsNumber;
+            if (given >= least && given <= most) of.value = given;
+          }}
+        />
+      )}
+    </Field>
+  );
+}

@@ -1,0 +1,14 @@
+/** A plan as the service answers it. */
+import { get, type Schemas } from "../../api/client";
+
+export type Plan = Schemas["PlanResponse"];
+export type PlanRequest = Schemas["PlanRequest"];
+
+/** The plan, or null while it is being made. */
+export async function fetchPlan(id: string, signal?: AbortSignal): Promise<Plan | Schemas["JobResponse"]> {
+  return get("/v1/plans/{id}", { id, signal });
+}
+
+export function isPlan(answer: Plan | Schemas["JobResponse"]): answer is Plan {
+  return "table" in answer;
+}

@@ -1,0 +1,110 @@
+/** One axis: its errors phase by phase, its oscillations, where it stuck, what it exceeded. */
+import type { ComponentChildren } from "preact";
+
+import { words } from "../../i18n";
+import { clock, digits, number } from "../../i18n/forms";
+import type { Comparison } from "./compare";
+
+type AxisComparison = Comparison["axes"][string];
+
+export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
+  const text = words.value.telemetry;
+  return (
+    <section class="panel" aria-labelledby={`axis-${name}`}>
+      <h2 id={`axis-${name}`}>{name}</h2>
+      <p>
+        {text.errors(digits(axis.rms_arcsec), digits(axis.max_arcsec), text.bases[axis.basis])}{" "}
+        {text.lag(axis.lag_s.toFixed(4), axis.lag_sigma_s.toFixed(4))}
+      </p>
+      <Stretches
+        axis={name}
+        title={text.phases}
+        columns={[text.phase, text.samples, "rms ″", "max ″"]}
+        rows={axis.phases.map((phase) => ({
+          ...phase,
+          values: [
+            phase.session === null ? text.kinds[phase.kind] : `${text.kinds[phase.kind]} ${phase.session}`,
+            number(phase.samples),
+            digits(phase.rms_arcsec),
+            digits(phase.max_arcsec),
+          ],
+        }))}
+      />
+      <Stretches
+        axis={name}
+        title={text.oscillations}
+        columns={["Hz", text.amplitude]}
+        rows={axis.oscillations.map((one) => ({
+          ...one,
+          values: [digits(one.frequency_hz), digits(one.amplitude_arcsec)],
+        }))}
+      />
+      <Stretches
+        axis={name}
+        title={text.stickSlip}
+        columns={[text.slips, text.stuck, text.slip]}
+        rows={axis.stick_slip.map((one) => ({
+          ...one,
+          values: [number(one.slips), `${number(100 * one.stuck_share)} %`, digits(one.slip_arcsec)],
+        }))}
+      />
+      <Stretches
+        axis={name}
+        title={text.exceeded}
+        columns={[text.limit, text.value, text.bound]}
+        rows={axis.limits_exceeded.map((one) => ({
+          ...one,
+          values: [one.limit, `${digits(one.value)} ${one.unit}`, `${digits(one.bound)} ${one.unit}`],
+        }))}
+      />
+      <p class="small">{text.checked(axis.limits_checked.join(", ") || "–")}</p>
+    </section>
+  );
+}
+
+interface Props {
+  axis: string;
+  title: string;
+  columns: ComponentChildren[];
+  rows: { start: string; stop: string; values: string[] }[];
+}
+
+function Stretches({ axis, title, columns, rows }: Props) {
+  const text = words.value.telemetry;
+  if (rows.length === 0) {
+    return (
+      <p class="small">
+        {title}: {text.none}
+      </p>
+    );
+  }
+  return (
+    <div class="scroll-x" tabIndex={0} role="region" aria-label={`${axis}: ${title}`}>
+      <table>
+        <caption>{title}</caption>
+        <thead>
+          <tr>
+            <th scope="col">{text.fromTo}</th>
+            {columns.map((column, index) => (
+              <th key={index} scope="col">
+                {column}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(({ start, stop, values }) => (
+            <tr key={start + stop}>
+              <td class="mono">
+                {clock(start)} – {clock(stop)}
+              </td>
+              {values.map((value, index) => (
+                <td key={index}>{value}</td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

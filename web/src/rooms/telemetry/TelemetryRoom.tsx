@@ -1,0 +1,114 @@
+/** What flew beside what was planned: a CSV of telemetry against a kept plan. */
+import { useEffect, useState } from "preact/hooks";
+
+import { words } from "../../i18n";
+import { Field } from "../../parts/Field";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { place } from "../../router";
+import type { RoomProps } from "../../rooms";
+import { Axis } from "./Axis";
+import { compare, type Compared } from "./compare";
+import { Samples } from "./Samples";
+import "./telemetry.css";
+
+export default function TelemetryRoom(_: RoomProps) {
+  const text = words.value;
+  const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
+  const [file, setFile] = useState<File | null>(null);
+  const [isOver, setOver] = useState(false);
+  const [found, setFound] = useState<Compared | null>(null);
+  const [isAtWork, setAtWork] = useState(false);
+  const [error, setError] = useState<unknown>(null);
+  useEffect(() => () => void (found && URL.revokeObjectURL(found.picture)), [found]);
+
+  const ask = async (event: Event) => {
+    event.preventDefault();
+    if (!file) return;
+    setAtWork(true);
+    setError(null);
+    setFound(null);
+    try {
+      setFound(await compare(plan.trim(), file));
+    } catch (caught) {
+      setError(caught);
+    } finally {
+      setAtWork(false);
+    }
+  };
+  return (
+    <div class="room">
+      <h1>{text.shell.rooms.telemetry}</h1>
+      <p>{text.telemetry.what}</p>
+      <form class="panel" onSubmit={(event) => void ask(event)}>
+        <Field label={text.telemetry.plan} hint={text.telemetry.planHint}>
+          {(control) => (
+            <input {...control} required value={plan} onInput={(event) => setPlan(event.currentTarget.value)} />
+          )}
+        </Field>
+        <div
+          class={isOver ? "drop-file over" : "drop-file"}
+          onDragOver={(event) => {
+            event.preventDefault();
+            setOver(true);
+          }}
+          onDragLeave={() => setOver(false)}
+          onDrop={(event) => {
+            event.preventDefault();
+            setOver(false);
+            setFile(event.dataTransfer?.files[0] ?? null);
+          }}
+        >
+          <Field label={text.telemetry.file} hint={text.telemetry.fileHint}>
+            {(control) => (
+              <input
+                {...control}
+                type="file"
+                accept=".csv,.txt,text/csv"
+                onChange={(event) => setFile(event.currentTarget.files?.[0] ?? null)}
+              />
+            )}
+          </Field>
+          {file && <p class="small">{file.name}</p>}
+        </div>
+        <button type="submit" class="primary" disabled={!plan.trim() || !file || isAtWork}>
+          {text.telemetry.compare}
+        </button>{" "}
+        <span role="status">{isAtWork && text.telemetry.atWork}</span>
+      </form>
+      {error !== null && <ProblemNotice error={error} />}
+      {found && <Told found={found} />}
+    </div>
+  );
+}
+
+function Told({ found: { comparison, picture } }: { found: Compared }) {
+  const text = words.value.telemetry;
+  const { time_offset_s, clock_drift } = comparison;
+  return (
+    <>
+      <section class="panel" aria-labelledby="clock" data-testid="comparison">
+        <h2 id="clock">{text.clock}</h2>
+        <p>
+          {text.offset(time_offset_s.value.toFixed(4), time_offset_s.sigma.toFixed(4))}{" "}
+          {text.drift((1e6 * clock_drift.value).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
+        </p>
+        {comparison.warnings.map((warning) => (
+          <p key={warning} class="notice notice-warn">
+            {warning}
+          </p>
+        ))}
+        <img src={picture} alt={text.picture} class="flight-picture" />
+      </section>
+      {Object.entries(comparison.axes).map(([name, axis]) => (
+        <Axis key={name} name={name} axis={axis} />
+      ))}
+      <Samples samples={comparison.samples} />
+      {comparison.corrections.length > 0 && (
+        <details class="panel">
+          <summary>{text.corrections}</summary>
+          <pre tabIndex={0}>{JSON.stringify(comparison.corrections, null, 2)}</pre>
+        </details>
+      )}
+    </>
+  );
+}

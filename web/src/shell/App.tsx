@@ -1,0 +1,86 @@
+import { type ComponentType } from "preact";
+import { useEffect, useErrorBoundary, useRef, useState } from "preact/hooks";
+
+import { busyFor_s } from "../api/client";
+import { words } from "../i18n";
+import { Link } from "../parts/Link";
+import { match, place } from "../router";
+import { ROOMS, type Room, type RoomProps } from "../rooms";
+import { Header } from "./Header";
+import { KeyDialog } from "./KeyDialog";
+
+export function App() {
+  const text = words.value.shell;
+  const main = useRef<HTMLElement>(null);
+  const [room, params] = find(place.value.path);
+  useEffect(() => {
+    document.title = room ? `${text.rooms[room.title]} · slewtrack` : "slewtrack";
+  });
+  return (
+    <>
+      <button type="button" class="skip" onClick={() => main.current?.focus()}>
+        {text.skip}
+      </button>
+      <Header />
+      {busyFor_s.value !== null && (
+        <p class="busy" role="status">
+          {text.problem.busy(busyFor_s.value)}
+        </p>
+      )}
+      <main ref={main} tabIndex={-1}>
+        {room ? <Opened key={room.path} room={room} params={params} /> : <NotThere />}
+      </main>
+      <KeyDialog />
+    </>
+  );
+}
+
+function find(path: string): [Room | null, Record<string, string>] {
+  for (const room of ROOMS) {
+    const params = match(room.path, path);
+    if (params) return [room, params];
+  }
+  return [null, {}];
+}
+
+function Opened({ room, params }: { room: Room; params: Record<string, string> }) {
+  const text = words.value.shell;
+  const [Content, setContent] = useState<ComponentType<RoomProps> | null>(null);
+  const [isLost, setIsLost] = useState(false);
+  const [error, reset] = useErrorBoundary((what) => console.error(what));
+  const load = () => {
+    setIsLost(false);
+    room.load().then(
+      (module) => setContent(() => module.default),
+      () => setIsLost(true),
+    );
+  };
+  useEffect(load, [room]);
+  if (isLost) return <Again told={text.problem.noAnswer} again={load} />;
+  if (error) return <Again told={text.broken} again={reset} />;
+  if (!Content) return <p class="loading">{text.loading}</p>;
+  return <Content params={params} />;
+}
+
+function Again({ told, again }: { told: string; again: () => void }) {
+  return (
+    <div class="notice notice-error" role="alert">
+      <p>{told}</p>
+      <button type="button" onClick={again}>
+        {words.value.shell.again}
+      </button>
+    </div>
+  );
+}
+
+function NotThere() {
+  const text = words.value.shell;
+  return (
+    <div class="room">
+      <h1>{text.notThere}</h1>
+      <p>
+        <Link to="/">{text.toStart}</Link>
+      </p>
+    </div>
+  );
+}

@@ -1,0 +1,61 @@
+import { LANGUAGES, type Language, language, setLanguage, words } from "../i18n";
+import { Link } from "../parts/Link";
+import { address, place } from "../router";
+import { ROOMS } from "../rooms";
+import { THEMES, type Theme, theme } from "./theme";
+import icon from "./icon.svg";
+
+export function Header() {
+  const text = words.value.shell;
+  return (
+    <header class="top">
+      <Link to="/" class="brand">
+        <img src={icon} alt="" width={22} height={22} />
+        slewtrack
+      </Link>
+      <nav aria-label={text.menu}>
+        <ul>
+          {ROOMS.filter((room) => room.inMenu).map((room) => (
+            <li key={room.path}>
+              <Link to={room.path} current={isIn(room.path)}>
+                {text.rooms[room.title]}
+              </Link>
+            </li>
+          ))}
+        </ul>
+      </nav>
+      <div class="settings">
+        <a href={address("/docs")}>{text.documentation}</a>
+        <select
+          aria-label={text.language}
+          value={language.value}
+          onChange={(event) => void setLanguage(event.currentTarget.value as Language)}
+        >
+          {Object.entries(LANGUAGES).map(([code, name]) => (
+            <option key={code} value={code} lang={code}>
+              {name}
+            </option>
+          ))}
+        </select>
+        <select
+          aria-label={text.theme}
+          value={theme.value}
+          onChange={(event) => {
+            theme.value = event.currentTarget.value as Theme;
+          }}
+        >
+          {THEMES.map((one) => (
+            <option key={one} value={one}>
+              {text.themes[one]}
+            </option>
+          ))}
+        </select>
+      </div>
+    </header>
+  );
+}
+
+function isIn(path: string): boolean {
+  const now = place.value.path;
+  return path === "/" ? now === "/" : now === path || now.startsWith(`${path}/`);
+}
