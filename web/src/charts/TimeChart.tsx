@@ -54,7 +54,7 @@ interface Props {
 
 const TICK_STEPS_S = [0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 43200];
 const LEFT_PX = 62;
-const RIGHT_PX = 14;
+const RIGHT_PX = 28; // half of a time's text
 const LEAST_RANGE_S = 2;
 
 export function TimeChart(props: Props) {
@@ -120,7 +120,20 @@ function options(props: Props, width: number): uPlot.Options {
         values: (_, splits, _axis, _space, step) =>
           splits.map((split) => new Date(Math.round(split * 1000)).toISOString().slice(11, step < 1 ? 21 : 19)),
       },
-      { stroke: text, font, grid, ticks, size: LEFT_PX, gap: 4, space: 26 },
+      {
+        stroke: text,
+        font,
+        grid,
+        ticks,
+        size: LEFT_PX,
+        gap: 4,
+        space: 26,
+        ...(isLogarithmic && {
+          splits: (_: uPlot, _axis: number, low: number, high: number) => powers(low, high),
+          filter: (_: uPlot, splits: number[]) => splits,
+          values: (_: uPlot, splits: number[]) => splits.map(String),
+        }),
+      },
     ],
     series: [
       {},
@@ -170,6 +183,18 @@ function behind(lines: readonly Line[], low: number | null, high: number | null)
 function decades(low: number | null, high: number | null): [number, number] {
   if (low === null || high === null || low <= 0) return [0.1, 10];
   return [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high * 1.0001))];
+}
+
+/** Levels of a logarithmic scale: of few decades with steps between, of many not each. */
+function powers(low: number, high: number): number[] {
+  const [first, last] = [Math.round(Math.log10(low)), Math.round(Math.log10(high))];
+  const every = Math.ceil((last - first) / 4);
+  const found: number[] = [];
+  for (let power = first; power <= last; power += every) {
+    found.push(Number(`1e${power}`));
+    if (last - first <= 1 && power < last) found.push(Number(`2e${power}`), Number(`5e${power}`));
+  }
+  return found;
 }
 
 function shade(plot: uPlot, shades: readonly Shade[], epoch_s: number): void {
