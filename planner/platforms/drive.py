@@ -81,6 +81,11 @@ class AxisDrive:
                 f"breakaway_deg_s2 must be at least coulomb_deg_s2 ({self.coulomb_deg_s2:g}), "
                 f"not {self.breakaway_deg_s2:g}"
             )
+        if self.coulomb_deg_s2 == 0.0 < self.breakaway_deg_s2:
+            raise ValueError(
+                f"breakaway_deg_s2 ({self.breakaway_deg_s2:g}) needs coulomb_deg_s2 above 0; for "
+                "no friction set both to 0"
+            )
         if not _is_stable(self):
             raise ValueError(
                 f"lag_s ({self.lag_s:g}) is too long for a loop of {self.bandwidth_hz:g} Hz, "

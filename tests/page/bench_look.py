@@ -1,7 +1,7 @@
 """Measures the look at a plan: frames while a long table is dragged, memory over many plans.
 
 SLEWTRACK_TEST_CHROMIUM=$(command -v chromium) PYTHONPATH=.:tests:tests/page \\
-    python tests/page/bench_look.py [frames] [memory] [weight]
+    python tests/page/bench_look.py [frames] [weight] [map] [globe]
 """
 
 import json
@@ -138,7 +138,8 @@ def memory(browser: Browser, address: str, plan_ids: list[str], told: str) -> No
             print(
                 f"{told}, after {number:3d} plans: {heap:.1f} MiB of heap, "
                 f"{counters['nodes']} nodes, {counters['jsEventListeners']} listeners, "
-                f"{canvases} canvases"
+                f"{canvases} canvases",
+                flush=True,
             )
     page.context.close()
 
@@ -169,7 +170,7 @@ def weight(browser: Browser, address: str, plan_id: str) -> None:
 def main(asked: list[str]) -> None:
     """Only what is asked for; all when nothing is."""
     chromium = os.environ["SLEWTRACK_TEST_CHROMIUM"]
-    wanted = asked or ["frames", "memory", "weight"]
+    wanted = asked or ["frames", "weight", "map", "globe"]
     folder = Path(tempfile.mkdtemp())
     with live_service(folder) as service, sync_playwright() as playwright:
         long_id = post(service.address, long_table())
@@ -182,8 +183,9 @@ def main(asked: list[str]) -> None:
             frames(without, service.address, long_id)
         if "weight" in wanted:
             weight(with_gl, service.address, plan_ids[0])
-        if "memory" in wanted:
+        if "map" in wanted:
             memory(without, service.address, plan_ids, "flat map")
+        if "globe" in wanted:
             memory(with_gl, service.address, plan_ids, "globe")
 
 

@@ -11,6 +11,7 @@ import { longitudeAt, rowAt, type View, valueAt } from "./view";
 
 const HEIGHT = 380;
 const LEAST_DEG = 24;
+const NAME_PX = 130;
 const NIGHT_STEP_S = 20;
 
 export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
@@ -66,7 +67,7 @@ export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
             <path class="lm-track" d={drawn.track} />
             <path class="lm-trace" d={drawn.trace} />
             <path class="lm-footprints" d={drawn.footprints} />
-            <Targets view={view} projection={projection} />
+            <Targets view={view} projection={projection} width={width} />
             <Now view={view} projection={projection} />
           </>
         )}
@@ -85,7 +86,8 @@ function Night({ view, projection }: { view: View; projection: GeoProjection }) 
   return <path class="lm-night" d={geoPath(projection)(night) ?? ""} />;
 }
 
-function Targets({ view, projection }: { view: View; projection: GeoProjection }) {
+function Targets({ view, projection, width }: { view: View; projection: GeoProjection; width: number }) {
+  const isNearEdge = (x: number) => x > width - NAME_PX;
   const row = rowAt(view, cursor_s.value);
   return (
     <>
@@ -98,7 +100,7 @@ function Targets({ view, projection }: { view: View; projection: GeoProjection }
           <g key={target.session} class={isNow ? "lm-target lm-target-now" : "lm-target"} transform={`translate(${point[0]},${point[1]})`}>
             <path d="M-6,0H-2M2,0H6M0,-6V-2M0,2V6" />
             <circle r={4.5} />
-            <text x={9} y={-6}>
+            <text x={isNearEdge(point[0]) ? -9 : 9} y={-6} text-anchor={isNearEdge(point[0]) ? "end" : "start"}>
               {target.name}
             </text>
           </g>

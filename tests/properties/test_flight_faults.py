@@ -116,11 +116,13 @@ def test_output_at_a_multiple_of_the_control_step():
             fly(table, ISS_HRC, output_step_s=wrong)
 
 
-def test_an_unstable_loop_is_refused_by_name():
+def test_a_drive_that_cannot_be_is_refused_by_name():
     with pytest.raises(ValueError, match=r"lag_s \(0\.5\) is too long for a loop of 2 Hz"):
         AxisDrive(bandwidth_hz=2.0, lag_s=0.5)
     with pytest.raises(ValueError, match="breakaway_deg_s2 must be at least coulomb_deg_s2"):
         AxisDrive(coulomb_deg_s2=0.3)
+    with pytest.raises(ValueError, match="for no friction set both to 0"):
+        AxisDrive(coulomb_deg_s2=0.0)
 
 
 @pytest.mark.parametrize("bandwidth_hz", [0.1, 0.3, 1.0, 3.0])
