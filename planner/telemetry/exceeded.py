@@ -53,7 +53,7 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
     for limit, order, bound in motions:
         told = False
         for run in followed.runs:
-            value, noise = _motion(followed, angle_rad, run, order, _SLOPE_S[limit])
+            value, noise = _motion(followed, run, order, _SLOPE_S[limit])
             if value is not None and noise < _NOISE_MAX * bound:
                 told = True
                 found += _either_way(limit, t_s[run], value, bound, _SIGMA * noise)
@@ -63,27 +63,32 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
 
 
 def _motion(
-    followed: Followed, angle_rad: Array, run: slice, order: int, span_s: float
+    followed: Followed, run: slice, order: int, span_s: float
 ) -> tuple[Array | None, float]:
-    """The derivative of this order over a run, and its noise."""
-    t_s, value = followed.t_s[run], angle_rad[run]
+    """The derivative of this order over a run, and its noise: the plan's own and the error's, as
+    only the error is small enough to be drawn through uneven or missing rows."""
+    t_s, error, motion = followed.t_s[run], followed.error_rad[run], followed.motion
     if len(t_s) < _ROWS_MIN:
         return None, 0.0
+    planned = motion.rate_rad_s(t_s) if order == 1 else motion.acceleration_rad_s2(t_s)
     if followed.rate_rad_s is not None:
-        value, order = followed.rate_rad_s[run], order - 1
-        if not np.isfinite(value).all():
+        error, order = followed.rate_rad_s[run] - motion.rate_rad_s(t_s), order - 1
+        if not np.isfinite(error).all():
             return None, 0.0
     if order == 0:
-        return value, _noise(value)
+        return planned + error, _noise(error)
     step_s = (t_s[-1] - t_s[0]) / (len(t_s) - 1)
     rows = max(_ROWS_MIN, 2 * round(0.5 * span_s / step_s) + 1)
     if rows > len(t_s):
         return None, 0.0
-    slope = savgol_filter(value, rows, order + 1, deriv=order, delta=step_s)
+    even_s = np.linspace(t_s[0], t_s[-1], len(t_s))
+    even = np.interp(even_s, t_s, error)
+    slope = savgol_filter(even, rows, order + 1, deriv=order, delta=step_s)
     kernel = savgol_filter(
         np.eye(1, 2 * rows + 1, rows)[0], rows, order + 1, deriv=order, delta=step_s
     )
-    return slope, _noise(value) * float(np.linalg.norm(kernel))
+    noise = _noise(error) * float(np.linalg.norm(kernel))
+    return planned + np.interp(t_s, even_s, slope), noise
 
 
 def _noise(value: Array) -> float:

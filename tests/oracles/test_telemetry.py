@@ -203,3 +203,13 @@ def test_the_least_smooth_rate_is_what_an_axis_stuck_at(tmp_path):
 
 def test_telemetry_that_shows_nothing_of_the_platform_changes_nothing(tmp_path):
     assert platform_found(compared(telemetry(tmp_path)), ()) is None
+
+
+def test_uneven_tags_are_no_acceleration(tmp_path):
+    """Three rows of four are lost at random; no axis comes near a limit."""
+    lines = telemetry(tmp_path, columns="angles").splitlines()
+    kept = np.sort(np.random.default_rng(1).choice(len(lines) - 1, len(lines) // 4, replace=False))
+    found = compared(b"\n".join([lines[0], *(lines[1 + row] for row in kept)]))
+    for one in found.axes:
+        assert "acceleration" in one.limits_checked
+        assert one.limits_exceeded == ()
