@@ -316,7 +316,7 @@ def comparison_json(
             pointing=[_pointing(parts) for parts in pointing],
             corrections=[_correction(parts.correction) for parts in pointing],
             parameters=[_parameter(one) for one in found.parameters] if found else [],
-            platform=found and definition_of(found.platform),
+            platform=definition_of(found.platform) if found else None,
             warnings=list(comparison.notes),
             provenance=provenance,
         )

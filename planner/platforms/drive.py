@@ -83,8 +83,8 @@ class AxisDrive:
             )
         if self.coulomb_deg_s2 == 0.0 < self.breakaway_deg_s2:
             raise ValueError(
-                f"breakaway_deg_s2 ({self.breakaway_deg_s2:g}) needs coulomb_deg_s2 above 0; for no "
-                "friction set both to 0"
+                f"breakaway_deg_s2 ({self.breakaway_deg_s2:g}) needs coulomb_deg_s2 above 0; for "
+                "no friction set both to 0"
             )
         if not _is_stable(self):
             raise ValueError(

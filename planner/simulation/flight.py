@@ -140,4 +140,4 @@ def _gyro(platform: TwoAxisPlatform, log: Log, swing_rad_s: Array) -> Array:
     along = np.dot(outer, inner) * outer
     turned = along + np.cos(alpha) * (inner - along) + np.sin(alpha) * np.cross(outer, inner)
     about = np.stack([swing_rad_s @ outer, np.sum(turned * swing_rad_s, axis=1)], axis=1)
-    return log.rate_rad_s + about
+    return np.asarray(log.rate_rad_s + about)

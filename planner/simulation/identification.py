@@ -270,14 +270,16 @@ def _fit(search: _Search, start_parameters: Array, own: Indices, axis: int) -> t
     """One axis's parameters as they fit best from where the search starts, and their covariance."""
     from scipy.optimize import least_squares  # half a second, which most processes never need
 
-    def misses(x: Array) -> Array:
+    def misses(own_parameters: Array) -> Array:
         moved = start_parameters.copy()
-        moved[own] = x
+        moved[own] = own_parameters
         return search.misses(moved, axis)
 
-    def jacobian(x: Array) -> Array:
-        here, steps = misses(x), _DIFFERENCE * np.eye(len(x))
-        return np.stack([(misses(x + step) - here) / _DIFFERENCE for step in steps], axis=1)
+    def jacobian(at_parameters: Array) -> Array:
+        here, steps = misses(at_parameters), _DIFFERENCE * np.eye(len(own))
+        return np.stack(
+            [(misses(at_parameters + step) - here) / _DIFFERENCE for step in steps], axis=1
+        )
 
     found = least_squares(
         misses,
@@ -335,10 +337,10 @@ def _covariance(
     scatter = stretches.T @ stretches * parts / max(parts - n, 1) + np.eye(n) / _PRIOR**2
     clustered = inverse @ scatter @ inverse
     found = clustered if np.trace(clustered) > np.trace(inverse) else inverse
-    samples_missed = missed_value[:-n][missed_value[:-n] != 0.0]
-    if np.mean(samples_missed**2) > _MISFIT_SQUARES:
+    present = np.count_nonzero(missed_value[:-n])
+    if np.sum(missed_value[:-n] ** 2) > _MISFIT_SQUARES * present:
         found = found + np.diag(roughness_parameters**2)
-    return found
+    return np.asarray(found, dtype=np.float64)
 
 
 def _root_mean_square(missed_value: Array) -> Array:
@@ -346,4 +348,5 @@ def _root_mean_square(missed_value: Array) -> Array:
     there = np.isfinite(missed_value)
     count = np.count_nonzero(there, axis=0)
     squares = np.sum(np.where(there, missed_value, 0.0) ** 2, axis=0)
-    return np.where(count > 0, np.sqrt(squares / np.maximum(count, 1)), np.nan)
+    found: Array = np.where(count > 0, np.sqrt(squares / np.maximum(count, 1)), np.nan)
+    return found

@@ -104,3 +104,14 @@ def test_what_cannot_be_identified_is_refused(names, what, says):
     with pytest.raises(ValueError, match=r".+") as refused:
         identify(table, replace(ISS_HRC), t_s, angle_rad, None, names)
     assert says in str(refused.value)
+
+
+def test_an_axis_that_was_not_measured_stays_as_it_was():
+    table, name = swinging(20.0), "beta.coulomb_deg_s2"
+    flown = fly(table, ISS_HRC)
+    angle_rad = flown.measured_angle_rad.copy()
+    angle_rad[:, 1] = np.nan
+    found = identify(table, ISS_HRC, flown.t_s[::10], angle_rad[::10], None, [name])
+    share = found.parameters[0] / ISS_HRC.drives[1].coulomb_deg_s2
+    assert abs(np.log(share)) < np.sqrt(found.covariance_parameters[0, 0]) / found.parameters[0]
+    assert np.isnan(found.residual_rad[1])

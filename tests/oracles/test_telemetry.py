@@ -31,7 +31,7 @@ def axis(comparison, name):
 @pytest.mark.parametrize("drift", [50e-6, 5e-6, -20e-6])
 @pytest.mark.parametrize("columns", ["angles", "angles and rates"])
 def test_offset_and_drift_of_the_clock_are_found(tmp_path, drift, columns):
-    """The condition for 1e-6: 2 arcsec at 15 Hz over 230 s with up to 1.3 deg/s give a sigma of
+    """The condition for 1e-6: 2 arcsec at 15 Hz over 230 s with up to 1.0 deg/s give a sigma of
     0.5e-6, so that four sigmas are 2e-6; at 0.3 arcsec they are within 1e-6."""
     clock = Clock(offset_s=0.37, drift=drift)
     found = compared(telemetry(tmp_path, clock=clock, noise_arcsec=0.3, columns=columns)).alignment
@@ -126,7 +126,7 @@ def test_an_axis_later_than_the_other_is_told_and_not_taken_for_the_clock(tmp_pa
 
 
 def test_a_rate_beyond_its_limit_is_told(tmp_path):
-    """The platform may turn at 0.5 deg/s only, say; alpha tracks at up to 1.3."""
+    """The platform may turn at 0.5 deg/s only, say; alpha tracks at up to 1.0."""
     plan = planned()
     platform = plan.scenario.platform
     slow = replace(platform.outer_limits, rate_max_rad_s=np.radians(0.5))

@@ -58,6 +58,12 @@ def test_time_moves_the_momentum_and_the_scanned_line(open_page, session):
     first.click()
     expect(page.locator(".map .now-on .scanned")).to_be_visible()
     expect(sphere.locator(".mono")).not_to_have_text(before)
+    # All charts show the same instant.
+    marks = page.locator(".session-charts .chart-now").evaluate_all(
+        "lines => lines.map(line => line.hidden ? null : line.style.transform)"
+    )
+    assert len(marks) == 5
+    assert len(set(marks)) == 1
     way = sphere.locator(".sphere-off").get_attribute("d")
     sphere.get_by_role("application").press("ArrowLeft")
     assert sphere.locator(".sphere-off").get_attribute("d") != way

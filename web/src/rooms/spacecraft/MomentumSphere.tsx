@@ -85,7 +85,7 @@ export function MomentumSphere({ view }: { view: SessionView }) {
         <p class="sphere-figure">
           <b>{number(Math.hypot(...now))}</b> / {number(radius_n_m_s, 0)} N·m·s
         </p>
-        <p class="mono">{now.map((part, k) => `${AXES[k]?.name} ${number(part)}`).join("  ")}</p>
+        <p class="mono">{now.map((part, k) => `${AXES[k]?.name} ${number(Number(part.toFixed(1)) + 0)}`).join("  ")}</p>
         <ul class="map-legend">
           <li class="key-line key-sphere-on">{text.legend.on}</li>
           <li class="key-line key-sphere-off">{text.legend.off}</li>

@@ -55,6 +55,15 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
     () => [{ label: "|H|", values: view.momentum_n_m_s.map((h) => Math.hypot(...h)), colour: "series-1", width: 1.8 }],
     [view],
   );
+  // The same lists from one drawing to the next: a chart is made anew for others.
+  const levels = useMemo(
+    () => ({
+      rate: [-limits.rate_axis_max_deg_s, limits.rate_axis_max_deg_s],
+      error: [0, 1],
+      momentum: [limits.momentum_sphere_n_m_s],
+    }),
+    [limits],
+  );
   const common = { epoch_ms: Date.parse(view.epoch), t_s: view.t_s, shades, range };
   const { verification, stabilisation } = session;
   return (
@@ -80,7 +89,7 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
         </span>
       </div>
       <Strip name={text.rates} unit="°/s" keys={BODY} fact={text.most(digits(Math.max(...verification.rate_max_deg_s)), digits(limits.rate_axis_max_deg_s))}>
-        <TimeChart {...common} label={text.told(text.rates)} lines={rates} limits={both(limits.rate_axis_max_deg_s)} withLimits height={HEIGHT} />
+        <TimeChart {...common} label={text.told(text.rates)} lines={rates} limits={levels.rate} withLimits height={HEIGHT} />
       </Strip>
       {stabilisation.runs > 0 && (
         <Strip
@@ -93,7 +102,7 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
             {...common}
             label={text.told(text.errors)}
             lines={errors}
-            limits={[0, 1]}
+            limits={levels.error}
             withLimits
             height={HEIGHT}
           />
@@ -120,7 +129,7 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
           {...common}
           label={text.told(text.momentum)}
           lines={momentum}
-          limits={[limits.momentum_sphere_n_m_s]}
+          limits={levels.momentum}
           withLimits
           hasTimes
           height={HEIGHT + TIMES_HEIGHT}
@@ -176,8 +185,4 @@ function errorLines({ stabilisation }: Session, view: SessionView, shades: reado
     colour: COLOURS[axis] ?? "text",
     width: 2,
   }));
-}
-
-function both(limit: number): number[] {
-  return [-limit, limit];
 }
