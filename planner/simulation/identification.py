@@ -270,14 +270,16 @@ def _fit(search: _Search, start_parameters: Array, own: Indices, axis: int) -> t
     """One axis's parameters as they fit best from where the search starts, and their covariance."""
     from scipy.optimize import least_squares  # half a second, which most processes never need
 
-    def misses(x: Array) -> Array:
+    def misses(own_parameters: Array) -> Array:
         moved = start_parameters.copy()
-        moved[own] = x
+        moved[own] = own_parameters
         return search.misses(moved, axis)
 
-    def jacobian(x: Array) -> Array:
-        here, steps = misses(x), _DIFFERENCE * np.eye(len(x))
-        return np.stack([(misses(x + step) - here) / _DIFFERENCE for step in steps], axis=1)
+    def jacobian(own_parameters: Array) -> Array:
+        here, steps = misses(own_parameters), _DIFFERENCE * np.eye(len(own))
+        return np.stack(
+            [(misses(own_parameters + step) - here) / _DIFFERENCE for step in steps], axis=1
+        )
 
     found = least_squares(
         misses,
