@@ -307,7 +307,6 @@ def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlig
     if flown is None:
         names = ("frames_held", "frames_sharp", "smear_px", "miss_m", "misses")
         return fill(SessionFlightsOut, told, **_told_of(None), **dict.fromkeys(names))
-    on_earth = told.nominal.error_m is not None
     return fill(
         SessionFlightsOut,
         told,
@@ -315,7 +314,7 @@ def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlig
         frames_held=flown.held_share,
         frames_sharp=flown.sharp_share,
         smear_px=_list(flown.smear_px),
-        miss_m=_list(flown.miss_m) if on_earth else None,
+        miss_m=_list_or_none(flown.miss_m),
         misses=_histogram_out(flown.miss_rad),
     )
 

@@ -7,17 +7,20 @@ from typing import Literal
 
 from app.answers.horizon import CorrectionOut
 from app.answers.members import ProvenanceOut, fill, to_json
+from app.answers.platform import definition_of
 from app.answers.ranges import Count, NotNegative, Share, Signed
 from planner.arrays import Array
 from planner.attitude.corrections import AttitudeCorrection
 from planner.export import SegmentKind
 from planner.frames.time_scales import shifted_utc, utc_text
+from planner.platforms import PlatformDefinition
 from planner.telemetry.alignment import Estimate
 from planner.telemetry.attitude import PointingParts
 from planner.telemetry.columns import AngleUnit, Kind, UnitFrom
 from planner.telemetry.compare import AxisComparison, Comparison
 from planner.telemetry.exceeded import Exceeded, Limit
 from planner.telemetry.following import Basis, PhaseErrors
+from planner.telemetry.parameters import Parameter, PlatformFound
 from planner.telemetry.samples import Dropped
 
 _ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
@@ -237,6 +240,23 @@ class PointingPartsOut:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ParameterOut:
+    """A parameter of the platform as it must have been.
+
+    name: the axis's name, a dot, and the field's in `platform`. E.g. `"beta.coulomb_deg_s2"`.
+    planned: what the plan's platform has, in the field's unit. E.g. `0.05`.
+    found: what it must have been. E.g. `0.1`.
+    sigma: 1-sigma error; null where the found one is a bound, as of `rate_min_deg_s`, below which
+    the axis was seen to stick and slip. E.g. `0.001`.
+    """
+
+    name: str
+    planned: Signed
+    found: Signed
+    sigma: NotNegative | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class ComparisonResponse:
     """Telemetry beside the plan that was flown.
 
@@ -252,6 +272,10 @@ class ComparisonResponse:
     corrections: of the attitude against its law, as `attitude.corrections` of the next request
     takes them: measured ones given and those found of images. Angles of the axes alone say nothing
     of the attitude: without either there are none.
+    parameters: of the platform, those asked for by `identify` and the least smooth rate of an axis
+    that stuck and slipped above it.
+    platform: as planned with, but for `parameters`, as `platform` of the next request takes it;
+    null where none was found. E.g. `null`.
     warnings: what one should know before relying on it. E.g.
     `["alpha_deg fits the plan in rad and was read so, not in deg as its name says"]`.
     """
@@ -265,6 +289,8 @@ class ComparisonResponse:
     axes: dict[str, AxisComparisonOut]
     pointing: list[PointingPartsOut]
     corrections: list[CorrectionOut]
+    parameters: list[ParameterOut]
+    platform: PlatformDefinition | None
     warnings: list[str]
     provenance: ProvenanceOut
 
@@ -272,6 +298,7 @@ class ComparisonResponse:
 def comparison_json(
     comparison: Comparison,
     pointing: Sequence[PointingParts],
+    found: PlatformFound | None,
     plan_id: str,
     provenance: ProvenanceOut,
 ) -> bytes:
@@ -288,6 +315,8 @@ def comparison_json(
             axes={axis.name: _axis(comparison, axis) for axis in comparison.axes},
             pointing=[_pointing(parts) for parts in pointing],
             corrections=[_correction(parts.correction) for parts in pointing],
+            parameters=[_parameter(one) for one in found.parameters] if found else [],
+            platform=definition_of(found.platform) if found else None,
             warnings=list(comparison.notes),
             provenance=provenance,
         )
@@ -384,6 +413,12 @@ def _pointing(parts: PointingParts) -> PointingPartsOut:
         attitude_arcsec=[_arcsec(one) for one in parts.attitude_rad],
         attitude_sigma_arcsec=[_arcsec(one) for one in parts.attitude_sigma_rad],
         target_arcsec=_arcsecs(parts.target_rad),
+    )
+
+
+def _parameter(one: Parameter) -> ParameterOut:
+    return ParameterOut(
+        name=one.name, planned=one.planned_value, found=one.found_value, sigma=one.sigma
     )
 
 

@@ -258,7 +258,7 @@ def serve(
     host: Annotated[str, typer.Option(help="Beyond loopback, make a key first.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
-    """Serve the HTTP API and its pages (/docs); beyond this machine with API keys only."""
+    """Serve the planner's page (/) and the HTTP API (/docs); elsewhere with API keys only."""
     from app.jobs.disposable import start_server
 
     start_server()  # what children need is loaded while the service itself is

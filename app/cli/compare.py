@@ -44,6 +44,14 @@ def compare(
             "during the plan (may be repeated)."
         ),
     ] = None,
+    identify: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="AXIS.FIELD",
+            help="Find this parameter of the platform's drives, such as beta.coulomb_deg_s2 (may "
+            "be repeated).",
+        ),
+    ] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Draw plan and flight here (png, svg; pdf without --url).")
     ] = None,
@@ -65,6 +73,8 @@ def compare(
             head["samples"] = {"epoch": epoch}
         for path in beside or ():
             _add(head, path)
+        if identify:
+            head["identify"] = identify
         if Path(plan).is_file():
             answer, picture = _here(Path(plan), request, head, content, _format(plot))
         else:
@@ -106,15 +116,14 @@ def _here(
     path: Path, request: Path | None, head: dict[str, Any], content: bytes, image: str | None
 ) -> tuple[bytes, bytes | None]:
     from app.answers.members import provenance
-    from app.answers.telemetry import comparison_json
     from app.requests.telemetry import read_comparison_head
-    from app.work.telemetry import SentTelemetry, compare_sent
+    from app.work.telemetry import SentTelemetry, answer_json, compare_sent
 
     plan, plan_id = _plan_of(path.read_bytes(), request)
     spec = read_comparison_head(json_text.dumps(head | {"plan": plan_id}).encode())
     now_utc = datetime.now(UTC)
-    comparison, pointing = compare_sent(plan, SentTelemetry(request=spec, samples=content))
-    answer = comparison_json(comparison, pointing, plan_id, provenance(now_utc, content))
+    comparison = compare_sent(plan, SentTelemetry(request=spec, samples=content))
+    answer = answer_json(comparison, spec, plan_id, provenance(now_utc, content))
     if image is None:
         return answer, None
     from planner.telemetry.figure import draw_comparison

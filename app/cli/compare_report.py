@@ -28,6 +28,7 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
             "max arcsec",
             "mean arcsec",
             "lag ms",
+            "1 sigma",
         ),
     )
     for name, axis in answer.axes.items():
@@ -38,6 +39,7 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
             str(axis.samples),
             *(f"{size:.2f}" for size in (axis.rms_arcsec, axis.max_arcsec, axis.mean_arcsec)),
             f"{1e3 * axis.lag_s:.2f}",
+            f"{1e3 * axis.lag_sigma_s:.2f}",
         )
         for phase in axis.phases:
             session = "" if phase.session is None else f" {phase.session}"
@@ -51,6 +53,7 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
                     for size in (phase.rms_arcsec, phase.max_arcsec, phase.mean_arcsec)
                 ),
                 "",
+                "",
             )
     print_table(console, table)
     for name, axis in answer.axes.items():
@@ -61,6 +64,9 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
             f"{parts.at[_TIME]} by {parts.measured}: attitude moves the target by "
             f"{along:+.1f}, {across:+.1f} arcsec in the frame"
         )
+    for one in answer.parameters:
+        error = "" if one.sigma is None else f", 1 sigma {one.sigma:.2g}"
+        console.print(Text(f"{one.name} {one.found:.4g}{error}; planned with {one.planned:.4g}"))
     print_warnings(console, answer.warnings)
 
 

@@ -139,7 +139,7 @@ def watch(plan_id: Id, url: Url = None) -> None:
 def _follow(client: "Client", job_id: str, tell: "Callable[[Progress], None]") -> bool:
     from slewtrack import Refused
 
-    waits = (
+    waits: tuple[Callable[[], bool], ...] = (
         lambda: client.wait(job_id, progress=tell).passed,
         lambda: client.wait_for_campaign(job_id, progress=tell).state == "done",
     )

@@ -15,6 +15,7 @@ from planner.attitude.corrections import Corrections
 from planner.errors import FieldError, InvalidRequest
 from planner.spec import Within, spec
 from planner.telemetry.attitude import SECOND_MEASUREMENTS_MAX, ImageOffset
+from planner.telemetry.parameters import PARAMETERS_MAX
 from planner.telemetry.samples import SAMPLES_MAX
 
 _Second = Annotated[float, Within(-1e10, 1e10)] | None
@@ -57,6 +58,8 @@ class ComparisonRequest:
     [0.0, 0.0, 32400.0]]}]`.
     image_offsets: where the target was found in frames of the session. E.g.
     `[{"epoch": "2015-02-27T17:37:00Z", "offset_deg": [0.12, -0.05], "sigma_deg": 0.001}]`.
+    identify: parameters of the platform's drives to find, each `axis.field`, of plans up to 600 s;
+    it takes some seconds. E.g. `["alpha.coulomb_deg_s2", "beta.coulomb_deg_s2"]`.
     """
 
     plan: str
@@ -65,6 +68,7 @@ class ComparisonRequest:
     image_offsets: Annotated[
         tuple[ImageOffset, ...], Field(max_length=SECOND_MEASUREMENTS_MAX)
     ] = ()
+    identify: Annotated[tuple[str, ...], Field(max_length=PARAMETERS_MAX)] = ()
 
     def __post_init__(self) -> None:
         if not self.plan:

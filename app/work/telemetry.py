@@ -16,6 +16,7 @@ from planner.telemetry.columns import Column, ColumnMeaning, meaning_of
 from planner.telemetry.compare import Comparison, compare
 from planner.telemetry.csv_text import read_csv, utc_seconds
 from planner.telemetry.figure import write_comparison_png, write_comparison_svg
+from planner.telemetry.parameters import platform_found
 from planner.telemetry.samples import Samples
 
 PICTURES: dict[str, Exporter[Comparison]] = {
@@ -41,16 +42,28 @@ def compare_stored(
     created_utc: datetime,
 ) -> bytes:
     """The answer as JSON, or a picture in the format asked for; raises Refusals."""
-    comparison, pointing = compare_sent(stored_plan(plan_request, unpack(table_columns)), sent)
+    comparison = compare_sent(stored_plan(plan_request, unpack(table_columns)), sent)
     if picture is not None:
         return PICTURES[picture].write(comparison, created_utc)
-    return comparison_json(comparison, pointing, sent.request.plan, provenance)
+    return answer_json(comparison, sent.request, sent.request.plan, provenance)
 
 
-def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> tuple[Comparison, list[PointingParts]]:
-    """With what was measured beside the axes; raises Refusals."""
-    request = sent.request
-    comparison = compare(plan, _samples(plan, sent))
+def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> Comparison:
+    """Raises Refusals."""
+    return compare(plan, _samples(plan, sent))
+
+
+def answer_json(
+    comparison: Comparison, request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
+) -> bytes:
+    """With what was measured beside the axes, and the platform found; raises Refusals."""
+    pointing = _pointing(comparison, request)
+    found = platform_found(comparison, request.identify)
+    return comparison_json(comparison, pointing, found, plan_id, provenance)
+
+
+def _pointing(comparison: Comparison, request: ComparisonRequest) -> list[PointingParts]:
+    plan = comparison.plan
     followed = [axis.followed for axis in comparison.axes]
     pointing = [
         from_rotation(plan, followed, one, f"corrections.{number}")
@@ -60,7 +73,7 @@ def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> tuple[Comparison, lis
         from_image(plan, followed, one, f"image_offsets.{number}")
         for number, one in enumerate(request.image_offsets)
     ]
-    return comparison, sorted(pointing, key=lambda parts: parts.epoch_utc)
+    return sorted(pointing, key=lambda parts: parts.epoch_utc)
 
 
 def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:

@@ -1,4 +1,4 @@
-"""Since when an attitude history goes on as it does now: a manoeuvre ended or began before."""
+"""Since when an attitude history goes on as it does now: a manoeuvre ended or began then."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

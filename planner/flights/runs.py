@@ -11,6 +11,7 @@ from planner.commands import CommandTable
 from planner.flights.draws import CAUSES, DRIVE, Draw, draw_run, undisturbed
 from planner.flights.frames import Frames, frames_of
 from planner.flights.scene import Seen, SessionScene
+from planner.sessions.uncertainty import RANGE_MAX_M
 
 FRAMES_COMPARED = 11  # of a session, for the causes' shares: errors change slowly, as the budget's
 FRAMES_AT_ONCE = 4000  # 60 MB
@@ -38,10 +39,11 @@ class RunOutcomes:
 
     holds, sharp: whether all frames hold the target, and whether all are sharp, too.
     holds_share, sharp_share: of the frames.  miss_rad: the largest angle between boresight and
-    target; miss_m: that on the ground, across the line of sight.  smear_px: median of the frames.
+    target; miss_m: that on the ground, across the line of sight, infinite for a target in the sky.
+    smear_px: median of the frames.
     variance_px2: (p, 2), of the target's places in the image and of the smear, as two independent
-    runs show them.  total_px2, first_px2: (p, 2, causes), half the square by
-    which exchanging a cause moves a run away from itself, and leaves it away from the other.
+    runs show them.  total_px2, first_px2: (p, 2, causes), half the square by which exchanging a
+    cause moves a run away from itself, and leaves it away from the other.
     """
 
     holds: Mask
@@ -195,7 +197,8 @@ def _at(t_s: Array, known_s: Array, angle_rad: Array) -> Array:
 
 
 def _judged(frames: Frames, seen: Seen) -> _Judged:
-    miss_m = frames.error_rad * seen.ranges_m(frames.begins_s)
+    range_m = seen.ranges_m(frames.begins_s)
+    miss_m = np.where(range_m < RANGE_MAX_M, frames.error_rad * range_m, np.inf)
     return _Judged(
         holds=bool(frames.holds.all()),
         sharp=bool(frames.is_sharp.all()),

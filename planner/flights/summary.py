@@ -31,7 +31,8 @@ class SessionFlights:
     in_frame: all frames hold the target.  sharp: all frames are sharp, too.
     held_share, sharp_share: of the frames, mean over the runs.  smear_px: median of a run's
     frames, at `QUANTILES` of the runs.  miss_rad: the largest angle between boresight and target
-    in a run.  miss_m: the same on the ground at `QUANTILES`, across the line of sight.
+    in a run.  miss_m: the same on the ground at `QUANTILES`, across the line of sight; None for a
+    target in the sky.
     """
 
     in_frame: Proportion
@@ -40,7 +41,7 @@ class SessionFlights:
     sharp_share: float
     smear_px: Array
     miss_rad: Histogram
-    miss_m: Array
+    miss_m: Array | None
     contributors: list[Contributor]
 
 
@@ -78,7 +79,9 @@ def summarise(sessions: Sequence[RunOutcomes]) -> PlanFlights:
                 sharp_share=float(runs.sharp_share.mean()),
                 smear_px=np.quantile(runs.smear_px, QUANTILES),
                 miss_rad=_histogram(runs.miss_rad),
-                miss_m=np.quantile(runs.miss_m, QUANTILES),
+                miss_m=np.quantile(runs.miss_m, QUANTILES)
+                if np.isfinite(runs.miss_m).all()
+                else None,
                 contributors=contributors([runs]),
             )
             for runs in sessions

@@ -26,7 +26,7 @@ def drag_in_a_day_m(segments: tuple[OemSegment, ...]) -> float:
         if (axis_m <= 0.0).any():
             continue
         mean_m = float(np.mean(axis_m))
-        rate_rad_s = np.sqrt(MU_EARTH_M3_S2 / mean_m**3)
+        rate_rad_s = float(np.sqrt(MU_EARTH_M3_S2 / mean_m**3))
         orbit_s = 2.0 * np.pi / rate_rad_s
         begin_s = np.arange(t_s[0], t_s[-1] - orbit_s - DAY_S, orbit_s / _MEANS_AN_ORBIT)
         if not len(begin_s):
@@ -38,7 +38,7 @@ def drag_in_a_day_m(segments: tuple[OemSegment, ...]) -> float:
             for at_s in (begin_s, begin_s + DAY_S)
         ]
         lost_m = float(np.median(of_orbits_m_s[0] - of_orbits_m_s[1])) / orbit_s
-        return 0.75 * rate_rad_s * DAY_S * abs(lost_m)
+        return float(0.75 * rate_rad_s * DAY_S * abs(lost_m))
     return UNKNOWN_DRAG_IN_A_DAY_M
 
 

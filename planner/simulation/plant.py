@@ -105,7 +105,7 @@ def relative_rate_rad_s(plant: Plant, states: Array, axis: int) -> float:
     rate: float = states[AXIS_STATES * axis + RATE]
     modes = len(plant.mode_rad_s)
     if modes == 0:
-        return rate
+        return float(rate)
     cosine, sine = math.cos(states[ANGLE]), math.sin(states[ANGLE])
     for j in range(modes):
         swing = states[2 * AXIS_STATES + MODE_STATES * j + 1]
@@ -114,7 +114,7 @@ def relative_rate_rad_s(plant: Plant, states: Array, axis: int) -> float:
         else:
             c = plant.c_inner_parameters[j]
             rate -= (c[0] + c[1] * cosine + c[2] * sine) * swing
-    return rate
+    return float(rate)
 
 
 @compiled

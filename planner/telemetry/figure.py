@@ -130,7 +130,7 @@ def _draw_error(panel: Axes, axis: AxisComparison, colour: str) -> None:
             f"; swings by {largest.amplitude_rad * _ARCSEC_PER_RAD:.3g} arcsec at "
             f"{largest.frequency_hz:.3g} Hz"
         )
-    panel.text(0.01, 0.95, text, transform=panel.transAxes, va="top", fontsize=9)
+    panel.set_title(text, loc="left", fontsize=9, pad=3)
 
 
 def _extremes(error_rad: Array, most: int) -> Indices:

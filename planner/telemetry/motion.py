@@ -9,6 +9,8 @@ from planner.arrays import Array, Indices, Mask
 from planner.commands import COMMAND_STEP_S, ROWS_PER_S, CommandTable
 from planner.verification.hermite import AxisHermite
 
+EDGE_S = 1e-4  # by which a clock set right may put the table's first and last row outside
+
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
@@ -30,7 +32,7 @@ class PlannedMotion:
 
     def is_within(self, t_s: Array) -> Mask:
         """Whether the table covers each time, (n,)."""
-        return np.asarray((t_s >= 0.0) & (t_s <= self.stop_s))
+        return np.asarray((t_s >= -EDGE_S) & (t_s <= self.stop_s + EDGE_S))
 
     def angle_rad(self, t_s: Array) -> Array:
         """(n,)."""

@@ -188,6 +188,20 @@ def test_images_and_imaging(client):
         client.get(session.id)
 
 
+def test_telemetry_is_compared_with_a_kept_plan(client, plan):
+    """Its own table, as if flown: only the digits of its CSV are off."""
+    content = client.export(plan.id, "csv")
+    found = client.compare({"plan": plan.id}, content)
+    assert found["plan"] == plan.id
+    assert found["axes"]["alpha"]["max_arcsec"] < 0.001
+    samples = {"t_s": plan.table.t_s.tolist(), "beta_deg": plan.table["beta_deg"].tolist()}
+    assert client.compare({"plan": plan.id, "samples": samples})["samples"]["dropped"] == {}
+    assert client.draw_comparison({"plan": plan.id}, content).startswith(b"\x89PNG")
+    with pytest.raises(slewtrack.Refused) as refused:
+        client.compare({"plan": plan.id}, b"nothing")
+    assert refused.value.problem.field == "samples"
+
+
 def test_a_request_is_given_back_and_plans_again(client, plan):
     assert client.request(plan.id) == LAS_VEGAS
     again = client.plan(client.request(plan.id) | {"name": "again"})

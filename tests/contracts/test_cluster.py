@@ -22,6 +22,10 @@ from app.jobs.dask_executor import DaskExecutor
 from app.jobs.dask_worker import SLOT
 from app.jobs.disposable import ChildDied, ChildFailed, Stop, Stopped
 from app.jobs.executors import Task
+from app.jobs.kinds import RUNS
+from app.requests.examples.plan import LAS_VEGAS
+from app.work.flights import PlanToFly, fly_part
+from app.work.plan import plan_and_pack
 from app.work.progress import Progress
 from planner.errors import InvalidInput
 
@@ -115,6 +119,23 @@ def test_worker_of_another_version_gets_no_work(executor, scheduler, tmp_path, c
 def test_work_is_done_in_a_child_of_the_worker(executor, a_worker, tmp_path):
     assert submitted(executor, "note", tmp_path / "notes").result(WITHIN_S).state == "done"
     assert len(pids(tmp_path / "notes")) == 1
+
+
+def test_flights_are_the_same_wherever_they_are_flown(executor, a_worker):
+    body = json.dumps(LAS_VEGAS).encode()
+    table = plan_and_pack(body).table_columns
+    asked = b'{"runs": 4, "seed": 5}'
+    what = PlanToFly(plan_id="", asked=asked, request=body, table_columns=table)
+    parts = [what.to_bytes(first=first, count=2) for first in (0, 2)]
+    futures = [
+        executor.submit(
+            Task(job_id="runs", bounds=RUNS.bounds, work=RUNS.work, body=part),
+            Stop(),
+            lambda _: None,
+        )
+        for part in parts
+    ]
+    assert [future.result(WITHIN_S) for future in futures] == [fly_part(part) for part in parts]
 
 
 def test_how_far_work_is_comes_back(executor, a_worker, tmp_path):

@@ -326,6 +326,24 @@ def test_angles_alone_say_nothing_of_the_attitude(client, plan, rows):
     assert found["corrections"] == found["pointing"] == []
 
 
+def test_the_platform_found_is_pasted_into_the_next_request(client, plan, rows):
+    found = compare(client, plan, json_samples(rows), identify=["beta.viscous_per_s"])
+    [one] = found["parameters"]
+    assert one["name"] == "beta.viscous_per_s"
+    assert found["platform"]["inner"]["drive"]["viscous_per_s"] == one["found"]
+    answer = client.post("/v1/plans?dry_run=true", json=LAS_VEGAS | {"platform": found["platform"]})
+    assert answer.status_code == 200, answer.text
+
+
+@pytest.mark.parametrize("name", ["gamma.lag_s", "alpha.colour", "alpha", "alpha.inertia_kg_m2"])
+def test_parameters_that_no_flight_shows_are_refused(client, plan, rows, name):
+    samples = json_samples(rows[:200])
+    request = {"plan": plan["id"], "samples": samples, "identify": [name]}
+    answer = client.post(COMPARISONS, json=request)
+    assert answer.status_code == 422
+    assert answer.json()["field"] == "identify.0"
+
+
 def test_a_frame_outside_of_any_session_is_refused(client, plan, rows):
     for at, field in (
         ("2015-02-27T17:35:00Z", "image_offsets.0.epoch"),

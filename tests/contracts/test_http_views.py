@@ -158,7 +158,9 @@ def test_the_boresight_is_on_the_target(view):
 
 def test_the_cameras_frame_is_the_papers(view):
     km = 350.0 * 2.0 * np.tan(np.radians(view["frame_deg"]) / 2.0)
-    np.testing.assert_allclose(km, [5.36, 3.56], atol=0.005)  # the last printed digit, on the ground
+    np.testing.assert_allclose(
+        km, [5.36, 3.56], atol=0.005
+    )  # the last printed digit, on the ground
 
 
 def test_at_a_keyhole_the_boresight_is_in_the_plane_of_the_axes(view):
@@ -458,6 +460,12 @@ def test_an_imaging_session_over_the_ground(client, session):
     table = session["table"]
     assert view["omega_body_deg_s"] == table["omega_body_deg_s"]
     assert view["gimbal_deg"] == table["gimbal_deg"]
+    # What the gyros hold keeps to what the judge found of it, and to the sphere.
+    most_n_m_s = np.max(np.linalg.norm(view["momentum_n_m_s"], axis=1))
+    judged_n_m_s = session["verification"]["momentum_max_n_m_s"]
+    assert most_n_m_s == pytest.approx(judged_n_m_s, rel=0.01)  # which looks between rows too
+    assert judged_n_m_s < view["limits"]["momentum_sphere_n_m_s"] == 60.0
+    assert view["limits"]["rate_error_max_deg_s"] == pytest.approx(0.001)  # the paper's
     [window], [swath], [asked] = session["windows"], view["swaths"], view["requests"]
     inside = [row for row, number in enumerate(view["window"]) if number == 0]
     assert (inside[0], inside[-1]) == (window["first_row"], window["last_row"])

@@ -14,6 +14,7 @@ from planner.flights.draws import CAUSES, draw_run, undisturbed
 from planner.flights.drives import flown_by
 from planner.flights.frames import EXPOSURE_POINTS, exposures_s, frames_of
 from planner.flights.ground_view import ground_view
+from planner.flights.nominal import nominal_session
 from planner.flights.runs import fly_nominal, fly_runs
 from planner.flights.scene import session_scenes
 from planner.flights.summary import joined, summarise
@@ -26,7 +27,7 @@ from planner.pointing.hermite import quintic_motion
 from planner.pointing.line_of_sight import line_of_sight
 from planner.sessions.pipeline import make_plan, session_budget
 from planner.sessions.uncertainty import CLOCK_S, Scene, error_biases
-from planner.targets import BenchMotionTarget, GroundTarget
+from planner.targets import BenchMotionTarget, GroundTarget, StarTarget
 from planner.targets.axis_signals import ConstantRate
 
 ARCSEC = math.radians(1.0 / 3600.0)
@@ -293,6 +294,23 @@ def test_sessions_of_one_plan_share_their_errors():
     assert both.in_frame.value <= min(first, second)
     correlation = np.corrcoef(outcomes[0].miss_rad, outcomes[1].miss_rad)[0, 1]
     assert correlation > 0.8
+
+
+def test_a_star_is_held_without_metres():
+    """Of infinite range: whatever the orbit, it is seen in the same direction."""
+    star = StarTarget(ra_deg=182.0, dec_deg=38.4)  # near the orbit's pole, never behind the Earth
+    made = make_plan(
+        replace(scenario(session(star, 300, 330)), attitude=LvlhAttitude(uncertainty=STILL))
+    )
+    [scene] = session_scenes(made)
+    shown = nominal_session(scene, as_commanded, None)
+    assert shown.error_m is shown.ground_sample_across_m is shown.mover_px is None
+    assert shown.held == shown.frames == 90
+    flown = summarise(fly_runs([scene], as_commanded, 1, 0, 40))
+    assert flown.sessions[0].miss_m is None
+    assert flown.sessions[0].in_frame.value == pytest.approx(
+        made.budgets[0].probability_in_frame, abs=0.25
+    )  # 3 sigma of 40 runs at a half
 
 
 def test_a_plan_without_a_target_is_refused():

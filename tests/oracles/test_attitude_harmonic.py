@@ -141,6 +141,17 @@ def test_a_swing_is_no_manoeuvre(phase_rad):
     assert last_change(t_s, q) == 0
 
 
+def test_a_turn_that_began_is_told_from_the_swing_before_it():
+    """A swing for two orbits, then half an hour of 0.03 deg/s, as the ISS turns about yaw."""
+    t_s = np.arange(0.0, 2.0 * 5560.0 + 1800.0, 10.0)
+    began_s = 2.0 * 5560.0
+    swing_rad = np.deg2rad(0.33) * np.cos(2.0 * np.pi / 5560.0 * t_s)
+    yaw_rad = np.deg2rad(0.03) * np.maximum(t_s - began_s, 0.0)
+    q = Rotation.from_rotvec(np.outer(yaw_rad, [0.0, 0.0, 1.0]))
+    q *= Rotation.from_rotvec(np.outer(swing_rad, [1.0, 0.0, 0.0]))
+    assert t_s[last_change(t_s, q)] == pytest.approx(began_s, abs=300.0)
+
+
 def test_the_attitude_carried_on_has_no_kink_between_leads():
     """A camera follows it: no acceleration beyond what swing and blending make of it."""
     law, *_ = foretold_from("iss_attitude_manoeuvre_2018-285.aem", 350)

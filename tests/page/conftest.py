@@ -10,12 +10,9 @@ from urllib.parse import urlsplit
 import pytest
 from browsing import LAPTOP
 from live_service import Service, live_service
-from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
+from page_browser import launched
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-FLAGS = [
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-]  # fmt: skip
 PATIENCE_MS = 20_000.0
 
 OpenPage = Callable[..., Page]
@@ -25,13 +22,10 @@ expect.set_options(timeout=PATIENCE_MS)
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """Debian's Chromium."""
-    chromium = os.environ.get("SLEWTRACK_TEST_CHROMIUM")
-    if not chromium:
+    if not os.environ.get("SLEWTRACK_TEST_CHROMIUM"):
         pytest.skip("no browser: `make test-page` brings one")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+    with launched() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="session")

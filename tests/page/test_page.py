@@ -53,3 +53,15 @@ def test_nothing_is_wider_than_a_phone(open_page, path):
     page = open_page(path, viewport=PHONE)
     expect(page.get_by_role("heading", level=1)).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_what_is_loaded_before_the_globe_is_small(open_page, service):
+    page = open_page("/plans")
+    session = page.context.new_cdp_session(page)
+    session.send("Network.enable")
+    session.send("Network.setCacheDisabled", {"cacheDisabled": True})
+    sizes = []
+    session.on("Network.loadingFinished", lambda event: sizes.append(event["encodedDataLength"]))
+    page.goto("/")
+    expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    assert 30_000 < sum(sizes) < 300_000

@@ -105,14 +105,20 @@ function told(value: number): string {
   return String(value).replace("-", "−");
 }
 
-/** Points as a path, broken where one of them isn't known. */
-export function pathOf(xs: readonly (number | null)[], ys: readonly (number | null)[], { x, y }: Scale): string {
+/** Points as a path, broken where one of them isn't known and where it jumps by more than so much. */
+export function pathOf(
+  xs: readonly (number | null)[],
+  ys: readonly (number | null)[],
+  { x, y }: Scale,
+  jump = Infinity,
+): string {
   let path = "";
   let isDown = false;
   for (let k = 0; k < xs.length; k++) {
     const [across, up] = [xs[k], ys[k]];
     if (across == null || up == null) isDown = false;
     else {
+      if (Math.abs(across - (xs[k - 1] ?? across)) > jump || Math.abs(up - (ys[k - 1] ?? up)) > jump) isDown = false;
       path += `${isDown ? "L" : "M"}${x(across).toFixed(1)},${y(up).toFixed(1)}`;
       isDown = true;
     }

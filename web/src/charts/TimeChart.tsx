@@ -1,5 +1,5 @@
 /** One strip of lines over the plan's time; strips share their stretch of time and the cursor. */
-import { effect, type Signal } from "@preact/signals";
+import { effect, signal, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -54,7 +54,7 @@ interface Props {
 
 const TICK_STEPS_S = [0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 43200];
 const LEFT_PX = 62;
-const RIGHT_PX = 14;
+const RIGHT_PX = 28; // half of a time's text
 const LEAST_RANGE_S = 2;
 
 export function TimeChart(props: Props) {
@@ -84,6 +84,7 @@ function aligned({ t_s, epoch_ms, lines }: Props): uPlot.AlignedData {
 
 function options(props: Props, width: number): uPlot.Options {
   const { lines, limits = [], withLimits, isLogarithmic, hasTimes, height, range, epoch_ms } = props;
+  const shades = (props.shades ?? []).map((one) => ({ ...one, colour: colour(one.colour) }));
   const epoch_s = epoch_ms / 1000;
   const [text, line, strong] = [colour("text-soft"), colour("line"), colour("line-strong")];
   const font = `11px ${colour("font")}`;
@@ -119,13 +120,27 @@ function options(props: Props, width: number): uPlot.Options {
         values: (_, splits, _axis, _space, step) =>
           splits.map((split) => new Date(Math.round(split * 1000)).toISOString().slice(11, step < 1 ? 21 : 19)),
       },
-      { stroke: text, font, grid, ticks, size: LEFT_PX, gap: 4, space: 26 },
+      {
+        stroke: text,
+        font,
+        grid,
+        ticks,
+        size: LEFT_PX,
+        gap: 4,
+        space: 26,
+        ...(isLogarithmic && {
+          splits: (_: uPlot, _axis: number, low: number, high: number) => powers(low, high),
+          filter: (_: uPlot, splits: number[]) => splits,
+          values: (_: uPlot, splits: number[]) => splits.map(String),
+        }),
+      },
     ],
     series: [
       {},
       ...lines.map((one) => ({
         label: one.label,
         auto: !one.isBehind,
+        alpha: one.isBehind ? 0.6 : 1,
         stroke: colour(one.colour),
         width: one.width ?? 1.5,
         dash: one.dashed ? [5, 4] : undefined,
@@ -134,7 +149,7 @@ function options(props: Props, width: number): uPlot.Options {
       })),
     ],
     hooks: {
-      drawClear: [(plot) => shade(plot, props)],
+      drawClear: [(plot) => shade(plot, shades, epoch_s)],
       draw: [(plot) => levels(plot, limits, strong)],
     },
   };
@@ -170,16 +185,28 @@ function decades(low: number | null, high: number | null): [number, number] {
   return [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high * 1.0001))];
 }
 
-function shade(plot: uPlot, { shades = [], epoch_ms }: Props): void {
+/** Levels of a logarithmic scale: of few decades with steps between, of many not each. */
+function powers(low: number, high: number): number[] {
+  const [first, last] = [Math.round(Math.log10(low)), Math.round(Math.log10(high))];
+  const every = Math.ceil((last - first) / 4);
+  const found: number[] = [];
+  for (let power = first; power <= last; power += every) {
+    found.push(Number(`1e${power}`));
+    if (last - first <= 1 && power < last) found.push(Number(`2e${power}`), Number(`5e${power}`));
+  }
+  return found;
+}
+
+function shade(plot: uPlot, shades: readonly Shade[], epoch_s: number): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.beginPath();
   ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
   ctx.clip();
   for (const one of shades) {
-    const left = plot.valToPos(epoch_ms / 1000 + one.start_s, "x", true);
-    const right = plot.valToPos(epoch_ms / 1000 + one.stop_s, "x", true);
-    ctx.fillStyle = colour(one.colour);
+    const left = plot.valToPos(epoch_s + one.start_s, "x", true);
+    const right = plot.valToPos(epoch_s + one.stop_s, "x", true);
+    ctx.fillStyle = one.colour;
     ctx.fillRect(left, bbox.top, right - left, bbox.height);
   }
   ctx.restore();
@@ -207,20 +234,31 @@ function follow(plot: uPlot, { range, epoch_ms }: Props): () => void {
   const line = document.createElement("div");
   line.className = "chart-now";
   plot.over.append(line);
+  const isInSight = signal(true);
+  const watch = new IntersectionObserver(([entry]) => {
+    isInSight.value = entry?.isIntersecting ?? true;
+  });
+  watch.observe(plot.root);
   const stopRange = effect(() => {
     const { from_s, to_s } = range.value;
-    plot.setScale("x", { min: epoch_ms / 1000 + from_s, max: epoch_ms / 1000 + to_s });
+    if (isInSight.value) plot.setScale("x", { min: epoch_ms / 1000 + from_s, max: epoch_ms / 1000 + to_s });
   });
   const stopCursor = effect(() => {
     const { from_s, to_s } = range.value;
     const share = (cursor_s.value - from_s) / (to_s - from_s);
     line.hidden = share < 0 || share > 1;
-    line.style.transform = `translateX(${share * plot.over.clientWidth}px)`;
+    line.style.transform = `translateX(${share * widthOf(plot)}px)`;
   });
   return () => {
+    watch.disconnect();
     stopRange();
     stopCursor();
   };
+}
+
+/** Between the axes, CSS pixels: as uPlot keeps it, since asking the element would lay the page out. */
+function widthOf(plot: uPlot): number {
+  return plot.bbox.width / devicePixelRatio;
 }
 
 /** Drag: the cursor.  Shift and drag: the stretch of time.  Ctrl and wheel: closer or farther. */
@@ -247,7 +285,7 @@ function handle(plot: uPlot, { range, t_s }: Props): () => void {
     if (!held) return;
     if (!held.isPan) return scrub(event);
     const { from_s, to_s } = held.from;
-    const by_s = ((held.x - event.clientX) / over.clientWidth) * (to_s - from_s);
+    const by_s = ((held.x - event.clientX) / widthOf(plot)) * (to_s - from_s);
     range.value = within(from_s + by_s, to_s - from_s, stop_s);
   };
   const up = () => {

@@ -38,10 +38,22 @@ untold.Transforms.iau2006XysData = { computeXysRadians: () => undefined };
 
 const SPACE = "#0a111b";
 const LINES = Color.fromBytes(235, 240, 246, 140);
+const TRACE = Color.fromBytes(255, 190, 90, 200);
+const SWATH = Color.fromBytes(0, 220, 90, 220);
 const OVER_TARGET_M = 900e3;
+
+type Line = readonly (readonly [number, number])[];
 
 export interface Opened extends GlobeView {
   close: () => void;
+}
+
+/** What is drawn beside the document, as lines of longitude and latitude, deg. */
+export interface OnGround {
+  /** Where the boresight meets the ground. */
+  trace: readonly Line[];
+  /** Outlines of the camera's frame. */
+  swath: readonly Line[];
 }
 
 /** czml: a document of the service, as it is.  onBroken: when it can draw no more. */
@@ -49,6 +61,7 @@ export async function openGlobe(
   element: HTMLElement,
   czml: object,
   epoch_ms: number,
+  { trace, swath }: OnGround,
   onBroken: (error: unknown) => void,
 ): Promise<Opened> {
   const widget = new CesiumWidget(element, {
@@ -78,7 +91,10 @@ export async function openGlobe(
   scene.light = light;
   clock.shouldAnimate = false;
   const epoch = JulianDate.fromDate(new Date(epoch_ms));
-  void addLines(scene);
+  // The picture's pixels are 20 km wide.
+  void boundaries().then((lines) => draw(scene, lines, LINES, 1), onBroken);
+  draw(scene, trace, TRACE, 1.5);
+  draw(scene, swath, SWATH, 1);
   const source = await CzmlDataSource.load(czml);
   await widget.dataSources.add(source);
   return {
@@ -119,15 +135,12 @@ export async function openGlobe(
   };
 }
 
-/** Coasts and borders: the picture's pixels are 10 km wide. */
-async function addLines(scene: CesiumWidget["scene"]): Promise<void> {
-  const lines = await boundaries();
+/** Lines of longitude and latitude on the ground. */
+function draw(scene: CesiumWidget["scene"], lines: readonly Line[], color: Color, width: number): void {
   if (scene.isDestroyed()) return;
   const drawn = scene.primitives.add(new PolylineCollection()) as PolylineCollection;
-  const material = Material.fromType("Color", { color: LINES });
-  for (const line of lines) {
-    drawn.add({ positions: Cartesian3.fromDegreesArray(line.flat()), width: 1, material });
-  }
+  const material = Material.fromType("Color", { color });
+  for (const line of lines) drawn.add({ positions: Cartesian3.fromDegreesArray(line.flat()), width, material });
   scene.requestRender();
 }
 

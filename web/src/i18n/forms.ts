@@ -28,7 +28,7 @@ export function number(value: number | null | undefined, decimals = 1): string {
 /** With so many significant digits. */
 export function digits(value: number | null | undefined, count = 3): string {
   if (value == null || !Number.isFinite(value)) return "–";
-  if (value !== 0 && Math.abs(value) < 1e-3) return value.toExponential(count - 1).replace("-", "−");
+  if (value !== 0 && Math.abs(value) < 1e-3) return value.toExponential(count - 1);
   return value.toLocaleString(language.value, {
     maximumSignificantDigits: count,
     useGrouping: false,

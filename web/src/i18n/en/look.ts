@@ -37,6 +37,7 @@ export const look = {
     offNadir: "off nadir",
     sun: "from the Sun",
     error: "error",
+    most: (error: string) => `largest error ${error}″`,
     sigma: "1-sigma ellipse's half axes",
     limit: "limit",
     spline: "the paper's spline",

@@ -39,6 +39,7 @@ export const look: Words["look"] = {
     offNadir: "от надира",
     sun: "от Солнца",
     error: "ошибка",
+    most: (error: string) => `наибольшая ошибка ${error}″`,
     sigma: "полуоси эллипса 1σ",
     limit: "предел",
     spline: "сплайн из статьи",

@@ -1,10 +1,9 @@
-import { words } from "../../i18n";
+/** Many targets over days: asked for at /campaigns, shown at /campaigns/{id}. */
 import type { RoomProps } from "../../rooms";
+import { AskCampaign } from "./AskCampaign";
+import "./campaigns.css";
+import { OneCampaign } from "./OneCampaign";
 
-export default function CampaignsRoom(_: RoomProps) {
-  return (
-    <div class="room">
-      <h1>{words.value.shell.rooms.campaigns}</h1>
-    </div>
-  );
+export default function CampaignsRoom({ params }: RoomProps) {
+  return params.id === undefined ? <AskCampaign /> : <OneCampaign id={params.id} />;
 }

@@ -10,6 +10,7 @@ import { rowAt, type View, valueAt } from "./view";
 
 const HEIGHT = 270;
 const LEAST_SPAN_DEG = 20;
+const TURN_DEG = 360;
 
 interface Props {
   view: View;
@@ -45,7 +46,11 @@ export function AxisSpace({ view, stretches }: Props) {
             <Keyholes view={view} x={x} scale={scale} />
             {view.masks.flatMap((mask) =>
               (mask.outline_deg[outer] ?? []).map((line, way) => (
-                <path key={`${mask.number}-${way}`} class="axis-mask" d={pathOf(line, mask.outline_deg[inner]?.[way] ?? [], scale)} />
+                <path
+                  key={`${mask.number}-${way}`}
+                  class={isOpen(line) ? "axis-mask axis-open" : "axis-mask"}
+                  d={pathOf(line, mask.outline_deg[inner]?.[way] ?? [], scale, TURN_DEG / 2)}
+                />
               )),
             )}
             <Cones view={view} outer={outer} inner={inner} scale={scale} />
@@ -114,8 +119,8 @@ function Cone({ view, cone, outer, inner, scale }: ConeProps) {
       {ways.map((line, way) => (
         <path
           key={way}
-          class={counts ? "axis-cone" : "axis-cone axis-cone-lapsed"}
-          d={pathOf(line, cone.outline_deg[inner]?.[now]?.[way] ?? [], scale)}
+          class={`axis-cone ${counts ? "" : "axis-cone-lapsed"} ${isOpen(line) ? "axis-open" : ""}`}
+          d={pathOf(line, cone.outline_deg[inner]?.[now]?.[way] ?? [], scale, TURN_DEG / 2)}
         />
       ))}
     </>
@@ -128,6 +133,11 @@ function Here({ view, outer, inner, scale }: { view: View; outer: string; inner:
   const y = valueAt(view, view.axes[inner]?.angle_deg ?? [], t_s);
   if (x === null || y === null) return null;
   return <circle class="look-here" cx={scale.x(x)} cy={scale.y(y)} r={5} />;
+}
+
+/** Whether an outline has an inside in this picture: not where it goes on a turn away. */
+function isOpen(line: readonly (number | null)[]): boolean {
+  return line.some((at, k) => at === null || Math.abs(at - (line[k - 1] ?? at)) > TURN_DEG / 2);
 }
 
 function nearest(all_s: readonly number[], t_s: number): number {

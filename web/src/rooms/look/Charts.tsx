@@ -10,7 +10,7 @@ import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { lastOf, onRows, type View } from "./view";
 
-const HEIGHT = 104;
+const HEIGHT = 118;
 const TIMES_HEIGHT = 26;
 const COLOURS = ["series-1", "series-2"];
 const AIR = 0.06; // of a stretch that is looked at closer, on either side
@@ -126,7 +126,7 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
           />
         </div>
       ))}
-      <Pointing view={view} common={common} />
+      <Pointing view={view} plan={plan} common={common} />
       <Sight view={view} common={common} />
     </section>
   );
@@ -134,7 +134,7 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
 
 type Common = Pick<Parameters<typeof TimeChart>[0], "epoch_ms" | "t_s" | "shades" | "range">;
 
-function Pointing({ view, common }: { view: View; common: Common }) {
+function Pointing({ view, plan, common }: { view: View; plan: Plan; common: Common }) {
   const text = words.value.look.charts;
   const lines = useMemo<Line[]>(() => {
     const { error_arcsec, sigma_major_arcsec, sigma_minor_arcsec } = view.pointing;
@@ -149,7 +149,8 @@ function Pointing({ view, common }: { view: View; common: Common }) {
   return (
     <div class="look-strip">
       <h3>
-        {text.pointing}, ″ <span class="key key-error">{text.error}</span> <span class="key key-sigma">{text.sigma}</span>
+        {text.pointing}, ″ <span class="key key-error">{text.error}</span> <span class="key key-sigma">{text.sigma}</span>{" "}
+        <small>{text.most(digits(Math.max(...plan.pointing.map((one) => one.max_arcsec)), 2))}</small>
       </h3>
       <TimeChart {...common} label={text.told(text.pointing, "″")} lines={lines} isLogarithmic height={HEIGHT} />
     </div>
@@ -186,7 +187,6 @@ function motionLines(view: View, column: (typeof ORDERS)[number]["column"], with
           label: `spline ${name}`,
           values: onRows(view.t_s, slew.t_s, slew.axes[name]?.[column] ?? []),
           colour: COLOURS[axis] ?? "text-soft",
-          dashed: true,
           width: 1,
           isBehind: true,
         })),

@@ -6,14 +6,13 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { words } from "../../i18n";
 import { outlines, wantDetail, wantOutlines } from "../../map/outlines";
 import { cursor_s } from "../../time/cursor";
+import { footprintAt, footprintRows, linesOf, type LonLat, type Trace } from "./ground";
 import { longitudeAt, rowAt, type View, valueAt } from "./view";
-
-type LonLat = [number, number];
 
 const HEIGHT = 380;
 const LEAST_DEG = 24;
+const NAME_PX = 130;
 const NIGHT_STEP_S = 20;
-const FOOTPRINTS = 24; // outlines along the sessions
 
 export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
   const text = words.value.look.map;
@@ -27,8 +26,8 @@ export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
     watch.observe(element);
     return () => watch.disconnect();
   }, []);
-  const track = useMemo(() => lineOf(view.carrier.longitude_deg, view.carrier.latitude_deg), [view]);
-  const trace = useMemo(() => lineOf(view.boresight.longitude_deg, view.boresight.latitude_deg), [view]);
+  const track = useMemo(() => linesOf(view.carrier), [view]);
+  const trace = useMemo(() => linesOf(view.boresight), [view]);
   const projection = useMemo(() => {
     if (width === 0) return null;
     const made = geoEquirectangular().clipExtent([
@@ -68,7 +67,7 @@ export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
             <path class="lm-track" d={drawn.track} />
             <path class="lm-trace" d={drawn.trace} />
             <path class="lm-footprints" d={drawn.footprints} />
-            <Targets view={view} projection={projection} />
+            <Targets view={view} projection={projection} width={width} />
             <Now view={view} projection={projection} />
           </>
         )}
@@ -87,7 +86,8 @@ function Night({ view, projection }: { view: View; projection: GeoProjection }) 
   return <path class="lm-night" d={geoPath(projection)(night) ?? ""} />;
 }
 
-function Targets({ view, projection }: { view: View; projection: GeoProjection }) {
+function Targets({ view, projection, width }: { view: View; projection: GeoProjection; width: number }) {
+  const isNearEdge = (x: number) => x > width - NAME_PX;
   const row = rowAt(view, cursor_s.value);
   return (
     <>
@@ -100,7 +100,7 @@ function Targets({ view, projection }: { view: View; projection: GeoProjection }
           <g key={target.session} class={isNow ? "lm-target lm-target-now" : "lm-target"} transform={`translate(${point[0]},${point[1]})`}>
             <path d="M-6,0H-2M2,0H6M0,-6V-2M0,2V6" />
             <circle r={4.5} />
-            <text x={9} y={-6}>
+            <text x={isNearEdge(point[0]) ? -9 : 9} y={-6} text-anchor={isNearEdge(point[0]) ? "end" : "start"}>
               {target.name}
             </text>
           </g>
@@ -127,52 +127,9 @@ function Now({ view, projection }: { view: View; projection: GeoProjection }) {
   );
 }
 
-interface Trace {
-  latitude_deg: readonly (number | null)[];
-  longitude_deg: readonly (number | null)[];
-}
-
 function pointAt(view: View, trace: Trace, t_s: number, projection: GeoProjection): LonLat | null {
   const [longitude, latitude] = [longitudeAt(view, trace.longitude_deg, t_s), valueAt(view, trace.latitude_deg, t_s)];
   return longitude === null || latitude === null ? null : projection([longitude, latitude]);
-}
-
-/** Known points in lines; d3 cuts at the date line itself. */
-function lineOf(longitudes: readonly (number | null)[], latitudes: readonly (number | null)[]): LonLat[][] {
-  const lines: LonLat[][] = [[]];
-  const every = Math.max(1, Math.floor(longitudes.length / 600));
-  for (let row = 0; row < longitudes.length; row++) {
-    if (row % every !== 0 && row !== longitudes.length - 1) continue;
-    const [longitude, latitude] = [longitudes[row], latitudes[row]];
-    if (longitude == null || latitude == null) lines.push([]);
-    else lines[lines.length - 1]?.push([longitude, latitude]);
-  }
-  return lines.filter((line) => line.length > 1);
-}
-
-/** Rows at which the frame's outline is drawn, in sessions. */
-function footprintRows(view: View): number[] {
-  const rows = view.activity.flatMap((kind, row) => (kind === "track" ? [row] : []));
-  const every = Math.max(1, Math.ceil(rows.length / FOOTPRINTS));
-  return rows.filter((_, k) => k % every === 0);
-}
-
-/** Around the frame, clockwise as d3 wants what is inside; empty where a corner misses the Earth. */
-function footprintAt(view: View, row: number): LonLat[] {
-  const [longitudes, latitudes] = [view.footprint.longitude_deg[row] ?? [], view.footprint.latitude_deg[row] ?? []];
-  const corners: LonLat[] = [];
-  for (const [k, longitude] of longitudes.entries()) {
-    const latitude = latitudes[k];
-    if (longitude === null || latitude == null) return [];
-    corners.push([longitude, latitude]);
-  }
-  const [first] = corners;
-  if (!first) return [];
-  const area = corners.reduce((sum, [x, y], k) => {
-    const [nextX, nextY] = corners[(k + 1) % corners.length] ?? first;
-    return sum + x * nextY - nextX * y;
-  }, 0);
-  return area > 0 ? [first, ...corners.slice(1).reverse(), first] : [...corners, first];
 }
 
 /** The points in the middle of the map, with air around them. */

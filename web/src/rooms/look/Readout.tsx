@@ -75,15 +75,13 @@ export function Readout({ view }: { view: View }) {
             <dt>{text.elevation}</dt>
             <dd>{unit(at(target.elevation_deg), 2, "°")}</dd>
             <dt>{text.sample}</dt>
-            <dd>
-              {digits(at(target.ground_sample_across_m))} × {digits(at(target.ground_sample_along_m))} {words.value.look.units.m}
-            </dd>
+            <dd>{sample(at(target.ground_sample_across_m), at(target.ground_sample_along_m))}</dd>
             <dt>{text.sunElevation}</dt>
             <dd>{unit(at(target.sun_elevation_deg), 1, "°")}</dd>
           </>
         )}
         <dt>{text.error}</dt>
-        <dd>{pointing.error_arcsec[row] == null ? "–" : `${digits(pointing.error_arcsec[row], 2)}″`}</dd>
+        <dd>{unit(pointing.error_arcsec[row] ?? null, 3, "″")}</dd>
       </dl>
       <Aloud view={view} />
     </section>
@@ -143,6 +141,10 @@ function unit(value: number | null, decimals: number, sign: string): string {
 
 function km(value_m: number | null, decimals: number): string {
   return value_m === null ? "–" : `${fixed(value_m / 1000, decimals)} ${words.value.look.units.km}`;
+}
+
+function sample(across_m: number | null, along_m: number | null): string {
+  return across_m === null ? "–" : `${digits(across_m)} × ${digits(along_m)} ${words.value.look.units.m}`;
 }
 
 function place(latitude_deg: number | null, longitude_deg: number | null): string {

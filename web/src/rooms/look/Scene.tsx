@@ -7,6 +7,7 @@ import { hasWebGl, type Place } from "../../globe/globe";
 import { words } from "../../i18n";
 import { cursor_s } from "../../time/cursor";
 import { FlatMap } from "./FlatMap";
+import { footprintAt, footprintRows, linesOf } from "./ground";
 import { targetAt } from "./Readout";
 import { fetchCzml, longitudeAt, rowAt, type View, valueAt } from "./view";
 
@@ -106,7 +107,9 @@ async function open(
 ): Promise<Opened | null> {
   const [{ openGlobe }, czml] = await Promise.all([import("../../globe/engine"), fetchCzml(view.id, until)]);
   if (until.aborted) return null;
-  const opened = await openGlobe(element, czml, Date.parse(view.epoch), onBroken);
+  const swath = footprintRows(view).map((row) => footprintAt(view, row));
+  const onGround = { trace: linesOf(view.boresight), swath: swath.filter((outline) => outline.length > 0) };
+  const opened = await openGlobe(element, czml, Date.parse(view.epoch), onGround, onBroken);
   if (!until.aborted) return opened;
   opened.close();
   return null;

@@ -64,7 +64,7 @@ function Sessions({ plan }: { plan: Plan }) {
                 </td>
                 <td class="number">{one.best_elevation_deg == null ? "–" : `${number(one.best_elevation_deg)}°`}</td>
                 <td class="number">{pointing?.range_min_km == null ? "–" : `${number(pointing.range_min_km, 0)} km`}</td>
-                <td class="number">{pointing == null ? "–" : `${digits(pointing.max_arcsec, 2)}″`}</td>
+                <td class="number">{pointing == null ? "–" : pointing.max_arcsec < 1e-3 ? "< 0.001″" : `${digits(pointing.max_arcsec, 2)}″`}</td>
                 <td class="number">{percent(one.probability_in_frame)}</td>
               </tr>
             );

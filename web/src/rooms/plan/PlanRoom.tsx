@@ -73,7 +73,9 @@ export default function PlanRoom({ params }: RoomProps) {
       </div>
       <Verdict plan={plan} />
       <Suspense fallback={<p class="loading">{text.shell.loading}</p>}>
-        <Look plan={plan} />
+        <div class="no-print">
+          <Look plan={plan} />
+        </div>
       </Suspense>
       <div class="one-below">
         <div>

@@ -1,5 +1,5 @@
 /** Everything that leaves the page: files, the link, the request in three forms, paper. */
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 
 import { send } from "../../api/client";
 import { download } from "../../api/download";
@@ -38,41 +38,57 @@ export function TakeAway({ plan }: { plan: Plan }) {
       .then((answer) => answer.text())
       .then(setRequest, setError);
   }, [plan.id]);
+  const plot = useRef<HTMLImageElement>(null);
   const save = (format: Format) => {
     setError(null);
     download("/v1/plans/{id}/table", { id: plan.id, query: { format } }, `plan.${ENDINGS[format]}`).catch(setError);
   };
+  const print = async () => {
+    try {
+      const answer = await send("GET", "/v1/plans/{id}/table", { id: plan.id, query: { format: "svg" }, headers: { Accept: "*/*" } });
+      if (plot.current) {
+        plot.current.src = URL.createObjectURL(await answer.blob());
+        await plot.current.decode();
+      }
+      window.print();
+    } catch (caught) {
+      setError(caught);
+    }
+  };
   const service = new URL(address("/"), location.href).href;
   return (
-    <section class="panel take" aria-label={text.title}>
-      <h2>{text.title}</h2>
-      {error !== null && <ProblemNotice error={error} />}
-      <div class="row">
-        <button type="button" class="primary" onClick={() => save("csv")}>
-          {text.csv}
-        </button>
-        <button type="button" onClick={() => window.print()}>
-          {text.print}
-        </button>
-      </div>
-      <h3>{text.files}</h3>
-      <ul class="formats">
-        {FORMATS.filter((format) => format !== "csv").map((format) => (
-          <li key={format}>
-            <button type="button" class="plain" onClick={() => save(format)}>
-              {text.formats[format]}
-            </button>
-          </li>
-        ))}
-      </ul>
-      <Copied name={text.permalink} content={new URL(address(`/plans/${plan.id}`), location.href).href} isOpen />
-      {request !== null && (
-        <>
-          <Copied name={text.request} content={request} />
-          <Copied name={text.curl} content={curl(service, request)} />
-          <Copied name={text.python} content={python(service, request)} />
-        </>
-      )}
-    </section>
+    <>
+      <section class="panel take" aria-label={text.title}>
+        <h2>{text.title}</h2>
+        {error !== null && <ProblemNotice error={error} />}
+        <div class="row">
+          <button type="button" class="primary" onClick={() => save("csv")}>
+            {text.csv}
+          </button>
+          <button type="button" onClick={() => void print()}>
+            {text.print}
+          </button>
+        </div>
+        <h3>{text.files}</h3>
+        <ul class="formats">
+          {FORMATS.filter((format) => format !== "csv").map((format) => (
+            <li key={format}>
+              <button type="button" class="plain" onClick={() => save(format)}>
+                {text.formats[format]}
+              </button>
+            </li>
+          ))}
+        </ul>
+        <Copied name={text.permalink} content={new URL(address(`/plans/${plan.id}`), location.href).href} isOpen />
+        {request !== null && (
+          <>
+            <Copied name={text.request} content={request} />
+            <Copied name={text.curl} content={curl(service, request)} />
+            <Copied name={text.python} content={python(service, request)} />
+          </>
+        )}
+      </section>
+      <img ref={plot} class="print-only" alt={text.formats.svg} />
+    </>
   );
 }

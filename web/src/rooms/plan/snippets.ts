@@ -1,12 +1,13 @@
 /** The same request from a terminal and from Python. */
-export function curl(service: string, request: string): string {
+export function curl(service: string, request: string, path = "v1/plans"): string {
   const quoted = request.replace(/'/g, `'\\''`);
-  return `curl -s -X POST '${service}v1/plans' \\
+  return `curl -s -X POST '${service}${path}' \\
   -H 'Content-Type: application/json' \\
   --data-binary '${quoted}'`;
 }
 
-export function python(service: string, request: string): string {
+/** call: of the client, for what is asked. */
+export function python(service: string, request: string, call = "plan"): string {
   return `import json
 
 import slewtrack
@@ -16,7 +17,7 @@ ${request}
 """)
 
 with slewtrack.Client("${service.replace(/\/$/, "")}") as client:
-    plan = client.plan(REQUEST)
+    plan = client.${call}(REQUEST)
 print(plan.id, plan.passed)
 `;
 }

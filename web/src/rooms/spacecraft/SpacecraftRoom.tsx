@@ -1,10 +1,9 @@
-import { words } from "../../i18n";
+/** Sessions of the imaging spacecraft: asked for at /spacecraft, shown at /spacecraft/plans/{id}. */
 import type { RoomProps } from "../../rooms";
+import { AskSession } from "./AskSession";
+import { OneSession } from "./OneSession";
+import "./spacecraft.css";
 
-export default function SpacecraftRoom(_: RoomProps) {
-  return (
-    <div class="room">
-      <h1>{words.value.shell.rooms.spacecraft}</h1>
-    </div>
-  );
+export default function SpacecraftRoom({ params }: RoomProps) {
+  return params.id === undefined ? <AskSession /> : <OneSession id={params.id} />;
 }

@@ -1,0 +1,125 @@
+"""Flow 5: are a campaign's targets taken, its progress shown, and its choice told with reasons?"""
+
+import json
+import re
+
+import httpx
+import pytest
+from browsing import PHONE, ROOT, violations
+from playwright.sync_api import expect
+
+EXAMPLE = json.loads((ROOT / "examples/campaign_cities.json").read_text())
+PATIENCE_MS = 180_000
+
+
+@pytest.fixture(scope="module")
+def campaign(service):
+    """The example as it is made, with a town that the carrier never sees: its answer."""
+    north = {
+        "id": "Longyearbyen",
+        "session_s": 20.0,
+        "target": {"mode": "ground", "latitude_deg": 78.22, "longitude_deg": 15.63},
+    }
+    asked = EXAMPLE | {"targets": [*EXAMPLE["targets"], north]}
+    with httpx.Client(base_url=service.address, timeout=180.0) as client:
+        made = client.post("/v1/campaigns", json=asked).json()
+        with client.stream("GET", f"/v1/campaigns/{made['id']}/events") as events:
+            for _ in events.iter_lines():
+                pass
+        return client.get(f"/v1/campaigns/{made['id']}").json()
+
+
+def outcome(page, target):
+    return page.get_by_role("row").filter(has=page.get_by_role("button", name=target, exact=True))
+
+
+def test_what_is_chosen_and_why_the_rest_is_not(open_page, campaign):
+    page = open_page(f"/campaigns/{campaign['id']}")
+    expect(page.get_by_test_id("campaign-verdict")).to_contain_text("4 looks in 2 passes")
+    expect(page.get_by_test_id("campaign-verdict")).to_contain_text("5 of 6 targets can be seen")
+    [left_out], [unseen] = campaign["choice"]["left_out"], campaign["choice"]["unseen"]
+    expect(outcome(page, left_out["target"])).to_contain_text(left_out["because"])
+    expect(outcome(page, unseen["target"])).to_contain_text(unseen["because"])
+    assert page.locator(".map .fate-chosen").count() == 4
+    assert page.locator(".map .fate-left_out").count() == 1
+    assert page.locator(".map .fate-unseen").count() == 1
+    outcome(page, "Boston").get_by_role("button").click()
+    expect(page.locator(".map .fate-now")).to_contain_text("Boston")
+    page.get_by_label("Show", exact=True).select_option("left out")
+    expect(page.get_by_role("button", name="Boston", exact=True)).to_have_count(0)
+    assert violations(page) == []
+
+
+def test_a_pass_leads_to_its_plan(open_page, campaign):
+    page = open_page(f"/campaigns/{campaign['id']}")
+    page.get_by_role("link", name="Plan of pass 1").click()
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    assert page.url.endswith(campaign["passes"][0]["plan"])
+
+
+def test_targets_of_a_file_are_asked_for_and_their_progress_is_shown(open_page, tmp_path):
+    file = tmp_path / "towns.csv"
+    file.write_text(
+        "name,lat,lon,priority,session_s\n"
+        'Ljubljana,46.05,14.51,2,30\n"Graz, Styria",47.07,15.44,1,30\n'
+    )
+    page = open_page("/campaigns")
+    page.get_by_label("Choose a file of targets").set_input_files(file)
+    expect(page.get_by_role("cell", name="Graz, Styria")).to_be_visible()
+    page.get_by_label("High Sun").fill("1")
+    page.get_by_label("High Sun").press("Tab")
+    asked = json.loads(page.get_by_label("Request as JSON").input_value())
+    assert [one["id"] for one in asked["targets"]] == ["Ljubljana", "Graz, Styria"]
+    assert asked["targets"][0]["priority"] == 2
+    assert asked["view"] == {"sun": 1}
+    page.get_by_role("button", name="Choose the looks").click()
+    page.wait_for_url(re.compile(r"/campaigns/[0-9a-z-]+$"))
+    expect(page.get_by_test_id("campaign-verdict")).to_be_visible(timeout=PATIENCE_MS)
+
+
+def test_a_file_without_targets_is_told_by_its_line(open_page, tmp_path):
+    file = tmp_path / "towns.csv"
+    file.write_text("id,latitude_deg,longitude_deg\nLjubljana,46.05,14.51\nGraz,north,15.44\n")
+    page = open_page("/campaigns")
+    page.get_by_label("Choose a file of targets").set_input_files(file)
+    expect(page.get_by_role("alert")).to_contain_text("line 3: latitude_deg")
+    expect(page.get_by_role("cell", name="Las Vegas")).to_be_visible()
+
+
+def test_work_is_cancelled_where_it_is_shown_and_asked_for_again(open_page, service):
+    many = [(lat, lon) for lat in range(-50, 51, 5) for lon in range(-180, 180, 12)]
+    long = EXAMPLE | {
+        "name": "Long work, looked at",
+        "targets": [
+            {
+                "id": f"{lat} {lon}",
+                "session_s": 20.0,
+                "target": {"mode": "ground", "latitude_deg": lat, "longitude_deg": lon},
+            }
+            for lat, lon in many
+        ],
+    }
+    sent = httpx.post(
+        f"{service.address}/v1/campaigns", json=long, headers={"Prefer": "respond-async"}
+    )
+    page = open_page(f"/campaigns/{sent.json()['id']}")
+    page.get_by_role("button", name="Cancel").click()
+    expect(page.get_by_text("It was cancelled.")).to_be_visible()
+    assert violations(page) == []
+    page.get_by_role("link", name="Change the request").click()
+    expect(page.get_by_role("heading", name=f"Targets {len(many)}")).to_be_visible()
+
+
+def test_a_refusal_names_its_field_and_nothing_typed_is_lost(open_page):
+    page = open_page("/campaigns")
+    wrong = EXAMPLE | {"step_s": 0.5}
+    page.get_by_label("Request as JSON").fill(json.dumps(wrong))
+    page.get_by_role("button", name="Choose the looks").click()
+    expect(page.get_by_role("alert")).to_contain_text("step_s")
+    assert json.loads(page.get_by_label("Request as JSON").input_value()) == wrong
+
+
+def test_on_a_phone_nothing_is_wider(open_page, campaign):
+    page = open_page(f"/campaigns/{campaign['id']}", viewport=PHONE)
+    expect(page.get_by_test_id("campaign-verdict")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]

@@ -1,0 +1,160 @@
+"""Does the look at a plan show what the plan holds, at the cursor's time, to everyone?"""
+
+import json
+import urllib.request
+
+import pytest
+from browsing import PHONE, ROOT, violations
+from playwright.sync_api import Page, expect
+
+from app.requests.examples.horizon import AHEAD, RIGHT
+
+_WITHOUT_WEBGL = """
+const { getContext } = HTMLCanvasElement.prototype;
+HTMLCanvasElement.prototype.getContext = function (kind, ...given) {
+  return kind.startsWith("webgl") ? null : getContext.call(this, kind, ...given);
+};
+"""
+
+
+@pytest.fixture(scope="module")
+def las_vegas(service) -> str:
+    """Its address on the page."""
+    return planned(service)
+
+
+def planned(service, **changed: object) -> str:
+    document = json.loads((ROOT / "examples/las_vegas_2015.json").read_text()) | changed
+    request = urllib.request.Request(
+        f"{service.address}/v1/plans",
+        json.dumps(document).encode(),
+        {"Content-Type": "application/json"},
+    )
+    with urllib.request.urlopen(request, timeout=60) as answer:
+        return f"/plans/{json.load(answer)['id']}"
+
+
+def view_of(service, path: str) -> dict:
+    with urllib.request.urlopen(
+        f"{service.address}/v1{path}/view?step_s=0.2", timeout=60
+    ) as answer:
+        return json.load(answer)
+
+
+def go_to(page: Page, t_s: float) -> None:
+    page.get_by_label("Time of the cursor").fill(f"{t_s:g}")
+
+
+def axis_row(page: Page, name: str) -> list[str]:
+    row = page.get_by_role("row").filter(has=page.get_by_role("rowheader", name=name, exact=True))
+    return row.first.get_by_role("cell").all_inner_texts()
+
+
+def test_the_values_are_those_of_the_view(open_page, service, las_vegas):
+    view = view_of(service, las_vegas)
+    page = open_page(las_vegas)
+    go_to(page, 170)
+    row = view["t_s"].index(170.0)
+    for name, axis in view["axes"].items():
+        told = [float(text.replace("−", "-")) for text in axis_row(page, name)]
+        assert told[0] == pytest.approx(axis["angle_deg"][row], abs=1e-4)
+        assert told[1] == pytest.approx(axis["rate_deg_s"][row], abs=1e-5)
+        assert told[2] == pytest.approx(axis["acceleration_deg_s2"][row], abs=1e-5)
+        assert told[3] == pytest.approx(axis["jerk_deg_s3"][row], abs=1e-5)
+    elevation = f"{view['targets'][0]['elevation_deg'][row]:.2f}°"
+    expect(page.get_by_text(elevation, exact=True)).to_be_visible()
+    expect(page.get_by_test_id("aloud")).to_contain_text("17:36:50 UTC; session; alpha")
+
+
+def test_keys_move_the_cursor_and_play(open_page, las_vegas):
+    page = open_page(las_vegas)
+    slider = page.get_by_label("Time of the cursor")
+    expect(slider).to_have_value("0")
+    page.keyboard.press("ArrowRight")
+    expect(slider).to_have_value("1")
+    page.keyboard.press("Shift+ArrowRight")
+    expect(slider).to_have_value("11")
+    page.keyboard.press("End")
+    expect(slider).to_have_value("230")
+    page.keyboard.press("Home")
+    expect(slider).to_have_value("0")
+    page.get_by_label("Speed").select_option("60")
+    page.get_by_role("heading", name="At the cursor").click()
+    page.keyboard.press(" ")
+    expect(page.get_by_role("button", name="Pause")).to_be_visible()
+    expect(slider).to_have_value("230")  # after four seconds, where it stops by itself
+    expect(page.get_by_role("button", name="Play")).to_be_visible()
+
+
+def test_dragging_a_chart_moves_the_cursor_for_all(open_page, las_vegas):
+    page = open_page(las_vegas)
+    rate = page.locator(".chart .u-over").nth(1)
+    box = rate.bounding_box()
+    page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + 20)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 20)
+    page.mouse.up()
+    assert float(page.get_by_label("Time of the cursor").input_value()) == pytest.approx(115, abs=1)
+    places = page.locator(".chart-now").evaluate_all("all => all.map(one => one.style.transform)")
+    assert len(places) == 6
+    assert len(set(places)) == 1
+
+
+def test_a_closer_look_at_the_session(open_page, las_vegas):
+    page = open_page(las_vegas)
+    page.get_by_role("button", name="Closer look: 36.1147").click()
+    expect(page.get_by_label("Time of the cursor")).to_have_value("140")
+    expect(page.get_by_text("in frame: 65")).to_be_visible()
+
+
+def test_the_globe_plays_the_plan(open_page, las_vegas):
+    page = open_page(las_vegas)
+    globe = page.locator(".look-globe")
+    expect(globe).to_have_attribute("data-state", "there")
+    page.get_by_role("button", name="Flat map").click()
+    expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
+
+
+def test_without_webgl_there_is_a_map(open_page, las_vegas):
+    page = open_page("/healthz")
+    page.add_init_script(_WITHOUT_WEBGL)
+    page.goto(page.url.replace("/healthz", las_vegas))
+    land_map = page.get_by_role("img", name="Map with the ground track")
+    expect(land_map).to_be_visible()
+    expect(land_map.get_by_text("36.1147")).to_be_visible()
+    expect(page.get_by_role("button", name="Globe", exact=True)).to_be_disabled()
+    assert violations(page) == []
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_it_is_accessible(open_page, las_vegas, theme):
+    page = open_page(las_vegas, color_scheme=theme)
+    expect(page.locator(".chart canvas").first).to_be_visible()
+    assert violations(page) == []
+
+
+def test_russian_and_a_phone(open_page, las_vegas):
+    page = open_page(las_vegas, viewport=PHONE, locale="ru-RU")
+    expect(page.get_by_role("button", name="Пуск")).to_be_visible()
+    expect(page.get_by_role("heading", name="В выбранный момент")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_what_horizon_cameras_will_see(open_page, service):
+    path = planned(service, horizon_cameras=[AHEAD, RIGHT])
+    page = open_page(path)
+    pictures = page.get_by_role("img", name="Limb in the frame of")
+    expect(pictures).to_have_count(6)
+    page.get_by_role("button", name="17:37:50").first.click()
+    expect(page.get_by_label("Time of the cursor")).to_have_value("230")
+    assert violations(page) == []
+
+
+def test_the_cone_and_its_outline(open_page, service):
+    cone = {"body": "sun", "half_angle_deg": 25.0}
+    path = planned(service, slew={"method": "ocp", "objective": "smooth", "keep_out": [cone]})
+    page = open_page(path)
+    axes = page.get_by_role("img", name="Path of the axes")
+    page.get_by_label("To the stops").check()
+    assert axes.locator(".axis-cone").first.get_attribute("d").startswith("M")
+    expect(axes.locator(".axis-keyhole")).to_have_count(2)

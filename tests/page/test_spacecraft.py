@@ -1,0 +1,161 @@
+"""Flow 5: is a session of the imaging spacecraft asked for, followed, looked at and taken away?"""
+
+import json
+import re
+from pathlib import Path
+
+import httpx
+import pytest
+from browsing import PHONE, ROOT, violations
+from playwright.sync_api import expect
+
+FOUR_MODES = json.loads((ROOT / "examples/spacecraft_four_modes.json").read_text())
+GEOJSON = ROOT / "examples/spacecraft_four_modes.geojson"
+PATIENCE_MS = 180_000
+
+
+@pytest.fixture(scope="module")
+def session(service):
+    """The answer to the example with a strip more, beyond the Earth's edge: left out."""
+    elsewhere = {
+        "mode": "strip",
+        "name": "elsewhere",
+        "geometry": {"type": "LineString", "coordinates": [[160.0, -20.0], [160.0, -20.5]]},
+    }
+    asked = FOUR_MODES | {"requests": [*FOUR_MODES["requests"], elsewhere]}
+    path = f"{service.address}/v1/spacecraft/plans"
+    answer = httpx.post(path, json=asked, headers={"Prefer": "wait=60"}, timeout=180.0)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
+
+
+def planned(page):
+    page.get_by_role("button", name="Plan the session").click()
+    page.wait_for_url(re.compile(r"/spacecraft/plans/[0-9a-z-]+$"))
+
+
+def test_a_kept_session_is_shown_with_what_is_left_out(open_page, session):
+    page = open_page(f"/spacecraft/plans/{session['id']}")
+    verdict = page.get_by_test_id("session-verdict")
+    expect(verdict).to_contain_text("Passed")
+    expect(verdict).to_contain_text("4 of 5 requests imaged")
+    [left_out] = session["left_out"]
+    expect(page.get_by_role("region", name="Left out")).to_contain_text(left_out["reason"])
+    expect(page.locator(".map .swath")).to_have_count(len(session["windows"]))
+    expect(page.locator(".map .asked-left-out")).to_have_count(1)
+    looks = page.get_by_role("group", name="Looks").locator("tbody tr")
+    expect(looks).to_have_count(len(session["windows"]))
+    for chart in ("Body rates", "Rate error while imaging", "Gimbal angles", "Momentum"):
+        expect(page.get_by_role("img", name=f"{chart} over the session's time")).to_be_visible()
+    assert violations(page) == []
+
+
+def test_time_moves_the_momentum_and_the_scanned_line(open_page, session):
+    page = open_page(f"/spacecraft/plans/{session['id']}")
+    sphere = page.get_by_role("region", name="Momentum of the gyros")
+    before = sphere.locator(".mono").inner_text()
+    first = page.get_by_role("button", name="Closer look: strip")
+    first.click()
+    expect(page.locator(".map .now-on .scanned")).to_be_visible()
+    expect(sphere.locator(".mono")).not_to_have_text(before)
+    # All charts show the same instant.
+    marks = page.locator(".session-charts .chart-now").evaluate_all(
+        "lines => lines.map(line => line.hidden ? null : line.style.transform)"
+    )
+    assert len(marks) == 5
+    assert len(set(marks)) == 1
+    way = sphere.locator(".sphere-off").get_attribute("d")
+    sphere.get_by_role("application").press("ArrowLeft")
+    assert sphere.locator(".sphere-off").get_attribute("d") != way
+
+
+def test_every_export_is_taken_away(open_page, session):
+    page = open_page(f"/spacecraft/plans/{session['id']}")
+    begins = {
+        "Table, CSV": b"#",
+        "Everything, JSON": b'{"id"',
+        "Table, NetCDF": b"CDF",
+        "Attitude, CCSDS AEM": b"CCSDS_AEM_VERS",
+        "CZML for Cesium": b"[",
+        "GeoJSON": b"{",
+        "KML for Google Earth": b"<?xml",
+        "Plot, PNG": b"\x89PNG",
+        "Plot, SVG": b"<?xml",
+    }
+    for name, start in begins.items():
+        with page.expect_download() as download:
+            page.get_by_role("button", name=name, exact=True).click()
+        assert Path(download.value.path()).read_bytes().startswith(start), name
+
+
+def test_what_is_drawn_on_the_map_is_asked_for(open_page):
+    page = open_page("/spacecraft")
+    world = page.get_by_role("application", name="Map: arrows move the cross")
+    expect(world.locator(".asked-shape")).to_have_count(4)
+    page.get_by_role("button", name="Remove all").click()
+    page.get_by_label("corridor").check()
+    world.focus()
+    for key in ("Enter", "ArrowRight", "Enter", "ArrowUp", "Enter"):
+        world.press(key)
+    expect(page.get_by_text("3 set")).to_be_visible()
+    page.get_by_role("button", name="Finish").click()
+    asked = json.loads(page.get_by_label("Request as JSON").input_value())
+    [corridor] = asked["requests"]
+    assert (corridor["mode"], corridor["name"]) == ("corridor", "corridor 1")
+    (west, _), (middle, _), (east, _) = corridor["geometry"]["coordinates"]
+    assert west < middle == east
+    assert asked["orbit"] == FOUR_MODES["orbit"]
+    assert violations(page) == []
+
+
+def test_dropped_geojson_is_planned_with_progress(open_page):
+    page = open_page("/spacecraft")
+    page.get_by_role("button", name="Remove all").click()
+    page.get_by_label("Choose GeoJSON").set_input_files(GEOJSON)
+    for name in ("stereo", "corridor", "area"):
+        page.get_by_role("button", name=f"Remove {name}", exact=True).click()
+    page.get_by_label("Closed-loop runs").fill("0")
+    page.get_by_label("Closed-loop runs").press("Tab")
+    planned(page)
+    expect(page.get_by_test_id("session-verdict")).to_contain_text(
+        "1 of 1 requests imaged", timeout=PATIENCE_MS
+    )
+    page.get_by_role("link", name="Change the request").click()
+    expect(page.get_by_label("Closed-loop runs")).to_have_value("0")
+
+
+def test_a_session_that_images_nothing_is_refused_in_words(open_page):
+    page = open_page("/spacecraft")
+    nowhere = FOUR_MODES | {
+        "requests": [
+            {
+                "mode": "strip",
+                "name": "elsewhere",
+                "geometry": {"type": "LineString", "coordinates": [[160.0, -20.0], [160.0, -20.5]]},
+            }
+        ]
+    }
+    page.get_by_label("Request as JSON").fill(json.dumps(nowhere))
+    planned(page)
+    alert = page.get_by_role("alert")
+    expect(alert).to_contain_text("requests.0", timeout=PATIENCE_MS)
+    assert violations(page) == []
+    page.get_by_role("link", name="Change the request").click()
+    expect(page.get_by_role("rowheader", name="elsewhere")).to_be_visible()
+
+
+def test_a_wrong_request_keeps_what_was_typed(open_page):
+    page = open_page("/spacecraft")
+    page.get_by_label("Request as JSON").fill("{")
+    expect(page.get_by_text("JSON at position", exact=False)).to_be_visible()
+    wrong = FOUR_MODES | {"stop": FOUR_MODES["start"]}
+    page.get_by_label("Request as JSON").fill(json.dumps(wrong))
+    page.get_by_role("button", name="Plan the session").click()
+    expect(page.get_by_role("alert")).to_contain_text("10 to 3600 s")
+    assert json.loads(page.get_by_label("Request as JSON").input_value()) == wrong
+
+
+def test_on_a_phone_nothing_is_wider(open_page, session):
+    page = open_page(f"/spacecraft/plans/{session['id']}", viewport=PHONE)
+    expect(page.get_by_role("img", name="Body rates")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]

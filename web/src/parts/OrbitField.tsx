@@ -1,0 +1,43 @@
+/** An orbit, folded: what it is and of when; pasted, or dropped as a file. */
+import { useState } from "preact/hooks";
+
+import { words } from "../i18n";
+import { instant } from "../i18n/forms";
+import { type Orbit, orbitOf, reachOf, textOf } from "../rooms/plan/orbit";
+import { DropZone } from "./DropZone";
+import { Field } from "./Field";
+
+export function OrbitField({ orbit, onOrbit }: { orbit: Orbit; onOrbit: (orbit: Orbit) => void }) {
+  const text = words.value.plan.orbit;
+  const [typed, setTyped] = useState<string | null>(null);
+  const take = (content: string) => {
+    const read = orbitOf(content);
+    setTyped(read ? null : content);
+    if (read) onOrbit(read);
+  };
+  const known = reachOf(orbit);
+  return (
+    <details class="orbit" open={typed !== null || undefined}>
+      <summary>
+        <h3>{text.title}</h3>
+        <span class="small">
+          {orbit.source.toUpperCase()}
+          {known && ` · ${instant(known.from_ms)}`}
+        </span>
+      </summary>
+      <DropZone label={text.file} onFile={(file) => void file.text().then(take)}>
+        <Field label={text.label} error={typed === null ? undefined : text.unknown}>
+          {(control) => (
+            <textarea
+              {...control}
+              rows={3}
+              spellcheck={false}
+              value={typed ?? textOf(orbit)}
+              onInput={(event) => take(event.currentTarget.value)}
+            />
+          )}
+        </Field>
+      </DropZone>
+    </details>
+  );
+}

@@ -1,0 +1,86 @@
+/** One campaign: how far it is, what was chosen and why the rest was not. */
+import { useEffect, useState } from "preact/hooks";
+
+import { Cancelled } from "../../api/job";
+import { useMade } from "../../api/made";
+import { Problem } from "../../api/problem";
+import { words } from "../../i18n";
+import { instant } from "../../i18n/forms";
+import { AtWork } from "../../parts/AtWork";
+import { Copied } from "../../parts/Copied";
+import { Link } from "../../parts/Link";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { address } from "../../router";
+import { curl } from "../plan/snippets";
+import { type CampaignRequest, fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
+import { FateMap } from "./FateMap";
+import { Fates } from "./Fates";
+import { Passes } from "./Passes";
+import { Worth } from "./Worth";
+
+export function OneCampaign({ id }: { id: string }) {
+  const text = words.value.campaigns;
+  const { answer, progress, error, again, cancel } = useMade(PATH, id, fetchCampaign);
+  const [request, setRequest] = useState<CampaignRequest | null>(null);
+  const [chosen, setChosen] = useState<string | null>(null);
+  useEffect(() => {
+    setRequest(null);
+    // Whatever is wrong with the campaign is told by the campaign itself.
+    fetchRequest(id).then(setRequest, () => {});
+  }, [id]);
+  const fates = answer && request ? fatesOf(request, answer) : [];
+  return (
+    <div class="room">
+      <div class="row heading">
+        <h1>{answer?.name || words.value.shell.rooms.campaigns}</h1>
+        {answer?.start && answer.stop && (
+          <span class="mono small">
+            {instant(answer.start).slice(0, 16)} – {instant(answer.stop).slice(0, 16)} UTC
+          </span>
+        )}
+        <Link to={`/campaigns?from=${id}`} class="button">
+          {words.value.plan.one.change}
+        </Link>
+      </div>
+      {error !== null && <Why error={error} again={again} />}
+      {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
+      {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
+      {answer?.choice && <Worth choice={answer.choice} planned={answer.planned} targets={answer.target_count} />}
+      {answer?.choice && answer.choice.warnings.length > 0 && (
+        <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
+          <ul>
+            {answer.choice.warnings.map((warning) => (
+              <li key={warning}>{warning}</li>
+            ))}
+          </ul>
+        </section>
+      )}
+      {fates.length > 0 && (
+        <div class="campaign-seen">
+          <FateMap fates={fates} chosen={chosen} onChoose={setChosen} />
+          <Fates fates={fates} chosen={chosen} onChoose={setChosen} />
+        </div>
+      )}
+      {answer && answer.passes.length > 0 && <Passes passes={answer.passes} />}
+      {request && (
+        <section class="panel take-away" aria-label={words.value.plan.take.title}>
+          <h2>{words.value.plan.take.title}</h2>
+          <Copied name={words.value.plan.take.permalink} content={new URL(address(`/campaigns/${id}`), location.href).href} />
+          <Copied name={words.value.plan.take.request} content={JSON.stringify(request, null, 2)} />
+          <Copied
+            name={words.value.plan.take.curl}
+            content={curl(new URL(address("/"), location.href).href, JSON.stringify(request), "v1/campaigns")}
+          />
+        </section>
+      )}
+    </div>
+  );
+}
+
+function Why({ error, again }: { error: unknown; again: () => void }) {
+  const text = words.value.campaigns;
+  if (error instanceof Cancelled) return <p class="notice" role="status">{text.cancelled}</p>;
+  if (error instanceof Problem && error.status === 404) return <p class="notice" role="status">{text.gone}</p>;
+  const isFinal = error instanceof Problem && error.status < 500 && error.status !== 429;
+  return <ProblemNotice error={error} again={isFinal ? undefined : again} />;
+}

@@ -1,0 +1,39 @@
+/** How much each quality of a view counts in what a look is worth. */
+import { words } from "../../i18n";
+import { Field } from "../../parts/Field";
+import type { CampaignRequest } from "./campaign";
+
+type View = NonNullable<CampaignRequest["view"]>;
+
+const WEIGHTS = ["ground_sample", "off_nadir", "sun", "probability"] as const;
+const UNLESS_GIVEN = { ground_sample: 1, off_nadir: 0, sun: 0, probability: 0 };
+
+export function Weights({ view, onView }: { view: View; onView: (view: View) => void }) {
+  const text = words.value.campaigns;
+  return (
+    <section class="panel" aria-labelledby="campaign-weights">
+      <h2 id="campaign-weights">{text.weights}</h2>
+      <div class="weights">
+        {WEIGHTS.map((name) => (
+          <Field key={name} label={text.weight[name]}>
+            {(control) => (
+              <input
+                {...control}
+                type="number"
+                min={0}
+                max={10}
+                step={0.1}
+                value={view[name] ?? UNLESS_GIVEN[name]}
+                onChange={(event) => {
+                  const weight = event.currentTarget.valueAsNumber;
+                  if (weight >= 0 && weight <= 10) onView({ ...view, [name]: weight });
+                }}
+              />
+            )}
+          </Field>
+        ))}
+      </div>
+      <p class="hint">{text.weightsHint}</p>
+    </section>
+  );
+}

@@ -1,0 +1,82 @@
+/** A campaign's request and answer: where its targets are, and what becomes of each. */
+import { get, type Schemas } from "../../api/client";
+import type { LonLat } from "../../map/places";
+
+export type CampaignRequest = Schemas["CampaignRequest"];
+export type CampaignTarget = Schemas["CampaignTarget"];
+export type Campaign = Schemas["CampaignResponse"];
+export type Choice = Schemas["CampaignChoiceOut"];
+
+export const PATH = "/v1/campaigns/{id}";
+
+export function fetchCampaign(id: string, signal: AbortSignal): Promise<Campaign> {
+  return get(PATH, { id, signal });
+}
+
+/** The request as it was sent. */
+export function fetchRequest(id: string): Promise<CampaignRequest> {
+  return get("/v1/campaigns/{id}/request", { id }) as Promise<CampaignRequest>;
+}
+
+/** chosen: in a plan, or to be; refused: chosen, but not planned; open: not decided yet. */
+export const FATES = ["chosen", "left_out", "unseen", "refused", "open"] as const;
+export type Fate = (typeof FATES)[number];
+
+export interface TargetFate {
+  id: string;
+  fate: Fate;
+  /** On the map; null in space, and for places that aren't found yet. */
+  place: LonLat | null;
+  priority: number;
+  looks: { start: string; stop: string; plan: string; elevation_deg: number | null; quality: number | null; value: number }[];
+  because: string | null;
+  bestElevation_deg: number | null;
+}
+
+export function fatesOf(request: CampaignRequest, campaign: Campaign): TargetFate[] {
+  const { choice } = campaign;
+  const unseen = new Map(choice?.unseen.map((one) => [one.target, one]));
+  const leftOut = new Map(choice?.left_out.map((one) => [one.target, one]));
+  const refused = new Map(campaign.passes.flatMap((one) => one.left_out.map((look) => [look.target, look.because])));
+  const looks = new Map<string, TargetFate["looks"]>();
+  for (const { plan, looks: chosen, problem } of campaign.passes) {
+    for (const { target, start, stop, elevation_deg, quality, value } of chosen) {
+      if (problem) refused.set(target, problem.detail);
+      else {
+        const of = looks.get(target) ?? [];
+        of.push({ start, stop, plan, elevation_deg: elevation_deg ?? null, quality: quality ?? null, value });
+        looks.set(target, of);
+      }
+    }
+  }
+  const places = placesOf(request, choice);
+  return request.targets.map(({ id, priority = 1 }, number) => {
+    const given = looks.get(id) ?? [];
+    const fate: Fate =
+      given.length > 0 ? "chosen" : refused.has(id) ? "refused" : unseen.has(id) ? "unseen" : leftOut.has(id) ? "left_out" : "open";
+    return {
+      id,
+      fate,
+      place: places[number] ?? null,
+      priority,
+      looks: given,
+      because: refused.get(id) ?? unseen.get(id)?.because ?? leftOut.get(id)?.because ?? null,
+      bestElevation_deg: unseen.get(id)?.best_elevation_deg ?? null,
+    };
+  });
+}
+
+/** Where the targets are, in the request's order. */
+export function placesOf(request: CampaignRequest, choice: Choice | null): (LonLat | null)[] {
+  const places = request.targets.map(({ target }): LonLat | null =>
+    target.mode === "ground" ? [target.longitude_deg, target.latitude_deg] : null,
+  );
+  for (const { field, members } of choice?.assumed ?? []) {
+    const number = Number(/^targets\.(\d+)\./.exec(field)?.[1] ?? NaN);
+    const { latitude_deg, longitude_deg } = members as Record<string, unknown>;
+    if (number in places && typeof latitude_deg === "number" && typeof longitude_deg === "number") {
+      places[number] = [longitude_deg, latitude_deg];
+    }
+  }
+  return places;
+}

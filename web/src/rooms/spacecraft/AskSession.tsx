@@ -1,0 +1,163 @@
+/** What a session is asked to image: drawn, dropped as GeoJSON, or written as JSON. */
+import { useEffect, useState } from "preact/hooks";
+
+import eightAreas from "../../../../examples/spacecraft_eight_areas.json";
+import fourModes from "../../../../examples/spacecraft_four_modes.json";
+import stripAndStereo from "../../../../examples/spacecraft_strip_and_stereo.json";
+import { sendOff } from "../../api/job";
+import { Problem } from "../../api/problem";
+import { words } from "../../i18n";
+import { clock } from "../../i18n/forms";
+import { DropZone } from "../../parts/DropZone";
+import { Field } from "../../parts/Field";
+import { OrbitField } from "../../parts/OrbitField";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { RequestText } from "../../parts/RequestText";
+import { UtcField } from "../../parts/UtcField";
+import { go, place } from "../../router";
+import { AskedList } from "./AskedList";
+import { DrawMap } from "./DrawMap";
+import { askedOf, type Asked, askedOfGeoJson, fetchRequest, type SessionRequest } from "./session";
+
+const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
+const NAMES = ["fourModes", "eightAreas", "stripAndStereo"] as const;
+type ExampleName = (typeof NAMES)[number];
+const OBJECTIVES = ["smooth", "minimum_time"] as const;
+const MOST_RUNS = 100;
+
+export function AskSession() {
+  const text = words.value.spacecraft;
+  const [request, setRequest] = useState(EXAMPLES.fourModes);
+  const [wrong, setWrong] = useState<string | null>(null);
+  const [isSending, setIsSending] = useState(false);
+  const [error, setError] = useState<unknown>(null);
+  const from = place.value.query.get("from");
+  useEffect(() => {
+    if (from) fetchRequest(from).then(setRequest, setError);
+  }, [from]);
+  const change = (members: Partial<SessionRequest>) => setRequest({ ...request, ...members });
+  const asked = askedOf(request);
+  const ask = (requests: Asked[]) => change({ requests });
+  const take = async (file: File) => {
+    const read = askedOfGeoJson(await file.text());
+    setWrong(read ? null : text.noGeoJson(file.name));
+    if (!read) return;
+    const names = new Set(read.map((one) => one.name));
+    ask([...asked.filter((one) => !names.has(one.name)), ...read]);
+  };
+  const send = async (what: SessionRequest) => {
+    setError(null);
+    setIsSending(true);
+    try {
+      go(`/spacecraft/plans/${(await sendOff("/v1/spacecraft/plans", what)).id}`);
+    } catch (caught) {
+      setError(caught);
+      setIsSending(false);
+    }
+  };
+  const offered = error instanceof Problem ? error.document : null;
+  return (
+    <div class="room">
+      <h1>{words.value.shell.rooms.spacecraft}</h1>
+      <p>{text.what}</p>
+      <div class="session-ask">
+        <div>
+          <section class="panel" aria-labelledby="session-asked">
+            <div class="row heading">
+              <h2 id="session-asked">
+                {text.asked} <span class="count">{asked.length}</span>
+              </h2>
+              <button type="button" class="plain" disabled={asked.length === 0} onClick={() => ask([])}>
+                {text.removeAll}
+              </button>
+            </div>
+            <AskedList asked={asked} onAsked={ask} />
+            <DropZone label={text.choose} accept=".geojson,.json" onFile={(file) => void take(file)}>
+              <p class="small">{text.drop}</p>
+            </DropZone>
+            {wrong !== null && (
+              <p class="wrong" role="alert">
+                {wrong}
+              </p>
+            )}
+          </section>
+          <section class="panel" aria-labelledby="session-when">
+            <h2 id="session-when">{text.session}</h2>
+            <Field label={text.name}>
+              {(control) => <input {...control} value={request.name ?? ""} onInput={(event) => change({ name: event.currentTarget.value })} />}
+            </Field>
+            <div class="pair">
+              <UtcField label={text.start} value={request.start} onValue={(start) => change({ start })} />
+              <UtcField label={text.stop} value={request.stop} onValue={(stop) => change({ stop })} />
+              <Field label={text.objective}>
+                {(control) => (
+                  <select
+                    {...control}
+                    value={request.objective ?? "smooth"}
+                    onChange={(event) => change({ objective: event.currentTarget.value as SessionRequest["objective"] })}
+                  >
+                    {OBJECTIVES.map((one) => (
+                      <option key={one} value={one}>
+                        {text.objectives[one]}
+                      </option>
+                    ))}
+                  </select>
+                )}
+              </Field>
+              <Field label={text.runs}>
+                {(control) => (
+                  <input
+                    {...control}
+                    type="number"
+                    min={0}
+                    max={MOST_RUNS}
+                    value={request.simulation_runs ?? 4}
+                    onChange={(event) => {
+                      const runs = event.currentTarget.valueAsNumber;
+                      if (runs >= 0 && runs <= MOST_RUNS) change({ simulation_runs: runs });
+                    }}
+                  />
+                )}
+              </Field>
+            </div>
+            <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
+          </section>
+        </div>
+        <div>
+          <DrawMap asked={asked} onAsked={ask} />
+          <div class="panel">
+            <div class="row examples">
+              <span class="small">{text.examples}</span>
+              {NAMES.map((name) => (
+                <button key={name} type="button" class="plain" onClick={() => setRequest(EXAMPLES[name])}>
+                  {text.example[name]}
+                </button>
+              ))}
+            </div>
+            <RequestText
+              request={request}
+              hint={text.jsonHint}
+              rows={12}
+              onRequest={(changed) => setRequest(changed as SessionRequest)}
+            />
+          </div>
+        </div>
+      </div>
+      {error !== null && (
+        <ProblemNotice error={error}>
+          {offered?.earliest_feasible_start && offered.feasible_stop && (
+            <button
+              type="button"
+              onClick={() => change({ start: offered.earliest_feasible_start ?? request.start, stop: offered.feasible_stop ?? request.stop })}
+            >
+              {text.take(clock(offered.earliest_feasible_start), clock(offered.feasible_stop))}
+            </button>
+          )}
+        </ProblemNotice>
+      )}
+      <button type="button" class="primary" disabled={isSending || asked.length === 0} onClick={() => void send(request)}>
+        {text.send}
+      </button>
+    </div>
+  );
+}

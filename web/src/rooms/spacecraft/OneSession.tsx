@@ -1,0 +1,141 @@
+/** One session: whether it may be flown, what it images, how steady and how near to its limits. */
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+
+import { Cancelled } from "../../api/job";
+import { useMade } from "../../api/made";
+import { Problem } from "../../api/problem";
+import { words } from "../../i18n";
+import { digits, number, percent } from "../../i18n/forms";
+import { AtWork } from "../../parts/AtWork";
+import { Link } from "../../parts/Link";
+import { ProblemNotice } from "../../parts/ProblemNotice";
+import { moveTo } from "../../time/playback";
+import { cursor_s } from "../../time/cursor";
+import { type Stretch, TimeBar } from "../../time/TimeBar";
+import { MomentumSphere } from "./MomentumSphere";
+import { fetchSession, fetchView, isSession, PATH, type Session, type SessionView } from "./session";
+import { SessionCharts } from "./SessionCharts";
+import { SessionFiles } from "./SessionFiles";
+import { SessionMap } from "./SessionMap";
+import { LeftOut, Looks, Turns } from "./SessionTables";
+import { stretchesOf } from "./stretches";
+
+export function OneSession({ id }: { id: string }) {
+  const { answer, progress, error, again, cancel } = useMade(PATH, id, fetchSession);
+  const text = words.value.spacecraft;
+  const session = answer && isSession(answer) ? answer : null;
+  return (
+    <div class="room">
+      <div class="row heading">
+        <h1>{answer?.name || words.value.shell.rooms.spacecraft}</h1>
+        <Link to={`/spacecraft?from=${id}`} class="button">
+          {words.value.plan.one.change}
+        </Link>
+      </div>
+      {error !== null && <Why error={error} again={again} />}
+      {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
+      {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
+      {session && <Made session={session} />}
+    </div>
+  );
+}
+
+function Made({ session }: { session: Session }) {
+  const [view, setView] = useState<SessionView | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const [tries, setTries] = useState(0);
+  useEffect(() => {
+    const wanted = new AbortController();
+    setView(null);
+    setError(null);
+    cursor_s.value = 0;
+    fetchView(session.id, wanted.signal).then(setView, (caught: unknown) => wanted.signal.aborted || setError(caught));
+    return () => wanted.abort();
+  }, [session.id, tries]);
+  return (
+    <>
+      <Verdict session={session} />
+      {session.warnings.length > 0 && (
+        <section class="notice notice-warn" aria-label={words.value.plan.one.warnings}>
+          <ul>
+            {session.warnings.map((warning) => (
+              <li key={warning}>{warning}</li>
+            ))}
+          </ul>
+        </section>
+      )}
+      {session.left_out.length > 0 && <LeftOut session={session} />}
+      {error !== null && <ProblemNotice error={error} again={() => setTries(tries + 1)} />}
+      {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
+      {view && <Seen session={session} view={view} />}
+      <Looks session={session} />
+      <Turns session={session} />
+      <SessionFiles id={session.id} assumptions={session.assumptions} />
+    </>
+  );
+}
+
+function Seen({ session, view }: { session: Session; view: SessionView }) {
+  const text = words.value.spacecraft;
+  const box = useRef<HTMLDivElement>(null);
+  const [chosen, setChosen] = useState<Stretch | null>(null);
+  const stretches = useMemo(() => stretchesOf(session, text), [session, text]);
+  const stop_s = view.t_s[view.t_s.length - 1] ?? 0;
+  const looks = stretches.filter((one) => one.kind === "track");
+  const closer = looks.findIndex((one) => one.start_s === chosen?.start_s);
+  return (
+    <div ref={box} role="group" aria-label={text.seen}>
+      <div class="session-seen">
+        <div>
+          <SessionMap view={view} closer={closer < 0 ? null : closer} />
+          <MomentumSphere view={view} />
+        </div>
+        <SessionCharts session={session} view={view} chosen={chosen} onWhole={() => setChosen(null)} />
+      </div>
+      <TimeBar
+        epoch_ms={Date.parse(view.epoch)}
+        stop_s={stop_s}
+        step_s={0.2}
+        stretches={stretches}
+        within={() => box.current}
+        onStretch={(stretch) => {
+          setChosen({ ...stretch });
+          moveTo(stretch.start_s, stop_s);
+        }}
+      />
+    </div>
+  );
+}
+
+function Verdict({ session }: { session: Session }) {
+  const text = words.value.spacecraft;
+  const { passed, findings, momentum_max_n_m_s, gimbal_margin } = session.verification;
+  const { runs, share_steady, worst_deg_s } = session.stabilisation;
+  const { value, bound, proven_optimal } = session.choice;
+  const imaged = session.summary.requests.filter((one) => one.looks > 0).length;
+  return (
+    <div class={`session-verdict ${passed ? "" : "session-verdict-bad"}`} data-testid="session-verdict">
+      <b>{passed ? words.value.plan.one.passed : words.value.plan.one.failed}</b>
+      <span>{text.imaged(imaged, session.summary.requests.length)}</span>
+      <span>{proven_optimal ? text.best : text.worth(digits(value), digits(bound))}</span>
+      {runs > 0 && <span>{text.steady(percent(share_steady, 0), digits(worst_deg_s, 2), runs)}</span>}
+      <span>{text.momentum(number(momentum_max_n_m_s))}</span>
+      <span>{text.gimbalMargin(number(gimbal_margin, 2))}</span>
+      {findings.length > 0 && (
+        <ul>
+          {findings.map((finding) => (
+            <li key={finding}>{finding}</li>
+          ))}
+        </ul>
+      )}
+    </div>
+  );
+}
+
+function Why({ error, again }: { error: unknown; again: () => void }) {
+  const text = words.value.spacecraft;
+  if (error instanceof Cancelled) return <p class="notice" role="status">{words.value.plan.one.cancelled}</p>;
+  if (error instanceof Problem && error.status === 404) return <p class="notice" role="status">{text.gone}</p>;
+  const isFinal = error instanceof Problem && error.status < 500 && error.status !== 429;
+  return <ProblemNotice error={error} again={isFinal ? undefined : again} />;
+}
