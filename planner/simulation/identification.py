@@ -275,10 +275,10 @@ def _fit(search: _Search, start_parameters: Array, own: Indices, axis: int) -> t
         moved[own] = own_parameters
         return search.misses(moved, axis)
 
-    def jacobian(at_parameters: Array) -> Array:
-        here, steps = misses(at_parameters), _DIFFERENCE * np.eye(len(own))
+    def jacobian(own_parameters: Array) -> Array:
+        here, steps = misses(own_parameters), _DIFFERENCE * np.eye(len(own))
         return np.stack(
-            [(misses(at_parameters + step) - here) / _DIFFERENCE for step in steps], axis=1
+            [(misses(own_parameters + step) - here) / _DIFFERENCE for step in steps], axis=1
         )
 
     found = least_squares(
