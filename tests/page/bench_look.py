@@ -134,7 +134,7 @@ def memory(browser: Browser, address: str, plan_ids: list[str], told: str) -> No
         # Not by wait_for_selector: the handle it returns would keep the chart.
         page.wait_for_function(ANEW)
         if has_globe:
-            page.wait_for_function("document.querySelector('[data-state=there]') !== null")
+            page.wait_for_function("() => document.querySelector('[data-state=there]') !== null")
         if number % 10 == 0 or number == 1:
             session.send("HeapProfiler.collectGarbage")
             heap = session.send("Runtime.getHeapUsage")["usedSize"] / 2**20
