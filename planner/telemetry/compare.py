@@ -26,7 +26,7 @@ from planner.telemetry.following import (
     spikes_of_rates,
 )
 from planner.telemetry.motion import PlannedMotion
-from planner.telemetry.oscillations import Oscillation, oscillations
+from planner.telemetry.oscillations import Oscillation, oscillations, searched_hz
 from planner.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
 from planner.telemetry.search import OFFSET_MAX_S, in_units
 from planner.telemetry.stick_slip import StickSlip, stick_slip
@@ -39,7 +39,8 @@ _TAG_MAX_S, _VALUE_MAX = 1e10, 1e9
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AxisComparison:
-    """What one axis did.  lag_s: see `Alignment.lags_s`."""
+    """What one axis did.  lag_s: see `Alignment.lags_s`.  oscillations_searched_hz: lowest and
+    highest frequency; None where the samples are too few."""
 
     name: str
     followed: Followed
@@ -47,6 +48,7 @@ class AxisComparison:
     lag_s: Estimate
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
+    oscillations_searched_hz: tuple[float, float] | None
     stick_slip: tuple[StickSlip, ...]
     limits_exceeded: tuple[Exceeded, ...]
     limits_checked: tuple[Limit, ...]
@@ -260,6 +262,7 @@ def _axes(
                 lag_s=lag_s,
                 phases=tuple(phases(followed, plan.segments)),
                 oscillations=tuple(oscillations(followed)),
+                oscillations_searched_hz=searched_hz(followed),
                 stick_slip=tuple(stick_slip(followed)),
                 limits_exceeded=tuple(exceeded),
                 limits_checked=tuple(checked),

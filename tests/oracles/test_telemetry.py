@@ -14,6 +14,7 @@ from other_platform import Clock, Drive
 
 import slewtrack
 from planner.platforms import AxisDrive
+from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.parameters import platform_found
 
 ARCSEC = np.radians(1.0 / 3600.0)
@@ -213,3 +214,64 @@ def test_uneven_tags_are_no_acceleration(tmp_path):
     for one in found.axes:
         assert "acceleration" in one.limits_checked
         assert one.limits_exceeded == ()
+
+
+def swinging(frequency_hz, rate_hz, amplitude_arcsec=60.0):
+    """Beta swings from 20 to 205 s."""
+    plan = planned()
+    t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
+    noise_deg = np.random.default_rng(3).normal(0.0, 2.0 / 3600.0, (2, len(t_s)))
+    alpha_deg, beta_deg = (
+        np.degrees(PlannedMotion(plan.table, axis).angle_rad(t_s)) + noise_deg[axis]
+        for axis in (0, 1)
+    )
+    swings = (t_s > 20.0) & (t_s < 205.0)
+    beta_deg += swings * amplitude_arcsec / 3600.0 * np.sin(2.0 * np.pi * frequency_hz * t_s)
+    return csv_of(t_s, alpha_deg, beta_deg)
+
+
+def csv_of(t_s, alpha_deg, beta_deg):
+    rows = zip(t_s, alpha_deg, beta_deg, strict=True)
+    text = [f"{t:.6f},{alpha:.9f},{beta:.9f}" for t, alpha, beta in rows]
+    return "\n".join(["t_s,alpha_deg,beta_deg", *text]).encode()
+
+
+@pytest.mark.parametrize("rate_hz", [5.0, 15.0])
+@pytest.mark.parametrize("frequency_hz", [0.08, 0.1, 0.13, 0.16, 0.17, 0.5, 1.7, 2.0])
+def test_swings_between_a_tenth_and_two_hertz_are_found(frequency_hz, rate_hz):
+    found = compared(swinging(frequency_hz, rate_hz))
+    beta = axis(found, "beta")
+    [one] = beta.oscillations
+    assert one.frequency_hz == pytest.approx(frequency_hz, rel=0.01)
+    assert one.amplitude_rad == pytest.approx(60.0 * ARCSEC, rel=0.05)
+    assert one.start_s == pytest.approx(20.0, abs=2.0 / frequency_hz)
+    assert one.stop_s == pytest.approx(205.0, abs=2.0 / frequency_hz)
+    low_hz, high_hz = beta.oscillations_searched_hz
+    assert low_hz < 0.07
+    assert 0.43 * rate_hz < high_hz < 0.5 * rate_hz
+    assert axis(found, "alpha").oscillations == beta.limits_exceeded == ()
+
+
+def test_noise_is_no_swing():
+    for seed in range(100):
+        content = noisy(seed, rate_hz=5.0 if seed % 2 else 15.0)
+        assert [one.oscillations for one in compared(content).axes] == [(), ()]
+
+
+def test_a_stretch_too_short_for_a_swing_says_so():
+    header, *rows = swinging(0.5, 5.0).splitlines()
+    found = compared(b"\n".join([header, *rows[500:525]]))
+    assert axis(found, "beta").oscillations_searched_hz is None
+
+
+def noisy(seed, rate_hz=15.0, late_s=(0.0, 0.0), clock=Clock(0.37, 0.0)):  # noqa: B008
+    """2 arcsec, each axis later than its plan by so much."""
+    plan = planned()
+    t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
+    chance = np.random.default_rng(seed)
+    angles_deg = [
+        np.degrees(PlannedMotion(plan.table, number).angle_rad(t_s - late_s[number]))
+        + chance.normal(0.0, 2.0 / 3600.0, len(t_s))
+        for number in (0, 1)
+    ]
+    return csv_of(clock.offset_s + (1.0 + clock.drift) * t_s, *angles_deg)
