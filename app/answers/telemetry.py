@@ -190,7 +190,7 @@ class AxisComparisonOut:
     mean_arcsec: of all errors.
     lag_s: how much later the axis moves than the other one; what both are late by can't be told
     from the clock, and is in `time_offset_s`.
-    lag_sigma_s: its 1-sigma error.
+    lag_sigma_s: 1-sigma error of the axes' difference.
     phases: segment by segment of the table.
     oscillations: in order of time, at most 1,000.
     oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
