@@ -31,7 +31,7 @@ _HUBER = 2.0  # sigmas; beyond them an error counts by its size, not its square
 _ROUNDS_MAX = 40
 _SCALE_MIN = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
 _BLOCKS = 40  # of time: errors within one may go together, and the sigmas tell it
-_LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
+LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -112,7 +112,7 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     ends = np.zeros(len(told))
     ends[[last, first]] = 1.0, -1.0  # an axis alone: its own error
     apart_sigma_s = float(np.sqrt(ends @ covariance_s2 @ ends))
-    fit, place = (each, first) if late_s.max() > _LATE_SIGMA * apart_sigma_s else (shared, 0)
+    fit, place = (each, first) if late_s.max() > LATE_SIGMA * apart_sigma_s else (shared, 0)
     lags_s: list[Estimate | None] = [None] * axes
     for axis, value_s in zip(told, late_s.tolist(), strict=True):
         lags_s[axis] = Estimate(value_s, apart_sigma_s)

@@ -13,6 +13,7 @@ from flown_las_vegas import PERFECT, planned, telemetry
 from other_platform import Clock, Drive
 
 import slewtrack
+from planner.errors import InvalidInput
 from planner.platforms import AxisDrive
 from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.parameters import platform_found
@@ -146,6 +147,74 @@ def test_sigmas_of_a_lag_are_honest_over_many_flights(late_s):
     sums = np.sum(np.square(told), axis=0)
     assert (sums > 13.0).all()
     assert (sums < 56.0).all()
+
+
+def flown_deg(rate_hz=15.0, seed=1):
+    """Tags 0.37 s ahead, and the angles as planned, with 2 arcsec of noise."""
+    rows = [line.split(b",") for line in noisy(seed, rate_hz).splitlines()[1:]]
+    return np.array(rows, dtype=float).T
+
+
+STRAYS = {
+    "swapped": (lambda t, a, b: (t, b, a), "names are swapped"),
+    "turned round": (lambda t, a, b: (t, -a, -b), "sign changed"),
+    "chance": (lambda t, a, b: (t, *random_deg(len(t))), "nothing of the plan's motion"),
+    "a random walk": (
+        lambda t, a, b: (t, *np.cumsum(random_deg(len(t)) / 100.0, axis=1)),
+        "nothing of the plan's motion",
+    ),
+    "zeros": (lambda t, a, b: (t, 0.0 * a, 0.0 * b), "they stay at 0 from"),
+    "125 s ahead": (lambda t, a, b: (t + 125.0, a, b), "125.4 s ahead of the plan's"),
+    "150 s behind": (lambda t, a, b: (t - 150.0, a, b), "nothing of the plan's motion"),
+    "another pace": (lambda t, a, b: (2.0 * t, a, b), "nothing of the plan's motion"),
+}
+
+
+def random_deg(count):
+    return np.random.default_rng(5).uniform(-60.0, 60.0, (2, count))
+
+
+@pytest.mark.parametrize("name", STRAYS)
+def test_columns_that_hold_nothing_of_the_plan_are_refused(name):
+    change, words = STRAYS[name]
+    with pytest.raises(InvalidInput, match=words):
+        compared(csv_of(*change(*flown_deg())))
+
+
+@pytest.mark.parametrize("offset_s", [-119.9, 119.9])
+def test_clocks_up_to_the_bound_are_found(offset_s):
+    t_s, alpha_deg, beta_deg = flown_deg()
+    found = compared(csv_of(t_s - 0.37 + offset_s, alpha_deg, beta_deg))
+    assert found.alignment.offset_s.value == pytest.approx(offset_s, abs=0.005)
+
+
+@pytest.mark.parametrize("jump_s", [1.0, -1.0, 0.1])
+def test_a_jump_of_the_clock_is_told_where_and_by_how_much(jump_s):
+    t_s, alpha_deg, beta_deg = flown_deg()
+    found = compared(csv_of(t_s + jump_s * (t_s > 115.0), alpha_deg, beta_deg))
+    [note] = [note for note in found.notes if "jumps" in note]
+    assert float(note.split("about ")[1].split(" s")[0]) == pytest.approx(jump_s, rel=0.05)
+    assert "2015-02-27T17:35:5" in note  # 17:35:54.63 by the plan's clock
+
+
+def test_outliers_too_many_to_be_left_out_are_counted():
+    t_s, *angles_deg = flown_deg()
+    chance = np.random.default_rng(2)
+    hit = chance.random(len(t_s)) < 0.35
+    bad = [one + 5.0 * hit * chance.standard_normal(len(t_s)) for one in angles_deg]
+    notes = " ".join(compared(csv_of(t_s, *bad)).notes)
+    for name in ("alpha", "beta"):
+        told, share = notes.split(f" rows of {name} (")
+        assert int(told.split()[-3]) == pytest.approx(hit.sum(), rel=0.03)
+        assert share.startswith("35 %")
+
+
+def test_errors_beyond_the_noise_are_told_and_noise_is_not():
+    t_s, alpha_deg, beta_deg = flown_deg()
+    found = compared(csv_of(t_s, alpha_deg + 0.1, beta_deg))
+    [note] = [note for note in found.notes if "noise" in note]
+    assert note.startswith("alpha is 360 arcsec rms off")
+    assert len(compared(csv_of(t_s, alpha_deg, beta_deg)).notes) == 1  # which epoch was taken
 
 
 def test_a_rate_beyond_its_limit_is_told(tmp_path):
