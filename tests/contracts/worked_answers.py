@@ -185,7 +185,8 @@ def _asked_at_once(answers: Answers) -> None:
     answers.ask("POST", "/v1/horizon/estimates", data=request, files=files)
     [plan] = answers.client.get("/v1/plans", params={"state": "done", "limit": 1}).json()["plans"]
     compared = COMPARISON_EXAMPLES["angles"][1] | {"plan": plan["id"]}
-    answers.ask("POST", "/v1/telemetry/comparisons", json=compared)
+    for headers in ({}, {"Accept": "image/svg+xml"}):
+        answers.ask("POST", "/v1/telemetry/comparisons", json=compared, headers=headers)
 
 
 def _searched(answers: Answers, path: str, request: dict[str, Any]) -> None:

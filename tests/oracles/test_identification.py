@@ -48,7 +48,8 @@ def test_angles_tell_the_drive(flown_by_scipy):
     noise = 0.15 * ARCSEC * np.random.default_rng(1).standard_normal(angle_rad.shape)
     found = identify(table, ISS_HRC, t_s, angle_rad + noise, None, NAMES)
     np.testing.assert_allclose(found.parameters, truth(drives), rtol=0.03)
-    assert np.all(found.residual_rad < 0.3 * ARCSEC)
+    # The noise, and what parameters within 3 % move an axis by.
+    assert np.all(found.residual_rad < 3.0 * 0.15 * ARCSEC)
     assert np.all(np.isnan(found.residual_rad_s))
     assert found.drives[0].coulomb_deg_s2 == found.parameters[0]
     assert found.drives[0].breakaway_deg_s2 == pytest.approx(2.0 * found.parameters[0])

@@ -64,7 +64,15 @@ async ([shift, lasting_ms]) => {
 """
 
 GO_TO = """
-path => { history.pushState(null, "", path); dispatchEvent(new PopStateEvent("popstate")); }
+path => {
+  document.querySelector(".chart canvas").dataset.old = "";
+  history.pushState(null, "", path);
+  dispatchEvent(new PopStateEvent("popstate"));
+}
+"""
+
+ANEW = """
+() => document.querySelector(".chart canvas") && !document.querySelector(".chart canvas[data-old]")
 """
 
 
@@ -122,14 +130,11 @@ def memory(browser: Browser, address: str, plan_ids: list[str], told: str) -> No
     has_globe = page.locator(".look-globe").count() > 0
     for number in range(1, PLANS + 1):
         plan_id = plan_ids[number % len(plan_ids)]
-        page.evaluate(
-            GO_TO,
-            f"/plans/{plan_id}",
-        )
-        page.wait_for_selector(".chart canvas", state="detached")
-        page.wait_for_selector(".chart canvas")
+        page.evaluate(GO_TO, f"/plans/{plan_id}")
+        # Not by wait_for_selector: the handle it returns would keep the chart.
+        page.wait_for_function(ANEW)
         if has_globe:
-            page.wait_for_selector("[data-state=there]")
+            page.wait_for_function("document.querySelector('[data-state=there]') !== null")
         if number % 10 == 0 or number == 1:
             session.send("HeapProfiler.collectGarbage")
             heap = session.send("Runtime.getHeapUsage")["usedSize"] / 2**20

@@ -146,7 +146,7 @@ def is_page(scope: Scope) -> bool:
     is_one = (
         path in PAGES
         or path.startswith((PAGE_FILES, BUILT_FILES))
-        or path.split("/")[1] in PAGE_ROOMS
+        or path.removeprefix("/").split("/")[0] in PAGE_ROOMS
     )
     return scope["method"] in ("GET", "HEAD") and is_one
 

@@ -1,10 +1,10 @@
 /** One plan: its verdict, what it looks like, what can be taken away; or why there is none. */
-import { lazy, Suspense } from "preact/compat";
+import type { ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
 
 import { remove } from "../../api/client";
 import { Cancelled, type Progress, untilDone } from "../../api/job";
-import { Problem } from "../../api/problem";
+import { NoAnswer, Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
@@ -17,8 +17,6 @@ import "./one.css";
 import { TakeAway } from "./TakeAway";
 import { Verdict } from "./Verdict";
 
-const Look = lazy(() => import("../look/Look"));
-
 export default function PlanRoom({ params }: RoomProps) {
   const id = params.id ?? "";
   const text = words.value;
@@ -26,6 +24,10 @@ export default function PlanRoom({ params }: RoomProps) {
   const [progress, setProgress] = useState<Progress | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [tries, setTries] = useState(0);
+  const [Look, setLook] = useState<ComponentType<{ plan: Plan }> | null>(null);
+  useEffect(() => {
+    import("../look/Look").then((module) => setLook(() => module.default), (caught) => setError(new NoAnswer(String(caught))));
+  }, [tries]);
   useEffect(() => {
     const wanted = new AbortController();
     setPlan(null);
@@ -72,11 +74,7 @@ export default function PlanRoom({ params }: RoomProps) {
         </Link>
       </div>
       <Verdict plan={plan} />
-      <Suspense fallback={<p class="loading">{text.shell.loading}</p>}>
-        <div class="no-print">
-          <Look plan={plan} />
-        </div>
-      </Suspense>
+      <div class="no-print">{Look ? <Look plan={plan} /> : <p class="loading">{text.shell.loading}</p>}</div>
       <div class="one-below">
         <div>
           <Figures plan={plan} />
