@@ -113,6 +113,6 @@ def _rows(axes: Sequence[Followed]) -> tuple[Array, Array, Array]:
     return table[:, 0], table[:, 1], table[:, 2:]
 
 
-def _squares(design: Array, error_rad: Array) -> tuple[float, Array]:
-    parts = np.linalg.lstsq(design, error_rad, rcond=None)[0]
-    return float(np.sum((error_rad - design @ parts) ** 2)), parts
+def _squares(slope_matrix: Array, error_rad: Array) -> tuple[float, Array]:
+    parts = np.asarray(np.linalg.lstsq(slope_matrix, error_rad, rcond=None)[0], dtype=np.float64)
+    return float(np.sum((error_rad - slope_matrix @ parts) ** 2)), parts
