@@ -5,7 +5,7 @@ from pathlib import Path
 
 from numpy.typing import NDArray
 
-from planner.opportunities.request import HRC_PIXEL_ARCSEC
+from planner.platforms.camera import HRC_PIXEL_ARCSEC
 from planner.sessions.plan import Plan
 from planner.view.targets import TargetTrack
 from planner.view.view import PlanView, view_plan

@@ -74,18 +74,18 @@ def test_work_shows_its_progress_and_can_be_cancelled(open_page, service):
         }
         for latitude, longitude in places
     ]
-    campaign["name"] = "Long work"
+    campaign["name"] = "Long work to cancel"
     sent = httpx.post(
         f"{service.address}/v1/campaigns", json=campaign, headers={"Prefer": "respond-async"}
     )
     assert sent.status_code == 202, sent.text
     page = open_page("/plans")
     page.get_by_label("Show", exact=True).select_option("campaigns")
-    row = page.locator("tbody tr").filter(has_text="Long work")
+    row = page.locator("tbody tr").filter(has_text="Long work to cancel")
     expect(row.get_by_role("progressbar")).to_be_visible()
-    row.get_by_role("button", name="Cancel Long work").click()
+    row.get_by_role("button", name="Cancel Long work to cancel").click()
     expect(row).to_contain_text("cancelled")
-    expect(row.get_by_role("button", name="Delete Long work")).to_be_visible()
+    expect(row.get_by_role("button", name="Delete Long work to cancel")).to_be_visible()
 
 
 def test_a_lost_connection_is_told_and_recovered_from(open_page, plans):

@@ -70,6 +70,7 @@ def test_keys_move_the_cursor_and_play(open_page, las_vegas):
     page = open_page(las_vegas)
     slider = page.get_by_label("Time of the cursor")
     expect(slider).to_have_value("0")
+    expect(page.locator(".chart canvas").first).to_be_visible()
     page.keyboard.press("ArrowRight")
     expect(slider).to_have_value("1")
     page.keyboard.press("Shift+ArrowRight")

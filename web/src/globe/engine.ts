@@ -139,8 +139,11 @@ export async function openGlobe(
 function draw(scene: CesiumWidget["scene"], lines: readonly Line[], color: Color, width: number): void {
   if (scene.isDestroyed()) return;
   const drawn = scene.primitives.add(new PolylineCollection()) as PolylineCollection;
-  const material = Material.fromType("Color", { color });
-  for (const line of lines) drawn.add({ positions: Cartesian3.fromDegreesArray(line.flat()), width, material });
+  for (const line of lines) {
+    // Its own: a line takes its material with it when it is destroyed.
+    const material = Material.fromType("Color", { color });
+    drawn.add({ positions: Cartesian3.fromDegreesArray(line.flat()), width, material });
+  }
   scene.requestRender();
 }
 

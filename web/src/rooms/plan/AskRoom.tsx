@@ -35,12 +35,16 @@ export default function AskRoom(_: RoomProps) {
   useEffect(() => keepSearching(), []);
   const from = place.value.query.get("from");
   const isRevision = place.value.query.has("revises"); // of a plan that was made
+  const [isLoading, setIsLoading] = useState(from !== null);
   useEffect(() => {
     if (!from) return;
-    get("/v1/plans/{id}/request", { id: from, signal: work.current.signal }).then(
-      (asked) => draft.load(asked as unknown as PlanRequest, isRevision ? from : null),
-      (error: unknown) => isAbort(error) || setLoadError(error),
-    );
+    setIsLoading(true);
+    get("/v1/plans/{id}/request", { id: from, signal: work.current.signal })
+      .then(
+        (asked) => draft.load(asked as unknown as PlanRequest, isRevision ? from : null),
+        (error: unknown) => isAbort(error) || setLoadError(error),
+      )
+      .finally(() => setIsLoading(false));
   }, [from]);
 
   const plan = async () => {
@@ -65,6 +69,7 @@ export default function AskRoom(_: RoomProps) {
     }
   };
   const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
+  if (isLoading) return <p class="loading">{text.shell.loading}</p>;
   return (
     <div class="room ask">
       <h1 class="hidden">{text.shell.rooms.plan}</h1>
