@@ -190,9 +190,11 @@ class AxisComparisonOut:
     mean_arcsec: of all errors.
     lag_s: how much later the axis moves than the other one; what both are late by can't be told
     from the clock, and is in `time_offset_s`.
-    lag_sigma_s: its 1-sigma error.
+    lag_sigma_s: 1-sigma error of the axes' difference.
     phases: segment by segment of the table.
     oscillations: in order of time, at most 1,000.
+    oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
+    to tell of; null where they are too few. E.g. `[0.067, 6.8]`.
     stick_slip: stretches in order of time, at most 1,000.
     limits_exceeded: stretches in order of time, at most 1,000.
     limits_checked: limits that the samples are fine enough to tell of.
@@ -207,6 +209,7 @@ class AxisComparisonOut:
     lag_sigma_s: NotNegative
     phases: list[PhaseErrorsOut]
     oscillations: list[OscillationOut]
+    oscillations_searched_hz: list[NotNegative] | None
     stick_slip: list[StickSlipOut]
     limits_exceeded: list[ExceededOut]
     limits_checked: list[Limit]
@@ -367,6 +370,7 @@ def _axis(comparison: Comparison, axis: AxisComparison) -> AxisComparisonOut:
             )
             for one in axis.oscillations[:_LIST_MAX]
         ],
+        oscillations_searched_hz=_rounded(axis.oscillations_searched_hz),
         stick_slip=[
             StickSlipOut(
                 slips=one.slips,
@@ -380,6 +384,10 @@ def _axis(comparison: Comparison, axis: AxisComparison) -> AxisComparisonOut:
         limits_exceeded=[_exceeded(comparison, one) for one in axis.limits_exceeded[:_LIST_MAX]],
         limits_checked=list(axis.limits_checked),
     )
+
+
+def _rounded(band_hz: tuple[float, float] | None) -> list[float] | None:
+    return None if band_hz is None else [round(one, 6) for one in band_hz]
 
 
 def _phase(comparison: Comparison, phase: PhaseErrors) -> PhaseErrorsOut:

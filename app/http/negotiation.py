@@ -45,11 +45,11 @@ async def json_body(request: Request) -> bytes:
     return await whole_body(request, request.app.state.settings.max_body_bytes)
 
 
-async def whole_body(request: Request, limit: int) -> bytes:
+async def whole_body(request: Request, limit: int, way_out: str = "") -> bytes:
     """The body; refused with 413 before more than `limit` bytes of it are kept."""
     declared = request.headers.get("content-length", "")
     too_long = HTTPException(
-        HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request may have {limit} bytes at most"
+        HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a request may have {limit} bytes at most{way_out}"
     )
     if declared.isdecimal() and int(declared[:20]) > limit:
         raise too_long

@@ -23,7 +23,11 @@ async def telemetry_body(request: Request) -> tuple[str, bytes]:
     media_type = request.headers.get("content-type", "").split(";")[0].strip().lower()
     settings = request.app.state.settings
     if media_type == JSON:
-        return media_type, await whole_body(request, settings.max_body_bytes)
+        return media_type, await whole_body(
+            request,
+            settings.max_body_bytes,
+            f"; send more samples as CSV by {MULTIPART}, up to {settings.max_upload_bytes} bytes",
+        )
     if media_type == MULTIPART:
         return media_type, await whole_body(request, settings.max_upload_bytes)
     raise HTTPException(
@@ -72,7 +76,11 @@ async def _of_form(form: FormData) -> SentTelemetry:
                 raise _unreadable("samples", "is needed once: one CSV file")
             file = content
         else:
-            raise _unreadable(name[:80], "is no part of this request; send request and samples")
+            raise _unreadable(
+                name[:80],
+                "is no part of this request; send samples, and request "
+                "(or plan, and epoch where it isn't the plan's)",
+            )
     if file is None:
         raise _unreadable("samples", "is needed: a CSV file")
     return SentTelemetry(request=read_comparison_head(_head(fields)), samples=file)

@@ -38,7 +38,8 @@ class TelemetrySamples:
     them is told.
 
     epoch: from which t_s counts; unless given, the plan's; UTC. E.g. `"2015-02-27T17:34:00Z"`.
-    t_s: time tags, at most 400,000. E.g. `[100.0, 100.2, 100.4]`.
+    t_s: time tags, at most 400,000; where JSON of so many is too long for a request, send CSV by
+    multipart. E.g. `[100.0, 100.2, 100.4]`.
     utc: time tags instead of t_s; UTC. E.g. `["2015-02-27T17:35:40.000Z"]`.
     """
 

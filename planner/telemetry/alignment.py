@@ -10,7 +10,7 @@ they share.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -31,7 +31,7 @@ _HUBER = 2.0  # sigmas; beyond them an error counts by its size, not its square
 _ROUNDS_MAX = 40
 _SCALE_MIN = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
 _BLOCKS = 40  # of time: errors within one may go together, and the sigmas tell it
-_LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
+LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,7 +74,8 @@ class Estimate:
 @dataclass(frozen=True, kw_only=True)
 class Alignment:
     """offset_s, drift: of the telemetry's clock at the table's epoch.  lags_s: by axis, how much
-    later it moves than the earlier one of them; None where an axis has no samples.
+    later it moves than the earlier one of them, with the error of the difference; None where an
+    axis has no samples.
     """
 
     offset_s: Estimate
@@ -88,66 +89,59 @@ class Alignment:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """parameters: offset, drift, then each channel's own.  covariance_parameters: of them."""
+    """parameters: drift, the offsets, then each channel's own.  covariance_parameters: of them."""
 
     parameters: Array
     covariance_parameters: Array
 
 
 def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alignment:
-    """Offset and drift that the channels share, and how much later one axis is."""
+    """Offset and drift that the channels share, and how much later one axis is.
+
+    A drive may be late and never early: where the axes clearly differ, the earlier one has the
+    clock's offset, and the drift is that which suits the axes with an offset each.
+    """
     starts = dict.fromkeys((start_offset_s, 0.0))
-    fit = min((_fit(channels, start) for start in starts), key=lambda one: _cost(channels, one))
-    return _with_lags(channels, fit, axes)
-
-
-def _with_lags(channels: Sequence[Channel], fit: _Fit, axes: int) -> Alignment:
-    """The axes one by one: a drive may be late and never early."""
-    offset, drift = fit.parameters[:2]
-    sigma_s, drift_sigma = np.sqrt(np.diag(fit.covariance_parameters)[:2])
-    late: list[Estimate | None] = []
-    for axis in range(axes):
-        own = [channel for channel in channels if channel.motion.axis == axis]
-        late.append(_late(own, fit) if own else None)
-    known = [one for one in late if one is not None]
-    first_s = min(one.value for one in known)
-    spread_s = max(one.value for one in known) - first_s
-    if spread_s > _LATE_SIGMA * math.hypot(*(one.sigma for one in known)):
-        sigma_s = max(sigma_s, min(known, key=lambda one: one.value).sigma)
-        offset += first_s
-        late = [one and replace(one, value=one.value - first_s) for one in late]
+    shared = min((_fit(channels, start) for start in starts), key=lambda one: _cost(channels, one))
+    told = sorted({channel.motion.axis for channel in channels})
+    each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
+    offsets_s = each.parameters[1 : 1 + len(told)]
+    covariance_s2 = each.covariance_parameters[1 : 1 + len(told), 1 : 1 + len(told)]
+    late_s = offsets_s - offsets_s.min()
+    first, last = int(np.argmin(offsets_s)), int(np.argmax(offsets_s))
+    ends = np.zeros(len(told))
+    ends[[last, first]] = 1.0, -1.0  # an axis alone: its own error
+    apart_sigma_s = float(np.sqrt(ends @ covariance_s2 @ ends))
+    fit, place = (each, first) if late_s.max() > LATE_SIGMA * apart_sigma_s else (shared, 0)
+    lags_s: list[Estimate | None] = [None] * axes
+    for axis, value_s in zip(told, late_s.tolist(), strict=True):
+        lags_s[axis] = Estimate(value_s, apart_sigma_s)
+    sigma = np.sqrt(np.diag(fit.covariance_parameters))
     return Alignment(
-        offset_s=Estimate(float(offset), float(sigma_s)),
-        drift=Estimate(float(drift), float(drift_sigma)),
-        lags_s=tuple(late),
+        offset_s=Estimate(float(fit.parameters[1 + place]), float(sigma[1 + place])),
+        drift=Estimate(float(fit.parameters[0]), float(sigma[0])),
+        lags_s=tuple(lags_s),
     )
 
 
-def _late(own: Sequence[Channel], fit: _Fit) -> Estimate:
-    """Against the offset of all, their drift taken as it is."""
-    fixed = [
-        replace(channel, tag_s=(channel.tag_s - fit.parameters[0]) / (1.0 + fit.parameters[1]))
-        for channel in own
-    ]
-    alone = _fit(fixed, 0.0, drift_sigma=1e-12)
-    return Estimate(float(alone.parameters[0]), float(np.sqrt(alone.covariance_parameters[0, 0])))
-
-
 def _fit(
-    channels: Sequence[Channel], start_offset_s: float, drift_sigma: float = DRIFT_SIGMA
+    channels: Sequence[Channel], start_offset_s: float, axes_apart: Sequence[int] = ()
 ) -> _Fit:
+    """axes_apart: those that have an offset each; none: all share one."""
     nuisance_sigma = [sigma for channel in channels for sigma in channel.nuisance_sigma]
-    prior_weights = 1.0 / np.array([_OFFSET_SIGMA_S, drift_sigma, *nuisance_sigma]) ** 2
+    clocks = max(len(axes_apart), 1)
+    offset_sigmas_s = [_OFFSET_SIGMA_S] * clocks
+    prior_weights = 1.0 / np.array([DRIFT_SIGMA, *offset_sigmas_s, *nuisance_sigma]) ** 2
     parameters = np.zeros(len(prior_weights))
-    parameters[0] = start_offset_s
-    places = _places(channels)
+    parameters[1 : 1 + clocks] = start_offset_s
+    places = _places(channels, axes_apart)
     for channel, columns in zip(channels, places, strict=True):
         off, _ = _residual(channel, parameters, columns)
         parameters[columns[2]] = np.median(off) if len(off) else 0.0
     scale_by_channel = np.full(len(channels), np.inf)
     for _ in range(_ROUNDS_MAX):
         normal, right_parameters = np.diag(prior_weights), -prior_weights * parameters
-        right_parameters[0] = 0.0  # nothing is known of the offset beforehand
+        right_parameters[1 : 1 + clocks] = 0.0  # nothing is known of offsets beforehand
         for number, (channel, columns) in enumerate(zip(channels, places, strict=True)):
             residual, slope = _residual(channel, parameters, columns)
             scale_by_channel[number] = _scale(residual)
@@ -156,25 +150,31 @@ def _fit(
             right_parameters[columns] += weighted.T @ residual
         step = _solve(normal, right_parameters)
         parameters = parameters + step
-        if abs(step[0]) < 1e-9 and abs(step[1]) < 1e-13:
+        if abs(step[0]) < 1e-13 and np.abs(step[1 : 1 + clocks]).max() < 1e-9:
             break
-    return _Fit(parameters, _covariance(channels, parameters, scale_by_channel, prior_weights))
+    covariance = _covariance(channels, places, parameters, scale_by_channel, prior_weights)
+    return _Fit(parameters, covariance)
 
 
-def _places(channels: Sequence[Channel]) -> list[Indices]:
-    """Of each channel the parameters it hangs on: the clock's, then its own."""
-    ends = 2 + np.cumsum([0, *(len(channel.nuisance_sigma) for channel in channels)])
-    return [np.array([0, 1, *range(first, last)]) for first, last in pairwise(ends.tolist())]
+def _places(channels: Sequence[Channel], axes_apart: Sequence[int] = ()) -> list[Indices]:
+    """Of each channel the parameters it hangs on: drift and offset, then its own."""
+    counts = [len(channel.nuisance_sigma) for channel in channels]
+    ends = 1 + max(len(axes_apart), 1) + np.cumsum([0, *counts])
+    return [
+        np.array([0, 1 + (axes_apart.index(channel.motion.axis) if axes_apart else 0), *own])
+        for channel, own in zip(channels, (range(*e) for e in pairwise(ends.tolist())), strict=True)
+    ]
 
 
 def _residual(channel: Channel, parameters: Array, columns: Indices) -> tuple[Array, Array]:
     """What is left of the rows within the table, and by what it falls, (n, k)."""
-    t_s = (channel.tag_s - parameters[0]) / (1.0 + parameters[1])
+    drift, offset_s = parameters[columns[:2]]
+    t_s = (channel.tag_s - offset_s) / (1.0 + drift)
     inside = channel.motion.is_within(t_s)
     t_s = t_s[inside]
     planned, change = channel.planned(t_s)
     nuisance = channel.nuisance(t_s)
-    slope = np.column_stack([-change, -change * t_s, nuisance])
+    slope = np.column_stack([-change * t_s, -change, nuisance])
     return channel.value[inside] - planned - nuisance @ parameters[columns[2:]], slope
 
 
@@ -199,7 +199,11 @@ def _solve(normal: Array, right_parameters: Array) -> Array:
 
 
 def _covariance(
-    channels: Sequence[Channel], parameters: Array, scale_by_channel: Array, prior_weights: Array
+    channels: Sequence[Channel],
+    places: Sequence[Indices],
+    parameters: Array,
+    scale_by_channel: Array,
+    prior_weights: Array,
 ) -> Array:
     """Of white errors, or of errors that go together within a block of time where that is more.
 
@@ -208,7 +212,7 @@ def _covariance(
     normal = np.diag(prior_weights)
     scores = np.zeros((_BLOCKS, len(parameters)))
     spread = np.zeros_like(normal)
-    for channel, columns, scale in zip(channels, _places(channels), scale_by_channel, strict=True):
+    for channel, columns, scale in zip(channels, places, scale_by_channel, strict=True):
         residual, slope = _residual(channel, parameters, columns)
         if not len(residual):
             continue
@@ -225,7 +229,8 @@ def _covariance(
     white, clustered = (
         inverse @ (np.diag(prior_weights) + middle) @ inverse for middle in (spread, together)
     )
-    return white if white[0, 0] > clustered[0, 0] else clustered
+    grown = np.sqrt(np.maximum(np.diag(white) / np.diag(clustered), 1.0))
+    return np.asarray(clustered * np.outer(grown, grown))
 
 
 def _cost(channels: Sequence[Channel], fit: _Fit) -> float:

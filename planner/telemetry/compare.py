@@ -10,7 +10,7 @@ from planner.arrays import Array, Mask
 from planner.errors import InvalidInput
 from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.telemetry.alignment import Alignment, Channel, Estimate, align
+from planner.telemetry.alignment import LATE_SIGMA, Alignment, Channel, Estimate, align
 from planner.telemetry.cleaning import order
 from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
 from planner.telemetry.exceeded import Exceeded, Limit, limits_exceeded
@@ -26,20 +26,22 @@ from planner.telemetry.following import (
     spikes_of_rates,
 )
 from planner.telemetry.motion import PlannedMotion
-from planner.telemetry.oscillations import Oscillation, oscillations
+from planner.telemetry.oscillations import Oscillation, oscillations, searched_hz
 from planner.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
 from planner.telemetry.search import OFFSET_MAX_S, in_units
 from planner.telemetry.stick_slip import StickSlip, stick_slip
+from planner.telemetry.strays import require_followed
+from planner.telemetry.unexplained import beyond_noise, clock_jump, outliers_left
 
 _TURN_RAD = 2.0 * np.pi
-_POOR = 0.3  # of the motion: errors so large mean another plan, or columns mistaken
 GAPS_MAX = 200
 _TAG_MAX_S, _VALUE_MAX = 1e10, 1e9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AxisComparison:
-    """What one axis did.  lag_s: see `Alignment.lags_s`."""
+    """What one axis did.  lag_s: see `Alignment.lags_s`.  oscillations_searched_hz: lowest and
+    highest frequency; None where the samples are too few."""
 
     name: str
     followed: Followed
@@ -47,6 +49,7 @@ class AxisComparison:
     lag_s: Estimate
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
+    oscillations_searched_hz: tuple[float, float] | None
     stick_slip: tuple[StickSlip, ...]
     limits_exceeded: tuple[Exceeded, ...]
     limits_checked: tuple[Limit, ...]
@@ -87,6 +90,8 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     row, dropped = ordered.row, ordered.dropped
     near = (tag_s[row] > start_s - 60.0) & (tag_s[row] < motions[0].stop_s + start_s + 60.0)
     alignment, bad = _aligned(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s, near)
+    ordered_columns = [replace(column, value=column.value[row]) for column in columns]
+    require_followed(ordered_columns, tag_s[row], motions, alignment)
     t_s = alignment.t_s(tag_s[row])
     inside = motions[0].is_within(t_s)
     dropped["outside_plan"] = int(np.sum(~inside))
@@ -246,11 +251,6 @@ def _axes(
             notes.append(f"there is no telemetry of {name}")
             continue
         error = error_size(followed.error_rad)
-        if error.rms_rad > _POOR * np.std(motion.angle_rad(t_s)) and error.rms_rad > 1e-3:
-            notes.append(
-                f"{name} is {np.degrees(error.rms_rad):.3g} deg rms off, hardly on its plan: is it "
-                "the plan that was flown, and the column of this axis?"
-            )
         exceeded, checked = limits_exceeded(followed, limits)
         axes.append(
             AxisComparison(
@@ -260,12 +260,27 @@ def _axes(
                 lag_s=lag_s,
                 phases=tuple(phases(followed, plan.segments)),
                 oscillations=tuple(oscillations(followed)),
+                oscillations_searched_hz=searched_hz(followed),
                 stick_slip=tuple(stick_slip(followed)),
                 limits_exceeded=tuple(exceeded),
                 limits_checked=tuple(checked),
             )
         )
-    return axes, notes
+    return axes, notes + _notes_on_errors(axes)
+
+
+def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
+    """Errors beyond noise that nothing else in the answer explains."""
+    jump = clock_jump([axis.followed for axis in axes])
+    notes = [] if jump is None else [jump]
+    for axis in axes:
+        is_late = axis.lag_s.value > LATE_SIGMA * axis.lag_s.sigma
+        is_told = bool(jump or is_late or axis.oscillations or axis.stick_slip)
+        note = outliers_left(axis.name, axis.followed) or beyond_noise(
+            axis.name, axis.followed, is_told
+        )
+        notes += [] if note is None else [note]
+    return notes
 
 
 def _notes_on_units(samples: Samples, columns: Sequence[Column]) -> list[str]:

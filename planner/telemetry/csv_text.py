@@ -28,6 +28,8 @@ _UTC_WORDS = {"utc", "timestamp", "datetime", "date", "iso"}
 _TIME_WORDS = {"t", "time", "seconds", "sec", "elapsed", "met", "clock", "tag", "timetag"}
 _SECONDS = {"ms": 1e-3, "us": 1e-6, "min": 60.0}
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+(?:[eE][-+]?\d+)?")
+_JSON = re.compile(r"\s*(?:\{\s*\"|\[\s*[\[{\"\d-])")
+_WITH_POINT = re.compile(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
 _DATE = re.compile(r"(\d{4}-\d\d-\d\d)[ Tt](\d\d:\d\d:\d\d(?:[.,]\d+)?)\s*(?:UTC|[Zz])?")
 _UNIX_MIN_S, _UNIX_MAX_S = 1e8, 1e10  # 1973 to 2286
 _UNIX_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
@@ -58,6 +60,7 @@ def read_csv(
         rates=", ".join(f"{name}_rate_deg_s" for name in axis_names),
     )
     names, first, units = _header(cells, way_out)
+    _require_one_comma(cells, names)
     places, found, ignored = _axis_columns(names, units, axis_names, notes)
     if not places:
         raise _refusal(f"no column tells of {' or '.join(axis_names)}: {way_out}", names)
@@ -103,6 +106,12 @@ def _cells_of(content: bytes) -> tuple[_Cells, list[str]]:
         notes.append("the file is no UTF-8; it was read as Latin-1")
     if "\x00" in text[:4096]:
         raise InvalidInput("is no text: it has NUL bytes; send CSV", field="samples")
+    if _JSON.match(text):
+        raise InvalidInput(
+            "is JSON, not CSV: send it as samples of the request itself, with the Content-Type "
+            "application/json, or write CSV with a line that names the columns",
+            field="samples",
+        )
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     if lines and re.fullmatch(r"sep=.", lines[0].strip()):  # as spreadsheets write
         lines = lines[1:]
@@ -116,6 +125,21 @@ def _cells_of(content: bytes) -> tuple[_Cells, list[str]]:
     if delimiter not in (",", None):
         notes.append(f"columns are parted by {delimiter!r}")
     return _Cells(lines=lines, delimiter=delimiter), notes
+
+
+def _require_one_comma(cells: _Cells, names: list[str]) -> None:
+    """Raises InvalidInput where commas both part columns and mark decimals."""
+    if cells.delimiter != ",":
+        return
+    rows = [_split(line.rstrip(","), ",") for line in cells.lines[1:50]]
+    longer = [row for row in rows if len(row) > len(names)]
+    if 2 * len(longer) > len(rows) and not any(_WITH_POINT.fullmatch(c) for r in longer for c in r):
+        raise InvalidInput(
+            f"the first line names {len(names)} columns, but rows have up to "
+            f"{max(map(len, longer))} cells: the comma both parts columns and marks decimals; "
+            "write decimals with a point, or part columns with a semicolon",
+            field="samples",
+        )
 
 
 def _split(line: str, delimiter: str | None) -> list[str]:

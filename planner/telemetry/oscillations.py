@@ -14,10 +14,11 @@ import numpy as np
 from planner.arrays import Array
 from planner.telemetry.following import Followed
 
-_WINDOW_S = 24.0
+_WINDOWS_S = (24.0, 60.0)  # short ones for swings that come and go, long ones for slow swings
 _WINDOW_ROWS_MIN = 32
 _CYCLES_MIN = 4.0  # of a window
-_ROWS_PER_CYCLE_MIN = 3.0
+_CYCLES_SLOW = 3.0  # of a window: what peaks here is drift, or a swing too slow to be told from it
+_ROWS_PER_CYCLE_MIN = 2.2
 _SHARE_MIN = 0.35  # of a window's variance
 _FALSE_ALARM = 1e-6  # in a window of noise
 _ABOVE_OTHERS = 30.0  # times the median power: a hump of slow noise is no line
@@ -45,9 +46,7 @@ class _Line:
 def oscillations(followed: Followed) -> list[Oscillation]:
     """In order of time."""
     found: list[Oscillation] = []
-    for run in followed.runs:
-        if run.stop - run.start < _WINDOW_ROWS_MIN:
-            continue
+    for run in _long_enough(followed):
         if followed.rate_error_rad_s is None:
             found += _in_run(followed.t_s[run], followed.error_rad[run])
         else:  # whose noise is white, while that of their integral wanders
@@ -58,16 +57,43 @@ def oscillations(followed: Followed) -> list[Oscillation]:
     return found
 
 
+def searched_hz(followed: Followed) -> tuple[float, float] | None:
+    """Lowest and highest frequency that `oscillations` finds, in the longest stretch without a gap;
+    None where all are too short."""
+    steps = [(run.stop - run.start, _step_s(followed.t_s[run])) for run in _long_enough(followed)]
+    if not steps:
+        return None
+    rows, step_s = max(steps, key=lambda one: one[0] * one[1])
+    return _band_hz(max(_sizes(rows, step_s)), step_s)
+
+
+def _long_enough(followed: Followed) -> list[slice]:
+    return [run for run in followed.runs if run.stop - run.start >= _WINDOW_ROWS_MIN]
+
+
+def _step_s(t_s: Array) -> float:
+    return float(t_s[-1] - t_s[0]) / (len(t_s) - 1)
+
+
+def _sizes(rows: int, step_s: float) -> set[int]:
+    """Rows of the windows in a run of so many."""
+    return {min(rows, max(_WINDOW_ROWS_MIN, round(span_s / step_s))) for span_s in _WINDOWS_S}
+
+
+def _band_hz(size: int, step_s: float) -> tuple[float, float]:
+    """Frequencies that a window of so many rows tells."""
+    return _CYCLES_MIN / (size * step_s), 1.0 / (_ROWS_PER_CYCLE_MIN * step_s)
+
+
 def _in_run(t_s: Array, error_rad: Array) -> list[Oscillation]:
     """Of errors of any unit: the amplitude is in theirs."""
-    step_s = (t_s[-1] - t_s[0]) / (len(t_s) - 1)
+    step_s = _step_s(t_s)
     even_s = t_s[0] + step_s * np.arange(len(t_s))
     even_rad = np.interp(even_s, t_s, error_rad)
-    size = min(len(even_s), max(_WINDOW_ROWS_MIN, round(_WINDOW_S / step_s)))
-    firsts = [*range(0, len(even_s) - size, max(size // 4, 1)), len(even_s) - size]
     lines = [
         _Line(float(even_s[first]), float(even_s[first] + step_s * size), frequency_hz)
-        for first in firsts
+        for size in sorted(_sizes(len(even_s), step_s))
+        for first in [*range(0, len(even_s) - size, max(size // 4, 1)), len(even_s) - size]
         if (frequency_hz := _line_hz(even_rad[first : first + size], step_s)) is not None
     ]
     found = (_oscillation(even_s, even_rad, line, step_s) for line in _joined(lines))
@@ -88,13 +114,10 @@ def _line_hz(error_rad: Array, step_s: float) -> float | None:
     power = np.abs(np.fft.rfft(left * window, padded)) ** 2
     frequency_hz = np.fft.rfftfreq(padded, step_s)
     span_s = count * step_s
-    usable = (frequency_hz >= _CYCLES_MIN / span_s) & (
-        frequency_hz <= 1.0 / (_ROWS_PER_CYCLE_MIN * step_s)
-    )
-    if np.sum(usable) < 8:
-        return None
+    lowest_hz, highest_hz = _band_hz(count, step_s)
+    usable = frequency_hz >= _CYCLES_SLOW / span_s
     peak = int(np.flatnonzero(usable)[np.argmax(power[usable])])
-    if peak in (np.flatnonzero(usable)[0], np.flatnonzero(usable)[-1]):
+    if not lowest_hz <= frequency_hz[peak] <= highest_hz:
         return None
     if power[peak] < _ABOVE_OTHERS * float(np.median(power[usable])):
         return None
@@ -130,28 +153,33 @@ def _sinusoid(error_rad: Array, t_s: Array, frequency_hz: float) -> tuple[float,
 
 def _joined(lines: list[_Line]) -> list[_Line]:
     """Windows that touch and tell the same, as one."""
-    joined: list[_Line] = []
-    for line in lines:
-        last = joined[-1] if joined else None
-        if (
-            last is not None
-            and line.start_s <= last.stop_s
-            and abs(line.frequency_hz - last.frequency_hz) < _ALIKE * last.frequency_hz
-        ):
-            joined[-1] = _Line(
-                last.start_s, line.stop_s, 0.5 * (last.frequency_hz + line.frequency_hz)
-            )
+    groups: list[list[_Line]] = []
+    for line in sorted(lines, key=lambda one: one.start_s):
+        group = next((group for group in groups if any(_is_same(line, one) for one in group)), None)
+        if group is None:
+            groups.append([line])
         else:
-            joined.append(line)
-    return joined
+            group.append(line)
+    return [
+        _Line(
+            group[0].start_s,
+            max(line.stop_s for line in group),
+            float(np.median([line.frequency_hz for line in group])),
+        )
+        for group in groups
+    ]
+
+
+def _is_same(line: _Line, earlier: _Line) -> bool:
+    is_alike = abs(line.frequency_hz - earlier.frequency_hz) < _ALIKE * earlier.frequency_hz
+    return is_alike and line.start_s <= earlier.stop_s
 
 
 def _oscillation(even_s: Array, even_rad: Array, line: _Line, step_s: float) -> Oscillation | None:
     """Where in its windows it is, and its sinusoid there; None where little is left of it."""
     rows = slice(*np.searchsorted(even_s, [line.start_s, line.stop_s]))
     t_s, error_rad = even_s[rows], even_rad[rows]
-    cycle = max(3, round(2.0 / (line.frequency_hz * step_s)))
-    envelope = _envelope(t_s, error_rad, line.frequency_hz, cycle)
+    envelope = _envelope(t_s, error_rad, line.frequency_hz, step_s)
     high = np.flatnonzero(envelope > _FALLS_TO * np.percentile(envelope, 90.0))
     t_s, error_rad = t_s[high[0] : high[-1] + 1], error_rad[high[0] : high[-1] + 1]
     if (t_s[-1] - t_s[0]) * line.frequency_hz < 2.0:
@@ -166,11 +194,16 @@ def _oscillation(even_s: Array, even_rad: Array, line: _Line, step_s: float) -> 
     )
 
 
-def _envelope(t_s: Array, error_rad: Array, frequency_hz: float, cycle: int) -> Array:
-    """Amplitude near the frequency at each row, over two cycles."""
-    kernel = np.ones(cycle) / cycle
-    smooth = np.convolve(np.pad(error_rad, cycle, mode="reflect"), kernel, mode="same")
-    left = error_rad - smooth[cycle:-cycle]
+def _envelope(t_s: Array, error_rad: Array, frequency_hz: float, step_s: float) -> Array:
+    """Amplitude near the frequency at each row, over two cycles, or as many as tell the frequency
+    from its mirror image beyond half the sampling rate."""
+    cycle_s = max(2.0 / frequency_hz, 1.0 / (1.0 / step_s - 2.0 * frequency_hz))
+    rows = 2 * round(0.5 * cycle_s / step_s) + 1
+    kernel = np.ones(rows) / rows
+    smooth = np.convolve(np.pad(error_rad, rows, mode="reflect"), kernel, mode="same")
+    left = error_rad - smooth[rows:-rows]
+    offset_s = step_s * (np.arange(rows) - rows // 2)
+    passed = 1.0 - float(np.mean(np.cos(2.0 * np.pi * frequency_hz * offset_s)))
     turning = left * np.exp(-2j * np.pi * frequency_hz * t_s)
-    padded = np.pad(turning, cycle, mode="reflect")
-    return np.asarray(2.0 * np.abs(np.convolve(padded, kernel, mode="same")[cycle:-cycle]))
+    padded = np.pad(turning, rows, mode="reflect")
+    return np.asarray(2.0 * np.abs(np.convolve(padded, kernel, mode="same")[rows:-rows]) / passed)

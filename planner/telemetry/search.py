@@ -13,7 +13,7 @@ from planner.telemetry.motion import PlannedMotion
 OFFSET_MAX_S = 120.0
 _STEP_S = 0.4  # well within what a fit finds from there: axes take seconds to change their rate
 _ROWS = 400  # of each column, evenly
-_STILL = {"angle": np.radians(0.05), "rate": np.radians(0.005)}  # less motion tells nothing
+STILL = {"angle": np.radians(0.05), "rate": np.radians(0.005)}  # less motion tells nothing
 _FITS = 0.25  # of what the motion would be off by if it weren't it
 _CLEARLY = 0.2  # of the named unit's misfit, for another to be believed instead
 _TURN_RAD = 2.0 * np.pi
@@ -88,29 +88,39 @@ def _as(column: Column, unit: AngleUnit | None) -> Column:
     return replace(column, meaning=replace(column.meaning, unit=unit), unit_from="fit")
 
 
+def misfit_share(value_rad: Array, kind: Kind, tag_s: Array, motion: PlannedMotion) -> float:
+    """The least misfit of angles or rates, (n,), to a motion, as a share of it."""
+    [least] = (one.least for one in _tried(value_rad, kind, tag_s, motion, (1.0,)))
+    return least
+
+
 def _try_units(
     column: Column, tag_s: Array, motion: PlannedMotion
 ) -> dict[AngleUnit | None, Tried]:
-    rows = np.flatnonzero(np.isfinite(column.value) & np.isfinite(tag_s))
+    value, scales_rad = column.value / column.meaning.per_s, tuple(RAD_BY_UNIT.values())
+    tried = _tried(value, column.meaning.kind, tag_s, motion, scales_rad)
+    return dict(zip(RAD_BY_UNIT, tried, strict=True))
+
+
+def _tried(
+    value: Array, kind: Kind, tag_s: Array, motion: PlannedMotion, scales_rad: Sequence[float]
+) -> list[Tried]:
+    """By scale that the value is multiplied with."""
+    rows = np.flatnonzero(np.isfinite(value) & np.isfinite(tag_s))
     inside = (tag_s[rows] > -OFFSET_MAX_S) & (tag_s[rows] < motion.stop_s + OFFSET_MAX_S)
     rows = rows[inside]
     if not len(rows):
-        blank = Tried(np.ones(len(offsets_s())))
-        return dict.fromkeys(RAD_BY_UNIT, blank)
+        return [Tried(np.ones(len(offsets_s())))] * len(scales_rad)
     rows = rows[np.unique(np.linspace(0, len(rows) - 1, _ROWS).round().astype(np.intp))]
-    kind = column.meaning.kind
     t_s = tag_s[rows] - offsets_s()[:, None]
     planned = _planned(motion, kind, t_s)
     is_within = motion.is_within(t_s)
-    room = max(float(np.std(_planned(motion, kind, tag_s[rows]))), float(_STILL[kind]))
-    return {
-        unit: Tried(
-            _misfit(column.value[rows] * scale_rad / column.meaning.per_s, planned, is_within, room)
-            if kind == "rate"
-            else _misfit(_near(column.value[rows] * scale_rad, planned), planned, is_within, room)
-        )
-        for unit, scale_rad in RAD_BY_UNIT.items()
-    }
+    room = max(float(np.std(_planned(motion, kind, tag_s[rows]))), float(STILL[kind]))
+    scaled = (value[rows] * scale_rad for scale_rad in scales_rad)
+    return [
+        Tried(_misfit(one if kind == "rate" else _near(one, planned), planned, is_within, room))
+        for one in scaled
+    ]
 
 
 def _planned(motion: PlannedMotion, kind: Kind, t_s: Array) -> Array:

@@ -217,6 +217,15 @@ def damaged(rows, utc_of):
         "times all words": Refused(
             _csv(HEAD, [["later", *row[1:]] for row in text]), "time tag", "samples.t_s"
         ),
+        "commas for decimals too": Refused(
+            _csv(HEAD, [[cell.replace(".", ",") for cell in row] for row in text]),
+            "names 3 columns, but rows have up to 6 cells: the comma both parts columns and marks",
+        ),
+        "JSON": Refused(b'{"t_s": [1, 2],\n "alpha_deg": [1, 2]}', "is JSON, not CSV"),
+        "columns swapped": Refused(
+            _csv(HEAD, [[t, b, a] for t, a, b in text]), "their names are swapped"
+        ),
+        "zeros": Refused(_csv(HEAD, [[t, "0", "0"] for t, _, _ in text]), "they stay at 0"),
         "too few rows": Refused(_csv(HEAD, text[500:504]), "needs 8"),
     }
     return files, refused

@@ -14,6 +14,7 @@ from app.cli.command import main
 from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.requests.examples.telemetry import COMPARISON_EXAMPLES
+from app.store import jobs
 from planner.frames.time_scales import shifted_utc, utc_from_text, utc_text
 
 COMPARISONS = "/v1/telemetry/comparisons"
@@ -246,6 +247,34 @@ def test_uploads_are_refused_by_part(client, plan):
         assert answer.status_code == 422, answer.text
         assert answer.json().get("field") == field, answer.json()
     assert client.post(COMPARISONS, content=b"x").status_code == 415
+    answer = client.post(COMPARISONS, data={"request": request}, files={"other": csv})
+    for part in ("samples", "request", "plan", "epoch"):
+        assert part in answer.json()["detail"]
+
+
+def test_json_too_long_is_told_of_csv(client):
+    head = {"Content-Type": "application/json"}
+    answer = client.post(COMPARISONS, content=b" " * (8 * 2**20 + 1), headers=head)
+    assert answer.status_code == 413
+    assert "CSV by multipart/form-data" in answer.json()["detail"]
+
+
+def test_a_spacecrafts_plan_names_its_own_runs(client, rows):
+    with client.app.state.database.writing() as connection:
+        new = jobs.NewJob(
+            id="01a203fd-cbae-73f8-8276-319f76b8842d",
+            kind="spacecraft",
+            name="",
+            request=b"{}",
+            request_sha256="0" * 64,
+            deadline_s=60.0,
+        )
+        jobs.accept(connection, new, lease_s=3600.0)
+    request = {"plan": new.id, "samples": json_samples(rows[:20])}
+    answer = client.post(COMPARISONS, json=request)
+    assert answer.status_code == 422
+    assert answer.json()["field"] == "plan"
+    assert "closed-loop runs" in answer.json()["detail"]
 
 
 def boresight(plan_answer, at):

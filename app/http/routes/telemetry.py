@@ -16,7 +16,7 @@ from app.http.openapi.schema import REF
 from app.http.routes.plan_queries import TableQuery, with_formats
 from app.http.telemetry_upload import sent_telemetry, telemetry_body
 from app.jobs.child import Bounds
-from app.jobs.kinds import PLAN
+from app.jobs.kinds import PLAN, SPACECRAFT_PLAN
 from app.jobs.refusals import Conflict
 from app.requests.examples.telemetry import COMPARISON_EXAMPLES
 from app.store import jobs, plans
@@ -124,6 +124,12 @@ def _asked_form(request: Request) -> str:
 async def _plan_of(request: Request, plan_id: str) -> tuple[bytes, StoredPlan]:
     def reading(connection: Connection) -> tuple[str | None, bytes | None, StoredPlan | None]:
         job = jobs.get(connection, plan_id) if is_id(plan_id) else None
+        if job is not None and job.kind == SPACECRAFT_PLAN.name:
+            raise InvalidInput(
+                "telemetry is compared with plans of the platform; a spacecraft's plan tells what "
+                "its own closed-loop runs did, in `flight`",
+                field="plan",
+            )
         if job is None or job.kind != PLAN.name:
             return None, None, None
         return job.state, jobs.request_of(connection, plan_id), plans.get(connection, plan_id)

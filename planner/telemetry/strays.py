@@ -1,0 +1,111 @@
+"""Whether telemetry is of this plan at all: columns that hold nothing of its motion are refused."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from planner.arrays import Array
+from planner.errors import InvalidInput
+from planner.frames.time_scales import utc_text
+from planner.telemetry.alignment import Alignment
+from planner.telemetry.columns import RAD_BY_UNIT, Column
+from planner.telemetry.motion import PlannedMotion
+from planner.telemetry.samples import SAMPLES_MIN
+from planner.telemetry.search import OFFSET_MAX_S, STILL, misfit_share
+
+_BLOCKS = 40  # whose medians noise and outliers hardly move
+_STRAYS = 0.7  # of the motion's spread: what is off by more has nothing of it
+# Where many rows are put outside the plan, a part of its motion may be met by chance: a constant
+# isn't free then.
+_OUTSIDE_MAX, _STRAYS_OUTSIDE = 0.3, 0.3
+_FITS = 0.1  # of the motion: clearly another axis's, or turned the other way
+
+
+def require_followed(
+    columns: Sequence[Column], tag_s: Array, motions: Sequence[PlannedMotion], alignment: Alignment
+) -> None:
+    """Raises InvalidInput where no column that the plan moves follows it, or too late to be told.
+
+    tag_s: (n,), the telemetry's clock less the table's epoch, increasing.
+    """
+    offset_s = alignment.offset_s.value
+    t_s = alignment.t_s(tag_s)
+    is_whole = bool(np.mean(~motions[0].is_within(t_s)) <= _OUTSIDE_MAX)
+    follows = [_follows(column, t_s, motions[column.meaning.axis], is_whole) for column in columns]
+    if any(follows) and abs(offset_s) > OFFSET_MAX_S:
+        raise InvalidInput(
+            f"the telemetry's clock is {abs(offset_s):.1f} s "
+            f"{'ahead of' if offset_s > 0.0 else 'behind'} the plan's, which begins at "
+            f"{utc_text(motions[0].table.epoch_utc)}; up to {OFFSET_MAX_S:g} s are told: give the "
+            "epoch that t_s counts from",
+            field="samples.epoch",
+        )
+    is_lost = abs(offset_s) > OFFSET_MAX_S
+    if any(follows) or not (is_lost or False in follows):
+        return
+    names = ", ".join(column.name[:40] for column in columns)
+    raise InvalidInput(
+        f"{names} hold nothing of the plan's motion{_why(columns, tag_s, motions)}; send the "
+        "measured angles or rates of the flight, each under its axis's name, and the id of the "
+        f"plan that was flown, with t_s from samples.epoch; clocks up to {OFFSET_MAX_S:g} s off "
+        "are found",
+        field=f"samples.{columns[0].name[:40]}" if len(columns) == 1 else "samples",
+    )
+
+
+def _follows(column: Column, t_s: Array, motion: PlannedMotion, is_whole: bool) -> bool | None:
+    """None where the plan doesn't move the axis meanwhile, or too few rows are left to tell.
+
+    is_whole: whether most rows are within the plan.
+    """
+    value = _in_radians(column)
+    rows = np.flatnonzero(np.isfinite(value) & motion.is_within(t_s))
+    if len(rows) < SAMPLES_MIN:
+        return None
+    is_angle = column.meaning.kind == "angle"
+    planned = (motion.angle_rad if is_angle else motion.rate_rad_s)(t_s[rows])
+    off = value[rows] - planned
+    if is_angle:
+        off = off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    planned, off = (_medians(one) for one in (planned, off))
+    spread = float(np.std(planned))
+    if spread < STILL[column.meaning.kind]:
+        return None
+    if is_whole:
+        return bool(np.std(off) < _STRAYS * spread)
+    return bool(np.sqrt(np.mean(off**2)) < _STRAYS_OUTSIDE * spread)
+
+
+def _medians(value: Array) -> Array:
+    parts = np.array_split(value, min(_BLOCKS, len(value)))
+    return np.array([np.median(part) for part in parts])
+
+
+def _why(columns: Sequence[Column], tag_s: Array, motions: Sequence[PlannedMotion]) -> str:
+    told = [column.value[np.isfinite(column.value)] for column in columns]
+    if all(np.ptp(value) == 0.0 for value in told):
+        same = ", ".join(dict.fromkeys(f"{value[0] + 0.0:g}" for value in told))
+        return f": they stay at {same} from the first row to the last"
+    for change, words in (
+        ((True, 1.0), "each fits the other axis: their names are swapped"),
+        ((False, -1.0), "each fits with its sign changed: it is measured the other way round"),
+        ((True, -1.0), "each fits the other axis with its sign changed"),
+    ):
+        is_swapped, sign = change
+        if all(
+            misfit_share(
+                sign * _in_radians(column),
+                column.meaning.kind,
+                tag_s,
+                motions[(column.meaning.axis + is_swapped) % len(motions)],
+            )
+            < _FITS
+            for column in columns
+        ):
+            return f", but {words}"
+    return ""
+
+
+def _in_radians(column: Column) -> Array:
+    assert column.meaning.unit is not None
+    return column.value * RAD_BY_UNIT[column.meaning.unit] / column.meaning.per_s
