@@ -32,7 +32,7 @@ class JobResponse:
     revision: of the plan, from 1; null until it is made. E.g. `1`.
     revises: id of the plan it replaces; null for none. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
-    input_sha256: of the request's bytes.
+    input_sha256: of the request's bytes; of flights, with those of their plan.
     created: when the request came; UTC.
     started: when the work began; UTC, null before.
     finished: when it ended; UTC, null before.
