@@ -156,8 +156,12 @@ async function search(target: Target, until: AbortSignal): Promise<void> {
 
 /** Until the room is left. */
 export function keepSearching(): () => void {
+  let shown = "";
   return effect(() => {
     const target = draft.target.value;
+    // Another target's windows are not to be taken for this one's.
+    if (JSON.stringify(target) !== shown) found.value = null;
+    shown = JSON.stringify(target);
     // What the answer depends on, whose change asks anew; times of sessions are not part of it.
     void [draft.orbit.value, draft.attitude.value, draft.from_ms.value, draft.days.value];
     void [draft.leastElevation_deg.value, retries.value];
