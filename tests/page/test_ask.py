@@ -168,7 +168,8 @@ def test_conflicting_sessions_show_what_each_way_out_gives_up(ask):
         end.press("PageUp")
     ask.get_by_role("button", name="Add a session").click()
     ask.get_by_label("Place or coordinates").fill("40.76, -111.89, 1288")
-    ask.get_by_role("button", name="Find").click()
+    with ask.expect_response(lambda answer: "40.76" in (answer.request.post_data or "")):
+        ask.get_by_role("button", name="Find").click()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
     windows_found(ask).first.click()
     ask.get_by_role("button", name="Plan").click()
