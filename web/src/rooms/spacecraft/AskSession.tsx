@@ -17,6 +17,7 @@ import { UtcField } from "../../parts/UtcField";
 import { go, place } from "../../router";
 import { AskedList } from "./AskedList";
 import { DrawMap } from "./DrawMap";
+import { PassesPanel } from "./PassesPanel";
 import { askedOf, type Asked, askedOfGeoJson, fetchRequest, type SessionRequest } from "./session";
 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
@@ -122,6 +123,7 @@ export function AskSession() {
             </div>
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
           </section>
+          <PassesPanel request={request} count={asked.length} onTimes={change} />
         </div>
         <div>
           <DrawMap asked={asked} onAsked={ask} />
