@@ -42,4 +42,15 @@ export const flights = {
   smearOfFrames: "Smear of the frames, as planned",
   atMost: (value: string) => `at most ${value}`,
   seriesOf: (name: string, most: string) => `${name}, at most ${most}`,
+  overTime: "Over the plan's time",
+  overTimeHint: "Flown: the session as planned, with nothing drawn anew, exposure by exposure. Planned: the table's own error and the budget's 1 σ. Dashed in the smear: a pixel, sharp below.",
+  flownLine: "flown",
+  plannedLine: "planned",
+  sigmaLine: "budget, 1 σ",
+  pause: "between sessions",
+  noFrame: "No frame is taken now.",
+  frameNow: (count: number, flown: string, planned: string, smear: string) =>
+    `Frame ${count}: error flown ${flown}″, planned ${planned}″, smear ${smear} px;`,
+  holds: "holds the target",
+  misses: "misses the target",
 };

@@ -42,4 +42,15 @@ export const flights: Words["flights"] = {
   smearOfFrames: "Смаз кадров без возмущений",
   atMost: (value: string) => `не больше ${value}`,
   seriesOf: (name: string, most: string) => `${name}, не больше ${most}`,
+  overTime: "По времени плана",
+  overTimeHint: "В полёте: сеанс по плану, без случайных ошибок, выдержка за выдержкой. По плану: ошибка самой таблицы и 1 σ бюджета. Пунктир у смаза: пиксель, ниже – резко.",
+  flownLine: "в полёте",
+  plannedLine: "по плану",
+  sigmaLine: "бюджет, 1 σ",
+  pause: "между сеансами",
+  noFrame: "Сейчас кадр не снимается.",
+  frameNow: (count, flown, planned, smear) =>
+    `Кадр ${count}: ошибка в полёте ${flown}″, по плану ${planned}″, смаз ${smear} пикс.;`,
+  holds: "цель в кадре",
+  misses: "цель вне кадра",
 };
