@@ -16,7 +16,7 @@ export interface Sent {
   id: string;
 }
 
-type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
+export type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
 
 /** Sends a request off; raises Problem at once where the service refuses to take it. */
 export function sendOff(

@@ -2,6 +2,7 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { get } from "../../api/client";
+import { useFetched } from "../../api/fetched";
 import { RangeButtons, useTimeRange } from "../../charts/range";
 import { Strip } from "../../charts/Strip";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
@@ -11,7 +12,6 @@ import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import { cursor_s } from "../../time/cursor";
 import { moveTo } from "../../time/playback";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
-import type { View } from "../look/view";
 import type { Flights } from "./Flown";
 import { framesOf, type Planned, plannedAt, stretchesOf } from "./frames";
 
@@ -23,18 +23,9 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
   const text = words.value.flights;
   const box = useRef<HTMLElement>(null);
   const [chosen, setChosen] = useState<Stretch | null>(null);
-  const [view, setView] = useState<View | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [tries, setTries] = useState(0);
-  useEffect(() => {
-    const wanted = new AbortController();
-    setError(null);
-    get("/v1/plans/{id}/view", { id: flights.plan, signal: wanted.signal }).then(
-      setView,
-      (caught: unknown) => wanted.signal.aborted || setError(caught),
-    );
-    return () => wanted.abort();
-  }, [flights.plan, tries]);
+  const { answer: view, error, again } = useFetched(flights.plan, (signal) =>
+    get("/v1/plans/{id}/view", { id: flights.plan, signal }),
+  );
   // They don't change while more is flown.
   const known = flights.sessions.map((one) => one.nominal.t_s.length).join();
   const frames = useMemo(() => framesOf(flights.sessions), [flights.id, known]);
@@ -73,7 +64,7 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
         <RangeButtons range={range} stop_s={stop_s} onWhole={() => setChosen(null)} />
       </div>
       {error !== null && (
-        <ProblemNotice error={error} again={mayHelpAgain(error) ? () => setTries(tries + 1) : undefined} />
+        <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />
       )}
       <Strip name={text.error} unit="″" keys={errors.map((one) => one.label)} fact={text.atMost(worst_arcsec)}>
         <TimeChart {...common} label={text.seriesOf(text.error, worst_arcsec)} lines={errors} isLogarithmic height={HEIGHT} />
