@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query
 from pydantic import Field
 
-from app.answers.ranges import LatitudeDeg, LongitudeDeg, Signed
+from app.answers.ranges import Count, LatitudeDeg, LongitudeDeg, Signed
 from app.http.negotiation import accepts_json
 from app.http.query import Parameters
 from planner.targets.completion import places_beginning, stars_beginning
@@ -65,7 +65,7 @@ class KnownStar:
     """
 
     name: str
-    hip: int
+    hip: Count
 
 
 @dataclass(frozen=True, kw_only=True)
