@@ -13,7 +13,7 @@ import { cursor_s } from "../../time/cursor";
 import { moveTo } from "../../time/playback";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
 import type { Flights } from "./Flown";
-import { framesOf, type Planned, plannedAt, stretchesOf } from "./frames";
+import { framesOf, type Planned, plannedAt, positive, stretchesOf } from "./frames";
 
 const HEIGHT = 150;
 const TIMES_HEIGHT = 26;
@@ -44,9 +44,9 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
   );
   const errors = useMemo<Line[]>(
     () => [
-      { label: text.flownLine, values: frames.error_arcsec, colour: "series-1", width: 1.8 },
-      { label: text.plannedLine, values: planned?.error_arcsec ?? frames.nothing, colour: "series-2" },
-      { label: text.sigmaLine, values: planned?.sigma_arcsec ?? frames.nothing, colour: "series-3", dashed: true },
+      { label: text.flownLine, values: positive(frames.error_arcsec), colour: "series-1", width: 1.8 },
+      { label: text.plannedLine, values: positive(planned?.error_arcsec ?? frames.nothing), colour: "series-2" },
+      { label: text.sigmaLine, values: positive(planned?.sigma_arcsec ?? frames.nothing), colour: "series-3", dashed: true },
     ],
     [frames, planned, text],
   );

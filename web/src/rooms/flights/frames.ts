@@ -25,22 +25,24 @@ export function framesOf(sessions: Sessions) {
   for (const { nominal } of sessions) {
     t_s.push(...nominal.t_s, (nominal.t_s.at(-1) ?? 0) + GAP_S);
     number.push(...nominal.t_s.map((_, k) => k + 1), null);
-    // A logarithmic scale has no zero.
-    error_arcsec.push(...nominal.error_arcsec.map((one) => (one > 0 ? one : null)), null);
+    error_arcsec.push(...nominal.error_arcsec, null);
     smear_px.push(...nominal.smear_px, null);
     holds.push(...nominal.holds, null);
   }
   return { t_s, number, error_arcsec, smear_px, holds, nothing: t_s.map(() => null) as Values };
 }
 
+/** By the rows of the view: a session may begin between two of them. */
 export function plannedAt(view: View, t_s: readonly number[]): Planned {
   const { error_arcsec, sigma_major_arcsec } = view.pointing;
   const rows = t_s.map((t) => rowAt(view, t));
-  const positive = (value: number | null | undefined) => (value != null && value > 0 ? value : null);
-  return {
-    error_arcsec: rows.map((row) => positive(error_arcsec[row])),
-    sigma_arcsec: rows.map((row) => positive(sigma_major_arcsec[row])),
-  };
+  const of = (values: Values) => rows.map((row) => values[row] ?? values[row + 1] ?? null);
+  return { error_arcsec: of(error_arcsec), sigma_arcsec: of(sigma_major_arcsec) };
+}
+
+/** As a logarithmic scale takes it, which has no zero. */
+export function positive(values: Values): Values {
+  return values.map((one) => (one !== null && one > 0 ? one : null));
 }
 
 export function stretchesOf(sessions: Sessions, pause: string): Stretch[] {
