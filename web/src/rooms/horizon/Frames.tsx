@@ -27,18 +27,20 @@ export function Frames({ cameras, frames, onFrames }: Props) {
     onFrames(() => taken);
   };
   return (
-    <DropZone label={text.choose} accept="image/png,image/jpeg,image/tiff" multiple onFile={take}>
-      <p>{text.drop}</p>
-      <div class="row">
-        <button type="button" onClick={() => void takeExample()}>
-          {text.example}
-        </button>
-        {frames.length > 0 && (
-          <button type="button" onClick={() => onFrames(() => [])}>
-            {text.clear}
+    <>
+      <DropZone label={text.choose} accept="image/png,image/jpeg,image/tiff" multiple onFile={take}>
+        <p>{text.drop}</p>
+        <div class="row">
+          <button type="button" onClick={() => void takeExample()}>
+            {text.example}
           </button>
-        )}
-      </div>
+          {frames.length > 0 && (
+            <button type="button" onClick={() => onFrames(() => [])}>
+              {text.clear}
+            </button>
+          )}
+        </div>
+      </DropZone>
       <ol class="frames">
         {frames.map((frame, index) => (
           <li key={previews[index]}>
@@ -49,6 +51,6 @@ export function Frames({ cameras, frames, onFrames }: Props) {
           </li>
         ))}
       </ol>
-    </DropZone>
+    </>
   );
 }

@@ -135,7 +135,7 @@ function told({ seen }: Pass, count: number): string {
   const text = words.value.spacecraft.passes;
   const names = seen.map((one) => {
     const across_deg = one.closest.angles_deg.across;
-    return across_deg == null ? one.target : text.aside(one.target, number(across_deg, 0));
+    return across_deg == null ? one.target : text.aside(one.target, number(Math.round(Math.abs(across_deg)), 0));
   });
   return `${text.sees(seen.length, count)}: ${names.join(", ")}`;
 }

@@ -68,7 +68,7 @@ function Told({ found: { comparison, picture } }: { found: Compared }) {
         <h2 id="clock">{text.clock}</h2>
         <p>
           {text.offset(time_offset_s.value.toFixed(4), time_offset_s.sigma.toFixed(4))}{" "}
-          {text.drift((1e6 * clock_drift.value).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
+          {text.drift((Math.round(1e8 * clock_drift.value) / 100 + 0).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
         </p>
         {comparison.warnings.map((warning) => (
           <p key={warning} class="notice notice-warn">
