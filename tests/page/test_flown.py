@@ -23,7 +23,7 @@ def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
     expect(verdict).to_contain_text("of the flights", timeout=120_000)
     expect(page.get_by_text("40 of 40 flights")).to_be_visible()
     expect(page.get_by_role("img", name="Histogram of the runs' largest misses")).to_be_visible()
-    expect(page.get_by_role("img", name="Smear of the frames, as planned")).to_be_visible()
+    expect(page.get_by_role("img", name="Smear of the frames")).to_be_visible()
     expect(page.get_by_role("row", name="attitude").first).to_be_visible()
     over_time = page.get_by_role("region", name="Over the plan's time")
     expect(over_time).to_contain_text("budget, 1 σ")
