@@ -96,8 +96,8 @@ function globe(): Kept {
   clock.shouldAnimate = false;
   const made: Kept = { widget, stage, light, onBroken: () => undefined };
   scene.renderError.addEventListener((_: unknown, error: unknown) => {
+    if (kept === made) kept = null; // to be destroyed once it is closed
     made.onBroken(error);
-    destroy(made);
   });
   // The picture's pixels are 20 km wide.
   void boundaries().then(
@@ -108,24 +108,26 @@ function globe(): Kept {
   return made;
 }
 
-function destroy({ widget, stage }: Kept): void {
-  kept = null;
-  stage.remove();
+function destroy({ widget }: Kept): void {
   const { canvas } = widget.scene;
   const context = canvas.getContext("webgl2") ?? canvas.getContext("webgl");
   widget.destroy();
   context?.getExtension("WEBGL_lose_context")?.loseContext(); // not only when it is collected
 }
 
-/** czml: a document of the service, as it is.  onBroken: when it can draw no more. */
+/** null where nobody waits for it any more: then the globe is another's.
+
+czml: a document of the service, as it is.  onBroken: when it can draw no more. */
 export async function openGlobe(
   element: HTMLElement,
   czml: object,
   epoch_ms: number,
   { trace, swath }: OnGround,
   onBroken: (error: unknown) => void,
-): Promise<Opened> {
+  until: AbortSignal,
+): Promise<Opened | null> {
   const source = await CzmlDataSource.load(czml);
+  if (until.aborted) return null;
   const opened = globe();
   const { widget, stage, light } = opened;
   const { scene, clock, camera } = widget;
@@ -165,12 +167,12 @@ export async function openGlobe(
       scene.requestRender();
     },
     close: () => {
-      if (kept !== opened) return;
+      stage.remove();
+      if (kept !== opened) return destroy(opened);
       opened.onBroken = () => undefined;
       for (const lines of drawn) scene.primitives.remove(lines);
       widget.dataSources.remove(source, true);
       widget.useDefaultRenderLoop = false;
-      stage.remove();
     },
   };
 }
