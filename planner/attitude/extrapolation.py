@@ -10,10 +10,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.attitude.manoeuvre import STEP_S
 
-TAIL_S = 60.0  # the present attitude is that of this much of the history
+TAIL_S = 60.0  # the present attitude and rate are those of this much of the history
 OFFSET_TAIL_S = 120.0
-RATE_TAIL_S = 300.0  # the present rate and its change; as long as the turns of manoeuvre.py
+RATE_TAIL_S = STEP_S  # and how the rate changes; 180 to 600 s do alike in a manoeuvre
 _LEAST_ROWS = 3
 
 
@@ -101,6 +102,12 @@ def fit_extrapolation(
         left_rad = turn_rad - basis @ coefficients_rad
         recent = since_end_s[used] >= -OFFSET_TAIL_S
         coefficients_rad[0] += np.median(left_rad[recent], axis=0)
+    if description.has_rate:
+        recent = since_end_s[used] >= -TAIL_S
+        recent[-_LEAST_ROWS:] = True
+        bent_rad = basis[recent, 2:] @ coefficients_rad[2:]
+        line = np.linalg.lstsq(basis[recent, :2], turn_rad[recent] - bent_rad, rcond=None)[0]
+        coefficients_rad[:2] = line
     return Extrapolation(description, period_s, float(t_s[-1]), q_reference, coefficients_rad)
 
 

@@ -26,6 +26,7 @@ LEAD_MAX_S = 6.0 * 3600.0
 # Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
 # (bench/attitude_figures.py).
 ERROR_MEMORY_S = 1250.0
+_NEXT_TURN = ", and a turn that may follow its manoeuvre"
 
 
 @spec
@@ -93,6 +94,7 @@ class HarmonicAttitude(CorrectableAttitude):
                 else "on "
             )
             + "parts of its own history it had not seen"
+            + _NEXT_TURN * self.carried_on.may_turn
         )
 
     def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
@@ -121,7 +123,7 @@ class HarmonicAttitude(CorrectableAttitude):
         return known_errors(
             self.carried_on.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit"
-            + (", and a turn that may follow its manoeuvre" if self.carried_on.may_turn else ""),
+            + _NEXT_TURN * self.carried_on.may_turn,
             "a history that ends nearer to the session",
             ERROR_MEMORY_S,
         )
