@@ -118,5 +118,21 @@ def test_what_a_refused_plan_offers_is_taken_where_it_is_shown(open_page, tight)
     assert request["sessions"][1]["start"] > "2015-02-27T17:37:30Z"
 
 
+def test_by_keyboard_the_way_out_is_the_next_stop(open_page, tight):
+    page = open_page("/plans")
+    page.goto(f"/?from={kept_refusal(page, tight)}")
+    refusal = page.get_by_role("alert")
+    expect(refusal).to_be_visible()
+    with page.expect_response(lambda answer: answer.url.endswith("/events")):
+        page.get_by_role("button", name="Plan", exact=True).press("Enter")
+    expect(refusal).to_be_visible()
+    page.keyboard.press("Tab")
+    expect(refusal.get_by_role("button", name="Take")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
+    page.keyboard.press("Tab")
+    expect(page.get_by_role("link", name="Change the request")).to_be_focused()
+
+
 def _path(page):
     return "/plans/" + page.url.rsplit("/", 1)[1]

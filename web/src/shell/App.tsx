@@ -14,6 +14,12 @@ export function App() {
   const text = words.value.shell;
   const main = useRef<HTMLElement>(null);
   const [room, params] = find(place.value.path);
+  const shown = useRef(place.value.path);
+  useEffect(() => {
+    // Where the focus was is gone with the room that was left.
+    if (shown.current !== place.value.path && document.activeElement === document.body) main.current?.focus({ preventScroll: true });
+    shown.current = place.value.path;
+  }, [place.value.path]);
   useEffect(() => {
     document.title = room ? `${text.rooms[room.title]} · slewtrack` : "slewtrack";
   });

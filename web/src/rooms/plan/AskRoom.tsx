@@ -84,6 +84,8 @@ export default function AskRoom(_: RoomProps) {
     } finally {
       setProgress(null);
       setSent(null);
+      // The button that was pressed has lost the focus: whoever goes by Tab goes on from here.
+      if (document.activeElement === document.body) told.current?.focus({ preventScroll: true });
     }
   };
   const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
@@ -98,7 +100,7 @@ export default function AskRoom(_: RoomProps) {
         <OrbitPanel />
         <TargetPanel />
         <SequencePanel plan={() => void plan()} />
-        <div class="ask-go" ref={told}>
+        <div class="ask-go" ref={told} tabIndex={-1}>
           <RefusalNotice plan={() => void plan()} />
           <div class="row">
             <button
