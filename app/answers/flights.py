@@ -325,7 +325,7 @@ def _warnings(head: FlightsHead, found: PlanFlights) -> list[str]:
         if flown.in_frame.differs_from(told.told_probability_in_frame):
             low, high = _interval(flown.in_frame)
             warnings.append(
-                f"session {told.session}: the plan's budget tells a probability of "
+                f"session {told.session + 1}: the plan's budget tells a probability of "
                 f"{told.told_probability_in_frame:.3f} that the target stays in the frame, the "
                 f"flights {flown.in_frame.value:.3f} ({low:.3f} to {high:.3f}): more than chance; "
                 "the budget is linear and knows no drives but their resolution: trust the flights"

@@ -42,7 +42,7 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
             f"{1e3 * axis.lag_sigma_s:.2f}",
         )
         for phase in axis.phases:
-            session = "" if phase.session is None else f" {phase.session}"
+            session = "" if phase.session is None else f" {phase.session + 1}"
             table.add_row(
                 "",
                 f"{phase.kind}{session}",

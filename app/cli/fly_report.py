@@ -56,7 +56,7 @@ def _sessions(found: FlightsFound) -> Table:
     )
     for one in found.sessions:
         table.add_row(
-            str(one.session),
+            str(one.session + 1),
             Text(one.label),
             f"{one.told_probability_in_frame:.3f}",
             _probability(one.probability_in_frame, one.in_frame_interval),
@@ -77,7 +77,7 @@ def _as_planned(found: FlightsFound) -> Table:
         nominal = one.nominal
         samples_m = nominal.ground_sample_across_m
         table.add_row(
-            str(one.session),
+            str(one.session + 1),
             str(nominal.frames),
             str(nominal.held),
             str(nominal.sharp),

@@ -1,5 +1,9 @@
 /** Work that may take longer: sent off, followed by its events, fetched when it is done. */
+<<<<<<< HEAD
 import { type Given, postForAnswer, send } from "./client";
+=======
+import { type Given, postForAnswer, send, url } from "./client";
+>>>>>>> faults
 import { follow } from "./events";
 import { Problem, type ProblemDocument } from "./problem";
 import type { paths } from "./schema";
@@ -18,6 +22,9 @@ export interface Sent {
 
 export type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
 
+/** What was asked when no answer came: with the same key it isn't made twice. */
+let unanswered: { asked: string; key: string } | null = null;
+
 /** Sends a request off; raises Problem at once where the service refuses to take it. */
 export function sendOff(
   path: JobPaths & keyof paths,
@@ -25,6 +32,7 @@ export function sendOff(
   query: Record<string, string> = {},
   until?: AbortSignal,
 ): Promise<Sent> {
+<<<<<<< HEAD
   return sentTo(path, path, request, { query, signal: until });
 }
 
@@ -38,10 +46,32 @@ async function sentTo(path: JobPaths | "/v1/plans/{id}/flights", where: string, 
   const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
   const id = made(await postForAnswer(path, request, { ...given, headers }));
   return { path: `${where}/${id}`, id };
+=======
+  const id = await made(path, request, { query, signal: until });
+  return { path: `${path}/${id}`, id };
 }
 
-/** The id of what an answer made. */
-function made(answer: Response): string {
+/** Has a plan flown. */
+export async function sendOffFlights(plan: string, request: object, until?: AbortSignal): Promise<Sent> {
+  const id = await made("/v1/plans/{id}/flights", request, { id: plan, signal: until });
+  return { path: `/v1/flights/${id}`, id };
+>>>>>>> faults
+}
+
+/** The id of what was made. */
+async function made(path: JobPaths | "/v1/plans/{id}/flights", request: object, given: Given): Promise<string> {
+  const asked = JSON.stringify([url(path, given), request]);
+  const key = unanswered?.asked === asked ? unanswered.key : crypto.randomUUID();
+  unanswered = { asked, key };
+  const headers = { Prefer: "respond-async", "Idempotency-Key": key };
+  let answer: Response;
+  try {
+    answer = await postForAnswer(path, request, { ...given, headers });
+  } catch (error) {
+    if (error instanceof Problem && error.status < 500) unanswered = null;
+    throw error;
+  }
+  unanswered = null;
   const { pathname } = new URL(answer.headers.get("Location") ?? "", answer.url);
   return pathname.slice(pathname.lastIndexOf("/") + 1);
 }

@@ -77,14 +77,15 @@ export const plan = {
       least_loss: "Lose as little as possible",
     },
     waysOut: "What each way out gives up",
+    overlap: (one: number, other: number, seconds: string) => `Sessions ${one} and ${other} overlap by ${seconds} s: move or shorten one, or leave one out.`,
+    noRoom: (one: number, other: number) => `Sessions ${one} and ${other} don't both fit: move or shorten one, or leave one out.`,
+    leaveOut: (number: number) => `Leave out session ${number}`,
     loses: (number: number, seconds: string) => `session ${number} loses ${seconds} s`,
   },
   refusal: {
     session: (number: number) => `Session ${number}`,
     axis: "axis",
     limit: "limit",
-    take: (start: string, stop: string) => `Take ${start}–${stop} instead`,
-    without: (numbers: string) => `without session ${numbers}`,
   },
   map: {
     label: "Map: arrows move the cross, Enter takes it as the target, plus and minus zoom",
@@ -138,6 +139,8 @@ export const plan = {
       better: "Would help",
     },
     gone: "There is no such plan: it was deleted, or its time is over.",
+    anew: "Plan anew",
+    others: "Plans kept",
   },
   take: {
     title: "Take away",

@@ -79,14 +79,15 @@ export const plan: Words["plan"] = {
       least_loss: "Потерять как можно меньше",
     },
     waysOut: "Чего стоит каждый выход",
+    overlap: (one, other, seconds) => `Сеансы ${one} и ${other} перекрываются на ${seconds} с: сдвиньте или сократите один либо уберите его.`,
+    noRoom: (one, other) => `Сеансы ${one} и ${other} вместе не помещаются: сдвиньте или сократите один либо уберите его.`,
+    leaveOut: (number) => `Убрать сеанс ${number}`,
     loses: (number, seconds) => `сеанс ${number} теряет ${seconds} с`,
   },
   refusal: {
     session: (number) => `Сеанс ${number}`,
     axis: "ось",
     limit: "предел",
-    take: (start, stop) => `Взять ${start}–${stop}`,
-    without: (numbers) => `без сеанса ${numbers}`,
   },
   map: {
     label: "Карта: стрелки двигают перекрестие, Enter делает его целью, плюс и минус меняют масштаб",
@@ -140,6 +141,8 @@ export const plan: Words["plan"] = {
       better: "Помогло бы",
     },
     gone: "Такого плана нет: его удалили или срок его хранения истёк.",
+    anew: "Новый план",
+    others: "Сохранённые планы",
   },
   take: {
     title: "Взять с собой",

@@ -40,8 +40,21 @@ export function Flown({ id }: { id: string }) {
           </button>
         </div>
       )}
+<<<<<<< HEAD
       {problem}
       {isCancelled && <p class="notice notice-warn">{text.flights.cancelled}</p>}
+=======
+      {flights.problem && (
+        <ProblemNotice error={new Problem(flights.problem)}>
+          <p>
+            <Link to={`/flights?plan=${flights.plan}`} class="button">
+              {text.plan.one.change}
+            </Link>
+          </p>
+        </ProblemNotice>
+      )}
+      {flights.state === "cancelled" && <p class="notice notice-warn">{text.flights.cancelled}</p>}
+>>>>>>> faults
       {flights.probability_in_frame !== null && flights.flown > 0 && (
         <p data-testid="flights-verdict" class="panel" role="status">
           <strong>{text.flights.inFrame(percent(flights.probability_in_frame))}</strong>{" "}

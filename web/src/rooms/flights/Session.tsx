@@ -12,7 +12,7 @@ export function Session({ session }: { session: SessionFlights }) {
   const { nominal } = session;
   return (
     <section class="panel" aria-labelledby={id}>
-      <h2 id={id}>{text.session(session.session, session.label)}</h2>
+      <h2 id={id}>{text.session(session.session + 1, session.label)}</h2>
       <dl class="figures">
         <dt>{text.told}</dt>
         <dd>{percent(session.told_probability_in_frame)}</dd>

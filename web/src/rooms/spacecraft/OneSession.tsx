@@ -2,12 +2,11 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { useFetched } from "../../api/fetched";
-import { Cancelled } from "../../api/job";
 import { useMade } from "../../api/made";
-import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
+import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { moveTo } from "../../time/playback";
@@ -33,7 +32,7 @@ export function OneSession({ id }: { id: string }) {
           {words.value.plan.one.change}
         </Link>
       </div>
-      {error !== null && <Why error={error} again={again} />}
+      {error !== null && <JobEnded work="/v1/spacecraft/plans" room="/spacecraft/plans" id={id} error={error} again={again} text={{ gone: text.gone, cancelled: words.value.plan.one.cancelled }} />}
       {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
       {session && <Made session={session} />}
@@ -124,12 +123,4 @@ function Verdict({ session }: { session: Session }) {
       )}
     </div>
   );
-}
-
-function Why({ error, again }: { error: unknown; again: () => void }) {
-  const text = words.value.spacecraft;
-  if (error instanceof Cancelled) return <p class="notice" role="status">{words.value.plan.one.cancelled}</p>;
-  if (error instanceof Problem && error.status === 404) return <p class="notice" role="status">{text.gone}</p>;
-  const isFinal = error instanceof Problem && error.status < 500 && error.status !== 429;
-  return <ProblemNotice error={error} again={isFinal ? undefined : again} />;
 }

@@ -23,7 +23,7 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
         rows={axis.phases.map((phase) => ({
           ...phase,
           values: [
-            phase.session === null ? text.kinds[phase.kind] : `${text.kinds[phase.kind]} ${phase.session}`,
+            phase.session === null ? text.kinds[phase.kind] : `${text.kinds[phase.kind]} ${phase.session + 1}`,
             number(phase.samples),
             digits(phase.rms_arcsec),
             digits(phase.max_arcsec),
