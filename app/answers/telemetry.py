@@ -85,8 +85,11 @@ class ComparisonResponse:
     epoch: of the plan's table, from which the clock is told; UTC.
     samples: what became of the rows.
     time_offset_s: by how much the telemetry's clock is ahead at `epoch`: a time tag is the plan's
-    time, plus this, plus `clock_drift` times the seconds since `epoch`.
+    time, plus this, plus `clock_drift` times the seconds since `epoch`. Of the earlier axis: its
+    sigma holds that either may be late by what their difference leaves open.
     clock_drift: by how much the telemetry's clock gains, a share of time.
+    common_offset_s: the same if both axes are equally late, as those of one make are; null where
+    they clearly aren't, or where one axis alone tells the time. E.g. `null`.
     axes: by the axis's name, those with samples.
     pointing: what corrections and image offsets say beside the axes.
     corrections: of the attitude against its law, as `attitude.corrections` of the next request
@@ -106,6 +109,7 @@ class ComparisonResponse:
     samples: SamplesOut
     time_offset_s: EstimateOut
     clock_drift: EstimateOut
+    common_offset_s: EstimateOut | None
     axes: dict[str, AxisComparisonOut]
     pointing: list[PointingPartsOut]
     corrections: list[CorrectionOut]
@@ -123,15 +127,17 @@ def comparison_json(
     provenance: ProvenanceOut,
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    scenario = comparison.plan.scenario
+    scenario, alignment = comparison.plan.scenario, comparison.alignment
+    common_s = alignment.common_offset_s
     return to_json(
         ComparisonResponse(
             plan=plan_id,
             name=scenario.name,
             epoch=utc_text(comparison.plan.table.epoch_utc, 1),
             samples=samples_of(comparison),
-            time_offset_s=_estimate(comparison.alignment.offset_s, 9),
-            clock_drift=_estimate(comparison.alignment.drift, 15),
+            time_offset_s=_estimate(alignment.offset_s, 9),
+            clock_drift=_estimate(alignment.drift, 15),
+            common_offset_s=_estimate(common_s, 9) if common_s else None,
             axes={axis.name: axis_of(comparison, axis) for axis in comparison.axes},
             pointing=[_pointing(parts) for parts in pointing],
             corrections=[_correction(parts.correction) for parts in pointing],

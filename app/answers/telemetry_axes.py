@@ -101,8 +101,9 @@ class AxisComparisonOut:
     max_arcsec: the largest, either way.
     mean_arcsec: of all errors.
     lag_s: how much later the axis moves than the other one; what both are late by can't be told
-    from the clock, and is in `time_offset_s`.
-    lag_sigma_s: 1-sigma error of the axes' difference.
+    from the clock, and is in `time_offset_s`.  Null of an axis that tells no time, as it doesn't
+    follow its plan or hardly moves; `warnings` say which.
+    lag_sigma_s: 1-sigma error of the axes' difference; null without `lag_s`.
     phases: segment by segment of the table.
     oscillations: in order of time, at most 1,000.
     oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
@@ -117,8 +118,8 @@ class AxisComparisonOut:
     rms_arcsec: NotNegative
     max_arcsec: NotNegative
     mean_arcsec: Signed
-    lag_s: Signed
-    lag_sigma_s: NotNegative
+    lag_s: Signed | None
+    lag_sigma_s: NotNegative | None
     phases: list[PhaseErrorsOut]
     oscillations: list[OscillationOut]
     oscillations_searched_hz: list[NotNegative] | None
@@ -135,8 +136,8 @@ def axis_of(comparison: Comparison, axis: AxisComparison) -> AxisComparisonOut:
         rms_arcsec=arcsec(axis.error.rms_rad),
         max_arcsec=arcsec(axis.error.max_rad),
         mean_arcsec=arcsec(axis.error.mean_rad),
-        lag_s=round(axis.lag_s.value, 9),
-        lag_sigma_s=round(axis.lag_s.sigma, 9),
+        lag_s=None if axis.lag_s is None else round(axis.lag_s.value, 9),
+        lag_sigma_s=None if axis.lag_s is None else round(axis.lag_s.sigma, 9),
         phases=[_phase(comparison, phase) for phase in axis.phases],
         oscillations=[
             OscillationOut(

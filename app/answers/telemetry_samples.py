@@ -48,8 +48,9 @@ class SamplesOut:
     read: rows there were: those used and those dropped.
     used: rows that the comparison rests on.
     dropped: rows by reason: `no_time` and `no_value` hold no number there, `repeated` have a time
-    tag again, `clock_reset` belong to a clock that began anew, `outside_plan` lie before or after
-    its table, `outlier` stand out from those around. E.g. `{"outlier": 3}`.
+    tag again, `held` only values of the row before while the plan moves on, `clock_reset` belong to
+    a clock that began anew, `outside_plan` lie before or after its table, `outlier` stand out from
+    those around. E.g. `{"outlier": 3}`.
     reordered: rows used that came before an earlier one.
     wrapped: angles that were brought within half a turn of the plan.
     start: of the first row used; UTC.

@@ -38,8 +38,10 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
             "",
             str(axis.samples),
             *(f"{size:.2f}" for size in (axis.rms_arcsec, axis.max_arcsec, axis.mean_arcsec)),
-            f"{1e3 * axis.lag_s:.2f}",
-            f"{1e3 * axis.lag_sigma_s:.2f}",
+            *(
+                or_dash(None if size is None else 1e3 * size, ".2f")
+                for size in (axis.lag_s, axis.lag_sigma_s)
+            ),
         )
         for phase in axis.phases:
             session = "" if phase.session is None else f" {phase.session}"
