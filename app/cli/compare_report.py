@@ -17,6 +17,10 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
         f"clock {offset.value:+.6f} s ahead at {answer.epoch}, 1 sigma {offset.sigma:.2g}; "
         f"drift {1e6 * drift.value:+.3f} ppm, 1 sigma {1e6 * drift.sigma:.2g}"
     )
+    if common := answer.common_offset_s:
+        console.print(
+            f"if both axes are equally late: {common.value:+.6f} s, 1 sigma {common.sigma:.2g}"
+        )
     table = report_table(
         "errors",
         *(

@@ -16,10 +16,10 @@ from planner.telemetry.following import Followed
 from planner.telemetry.noise import row_noise, sensor_step
 from planner.telemetry.staircase import Staircase, fit_staircase, swing_squares
 
-_WINDOW = 96  # of averaged rows
+_WINDOW = 288  # of averaged rows
 _COARSER = (1, 2, 4, 8, 16)
 _ABOVE_NOISE = 4.0  # sigmas that a window's squares are beyond those of noise, to be looked at
-_CLEARLY = 50.0  # squares: errors that wander, or swing, came to 49 in 480 stretches of 120 s
+_CLEARLY = 80.0  # squares: errors that wander come to 63, see docs/telemetry.md
 _SLIPS_MIN = 2
 _SHARE_MIN = 0.3  # of the time stuck: a swing about the command stands still for 0.25 at most
 _QUANTA_MIN = 3.0  # of an encoder's steps in a slip
@@ -136,12 +136,7 @@ def _stairs(rows: _Rows, variance: float, *, may_stand: bool) -> Staircase:
 
 def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
     stairs = _stairs(rows, rows.variance, may_stand=True)
-    follows = _stairs(rows, rows.variance, may_stand=False).squares
-    # Errors that come and go by chance, and swings, look alike to a command turned round.
-    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance)
-    by_chance = follows - _stairs(turned, rows.variance, may_stand=True).squares
-    others = min(follows, swing_squares(rows.t_s, rows.error_rad, rows.variance)) - by_chance
-    if others - stairs.squares < _CLEARLY:
+    if not _is_clear(rows, stairs.squares):
         return None
     stands = [part for part in stairs.parts if part.stands]
     command_rad = rows.command_rad
@@ -165,6 +160,19 @@ def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
         slip_rad=max(slips),
         rate_rad_s=float(np.max(np.diff(command_rad) / np.diff(rows.t_s))),
     )
+
+
+def _is_clear(rows: _Rows, squares: float) -> bool:
+    """Whether standing leaves so much less than following and than a swing do."""
+    follows = _stairs(rows, rows.variance, may_stand=False).squares
+    if follows - squares < _CLEARLY:
+        return False
+    # Errors that come and go by chance, and swings, look alike to a command turned round.
+    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance)
+    least = squares + follows - _stairs(turned, rows.variance, may_stand=True).squares
+    if follows - least < _CLEARLY:
+        return False
+    return swing_squares(rows.t_s, rows.error_rad, rows.variance) - least >= _CLEARLY
 
 
 def _apart(found: list[StickSlip]) -> list[StickSlip]:

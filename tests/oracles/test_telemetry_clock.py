@@ -85,6 +85,22 @@ def test_what_only_a_clock_of_another_pace_explains_is_refused():
         slewtrack.compare(planned(), csv_of(tag_s, *(one / 0.9 for one in angles_deg)))
 
 
+@pytest.mark.parametrize(("ahead_s", "scale"), [(35.0, "TAI"), (16.0, "GPS time"), (67.184, "TT")])
+def test_another_time_scale_is_named(ahead_s, scale):
+    """IERS Bulletin C 44: TAI - UTC is 35 s; GPS time is 19 s behind TAI, TT 32.184 s ahead."""
+    tag_s, angles_deg = sound()
+    found = slewtrack.compare(planned(), csv_of(tag_s - 0.3 + ahead_s, *angles_deg))
+    [note] = [note for note in found.notes if "time tags may be of that scale" in note]
+    assert f"as {scale} was" in note
+
+
+def test_rows_of_two_sources_by_turns_are_told():
+    tag_s, angles_deg = sound()
+    late_s = 0.03 * (np.arange(len(tag_s)) % 2)
+    found = slewtrack.compare(planned(), csv_of(tag_s + late_s, *angles_deg))
+    assert any("alpha change sign from row to row" in note for note in found.notes)
+
+
 def late_alignments(late_s, seeds, rate_hz=5.0):
     plan = planned()
     t_s = np.arange(0.0, plan.table.t_s[-1], 1.0 / rate_hz)
