@@ -29,7 +29,7 @@ from planner.telemetry.oscillations import Oscillation, oscillations, searched_h
 from planner.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
 from planner.telemetry.search import OFFSET_MAX_S, in_units
 from planner.telemetry.stick_slip import StickSlip, stick_slip
-from planner.telemetry.strays import require_followed
+from planner.telemetry.strays import follows, require_followed
 from planner.telemetry.unexplained import (
     alternating,
     beyond_noise,
@@ -245,6 +245,8 @@ def _axes(
             continue
         error = error_size(followed.error_rad)
         exceeded, checked = limits_exceeded(followed, limits)
+        angle_rad = motion.angle_rad(followed.t_s) + followed.error_rad
+        creeps = follows(angle_rad, "angle", followed.t_s, motion) is not False
         axes.append(
             AxisComparison(
                 name=name,
@@ -254,7 +256,7 @@ def _axes(
                 phases=tuple(phases(followed, plan.segments)),
                 oscillations=tuple(oscillations(followed)),
                 oscillations_searched_hz=searched_hz(followed),
-                stick_slip=tuple(stick_slip(followed)),
+                stick_slip=tuple(stick_slip(followed)) if creeps else (),
                 limits_exceeded=tuple(exceeded),
                 limits_checked=tuple(checked),
             )
