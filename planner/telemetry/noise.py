@@ -7,8 +7,9 @@ import numpy as np
 from planner.arrays import Array
 
 _LATTICE_MIN = 0.9  # of the gaps between values, to be whole multiples of the least
-_WHOLE = 0.05
-_VALUES_MIN = 20
+_WHOLE = 0.02
+# Fewer values may lie so by chance, unless each comes again and again.
+_VALUES_MIN, _REPEATED = 20, 0.25
 
 
 def row_noise(error: Array) -> float:
@@ -25,7 +26,7 @@ def sensor_step(value: Array) -> float:
         return 0.0
     gaps = np.diff(np.sort(finite))
     gaps = gaps[gaps > 1e-12 * max(float(np.abs(finite).max()), 1e-3)]
-    if len(gaps) < _VALUES_MIN:
+    if not len(gaps) or (len(gaps) > _REPEATED * len(finite) and len(gaps) < _VALUES_MIN):
         return 0.0
     counts = gaps / gaps.min()
     is_whole = np.abs(counts - np.round(counts)) < _WHOLE
