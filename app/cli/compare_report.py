@@ -3,7 +3,9 @@
 from rich.console import Console
 from rich.text import Text
 
-from app.answers.telemetry import AxisComparisonOut, ComparisonResponse, SamplesOut
+from app.answers.telemetry import ComparisonResponse
+from app.answers.telemetry_axes import AxisComparisonOut
+from app.answers.telemetry_samples import SamplesOut
 from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
 
 _TIME = slice(11, 23)

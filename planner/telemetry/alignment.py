@@ -33,7 +33,8 @@ _ROUNDS_MAX = 40
 _SCALE_MIN = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
 _BLOCKS = 40  # of time: errors within one may go together, and the sigmas tell it
 LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
-# Times what is not known of a lag: the offset's chi-square is at most 1.3 at any lag, 1.9 without.
+# Times what is not known of a lag: the mean square of the offset's error over its sigma is at most
+# 1.3 at any lag, in the mean of many noises; 1.9 without.
 _LAG_ROOM = 1.25
 _LAG_SIGMA_MAX_S = 1.0  # no drive is so late: an axis known worse tells nothing of it
 
@@ -80,7 +81,7 @@ class Alignment:
     """offset_s, drift: of the telemetry's clock at the table's epoch.  common_offset_s: the same if
     both axes are equally late; None where they clearly aren't, or one tells no time.
     lags_s: by axis, how much later it moves than the earlier one of them, with the error of the
-    difference; None where it tells no time.  reference_offset_s, reference_drift: those that the
+    difference; None where it tells no time.  reference_offset_s, reference_gain: those that the
     axes' errors are taken with.
     """
 
@@ -89,11 +90,11 @@ class Alignment:
     common_offset_s: Estimate | None
     lags_s: tuple[Estimate | None, ...]
     reference_offset_s: float
-    reference_drift: float
+    reference_gain: float
 
     def t_s(self, tag_s: Array) -> Array:
         """Seconds after the table's epoch at time tags."""
-        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_drift))
+        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_gain))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +143,7 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
         common_offset_s=common_s,
         lags_s=tuple(lags_s),
         reference_offset_s=offset_s.value,
-        reference_drift=float(reference.parameters[0]),
+        reference_gain=float(reference.parameters[0]),
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.arrays import Array, Mask
 
-_PART_PRICE = 6.0  # squares over the noise's: two free numbers in windows of a hundred rows
+_PART_PRICE = 6.0  # squares over the noise's: two free numbers a part
 _STAND_ROWS_MIN = 3
 
 
@@ -28,10 +28,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Staircase:
-    """squares: left over the noise's, with the price of the parts.  left_variance: of a row."""
+    """cost: squares left over the noise's, and the price of the parts.  left_variance_rad2: of a
+    row."""
 
-    squares: float
-    left_variance: float
+    cost: float
+    left_variance_rad2: float
     parts: tuple[Part, ...]
 
     def stands(self, rows: int) -> Mask:
@@ -42,18 +43,20 @@ class Staircase:
         return mask
 
 
-def fit_staircase(error: Array, angle: Array, variance: float, *, may_stand: bool) -> Staircase:
-    """The cheapest parts.  error, angle: (n,), measured less planned, and measured; n up to a few
-    hundred."""
-    count = len(error)
-    cost_of_part = _squares_of_parts(error)
+def fit_staircase(
+    error_rad: Array, angle_rad: Array, variance_rad2: float, *, may_stand: bool
+) -> Staircase:
+    """The cheapest parts.  error_rad, angle_rad: (n,), measured less planned, and measured; n up to
+    a few hundred."""
+    count = len(error_rad)
+    cost_of_part = _squares_of_parts(error_rad)
     is_stand = np.zeros_like(cost_of_part, dtype=bool)
     if may_stand:
-        standing = _squares_of_parts(angle)
+        standing = _squares_of_parts(angle_rad)
         standing[np.tri(count, count + 1, _STAND_ROWS_MIN - 1, dtype=bool)] = np.inf  # too short
         is_stand = standing < cost_of_part
         cost_of_part = np.minimum(cost_of_part, standing)
-    cost_of_part = cost_of_part / variance + _PART_PRICE
+    cost_of_part = cost_of_part / variance_rad2 + _PART_PRICE
     cost, origin = np.zeros(count + 1), np.zeros(count + 1, dtype=np.intp)
     for last in range(1, count + 1):
         total = cost[:last] + cost_of_part[:last, last]
@@ -64,15 +67,15 @@ def fit_staircase(error: Array, angle: Array, variance: float, *, may_stand: boo
     while last:
         first = int(origin[last])
         stands = bool(is_stand[first, last])
-        level = float(np.mean((angle if stands else error)[first:last]))
+        level = float(np.mean((angle_rad if stands else error_rad)[first:last]))
         parts.append(Part(first, last, stands, level))
         last = first
-    left = (float(cost[count]) - _PART_PRICE * len(parts)) * variance
+    left = (float(cost[count]) - _PART_PRICE * len(parts)) * variance_rad2
     free = max(count - 2 * len(parts), 1)
     return Staircase(float(cost[count]), left / free, tuple(reversed(parts)))
 
 
-def swing_squares(t_s: Array, error: Array, variance: float) -> float:
+def swing_squares(t_s: Array, error: Array, variance_rad2: float) -> float:
     """Least squares over the noise's of a swing beside a parabola, at the price of three parts."""
     place = np.linspace(-1.0, 1.0, len(t_s))
     trend, _ = np.linalg.qr(np.polynomial.legendre.legvander(place, 2))
@@ -84,7 +87,7 @@ def swing_squares(t_s: Array, error: Array, variance: float) -> float:
     along = waves @ left
     inverse = np.linalg.pinv(waves @ waves.transpose(0, 2, 1), 1e-9)
     explained = np.einsum("fi,fij,fj->f", along, inverse, along)
-    return float(left @ left - explained.max()) / variance + 3.0 * _PART_PRICE
+    return float(left @ left - explained.max()) / variance_rad2 + 3.0 * _PART_PRICE
 
 
 def _squares_of_parts(value: Array) -> Array:

@@ -19,7 +19,7 @@ from planner.telemetry.staircase import Staircase, fit_staircase, swing_squares
 _WINDOW = 288  # of averaged rows
 _COARSER = (1, 2, 4, 8, 16)
 _ABOVE_NOISE = 4.0  # sigmas that a window's squares are beyond those of noise, to be looked at
-_CLEARLY = 80.0  # squares: errors that wander come to 63, see docs/telemetry.md
+_CLEARLY = 80.0  # squares over the noise's: errors that wander by chance come to 63
 _SLIPS_MIN = 3
 _SHARE_MIN = 0.3  # of the time stuck: a swing about the command stands still for 0.25 at most
 _QUANTA_MIN = 3.0  # of an encoder's steps in a slip
@@ -43,16 +43,18 @@ class StickSlip:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Averaged rows of a stretch, (n,) each; the command grows.  variance: of an error's noise."""
+    """Averaged rows of a stretch, (n,) each; the command grows.  variance_rad2: of the noise."""
 
     t_s: Array
     error_rad: Array
     command_rad: Array
-    variance: float
+    variance_rad2: float
 
     def cut(self, first: int, last: int) -> "_Rows":
         rows = slice(first, last)
-        return _Rows(self.t_s[rows], self.error_rad[rows], self.command_rad[rows], self.variance)
+        return _Rows(
+            self.t_s[rows], self.error_rad[rows], self.command_rad[rows], self.variance_rad2
+        )
 
 
 def stick_slip(followed: Followed) -> list[StickSlip]:
@@ -97,8 +99,8 @@ def _in_stretch(
                     one[part].reshape(count, each).mean(axis=1)
                     for one in (t_s, error_rad, command_rad)
                 ]
-                variance = noise_rad**2 / each + quantum_rad**2 / 12.0 + _EXACT_RAD**2
-                window = _Rows(averages[0], averages[1], averages[2], variance)
+                variance_rad2 = noise_rad**2 / each + quantum_rad**2 / 12.0 + _EXACT_RAD**2
+                window = _Rows(averages[0], averages[1], averages[2], variance_rad2)
                 one = _in_window(window, quantum_rad)
                 found += [one] if one else []
             first += max(_WINDOW // 2 * each, 1)
@@ -111,32 +113,32 @@ def _in_window(rows: _Rows, quantum_rad: float) -> StickSlip | None:
     trend = np.polynomial.legendre.legvander(place, 2)
     left = rows.error_rad - trend @ np.linalg.lstsq(trend, rows.error_rad, rcond=None)[0]
     free = len(left) - 3
-    if np.sum(left**2) < rows.variance * (free + _ABOVE_NOISE * math.sqrt(2.0 * free)):
+    if np.sum(left**2) < rows.variance_rad2 * (free + _ABOVE_NOISE * math.sqrt(2.0 * free)):
         return None
-    variance = rows.variance
+    variance_rad2 = rows.variance_rad2
     for _ in range(3):  # errors that neither explains are noise, too
-        stairs = _stairs(rows, variance, may_stand=True)
-        if stairs.left_variance < 1.2 * variance:
+        stairs = _stairs(rows, variance_rad2, may_stand=True)
+        if stairs.left_variance_rad2 < 1.2 * variance_rad2:
             break
-        variance = stairs.left_variance
+        variance_rad2 = stairs.left_variance_rad2
     stands = [part for part in stairs.parts if part.stands]
     if len(stands) < _SLIPS_MIN:
         return None
     first, last = stands[0].first, stands[-1].last
     if last < len(rows.t_s):  # the slip that ends it
         last += 1
-    stretch = _Rows(rows.t_s, rows.error_rad, rows.command_rad, variance).cut(first, last)
+    stretch = _Rows(rows.t_s, rows.error_rad, rows.command_rad, variance_rad2).cut(first, last)
     return _told(stretch, quantum_rad)
 
 
-def _stairs(rows: _Rows, variance: float, *, may_stand: bool) -> Staircase:
+def _stairs(rows: _Rows, variance_rad2: float, *, may_stand: bool) -> Staircase:
     angle_rad = rows.command_rad + rows.error_rad
-    return fit_staircase(rows.error_rad, angle_rad, variance, may_stand=may_stand)
+    return fit_staircase(rows.error_rad, angle_rad, variance_rad2, may_stand=may_stand)
 
 
 def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
-    stairs = _stairs(rows, rows.variance, may_stand=True)
-    if not _is_clear(rows, stairs.squares):
+    stairs = _stairs(rows, rows.variance_rad2, may_stand=True)
+    if not _is_clear(rows, stairs.cost):
         return None
     stands = [part for part in stairs.parts if part.stands]
     command_rad = rows.command_rad
@@ -162,17 +164,17 @@ def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
     )
 
 
-def _is_clear(rows: _Rows, squares: float) -> bool:
+def _is_clear(rows: _Rows, cost: float) -> bool:
     """Whether standing leaves so much less than following and than a swing do."""
-    follows = _stairs(rows, rows.variance, may_stand=False).squares
-    if follows - squares < _CLEARLY:
+    follows = _stairs(rows, rows.variance_rad2, may_stand=False).cost
+    if follows - cost < _CLEARLY:
         return False
     # Errors that come and go by chance, and swings, look alike to a command turned round.
-    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance)
-    least = squares + follows - _stairs(turned, rows.variance, may_stand=True).squares
+    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance_rad2)
+    least = cost + follows - _stairs(turned, rows.variance_rad2, may_stand=True).cost
     if follows - least < _CLEARLY:
         return False
-    return swing_squares(rows.t_s, rows.error_rad, rows.variance) - least >= _CLEARLY
+    return swing_squares(rows.t_s, rows.error_rad, rows.variance_rad2) - least >= _CLEARLY
 
 
 def _apart(found: list[StickSlip]) -> list[StickSlip]:

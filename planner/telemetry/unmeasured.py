@@ -38,14 +38,14 @@ def leave_out_unmeasured(
         had_value |= np.isfinite(value).any(axis=1)
         for motion, name in zip(motions, names, strict=True):
             own = value[:, motion.axis]
-            planned = motion.angle_rad(t_s) if kind == "angle" else motion.rate_rad_s(t_s)
-            filled = filled_rows(own, planned)
+            planned_value = motion.angle_rad(t_s) if kind == "angle" else motion.rate_rad_s(t_s)
+            filled = filled_rows(own, planned_value)
             if filled.any():
                 notes.append(
                     f"{int(filled.sum())} {kind}s of {name} are one value far from the plan, as "
                     "it stands for those that are missing, and were left out"
                 )
-            held = held_rows(np.where(filled, np.nan, own), planned)
+            held = held_rows(np.where(filled, np.nan, own), planned_value)
             if held.any():
                 notes.append(
                     f"{int(held.sum())} {kind}s of {name} repeat the row before while the plan "
@@ -60,10 +60,10 @@ def leave_out_unmeasured(
     return notes
 
 
-def held_rows(value: Array, planned: Array) -> Mask:
+def held_rows(value: Array, planned_value: Array) -> Mask:
     """Rows of a column whose value is an earlier row's, (n,); none where values don't come so.
 
-    value: (n,) in order of time, NaN where there is none.  planned: of the same rows.
+    value: (n,) in order of time, NaN where there is none.  planned_value: of the same rows.
     """
     held = np.zeros(len(value), dtype=bool)
     own = np.flatnonzero(np.isfinite(value))
@@ -72,7 +72,7 @@ def held_rows(value: Array, planned: Array) -> Mask:
     if not is_same.any():
         return held
     # An encoder's values stay the same, too, while the plan moves by less than its step.
-    is_clear = np.abs(np.diff(planned[own])) > _STEPS_CLEAR * sensor_step(value[own])
+    is_clear = np.abs(np.diff(planned_value[own])) > _STEPS_CLEAR * sensor_step(value[own])
     stays = is_same & is_clear
     runs = int(np.sum(np.diff(stays.astype(np.int8), prepend=0) == 1))
     if runs >= _RUNS_MIN and stays.sum() > _SAME_MIN * is_clear.sum():
@@ -80,8 +80,8 @@ def held_rows(value: Array, planned: Array) -> Mask:
     return held
 
 
-def filled_rows(value: Array, planned: Array) -> Mask:
-    """Rows that hold one value far from the plan, again and again, (n,).  value, planned: see
+def filled_rows(value: Array, planned_value: Array) -> Mask:
+    """Rows that hold one value far from the plan, again and again, (n,).  value, planned_value: see
     `held_rows`."""
     filled = np.zeros(len(value), dtype=bool)
     for _ in range(_FILLS_MAX):
@@ -93,7 +93,7 @@ def filled_rows(value: Array, planned: Array) -> Mask:
         runs = int(np.sum(np.diff(is_it.astype(np.int8), prepend=0) == 1))
         if is_it.all() or runs < 3 or is_it.sum() < max(_FILL_ROWS_MIN, _FILL_MIN * len(own)):
             break
-        off = np.abs(value[own] - planned[own])
+        off = np.abs(value[own] - planned_value[own])
         if np.median(off[is_it]) < _FILL_FAR * np.percentile(off[~is_it], 90.0):
             break
         filled[own[is_it]] = True
