@@ -18,14 +18,18 @@ _FARTHEST_SIGMAS = 3.0
 
 
 def flown_by(platform: TwoAxisPlatform) -> Fly:
-    """A seed draws noise, and each axis's friction and cable: log-normal about the platform's."""
+    """A seed draws each axis's friction and cable, log-normal about the platform's, and noise.
 
-    def fly_once(table: CommandTable, seed: int | None) -> FlownMotion:
+    The noise is another in each session, friction and cables are the same in all.
+    """
+
+    def fly_once(table: CommandTable, session: int, seed: int | None) -> FlownMotion:
         if seed is None:
-            return fly(table, platform)
+            return fly(table, platform, seed=session)
         random = np.random.default_rng(seed)
         outer, inner = (_drawn(drive, random) for drive in platform.drives)
-        return fly(table, platform, drives=(outer, inner), seed=seed)
+        # From 1 on: a last 0 would make the stream of the seed alone.
+        return fly(table, platform, drives=(outer, inner), seed=(seed, 1 + session))
 
     return fly_once
 

@@ -29,8 +29,9 @@ class Motion(Protocol):
     def structure_rad(self) -> Array: ...
 
 
-# Flies a table with the drives that a seed makes; None: as they are nominally.
-Fly = Callable[[CommandTable, int | None], Motion]
+# Flies the table of a session, told by its number, with the drives that a seed makes; None: as
+# they are nominally.
+Fly = Callable[[CommandTable, int, int | None], Motion]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,7 +97,7 @@ def fly_runs(
 def fly_nominal(scene: SessionScene, fly: Fly) -> tuple[Frames, Array, Array]:
     """As planned, by nominal drives: frames, range (n,) and axis angles (n, 2) at their begins."""
     [seen] = scene.seen([undisturbed(scene.modes)])
-    motion = fly(scene.table, None)
+    motion = fly(scene.table, scene.number, None)
     begins_s = scene.at_s[:, 0]
     frames = _frames(scene, motion, seen, scene.at_s)
     return (
@@ -137,7 +138,7 @@ def _fly_pair(
     ]
     seen = scene.seen([*draws, *exchanged])
     own, swapped = seen[: len(draws)], seen[len(draws) :]
-    motions = [fly(scene.table, draw.drive) for draw in draws]
+    motions = [fly(scene.table, scene.number, draw.drive) for draw in draws]
     judged = [
         _judged(_frames(scene, motion, view, scene.at_s), view)
         for motion, view in zip(motions, own, strict=True)

@@ -41,7 +41,7 @@ def fly(
     platform: TwoAxisPlatform,
     *,
     drives: tuple[AxisDrive, AxisDrive] | None = None,
-    seed: int = 0,
+    seed: int | tuple[int, ...] = 0,
     clock_offset_s: float = 0.0,
     output_step_s: float = CONTROL_STEP_S,
 ) -> FlownMotion:
