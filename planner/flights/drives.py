@@ -8,12 +8,23 @@ import numpy as np
 from planner.commands import CommandTable
 from planner.flights.runs import Fly
 from planner.platforms import AxisDrive, TwoAxisPlatform
+from planner.platforms.drive import (
+    CABLE_STIFFNESS_MAX_PER_S2,
+    CABLE_TENSION_MAX_DEG_S2,
+    FRICTION_MAX_DEG_S2,
+    VISCOUS_MAX_PER_S,
+)
 from planner.simulation.flight import FlownMotion, fly
 
 # What temperature and age change; the loop is software and stays.  A fifth is assumed.
 TOLERANCE = 0.2
-_TOGETHER = ("coulomb_deg_s2", "breakaway_deg_s2")
-_EACH = ("viscous_per_s", "cable_tension_deg_s2", "cable_stiffness_per_s2")
+# Which of them is drawn, and the most that a drive may have of it.
+_TOGETHER = {"coulomb_deg_s2": FRICTION_MAX_DEG_S2, "breakaway_deg_s2": FRICTION_MAX_DEG_S2}
+_EACH = {
+    "viscous_per_s": VISCOUS_MAX_PER_S,
+    "cable_tension_deg_s2": CABLE_TENSION_MAX_DEG_S2,
+    "cable_stiffness_per_s2": CABLE_STIFFNESS_MAX_PER_S2,
+}
 _FARTHEST_SIGMAS = 3.0
 
 
@@ -37,8 +48,10 @@ def flown_by(platform: TwoAxisPlatform) -> Fly:
 def _drawn(drive: AxisDrive, random: np.random.Generator) -> AxisDrive:
     sigmas = np.clip(random.standard_normal(1 + len(_EACH)), -_FARTHEST_SIGMAS, _FARTHEST_SIGMAS)
     factors = [math.exp(TOLERANCE * sigma) for sigma in sigmas]
-    changed = {name: getattr(drive, name) * factors[0] for name in _TOGETHER}
-    changed |= {
-        name: getattr(drive, name) * factor for name, factor in zip(_EACH, factors[1:], strict=True)
+    factor_of = dict.fromkeys(_TOGETHER, factors[0]) | dict(zip(_EACH, factors[1:], strict=True))
+    most = _TOGETHER | _EACH
+    changed = {
+        name: min(max(getattr(drive, name) * factor, -most[name]), most[name])
+        for name, factor in factor_of.items()
     }
     return replace(drive, **changed)

@@ -41,6 +41,10 @@ class AsCommanded:
     angle_rad: np.ndarray
     structure_rad: np.ndarray
 
+    @property
+    def is_saturated(self):
+        return np.zeros(self.angle_rad.shape, dtype=bool)
+
 
 def as_commanded(table, _session, _seed):
     t_s = np.arange(0.0, table.t_s[-1] + 1e-9, 0.02)
@@ -168,10 +172,11 @@ def test_ideal_drives_keep_the_target_in_the_middle(plan):
     ideal = replace(ISS_HRC, drives=(IDEAL_DRIVE, IDEAL_DRIVE))
     flown = replace(plan, scenario=replace(plan.scenario, platform=ideal))
     [scene] = session_scenes(flown)
-    frames, range_m, _ = fly_nominal(scene, flown_by(ideal))
+    frames, range_m, _, saturated_s = fly_nominal(scene, flown_by(ideal))
     assert np.max(frames.error_rad) < 0.3 * ARCSEC
     assert frames.is_sharp.all()
     assert range_m.min() > 400e3
+    assert not saturated_s.any()
 
 
 def test_a_drifting_target_is_smeared_by_what_it_drifts_in_an_exposure():
