@@ -29,7 +29,7 @@ TUNED = (
     *("thin_8km", "tropical", "arctic_winter", "desert", "after_eruption"),
 )
 SHOWN = tuple(f"drawn_{k}" for k in range(1, 7))
-SEED = 40_417
+SEED = 1
 
 
 @dataclass(frozen=True)
