@@ -251,7 +251,8 @@ def rough_plan(**drive):
 
 
 @pytest.mark.parametrize(
-    ("columns", "friction_deg_s2"), [("angles and rates", 0.1), ("angles", 0.3), ("rates", 0.3)]
+    ("columns", "friction_deg_s2"),
+    [("angles and rates", 0.1), ("angles", 0.3), ("rates", 0.1), ("rates", 0.3)],
 )
 def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2):
     """From a guess of half and of a sixth; 10 % is what was asked for."""
