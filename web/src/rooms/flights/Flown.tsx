@@ -22,7 +22,15 @@ export function Flown({ id }: { id: string }) {
   const { answer: flights, progress, error, again, cancel } = useMade("/v1/flights/{id}", id, fetchFlights);
   const isCancelled = error instanceof Cancelled;
   const problem = error !== null && !isCancelled && (
-    <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />
+    <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined}>
+      {flights && (
+        <p>
+          <Link to={`/flights?plan=${flights.plan}`} class="button">
+            {text.plan.one.change}
+          </Link>
+        </p>
+      )}
+    </ProblemNotice>
   );
   if (!flights) return problem || <p class="loading">{text.shell.loading}</p>;
   return (
@@ -40,21 +48,8 @@ export function Flown({ id }: { id: string }) {
           </button>
         </div>
       )}
-<<<<<<< HEAD
       {problem}
       {isCancelled && <p class="notice notice-warn">{text.flights.cancelled}</p>}
-=======
-      {flights.problem && (
-        <ProblemNotice error={new Problem(flights.problem)}>
-          <p>
-            <Link to={`/flights?plan=${flights.plan}`} class="button">
-              {text.plan.one.change}
-            </Link>
-          </p>
-        </ProblemNotice>
-      )}
-      {flights.state === "cancelled" && <p class="notice notice-warn">{text.flights.cancelled}</p>}
->>>>>>> faults
       {flights.probability_in_frame !== null && flights.flown > 0 && (
         <p data-testid="flights-verdict" class="panel" role="status">
           <strong>{text.flights.inFrame(percent(flights.probability_in_frame))}</strong>{" "}
