@@ -1,5 +1,9 @@
 /** Work that may take longer: sent off, followed by its events, fetched when it is done. */
+<<<<<<< HEAD
+import { type Given, postForAnswer, send } from "./client";
+=======
 import { type Given, postForAnswer, send, url } from "./client";
+>>>>>>> faults
 import { follow } from "./events";
 import { Problem, type ProblemDocument } from "./problem";
 import type { paths } from "./schema";
@@ -16,18 +20,33 @@ export interface Sent {
   id: string;
 }
 
-type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
+export type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
 
 /** What was asked when no answer came: with the same key it isn't made twice. */
 let unanswered: { asked: string; key: string } | null = null;
 
 /** Sends a request off; raises Problem at once where the service refuses to take it. */
-export async function sendOff(
+export function sendOff(
   path: JobPaths & keyof paths,
   request: object,
   query: Record<string, string> = {},
   until?: AbortSignal,
 ): Promise<Sent> {
+<<<<<<< HEAD
+  return sentTo(path, path, request, { query, signal: until });
+}
+
+/** Has a plan flown. */
+export function sendOffFlights(plan: string, request: object): Promise<Sent> {
+  return sentTo("/v1/plans/{id}/flights", "/v1/flights", request, { id: plan });
+}
+
+/** where: the address of what such jobs make. */
+async function sentTo(path: JobPaths | "/v1/plans/{id}/flights", where: string, request: object, given: Given): Promise<Sent> {
+  const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
+  const id = made(await postForAnswer(path, request, { ...given, headers }));
+  return { path: `${where}/${id}`, id };
+=======
   const id = await made(path, request, { query, signal: until });
   return { path: `${path}/${id}`, id };
 }
@@ -36,6 +55,7 @@ export async function sendOff(
 export async function sendOffFlights(plan: string, request: object, until?: AbortSignal): Promise<Sent> {
   const id = await made("/v1/plans/{id}/flights", request, { id: plan, signal: until });
   return { path: `/v1/flights/${id}`, id };
+>>>>>>> faults
 }
 
 /** The id of what was made. */
