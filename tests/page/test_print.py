@@ -55,9 +55,9 @@ def test_a_plan_is_printed_on_one_page(open_page, made, name, language, theme, p
     verdict = page.get_by_test_id("verdict").inner_text()
     # The pictures are drawn for paper only, when the browser says that it prints.
     page.evaluate(
-        """addEventListener("afterprint", () => {
+        """addEventListener("beforeprint", () => {
           window.drawn = document.querySelectorAll(".sheet-charts .plane").length;
-        }, { capture: true })"""
+        })"""
     )
     assert pages_of(page.pdf(format=paper, print_background=True)) == 1
     assert page.evaluate("window.drawn") == 4
