@@ -225,6 +225,7 @@ def test_a_plan_whose_time_is_over_is_told_with_the_ways_on(form, tmp_path):
         plan(page)
         is_planned(page)
         gone = page.url.removeprefix(service.address)
+        page.wait_for_load_state("networkidle")  # the globe leaves what it can't fetch unhandled
     port = str(service.port)
     with live_service(tmp_path, "--port", port, SLEWTRACK_RETENTION_DAYS="0.000001"):
         # What the page holds already is still shown; what it must fetch isn't there any more.

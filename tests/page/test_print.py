@@ -53,13 +53,14 @@ def test_a_plan_is_printed_on_one_page(open_page, made, name, language, theme, p
     page = open_page(f"/plans/{made[name]}", locale=language, color_scheme=theme)
     expect(page.locator(".look-charts canvas").first).to_be_visible()
     verdict = page.get_by_test_id("verdict").inner_text()
-    # What is drawn only for paper is seen while it is printed; Chromium's own events say when.
+    # The pictures are drawn for paper only, when the browser says that it prints.
     page.evaluate(
-        """addEventListener("beforeprint", () => setTimeout(() => {
-          window.printed = document.querySelector(".one").innerText;
-        }))"""
+        """addEventListener("beforeprint", () => {
+          window.drawn = document.querySelectorAll(".sheet-charts .plane").length;
+        })"""
     )
     assert pages_of(page.pdf(format=paper, print_background=True)) == 1
+    assert page.evaluate("window.drawn") == 4
     page.emulate_media(media="print")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")
     expect(page.locator(".sheet-charts .plane")).to_have_count(4)

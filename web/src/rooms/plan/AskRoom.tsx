@@ -1,9 +1,10 @@
 /** What is asked of a plan: orbit, targets, sessions in their windows. */
+import { batch } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
 import { get, remove } from "../../api/client";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
-import { brokeOff, isAbort, Problem } from "../../api/problem";
+import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
 import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
@@ -21,6 +22,19 @@ import { TargetPanel } from "./TargetPanel";
 import { keepSearching } from "./windows";
 import { WindowsPanel } from "./WindowsPanel";
 import { WorldMap } from "./WorldMap";
+
+/** Whether the work may go on although nothing more was heard of it. */
+function isFromSight(error: unknown): boolean {
+  return error instanceof NoAnswer || (error instanceof Problem && (error.status === 429 || error.status === 503));
+}
+
+/** Why it came to nothing, and the session it is about, so that it is drawn. */
+function fail(error: unknown): void {
+  batch(() => {
+    failure.value = error;
+    if (refused.value && refused.value.session < draft.sessions.value.length) draft.chosen.value = refused.value.session;
+  });
+}
 
 export default function AskRoom(_: RoomProps) {
   const text = words.value;
@@ -49,7 +63,7 @@ export default function AskRoom(_: RoomProps) {
         ([asked, job]) => {
           draft.load(asked as unknown as PlanRequest, isRevision ? from : null);
           const problem = job && !isPlan(job) ? job.problem : null;
-          failure.value = problem ? new Problem(problem) : null;
+          fail(problem ? new Problem(problem) : null);
           if (!isToPlan) return;
           go(`/?from=${from}`, { replace: true }); // loaded anew, the page doesn't plan again
           if (refused.value?.offered) takeOffered(() => void plan());
@@ -78,8 +92,8 @@ export default function AskRoom(_: RoomProps) {
       go(`/plans/${made.id}`);
     } catch (error) {
       if (isAbort(error)) return;
-      if (brokeOff(error) || !mayHelpAgain(error)) lost.current = null;
-      if (!(error instanceof Cancelled)) failure.value = error;
+      if (!isFromSight(error)) lost.current = null;
+      if (!(error instanceof Cancelled)) fail(error);
       told.current?.scrollIntoView({ block: "nearest" });
     } finally {
       setProgress(null);
@@ -100,8 +114,10 @@ export default function AskRoom(_: RoomProps) {
         <OrbitPanel />
         <TargetPanel />
         <SequencePanel plan={() => void plan()} />
-        <div class="ask-go" ref={told} tabIndex={-1}>
+        <div class="ask-told" ref={told} tabIndex={-1}>
           <RefusalNotice plan={() => void plan()} />
+        </div>
+        <div class="ask-go">
           <div class="row">
             <button
               type="button"
