@@ -13,8 +13,9 @@ import numpy as np
 
 from planner.errors import InvalidInput
 from planner.platforms import AxisDrive, TwoAxisPlatform
+from planner.simulation.candidates import IDENTIFIABLE
 from planner.simulation.flight import fly
-from planner.simulation.identification import IDENTIFIABLE, identify
+from planner.simulation.identification import identify
 from planner.telemetry.alignment import Channel, align
 from planner.telemetry.compare import Comparison
 from planner.telemetry.motion import PlannedMotion

@@ -50,7 +50,7 @@ def test_a_gyro_alone_tells_the_offset_and_as_much_of_the_drift_as_its_noise_let
     time to 50 ms and 3,450 to 3 ms, as the sigma says."""
     content = telemetry(tmp_path, clock=Clock(0.37, 50e-6), gyro_noise_deg_s=0.001, columns="rates")
     found = compared(content)
-    offset, drift = found.alignment.offset_s, found.alignment.drift
+    offset, drift = found.alignment.common_offset_s, found.alignment.drift
     assert 0.001 < offset.sigma < 0.005
     assert abs(offset.value - 0.37) < SIGMAS * offset.sigma
     assert abs(drift.value - 50e-6) < SIGMAS * drift.sigma
@@ -251,7 +251,8 @@ def rough_plan(**drive):
 
 
 @pytest.mark.parametrize(
-    ("columns", "friction_deg_s2"), [("angles and rates", 0.1), ("angles", 0.3), ("rates", 0.3)]
+    ("columns", "friction_deg_s2"),
+    [("angles and rates", 0.1), ("angles", 0.3), ("rates", 0.1), ("rates", 0.3)],
 )
 def test_the_friction_that_was_flown_is_found(tmp_path, columns, friction_deg_s2):
     """From a guess of half and of a sixth; 10 % is what was asked for."""
