@@ -46,21 +46,21 @@ _WITHIN_M, _BEYOND_M = (6e3, 10e3, 14e3), (-30e3, -36e3)
 class _Air:
     """What is expected of a kind of air, and its 1-sigma.
 
-    share: how often it is met.  evened: contrast left of single scattering.  dust: its light
-    against the air's, if it scattered evenly.  dimmed: sunlight's loss, by its path's length
-    against that straight down.
+    share: how often it is met.  evened_ratio: contrast left of single scattering.
+    dust_ratio: its light against the air's, if it scattered evenly.  dimmed_ratio: sunlight's
+    loss, by its path's length against that straight down.
     """
 
     share: float
-    evened: tuple[float, float]
-    dust: tuple[float, float]
-    dimmed: tuple[float, float]
+    evened_ratio: tuple[float, float]
+    dust_ratio: tuple[float, float]
+    dimmed_ratio: tuple[float, float]
 
 
 _AIRS = (
-    _Air(share=0.88, evened=(0.75, 0.25), dust=(0.15, 0.15), dimmed=(0.04, 0.03)),
+    _Air(share=0.88, evened_ratio=(0.75, 0.25), dust_ratio=(0.15, 0.15), dimmed_ratio=(0.04, 0.03)),
     # Laden with dust, or with the haze of an eruption.
-    _Air(share=0.12, evened=(0.3, 0.25), dust=(0.7, 0.35), dimmed=(0.08, 0.05)),
+    _Air(share=0.12, evened_ratio=(0.3, 0.25), dust_ratio=(0.7, 0.35), dimmed_ratio=(0.08, 0.05)),
 )
 
 
@@ -140,7 +140,9 @@ class Sunlight:
         own = [(0.0, _FREE_EXPOSURE), (_DARKENED, _DARKENED_SIGMA)] * cameras
         costs = []
         for air in _AIRS:
-            expected, sigma = zip(air.evened, air.dust, air.dimmed, *own, strict=True)
+            expected, sigma = zip(
+                air.evened_ratio, air.dust_ratio, air.dimmed_ratio, *own, strict=True
+            )
             misfit = light.misfit(
                 basis=[np.log(1.0 + cosine**2), _dust_over_air(cosine), -path],
                 expected_coefficients=list(expected),
