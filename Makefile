@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-python-3.13 lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
 
 setup: .venv/installed
 
@@ -80,11 +80,16 @@ test-page: setup web
 OF_PYTHON := tests/architecture tests/contracts tests/end_to_end tests/published \
 	tests/oracles/test_flight.py tests/oracles/test_slew_optimum.py
 
+# On the database that is named; what stores is to work on SQLite, too.
 test-of-python: setup
 	$(PYTEST) $(OF_PYTHON)
+	[ -z "$$SLEWTRACK_TEST_DATABASE_URL" ] || SLEWTRACK_TEST_DATABASE_URL= $(PYTEST) \
+		tests/contracts/test_store.py tests/contracts/test_store_failures.py tests/contracts/test_jobs.py \
+		tests/contracts/test_older_stores.py tests/end_to_end/test_crashes.py
 
-test-python-3.13:
-	.ci/with-python-3.13
+# Both as they ship: Debian trixie's Python, and PostgreSQL.
+test-as-shipped:
+	.ci/with-postgresql .ci/with-python-3.13
 
 lint: setup
 	$(BIN)/ruff format --check .
