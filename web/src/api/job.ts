@@ -1,5 +1,5 @@
 /** Work that may take longer: sent off, followed by its events, fetched when it is done. */
-import { postForAnswer, send } from "./client";
+import { type Given, postForAnswer, send } from "./client";
 import { follow } from "./events";
 import { Problem, type ProblemDocument } from "./problem";
 import type { paths } from "./schema";
@@ -16,26 +16,28 @@ export interface Sent {
   id: string;
 }
 
-type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
+export type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
 
 /** Sends a request off; raises Problem at once where the service refuses to take it. */
-export async function sendOff(
+export function sendOff(
   path: JobPaths & keyof paths,
   request: object,
   query: Record<string, string> = {},
   until?: AbortSignal,
 ): Promise<Sent> {
-  const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
-  const id = made(await postForAnswer(path, request, { headers, query, signal: until }));
-  return { path: `${path}/${id}`, id };
+  return sentTo(path, path, request, { query, signal: until });
 }
 
 /** Has a plan flown. */
-export async function sendOffFlights(plan: string, request: object, until?: AbortSignal): Promise<Sent> {
+export function sendOffFlights(plan: string, request: object): Promise<Sent> {
+  return sentTo("/v1/plans/{id}/flights", "/v1/flights", request, { id: plan });
+}
+
+/** where: the address of what such jobs make. */
+async function sentTo(path: JobPaths | "/v1/plans/{id}/flights", where: string, request: object, given: Given): Promise<Sent> {
   const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
-  const given = { id: plan, headers, signal: until };
-  const id = made(await postForAnswer("/v1/plans/{id}/flights", request, given));
-  return { path: `/v1/flights/${id}`, id };
+  const id = made(await postForAnswer(path, request, { ...given, headers }));
+  return { path: `${where}/${id}`, id };
 }
 
 /** The id of what an answer made. */

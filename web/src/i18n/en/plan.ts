@@ -27,6 +27,7 @@ export const plan = {
       ground: "Ljubljana, or 46.05, 14.51, or a click on the map",
       star: "Vega, or a Hipparcos number",
     },
+    offered: { ground: "Places of this name", star: "Stars of this name" },
     find: "Find",
     meant: "Meant is",
     choose: "Choose…",

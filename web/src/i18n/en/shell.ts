@@ -21,6 +21,7 @@ export const shell = {
   broken: "This part of the page broke. The rest goes on; what happened is in the browser's console.",
   again: "Try again",
   close: "Close",
+  offered: (count: number) => `${count} ${count === 1 ? "name" : "names"} offered`,
   cancel: "Cancel",
   key: {
     title: "This service asks for an API key",

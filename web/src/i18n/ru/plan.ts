@@ -29,6 +29,7 @@ export const plan: Words["plan"] = {
       ground: "Любляна, или 46.05, 14.51, или щелчок по карте",
       star: "Vega или номер Hipparcos",
     },
+    offered: { ground: "Места с таким названием", star: "Звёзды с таким названием" },
     find: "Найти",
     meant: "Имеется в виду",
     choose: "Выберите…",

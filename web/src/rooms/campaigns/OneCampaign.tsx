@@ -56,7 +56,7 @@ export function OneCampaign({ id }: { id: string }) {
         </section>
       )}
       {fates.length > 0 && (
-        <div class="campaign-seen">
+        <div class="seen-beside">
           <FateMap fates={fates} chosen={chosen} onChoose={setChosen} />
           <Fates fates={fates} chosen={chosen} onChoose={setChosen} />
         </div>

@@ -3,7 +3,6 @@ import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
 import { between, type Flights } from "./Flown";
 import { Misses } from "./Misses";
-import { Frames } from "./Frames";
 
 type SessionFlights = Flights["sessions"][number];
 
@@ -43,10 +42,7 @@ export function Session({ session }: { session: SessionFlights }) {
           {moverOf(session)}
         </dd>
       </dl>
-      <div class="pictures">
-        {session.misses && <Misses misses={session.misses} />}
-        <Frames nominal={nominal} />
-      </div>
+      {session.misses && <Misses misses={session.misses} />}
     </section>
   );
 }

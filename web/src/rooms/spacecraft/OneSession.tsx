@@ -1,6 +1,7 @@
 /** One session: whether it may be flown, what it images, how steady and how near to its limits. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
+import { useFetched } from "../../api/fetched";
 import { Cancelled } from "../../api/job";
 import { useMade } from "../../api/made";
 import { Problem } from "../../api/problem";
@@ -41,17 +42,10 @@ export function OneSession({ id }: { id: string }) {
 }
 
 function Made({ session }: { session: Session }) {
-  const [view, setView] = useState<SessionView | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [tries, setTries] = useState(0);
+  const { answer: view, error, again } = useFetched(session.id, (signal) => fetchView(session.id, signal));
   useEffect(() => {
-    const wanted = new AbortController();
-    setView(null);
-    setError(null);
     cursor_s.value = 0;
-    fetchView(session.id, wanted.signal).then(setView, (caught: unknown) => wanted.signal.aborted || setError(caught));
-    return () => wanted.abort();
-  }, [session.id, tries]);
+  }, [session.id]);
   return (
     <>
       <Verdict session={session} />
@@ -65,7 +59,7 @@ function Made({ session }: { session: Session }) {
         </section>
       )}
       {session.left_out.length > 0 && <LeftOut session={session} />}
-      {error !== null && <ProblemNotice error={error} again={() => setTries(tries + 1)} />}
+      {error !== null && <ProblemNotice error={error} again={again} />}
       {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {view && <Seen session={session} view={view} />}
       <Looks session={session} />
@@ -85,7 +79,7 @@ function Seen({ session, view }: { session: Session; view: SessionView }) {
   const closer = looks.findIndex((one) => one.start_s === chosen?.start_s);
   return (
     <div ref={box} role="group" aria-label={text.seen}>
-      <div class="session-seen">
+      <div class="seen-beside">
         <div>
           <SessionMap view={view} closer={closer < 0 ? null : closer} />
           <MomentumSphere view={view} />
