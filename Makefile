@@ -51,7 +51,8 @@ serve: setup web
 	$(BIN)/slewtrack serve
 
 # Each worker begins with a half and helps the other in the end: few modules are set up by both.
-PYTEST := $(BIN)/pytest -n 2 --dist worksteal
+WORKERS ?= 2
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 test: setup
 	$(PYTEST)
