@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from planner.arrays import Array
 from planner.platforms import AxisLimits
@@ -86,6 +85,9 @@ def _motion(
     rows = max(_ROWS_MIN, 2 * round(0.5 * span_s / step_s) + 1)
     if rows > len(t_s):
         return None, 0.0
+    # SciPy's signals take 0.2 s to import, which only a comparison should pay.
+    from scipy.signal import savgol_filter
+
     even_s = np.linspace(t_s[0], t_s[-1], len(t_s))
     even = np.interp(even_s, t_s, error)
     slope = savgol_filter(even, rows, order + 1, deriv=order, delta=step_s)
