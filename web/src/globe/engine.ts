@@ -69,6 +69,7 @@ let kept: Kept | null = null;
 function globe(): Kept {
   if (kept) return kept;
   const stage = document.createElement("div");
+  stage.style.height = "100%"; // of what it is put in
   const widget = new CesiumWidget(stage, {
     baseLayer: ImageryLayer.fromProviderAsync(
       TileMapServiceImageryProvider.fromUrl(buildModuleUrl("Assets/Textures/NaturalEarthII")),
