@@ -26,6 +26,7 @@ from planner.sessions.probability import lattice_points, probability_inside
 from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
+FRAME_TURN_RAD = 0.1  # but a keyhole turns the frame in seconds: then one more instant each
 COARSE = 16  # one of so many draws, where instants are many
 BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
@@ -213,9 +214,8 @@ class Scene:
         angle_rad: Array,
         samples: int,
     ) -> None:
-        n = len(los.instants)
-        self.rows = np.unique(np.linspace(0, n - 1, min(n, samples)).round().astype(np.intp))
         image = frame_axes(platform, angle_rad)
+        self.rows = _spread(image, min(len(image), samples))
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
         if shares.max() > OFF_TARGET:
@@ -255,6 +255,16 @@ class Scene:
         )
         seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
         return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
+
+
+def _spread(image_platform: Array, samples: int) -> Indices:
+    """Of the rows that many, evenly, and more where the frame turns in the platform."""
+    rows = np.arange(len(image_platform))
+    turn_rad = np.linalg.norm(np.diff(image_platform, axis=0), axis=(1, 2))
+    along = np.linspace(0.0, samples - 1.0, len(rows))
+    along[1:] += np.cumsum(turn_rad) / FRAME_TURN_RAD
+    even = np.linspace(0.0, along[-1], math.ceil(along[-1]) + 1)
+    return np.unique(np.interp(even, along, rows).round().astype(np.intp))
 
 
 def _farthest(shares: Array, rows: Indices) -> Indices:

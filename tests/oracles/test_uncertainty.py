@@ -282,6 +282,39 @@ def test_the_target_stays_in_the_frame_as_often_as_told(size):
     assert found.probability_in_frame == pytest.approx(inside.mean(), abs=0.05)
 
 
+def test_a_frame_that_turns_in_seconds_is_looked_at_while_it_turns():
+    """The target passes the outer axis by 1.5 deg, where the frame turns round in seconds.
+
+    Drawn attitudes, each row by itself; 3 sigma of 4,000 draws.
+    """
+    middle = len(INSTANTS) // 2
+    _, _, level = budget(fresh_state(), LvlhAttitude(), 0.0)
+    outer, inner = np.array(ISS_HRC.axes_platform)
+    beside = Rotation.from_rotvec(math.radians(1.5) * inner).apply(outer)
+    turn, _ = Rotation.align_vectors(
+        [beside, inner],
+        [level.los_platform[middle], level.los_rate_platform_per_s[middle]],
+        weights=[np.inf, 1.0],
+    )
+    yaw_deg, pitch_deg, roll_deg = turn.inv().as_euler("ZYX", degrees=True)
+    sigma_deg = 0.2
+    known = AttitudeUncertainty(sigma_body_deg=(sigma_deg,) * 3, swing_rms_body_deg=(0.0,) * 3)
+    law = LvlhAttitude(yaw_deg=yaw_deg, pitch_deg=pitch_deg, roll_deg=roll_deg, uncertainty=known)
+    found, _, los = budget(fresh_state(), law, 0.0)
+
+    sight = los.los_platform
+    along = np.cross(outer, sight)
+    assert np.linalg.norm(along, axis=1).min() == pytest.approx(math.radians(1.5), rel=0.1)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    sides = np.stack([along, np.cross(sight, along)], axis=1)
+    turns_rad = np.deg2rad(np.random.default_rng(2).normal(0.0, sigma_deg, (4000, 3)))
+    seen = np.cross(turns_rad[:, None], sight)
+    off_rad = np.einsum("nij,knj->kni", sides, seen)
+    inside = np.all(np.abs(off_rad) <= ISS_HRC.frame_half_rad, axis=(1, 2)).mean()
+    drawn = math.sqrt(inside * (1.0 - inside) / len(turns_rad))
+    assert found.probability_in_frame == pytest.approx(inside, abs=3.0 * drawn + QUASI_RANDOM)
+
+
 def test_a_likely_miss_is_said_with_what_would_help_most():
     found, _, los = budget(attitude=LvlhAttitude())
     assert found.probability_in_frame < 0.9
