@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan web serve quick test test-postgres test-client test-page lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
 
 setup: .venv/installed
 
@@ -50,18 +50,22 @@ $(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web -
 serve: setup web
 	$(BIN)/slewtrack serve
 
+# Each worker begins with a half and helps the other in the end: few modules are set up by both.
+WORKERS ?= 2
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
+
 test: setup
-	$(BIN)/pytest -n 2
+	$(PYTEST)
 
 # What to run while working; under a minute.
 QUICK := tests/architecture tests/published tests/contracts/test_http_refusals.py \
 	tests/contracts/test_http_openapi.py tests/contracts/test_slew_methods.py
 
 quick: setup
-	$(BIN)/pytest -n 2 $(QUICK)
+	$(PYTEST) $(QUICK)
 
 test-postgres: setup
-	.ci/with-postgresql $(BIN)/pytest -n 2 $(STORING)
+	.ci/with-postgresql $(PYTEST) $(STORING)
 
 # A client generated from the schema, which needs an environment of its own.
 test-client: setup
@@ -70,6 +74,23 @@ test-client: setup
 # The planner's page in Debian's Chromium.
 test-page: setup web
 	.ci/with-chromium $(BIN)/pytest tests/page
+
+# What another Python may do otherwise: processes, threads, signals, sockets, databases, texts, and
+# the machine code it makes of our kernels, whose numbers all worked answers show and two files here
+# compare with SciPy's.  The rest of the physics is arithmetic of the same packages.
+OF_PYTHON := tests/architecture tests/end_to_end tests/published \
+	tests/oracles/test_flight.py tests/oracles/test_slew_optimum.py
+
+# The first on the database that is named, if any; the rest, and what stores, on SQLite.
+test-of-python: setup
+	$(PYTEST) tests/contracts tests/end_to_end/test_crashes.py
+	SLEWTRACK_TEST_DATABASE_URL= $(PYTEST) $(OF_PYTHON) \
+		tests/contracts/test_store.py tests/contracts/test_store_failures.py \
+		tests/contracts/test_jobs.py tests/contracts/test_older_stores.py
+
+# Both as they ship: Debian trixie's Python, and PostgreSQL.
+test-as-shipped:
+	.ci/with-postgresql .ci/with-python-3.13
 
 lint: setup
 	$(BIN)/ruff format --check .

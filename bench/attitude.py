@@ -15,6 +15,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.attitude.blend import Blend, blend
 from planner.attitude.errors import KNOWLEDGE_RAD
-from planner.attitude.extrapolation import DESCRIPTIONS, Extrapolation, fit_extrapolation
+from planner.attitude.extrapolation import DESCRIPTIONS, TAIL_S, Extrapolation, fit_extrapolation
 from planner.attitude.harmonic import HISTORY_ORBITS
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
@@ -35,6 +36,7 @@ PLAIN_HISTORY_S = 3.3 * PERIOD_S  # of the descriptions by themselves
 LEADS_S = (60, 300, 900, 1800, 5400)
 GOAL = 1.1
 BLEND = "what the law harmonic does"
+OWN = tuple(str(d) for d in DESCRIPTIONS if d.has_rate)  # not of the three it's compared with
 STEP_S = 10.0
 HELD_MAX_S = 1.5
 CUT_EVERY_S = 300.0
@@ -71,15 +73,16 @@ def main() -> None:
     parser.add_argument("telemetry", type=Path)
     parser.add_argument("tles", type=Path)
     arguments = parser.parse_args()
-    for part, errors, told in forecasts(arguments.telemetry, arguments.tles):
+    for part, errors, told, _ in forecasts(arguments.telemetry, arguments.tles):
         _print_part(part, errors, told)
 
 
 Errors = dict[str, dict[int, list]]  # rotation vectors, rad, by law and lead
 Told = dict[int, list]  # 1-sigma of BLEND, rad, by lead
+Found = dict[int, list]  # whether BLEND knew of a manoeuvre, by lead
 
 
-def forecasts(telemetry: Path, tles: Path) -> Iterator[tuple[str, Errors, Told]]:
+def forecasts(telemetry: Path, tles: Path) -> Iterator[tuple[str, Errors, Told, Found]]:
     """By part of the day that the telemetry holds."""
     channels = {n: channel(telemetry, n) for n in (18, 19, 20, 21, 25, 26, 27)}
     start_s = channels[21][0][0]
@@ -95,6 +98,7 @@ def forecasts(telemetry: Path, tles: Path) -> Iterator[tuple[str, Errors, Told]]
         until_s = start_s + last_h * 3600.0 if quiet else np.inf
         errors: Errors = defaultdict(lambda: defaultdict(list))
         told: Told = defaultdict(list)
+        found: Found = defaultdict(list)
         for cut_s in start_s + np.arange(first_h * 3600.0, last_h * 3600.0, CUT_EVERY_S):
             known = np.flatnonzero((t_s <= cut_s) & (t_s > cut_s - HISTORY_S))
             if not len(known) or cut_s - t_s[known[-1]] > 2.0 * STEP_S:
@@ -121,17 +125,18 @@ def forecasts(telemetry: Path, tles: Path) -> Iterator[tuple[str, Errors, Told]]
                 errors["the paper's constant body rate, of 10 s"][lead_s].append(
                     (foretold * truth.inv()).as_rotvec()
                 )
+                found[lead_s].append(laws[BLEND].changed_s is not None)
                 told[lead_s].append(laws[BLEND].error_rms_at(np.array([float(lead_s)]))[0])
         if told:
-            yield part, errors, told
+            yield part, errors, told, found
 
 
 def of_the_best(errors: Errors, told: Told, lead_s: int) -> float:
-    """Rms error of BLEND over that of the best law that had history enough."""
+    """Rms error of BLEND over that of the best law not of OWN that had history enough."""
     others = [
         _rms(by_lead[lead_s])
         for name, by_lead in errors.items()
-        if name != BLEND and len(by_lead[lead_s]) > 0.7 * len(told[lead_s])
+        if name != BLEND and name not in OWN and len(by_lead[lead_s]) > 0.7 * len(told[lead_s])
     ]
     return _rms(errors[BLEND][lead_s]) / min(others)
 
@@ -142,7 +147,30 @@ def nees(errors: Errors, told: Told, lead_s: int, knowledge_rad: float = 0.0) ->
     return float(np.mean((np.array(errors[BLEND][lead_s]) / sigma_rad) ** 2))
 
 
-def _laws(t_s: NDArray[np.float64], q_body_from_lvlh: Rotation) -> dict[str, Extrapolation | Blend]:
+class ConstantRate(NamedTuple):
+    """Relative to LVLH, fitted to the last minute."""
+
+    end_s: float
+    q_end: Rotation
+    coefficients_rad: NDArray[np.float64]
+
+    def at(self, t_s: NDArray[np.float64]) -> Rotation:
+        since_end_s = t_s[:, None] - self.end_s
+        turn_rad = self.coefficients_rad[1] + self.coefficients_rad[0] * since_end_s
+        return Rotation.from_rotvec(turn_rad) * self.q_end
+
+
+def _constant_rate(t_s: NDArray[np.float64], q_body_from_lvlh: Rotation) -> ConstantRate:
+    used = np.flatnonzero(t_s >= t_s[-1] - TAIL_S)
+    used = used if len(used) > 2 else np.arange(-3, 0)
+    turn_rad = (q_body_from_lvlh[used] * q_body_from_lvlh[-1].inv()).as_rotvec()
+    fitted = np.polyfit(t_s[used] - t_s[-1], turn_rad, 1)
+    return ConstantRate(float(t_s[-1]), q_body_from_lvlh[-1], fitted)
+
+
+def _laws(
+    t_s: NDArray[np.float64], q_body_from_lvlh: Rotation
+) -> dict[str, Extrapolation | Blend | ConstantRate]:
     """By name; a description whose history is too short is left out."""
     recent = t_s > t_s[-1] - PLAIN_HISTORY_S
     fits = {
@@ -150,6 +178,7 @@ def _laws(t_s: NDArray[np.float64], q_body_from_lvlh: Rotation) -> dict[str, Ext
         for d in DESCRIPTIONS
     }
     known = {name: fit for name, fit in fits.items() if fit is not None}
+    known["constant rate relative to LVLH"] = _constant_rate(t_s, q_body_from_lvlh)
     return {BLEND: blend(t_s, q_body_from_lvlh, PERIOD_S), **known}
 
 

@@ -1,6 +1,7 @@
 """Does the horizon hold under air it wasn't made with?  Points 8 and 9 of bench/truth.py.
 
-Rendered frames of a seed on which nothing was tuned; the published frame of FOUND is another's.
+Rendered frames of a seed on which nothing was tuned; the published frame of FOUND is another's,
+and so is the light of SASKTRAN2's airs, those drawn by chance.
 """
 
 from collections.abc import Iterator
@@ -8,6 +9,8 @@ from collections.abc import Iterator
 import numpy as np
 from horizon import Row as HorizonRow
 from horizon import ideal_rows, other_air_rows, reference_error_arcsec
+from horizon_air import CONDITIONS, SHOWN
+from horizon_air import rows as sasktran2_rows
 from truth_rows import NEES_GOAL, Row
 
 SEED = 71_303
@@ -25,9 +28,17 @@ def rows(frames: int) -> Iterator[Row]:
     for row in other_air_rows(np.random.default_rng([SEED, 1]), frames):
         blind = row.name == "other air, colour, no prediction"
         yield from _accuracy(row, BLIND_GOAL_DEG if blind else None)
-        count = len(row.error_deg) + row.refused.total()
-        seen = f"{len(row.error_deg)} of {count} {dict(row.refused) or ''}"
-        yield Row(9, f"{row.name}: measured", "all", seen, not row.refused)
+        yield _measured(row)
+    for row in sasktran2_rows(SHOWN, CONDITIONS["day"], max(frames // 10, 1), SEED):
+        row.name = f"SASKTRAN2's air, {row.name}"
+        yield from _accuracy(row, None)
+        yield _measured(row)
+
+
+def _measured(row: HorizonRow) -> Row:
+    count = len(row.error_deg) + row.refused.total()
+    seen = f"{len(row.error_deg)} of {count} {dict(row.refused) or ''}"
+    return Row(9, f"{row.name}: measured", "all", seen, not row.refused)
 
 
 def _accuracy(row: HorizonRow, goal_deg: float | None) -> Iterator[Row]:

@@ -4,12 +4,14 @@ set -eu
 PATH=/opt/slewtrack/bin:$PATH
 slewtrack plan examples/las_vegas_2015.json --export netcdf=/tmp/plan.nc
 slewtrack plan examples/three_sessions.json
+slewtrack fly examples/las_vegas_2015.json --runs 8 --plot /tmp/flights.png
+slewtrack compare examples/las_vegas_2015.json examples/las_vegas_telemetry.csv --plot /tmp/telemetry.svg
 slewtrack windows examples/opportunities_sky.json
 slewtrack campaign examples/campaign_cities.json
 slewtrack horizon examples/horizon_estimate.json examples/horizon_ahead.png examples/horizon_right.png
 slewtrack spacecraft examples/spacecraft_four_modes.json
 
-# The service, a scheduler and a worker: one plan by HTTP.
+# The service, a scheduler and a worker: one plan by HTTP, and the page.
 scheduler=tcp://127.0.0.1:18786
 dask scheduler --no-dashboard --dashboard-address 127.0.0.1:0 --host 127.0.0.1 --port 18786 &
 background=$!
@@ -21,10 +23,12 @@ trap 'kill $background; wait' EXIT
 python3 - examples/las_vegas_2015.json <<'ASK'
 import sys
 from pathlib import Path
+from urllib.request import urlopen
 
 import slewtrack
 
 with slewtrack.Client("http://127.0.0.1:18000") as client:  # it asks again until there is one
     plan = client.plan(Path(sys.argv[1]).read_bytes())
 print(plan.state, len(plan.table.t_s), "rows over HTTP, solved by a worker")
+assert b"<script" in urlopen("http://127.0.0.1:18000/").read(), "the page isn't in the image"
 ASK

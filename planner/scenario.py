@@ -246,7 +246,7 @@ class Scenario:
             if session.id is not None and seen.setdefault(session.id, number) != number:
                 raise ValueError(
                     f"sessions.{number}.id {session.id!r} is that of session "
-                    f"{seen[session.id]} already; ids must differ"
+                    f"{seen[session.id] + 1} already; ids must differ"
                 )
 
     @property

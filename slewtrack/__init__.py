@@ -15,8 +15,8 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeVar
 
 from slewtrack.answers import Columns, Job, Progress, columns_of
+from slewtrack.asking import Json
 from slewtrack.async_client import AsyncClient
-from slewtrack.calls import Json
 from slewtrack.client import Client
 from slewtrack.events import OnProgress
 from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, ServiceError

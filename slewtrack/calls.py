@@ -1,143 +1,25 @@
-"""What is asked of a service and what its answers mean, without doing any input or output.
-
-Each call is a generator that yields what to ask and is sent the reply; `Client` and
-`AsyncClient` carry them out, each in its own way.  A service that is busy (429, 503) is asked
-again when it says, one that can't be reached after a pause that grows; a POST carries an
-Idempotency-Key, so that asking twice makes one plan.
-"""
+"""What is asked of a service, and what its answers mean."""
 
 import json
 import time
-import uuid
-from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
-from email.utils import parsedate_to_datetime
-from typing import Any, NoReturn, TypeVar
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NoReturn
 
 from slewtrack import answers
 from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
+from slewtrack.asking import PAUSE_S, Ask, Call, Json, body_of, document, good, post, refusal_of
 from slewtrack.events import Events, OnProgress, TimeIsUp
 from slewtrack.filters import Filters, query_of
-from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, problem_of
-
-T = TypeVar("T")
-Json = bytes | Mapping[str, Any]
+from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Refused, problem_of
 
 PLANS, SPACECRAFT_PLANS = "/v1/plans", "/v1/spacecraft/plans"
 SEARCHES, SPACECRAFT_SEARCHES = "/v1/opportunities", "/v1/spacecraft/opportunities"
 CAMPAIGNS = "/v1/campaigns"
 FLIGHTS = "/v1/flights"
 COMPARISONS = "/v1/telemetry/comparisons"
-SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
-PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
 WAIT_S = 30  # of a POST, for what takes no longer
 JOBS_A_PAGE, WINDOWS_A_PAGE = 200, 1000  # at most, for the service
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ask:
-    """One HTTP request.
-
-    parts: of a multipart body, (name, file's name, bytes, media type).  after_s: to wait before.
-    silence_s: most time without a byte of the answer.  on_line: is given each line of a good
-    answer as it comes; the reply's body is empty then.
-    """
-
-    method: str
-    path: str
-    query: Mapping[str, str] = field(default_factory=dict)
-    headers: Mapping[str, str] = field(default_factory=dict)
-    body: bytes | None = None
-    parts: Sequence[tuple[str, str, bytes, str]] = ()
-    after_s: float = 0.0
-    silence_s: float = SILENCE_S
-    on_line: Callable[[str], None] | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Reply:
-    """The answer to it; headers by their names in lower case."""
-
-    status: int
-    headers: Mapping[str, str]
-    body: bytes
-
-
-Call = Generator[Ask, Reply, T]
-
-
-def good(ask: Ask, patience_s: float) -> Call[Reply]:
-    """The reply when it is good; raises Refused, or NoAnswer when patience is at its end."""
-    until_s = time.monotonic() + patience_s
-    pause_s = PAUSE_S
-    while True:
-        why: Refused | NoAnswer
-        try:
-            reply = yield ask
-        except NoAnswer as lost:
-            why, after_s = lost, pause_s
-        else:
-            if reply.status < 400:
-                return reply
-            why = Refused(_problem(reply))
-            if reply.status not in (429, 503):
-                raise why
-            after_s = _retry_after_s(reply.headers.get("retry-after", ""), pause_s)
-        if time.monotonic() + after_s > until_s:
-            raise why
-        ask = replace(ask, after_s=after_s)
-        pause_s = min(2.0 * pause_s, PAUSE_MAX_S)
-
-
-def document(ask: Ask, patience_s: float) -> Call[Members]:
-    """The JSON object of a good reply."""
-    return _members(ask, (yield from good(ask, patience_s)))
-
-
-def _members(ask: Ask, reply: Reply) -> Members:
-    try:
-        members = json.loads(reply.body)
-    except ValueError:
-        members = None
-    if not isinstance(members, dict):
-        raise NoAnswer(f"{ask.method} {ask.path} isn't answered by a slewtrack service")
-    return members
-
-
-def _problem(reply: Reply) -> Problem:
-    try:
-        members = json.loads(reply.body)
-    except ValueError:  # of a proxy, perhaps
-        members = None
-    if not isinstance(members, dict):
-        members = {"detail": f"the service answered with the status {reply.status}"}
-    return problem_of({"status": reply.status, **members})
-
-
-def _retry_after_s(text: str, else_s: float) -> float:
-    """Seconds, or until a date: RFC 9110, 10.2.3."""
-    if text.strip().isdecimal():
-        return float(text)
-    try:
-        return max((parsedate_to_datetime(text) - datetime.now(UTC)).total_seconds(), 0.0)
-    except (ValueError, TypeError):
-        return else_s
-
-
-def body_of(request: Json) -> bytes:
-    """As it stands, or the dictionary as JSON."""
-    return request if isinstance(request, bytes) else json.dumps(request).encode()
-
-
-def post(
-    path: str, request: Json, *, query: Mapping[str, str] | None = None, prefer: str | None = None
-) -> Ask:
-    """A request under a key of its own."""
-    headers = {"Content-Type": "application/json", "Idempotency-Key": uuid.uuid4().hex}
-    if prefer is not None:
-        headers["Prefer"] = prefer
-    return Ask(method="POST", path=path, query=query or {}, headers=headers, body=body_of(request))
 
 
 def submit(path: str, request: Json, revises: str | None, patience_s: float) -> Call[Job]:
@@ -280,7 +162,7 @@ def _listen(path: str, heard: Events) -> Call[None]:
     except (NoAnswer, TimeIsUp):
         return
     if reply.status >= 400 and reply.status not in (429, 503):
-        raise Refused(_problem(reply))
+        raise Refused(refusal_of(reply))
 
 
 def plan_at(path: str, plan_id: str, patience_s: float) -> Call[Plan]:

@@ -16,6 +16,7 @@ import httpx
 
 from slewtrack import calls
 from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
+from slewtrack.asking import Ask, Call, Json, Reply
 from slewtrack.calls import (
     CAMPAIGNS,
     FLIGHTS,
@@ -23,10 +24,6 @@ from slewtrack.calls import (
     SEARCHES,
     SPACECRAFT_PLANS,
     SPACECRAFT_SEARCHES,
-    Ask,
-    Call,
-    Json,
-    Reply,
 )
 from slewtrack.connection import PATIENCE_S, Service, reply_of, request_of
 from slewtrack.events import OnProgress

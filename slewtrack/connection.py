@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 import httpx
 
-from slewtrack.calls import Ask, Reply
+from slewtrack.asking import Ask, Reply
 from slewtrack.problems import NoAnswer
 
 URL = "http://127.0.0.1:8000"

@@ -3,7 +3,7 @@
 import json
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -201,12 +201,16 @@ class FlightsList:
 
 @dataclass(frozen=True, kw_only=True)
 class SessionHead:
-    """What is known of a session before any disturbed run."""
+    """What is known of a session before any disturbed run.
+
+    saturated_s: by axis, how long its drive gives all it has when flown as planned.
+    """
 
     session: int
     label: str
     told_probability_in_frame: float
     nominal: NominalOut
+    saturated_s: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,7 +264,7 @@ def flights_found(
         flown=found.in_frame.runs if found else 0,
         **whole,
         sessions=sessions,
-        warnings=[] if found is None else _warnings(head, found),
+        warnings=_warnings(head, found),
     )
 
 
@@ -319,13 +323,22 @@ def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlig
     )
 
 
-def _warnings(head: FlightsHead, found: PlanFlights) -> list[str]:
-    warnings = []
+def _warnings(head: FlightsHead, found: PlanFlights | None) -> list[str]:
+    warnings = [
+        f"session {told.session}: flown as planned, the drive of {axis} gives all its torque "
+        f"for {saturated_s:.1f} s and falls behind its table; raise its drive's torque_reserve, or "
+        "lower its friction or cable_tension_deg_s2, if the platform's are other than assumed"
+        for told in head.sessions
+        for axis, saturated_s in told.saturated_s.items()
+        if saturated_s > 0.0
+    ]
+    if found is None:
+        return warnings
     for told, flown in zip(head.sessions, found.sessions, strict=True):
         if flown.in_frame.differs_from(told.told_probability_in_frame):
             low, high = _interval(flown.in_frame)
             warnings.append(
-                f"session {told.session}: the plan's budget tells a probability of "
+                f"session {told.session + 1}: the plan's budget tells a probability of "
                 f"{told.told_probability_in_frame:.3f} that the target stays in the frame, the "
                 f"flights {flown.in_frame.value:.3f} ({low:.3f} to {high:.3f}): more than chance; "
                 "the budget is linear and knows no drives but their resolution: trust the flights"

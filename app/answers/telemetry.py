@@ -1,37 +1,23 @@
 """The answer to telemetry beside a plan: arcsec, seconds and UTC by the plan's clock."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from app.answers.horizon import CorrectionOut
-from app.answers.members import ProvenanceOut, fill, to_json
+from app.answers.members import ProvenanceOut, to_json
 from app.answers.platform import definition_of
-from app.answers.ranges import Count, NotNegative, Share, Signed
+from app.answers.ranges import Count, NotNegative, Signed
+from app.answers.telemetry_axes import AxisComparisonOut, arcsec, axis_of
+from app.answers.telemetry_samples import SamplesOut, samples_of
 from planner.arrays import Array
 from planner.attitude.corrections import AttitudeCorrection
-from planner.export import SegmentKind
-from planner.frames.time_scales import shifted_utc, utc_text
+from planner.frames.time_scales import utc_text
 from planner.platforms import PlatformDefinition
 from planner.telemetry.alignment import Estimate
 from planner.telemetry.attitude import PointingParts
-from planner.telemetry.columns import AngleUnit, Kind, UnitFrom
-from planner.telemetry.compare import AxisComparison, Comparison
-from planner.telemetry.exceeded import Exceeded, Limit
-from planner.telemetry.following import Basis, PhaseErrors
+from planner.telemetry.compare import Comparison
 from planner.telemetry.parameters import Parameter, PlatformFound
-from planner.telemetry.samples import Dropped
-
-_ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
-_LIST_MAX = 1000
-_LimitUnit = Literal["deg", "deg/s", "deg/s2"]
-_UNITS: dict[Limit, _LimitUnit] = {
-    "angle_min": "deg",
-    "angle_max": "deg",
-    "rate": "deg/s",
-    "acceleration": "deg/s2",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,175 +30,6 @@ class EstimateOut:
 
     value: Signed
     sigma: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class StretchOut:
-    """Of time, by the plan's clock.
-
-    start: when it begins; UTC. E.g. `"2015-02-27T17:36:20.000Z"`.
-    stop: when it ends; UTC. E.g. `"2015-02-27T17:36:24.000Z"`.
-    """
-
-    start: str
-    stop: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class TelemetryColumnOut:
-    """How a column was read.
-
-    name: as it was sent.
-    axis: the axis it tells of.
-    kind: of its angle or of its rate.
-    unit: in which it was read; of a rate, the unit's part before the time.
-    unit_from: what said so: the column's name, a row of units under the names, or which unit fits
-    the plan.
-    """
-
-    name: str
-    axis: str
-    kind: Kind
-    unit: AngleUnit
-    unit_from: UnitFrom
-
-
-@dataclass(frozen=True, kw_only=True)
-class SamplesOut:
-    """What became of the rows.
-
-    read: rows there were: those used and those dropped.
-    used: rows that the comparison rests on.
-    dropped: rows by reason: `no_time` and `no_value` hold no number there, `repeated` have a time
-    tag again, `clock_reset` belong to a clock that began anew, `outside_plan` lie before or after
-    its table, `outlier` stand out from those around. E.g. `{"outlier": 3}`.
-    reordered: rows used that came before an earlier one.
-    wrapped: angles that were brought within half a turn of the plan.
-    start: of the first row used; UTC.
-    stop: of the last row used; UTC.
-    step_s: usual time from row to row.
-    gaps: stretches without rows, at most 200. E.g.
-    `[{"start": "2015-02-27T17:35:00.000Z", "stop": "2015-02-27T17:35:10.000Z"}]`.
-    columns: those read.
-    ignored_columns: names of those that tell of no axis, or hold nothing. E.g. `["temperature"]`.
-    """
-
-    read: Count
-    used: Count
-    dropped: dict[Dropped, Count]
-    reordered: Count
-    wrapped: Count
-    start: str
-    stop: str
-    step_s: NotNegative
-    gaps: list[StretchOut]
-    columns: list[TelemetryColumnOut]
-    ignored_columns: list[str]
-
-
-@dataclass(frozen=True, kw_only=True)
-class PhaseErrorsOut:
-    """Measured less planned during one segment of the table.
-
-    kind: what the table does.
-    session: number of the session it belongs to, from 0; null on the way to the final state.
-    start: of the segment; UTC.
-    stop: of the segment; UTC.
-    samples: there are of it.
-    rms_arcsec: null without samples.
-    max_arcsec: the largest, either way; null without samples.
-    mean_arcsec: null without samples.
-    """
-
-    kind: SegmentKind
-    session: Count | None
-    start: str
-    stop: str
-    samples: Count
-    rms_arcsec: NotNegative | None
-    max_arcsec: NotNegative | None
-    mean_arcsec: Signed | None
-
-
-@dataclass(frozen=True, kw_only=True)
-class OscillationOut(StretchOut):
-    """A stretch in which the axis swings about its plan.
-
-    frequency_hz: of the sinusoid that fits best. E.g. `0.8`.
-    amplitude_arcsec: of the sinusoid. E.g. `12.5`.
-    """
-
-    frequency_hz: NotNegative
-    amplitude_arcsec: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class StickSlipOut(StretchOut):
-    """A stretch in which the axis stands while its command moves, and catches up in slips.
-
-    slips: how often it let go. E.g. `4`.
-    stuck_share: of the time that it stood. E.g. `0.6`.
-    slip_arcsec: the farthest slip. E.g. `10.5`.
-    rate_arcsec_s: largest rate commanded meanwhile [arcsec/s]. E.g. `18.2`.
-    """
-
-    slips: Count
-    stuck_share: Share
-    slip_arcsec: NotNegative
-    rate_arcsec_s: NotNegative
-
-
-@dataclass(frozen=True, kw_only=True)
-class ExceededOut(StretchOut):
-    """A stretch in which the measured motion went beyond a limit, by more than its noise.
-
-    limit: which. E.g. `"rate"`.
-    value: the farthest, in `unit`. E.g. `3.2`.
-    bound: the limit, in `unit`. E.g. `3.0`.
-    unit: of both. E.g. `"deg/s"`.
-    """
-
-    limit: Limit
-    value: Signed
-    bound: Signed
-    unit: _LimitUnit
-
-
-@dataclass(frozen=True, kw_only=True)
-class AxisComparisonOut:
-    """What one axis did, measured less planned, once the telemetry's clock was set right.
-
-    basis: whether errors are those of angles, or of rates added up: of those a constant and a
-    steady drift can't be seen and are left out.
-    samples: errors there are.
-    rms_arcsec: of all errors.
-    max_arcsec: the largest, either way.
-    mean_arcsec: of all errors.
-    lag_s: how much later the axis moves than the other one; what both are late by can't be told
-    from the clock, and is in `time_offset_s`.
-    lag_sigma_s: 1-sigma error of the axes' difference.
-    phases: segment by segment of the table.
-    oscillations: in order of time, at most 1,000.
-    oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
-    to tell of; null where they are too few. E.g. `[0.067, 6.8]`.
-    stick_slip: stretches in order of time, at most 1,000.
-    limits_exceeded: stretches in order of time, at most 1,000.
-    limits_checked: limits that the samples are fine enough to tell of.
-    """
-
-    basis: Basis
-    samples: Count
-    rms_arcsec: NotNegative
-    max_arcsec: NotNegative
-    mean_arcsec: Signed
-    lag_s: Signed
-    lag_sigma_s: NotNegative
-    phases: list[PhaseErrorsOut]
-    oscillations: list[OscillationOut]
-    oscillations_searched_hz: list[NotNegative] | None
-    stick_slip: list[StickSlipOut]
-    limits_exceeded: list[ExceededOut]
-    limits_checked: list[Limit]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -268,8 +85,11 @@ class ComparisonResponse:
     epoch: of the plan's table, from which the clock is told; UTC.
     samples: what became of the rows.
     time_offset_s: by how much the telemetry's clock is ahead at `epoch`: a time tag is the plan's
-    time, plus this, plus `clock_drift` times the seconds since `epoch`.
+    time, plus this, plus `clock_drift` times the seconds since `epoch`. Of the earlier axis: its
+    sigma holds that either may be late by what their difference leaves open.
     clock_drift: by how much the telemetry's clock gains, a share of time.
+    common_offset_s: the same if both axes are equally late, as those of one make are; null where
+    they clearly aren't, or where one axis alone tells the time. E.g. `null`.
     axes: by the axis's name, those with samples.
     pointing: what corrections and image offsets say beside the axes.
     corrections: of the attitude against its law, as `attitude.corrections` of the next request
@@ -289,6 +109,7 @@ class ComparisonResponse:
     samples: SamplesOut
     time_offset_s: EstimateOut
     clock_drift: EstimateOut
+    common_offset_s: EstimateOut | None
     axes: dict[str, AxisComparisonOut]
     pointing: list[PointingPartsOut]
     corrections: list[CorrectionOut]
@@ -306,16 +127,18 @@ def comparison_json(
     provenance: ProvenanceOut,
 ) -> bytes:
     """The whole answer as UTF-8 JSON."""
-    scenario = comparison.plan.scenario
+    scenario, alignment = comparison.plan.scenario, comparison.alignment
+    common_s = alignment.common_offset_s
     return to_json(
         ComparisonResponse(
             plan=plan_id,
             name=scenario.name,
             epoch=utc_text(comparison.plan.table.epoch_utc, 1),
-            samples=_samples(comparison),
-            time_offset_s=_estimate(comparison.alignment.offset_s, 9),
-            clock_drift=_estimate(comparison.alignment.drift, 15),
-            axes={axis.name: _axis(comparison, axis) for axis in comparison.axes},
+            samples=samples_of(comparison),
+            time_offset_s=_estimate(alignment.offset_s, 9),
+            clock_drift=_estimate(alignment.drift, 15),
+            common_offset_s=_estimate(common_s, 9) if common_s else None,
+            axes={axis.name: axis_of(comparison, axis) for axis in comparison.axes},
             pointing=[_pointing(parts) for parts in pointing],
             corrections=[_correction(parts.correction) for parts in pointing],
             parameters=[_parameter(one) for one in found.parameters] if found else [],
@@ -326,100 +149,14 @@ def comparison_json(
     )
 
 
-def _samples(comparison: Comparison) -> SamplesOut:
-    clean, alignment = comparison.samples, comparison.alignment
-    first_s, last_s = alignment.t_s(clean.tag_s[[0, -1]]).tolist()
-    names = comparison.plan.scenario.platform.axis_names
-    return SamplesOut(
-        read=clean.read,
-        used=len(clean.tag_s),
-        dropped=dict(clean.dropped),
-        reordered=clean.reordered,
-        wrapped=comparison.wrapped,
-        step_s=round(comparison.step_s, 6),
-        gaps=[StretchOut(**_span(comparison, *gap_s)) for gap_s in comparison.gaps_s],
-        columns=[
-            fill(
-                TelemetryColumnOut,
-                column,
-                column.meaning,
-                axis=names[column.meaning.axis],
-            )
-            for column in comparison.columns
-        ],
-        ignored_columns=list(comparison.ignored),
-        **_span(comparison, first_s, last_s),
-    )
-
-
-def _axis(comparison: Comparison, axis: AxisComparison) -> AxisComparisonOut:
-    return AxisComparisonOut(
-        basis=axis.followed.basis,
-        samples=axis.error.samples,
-        rms_arcsec=_arcsec(axis.error.rms_rad),
-        max_arcsec=_arcsec(axis.error.max_rad),
-        mean_arcsec=_arcsec(axis.error.mean_rad),
-        lag_s=round(axis.lag_s.value, 9),
-        lag_sigma_s=round(axis.lag_s.sigma, 9),
-        phases=[_phase(comparison, phase) for phase in axis.phases],
-        oscillations=[
-            OscillationOut(
-                frequency_hz=round(one.frequency_hz, 6),
-                amplitude_arcsec=_arcsec(one.amplitude_rad),
-                **_span(comparison, one.start_s, one.stop_s),
-            )
-            for one in axis.oscillations[:_LIST_MAX]
-        ],
-        oscillations_searched_hz=_rounded(axis.oscillations_searched_hz),
-        stick_slip=[
-            StickSlipOut(
-                slips=one.slips,
-                stuck_share=round(one.stuck_share, 3),
-                slip_arcsec=_arcsec(one.slip_rad),
-                rate_arcsec_s=_arcsec(one.rate_rad_s),
-                **_span(comparison, one.start_s, one.stop_s),
-            )
-            for one in axis.stick_slip[:_LIST_MAX]
-        ],
-        limits_exceeded=[_exceeded(comparison, one) for one in axis.limits_exceeded[:_LIST_MAX]],
-        limits_checked=list(axis.limits_checked),
-    )
-
-
-def _rounded(band_hz: tuple[float, float] | None) -> list[float] | None:
-    return None if band_hz is None else [round(one, 6) for one in band_hz]
-
-
-def _phase(comparison: Comparison, phase: PhaseErrors) -> PhaseErrorsOut:
-    return PhaseErrorsOut(
-        kind=phase.kind,
-        session=phase.session,
-        samples=phase.error.samples,
-        rms_arcsec=_or_none(phase.error.rms_rad),
-        max_arcsec=_or_none(phase.error.max_rad),
-        mean_arcsec=_or_none(phase.error.mean_rad),
-        **_span(comparison, phase.start_s, phase.stop_s),
-    )
-
-
-def _exceeded(comparison: Comparison, one: Exceeded) -> ExceededOut:
-    return ExceededOut(
-        limit=one.limit,
-        value=round(math.degrees(one.value), 6),
-        bound=round(math.degrees(one.bound), 6),
-        unit=_UNITS[one.limit],
-        **_span(comparison, one.start_s, one.stop_s),
-    )
-
-
 def _pointing(parts: PointingParts) -> PointingPartsOut:
     return PointingPartsOut(
         at=utc_text(parts.epoch_utc),
         session=parts.session,
         measured=parts.measured,
         axes_arcsec=_arcsecs(parts.axes_rad),
-        attitude_arcsec=[_arcsec(one) for one in parts.attitude_rad],
-        attitude_sigma_arcsec=[_arcsec(one) for one in parts.attitude_sigma_rad],
+        attitude_arcsec=[arcsec(one) for one in parts.attitude_rad],
+        attitude_sigma_arcsec=[arcsec(one) for one in parts.attitude_sigma_rad],
         target_arcsec=_arcsecs(parts.target_rad),
     )
 
@@ -438,26 +175,9 @@ def _correction(correction: AttitudeCorrection) -> CorrectionOut:
     )
 
 
-def _span(comparison: Comparison, start_s: float, stop_s: float) -> dict[str, str]:
-    epoch_utc = comparison.plan.table.epoch_utc
-    return {
-        "start": utc_text(shifted_utc(epoch_utc, start_s)),
-        "stop": utc_text(shifted_utc(epoch_utc, stop_s)),
-    }
-
-
 def _estimate(estimate: Estimate, decimals: int) -> EstimateOut:
     return EstimateOut(value=round(estimate.value, decimals), sigma=round(estimate.sigma, decimals))
 
 
-def _arcsec(angle_rad: float) -> float:
-    return round(angle_rad * _ARCSEC_PER_RAD, 4) + 0.0
-
-
-def _or_none(angle_rad: float) -> float | None:
-    """None for NaN, of no samples."""
-    return None if math.isnan(angle_rad) else _arcsec(angle_rad)
-
-
 def _arcsecs(angle_rad: Sequence[float] | Array | None) -> list[float] | None:
-    return None if angle_rad is None else [_arcsec(float(one)) for one in angle_rad]
+    return None if angle_rad is None else [arcsec(float(one)) for one in angle_rad]

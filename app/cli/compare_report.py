@@ -3,7 +3,9 @@
 from rich.console import Console
 from rich.text import Text
 
-from app.answers.telemetry import AxisComparisonOut, ComparisonResponse, SamplesOut
+from app.answers.telemetry import ComparisonResponse
+from app.answers.telemetry_axes import AxisComparisonOut
+from app.answers.telemetry_samples import SamplesOut
 from app.cli.report_parts import or_dash, print_table, print_warnings, report_table
 
 _TIME = slice(11, 23)
@@ -17,6 +19,10 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
         f"clock {offset.value:+.6f} s ahead at {answer.epoch}, 1 sigma {offset.sigma:.2g}; "
         f"drift {1e6 * drift.value:+.3f} ppm, 1 sigma {1e6 * drift.sigma:.2g}"
     )
+    if common := answer.common_offset_s:
+        console.print(
+            f"if both axes are equally late: {common.value:+.6f} s, 1 sigma {common.sigma:.2g}"
+        )
     table = report_table(
         "errors",
         *(
@@ -38,11 +44,13 @@ def print_comparison(console: Console, answer: ComparisonResponse) -> None:
             "",
             str(axis.samples),
             *(f"{size:.2f}" for size in (axis.rms_arcsec, axis.max_arcsec, axis.mean_arcsec)),
-            f"{1e3 * axis.lag_s:.2f}",
-            f"{1e3 * axis.lag_sigma_s:.2f}",
+            *(
+                or_dash(None if size is None else 1e3 * size, ".2f")
+                for size in (axis.lag_s, axis.lag_sigma_s)
+            ),
         )
         for phase in axis.phases:
-            session = "" if phase.session is None else f" {phase.session}"
+            session = "" if phase.session is None else f" {phase.session + 1}"
             table.add_row(
                 "",
                 f"{phase.kind}{session}",

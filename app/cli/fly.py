@@ -25,6 +25,11 @@ def fly(
     file: RequestFile,
     runs: Annotated[int, typer.Option(help="How many flights.")] = 400,
     seed: Annotated[int, typer.Option(help="Of their errors: the same draws the same.")] = 0,
+    mover_m_s: Annotated[
+        float | None,
+        typer.Option(help="Tell how far what drives so fast moves in the image in 10 s."),
+    ] = None,
+    course_deg: Annotated[float, typer.Option(help="Where it drives, clockwise from north.")] = 0.0,
     plot: Annotated[
         Path | None,
         typer.Option(help="Draw smear, error and misses here (png, svg, pdf)."),
@@ -40,7 +45,8 @@ def fly(
         console = report_console(to_stderr=takes_standard_output(plot, json))
         image_format = _image_format(plot)
         body, _ = read_request(file)
-        asked = json_text.dumps({"runs": runs, "seed": seed}).encode()
+        mover = None if mover_m_s is None else {"speed_m_s": mover_m_s, "course_deg": course_deg}
+        asked = json_text.dumps({"runs": runs, "seed": seed, "mover": mover}).encode()
 
         from app.cli.fly_report import found_in, print_flights
 

@@ -34,7 +34,7 @@ def draw_flights(found: FlightsFound, image_format: str) -> bytes:
             panel.set_xticks(ticks_s[::2], texts[::2])
             panel.set_ylim(bottom=0.0)
         smear.axhline(1.0, color=LIMIT_COLOUR, **DASHED)
-        smear.set_title(f"session {one.session}: {one.label}", loc="left", parse_math=False)
+        smear.set_title(f"session {one.session + 1}: {one.label}", loc="left", parse_math=False)
         if one.misses is not None:
             edges_arcsec = one.misses.edges_arcsec
             _label(misses, f"of {found.flown} runs")

@@ -56,7 +56,7 @@ def _sessions(found: FlightsFound) -> Table:
     )
     for one in found.sessions:
         table.add_row(
-            str(one.session),
+            str(one.session + 1),
             Text(one.label),
             f"{one.told_probability_in_frame:.3f}",
             _probability(one.probability_in_frame, one.in_frame_interval),
@@ -71,19 +71,28 @@ def _sessions(found: FlightsFound) -> Table:
 
 def _as_planned(found: FlightsFound) -> Table:
     table = report_table(
-        "as planned", "session", "frames", "held", "sharp", "error arcsec", "smear px", "sample m"
+        "as planned",
+        "session",
+        "frames",
+        "held",
+        "sharp",
+        "error arcsec",
+        "smear px",
+        "sample m",
+        "mover px",
     )
     for one in found.sessions:
         nominal = one.nominal
-        samples_m = nominal.ground_sample_across_m
+        samples_m, moved_px = nominal.ground_sample_across_m, nominal.mover_px
         table.add_row(
-            str(one.session),
+            str(one.session + 1),
             str(nominal.frames),
             str(nominal.held),
             str(nominal.sharp),
             f"{max(nominal.error_arcsec):.2f}",
             f"{max(nominal.smear_px):.2f}",
             or_dash(min(samples_m) if samples_m else None, ".2f"),
+            f"{min(moved_px):.0f}..{max(moved_px):.0f}" if moved_px else "-",
         )
     return table
 

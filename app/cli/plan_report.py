@@ -63,7 +63,7 @@ def _segments(plan: PlanDocument) -> Table:
 
 def _pointing(pointing: list[PointingOut]) -> Table:
     columns = {
-        "session": [str(session.session) for session in pointing],
+        "session": [_session(session.session) for session in pointing],
         "max arcsec": [f"{session.max_arcsec:.3g}" for session in pointing],
         "rms arcsec": [f"{session.rms_arcsec:.3g}" for session in pointing],
         "ground m": [or_dash(session.ground_max_m, ".2g") for session in pointing],
@@ -93,7 +93,7 @@ def _uncertainty(plan: PlanDocument) -> Table:
     for budget in plan.uncertainty:
         worst = max(budget.contributions, key=lambda part: part.sigma_arcsec)
         table.add_row(
-            str(budget.session),
+            _session(budget.session),
             f"{budget.sigma_arcsec:.0f}",
             or_dash(budget.ground_m, ".0f"),
             f"{budget.probability_in_frame:.1%}",
@@ -197,7 +197,8 @@ def _vibration(plan: PlanDocument) -> Table:
 
 
 def _session(number: int | None) -> str:
-    return "final" if number is None else str(number)
+    """Counted from 1, as everything that people read; the answer's own number is an index."""
+    return "final" if number is None else str(number + 1)
 
 
 def _or_jump(value: float | None) -> str:

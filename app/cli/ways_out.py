@@ -24,7 +24,7 @@ def _loss(offer: Offer) -> str:
         f"stops {offer.stop_earlier_s:.1f} s earlier": offer.stop_earlier_s,
     }
     told = " and ".join(text for text, lost_s in losses.items() if lost_s > 0.0)
-    return f"session {offer.session} {told or 'loses nothing'}"
+    return f"session {offer.session + 1} {told or 'loses nothing'}"
 
 
 def _changes(problem: Problem) -> Iterator[dict[str, str]]:

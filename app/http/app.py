@@ -35,6 +35,7 @@ from app.http.routes import (
     flights,
     horizon,
     imaging_opportunities,
+    names,
     opportunities,
     plan_flights,
     plans,
@@ -93,6 +94,7 @@ _OF_API = (
     spacecraft,
     imaging_opportunities,
     platforms,
+    names,
     system,
 )
 

@@ -86,12 +86,15 @@ def flights_head(plan: FlightPlan, scenes: Sequence[SessionScene], what: PlanToF
         session = plan.scenario.sessions[scene.number]
         budget = session_budget(plan.scenario, scene.ephemeris, table, session)
         assert budget is not None  # of a target that can be seen
+        nominal = nominal_session(scene, fly, asked.mover)
+        axes = plan.scenario.platform.axis_names
         sessions.append(
             SessionHead(
                 session=scene.number,
                 label=session.label,
                 told_probability_in_frame=budget.probability_in_frame,
-                nominal=nominal_out(nominal_session(scene, fly, asked.mover)),
+                nominal=nominal_out(nominal),
+                saturated_s=dict(zip(axes, nominal.saturated_s.tolist(), strict=True)),
             )
         )
     return FlightsHead(

@@ -23,6 +23,7 @@ from reproduction.platonov_sessions import LONG_START_S, planned
 from reproduction.statements import Picture, Statement, judge
 
 LIMIT_DEG_S = 1e-3
+CLOCK = "time on the paper's clock, s"
 STORED_N_M_S = np.array([40.0, 20.0, 20.0])
 said = partial(Statement, paper="Platonov 2019")
 
@@ -216,14 +217,14 @@ def pictures(folder: Path) -> list[Picture]:
     t_s, errors = _log_by_own_laws()
     for k, axis in enumerate("XYZ"):
         top.plot(t_s[::40], errors[::40, k], lw=0.8, label=axis)
-    top.set(title="Fig. 7: relative to the goal's rate", xlabel="s", ylabel="deg/s")
+    top.set(title="Fig. 7: rates relative to the goal's", xlabel=CLOCK, ylabel="rate, deg/s")
     top.legend(fontsize="x-small", ncols=3, loc="upper left")
     found: Settling = settling("eight_areas", dispersed=True)
     needed.plot(found.given_s, "k_", ms=8, label="given until imaging")
     for run in found.needed_s:
         needed.plot(run, "C0.", ms=4)
     needed.plot([], "C0.", label="taken until settled, each run")
-    needed.set(title="its turns", xlabel="strip", ylabel="s", ylim=(0.0, 60.0))
+    needed.set(title="its turns", xlabel="strip", ylabel="duration, s", ylim=(0.0, 60.0))
     needed.legend(fontsize="x-small")
     for panel, name, start_s, stop_s in (
         (eight, "Fig. 8", 866.0, 881.0),
@@ -235,7 +236,7 @@ def pictures(folder: Path) -> list[Picture]:
         panel.axvspan(start_s, stop_s, alpha=0.15)
         for limit in (-LIMIT_DEG_S, LIMIT_DEG_S):
             panel.axhline(limit, color="0.4", lw=0.8, ls="--")
-        panel.set(ylim=(-4e-3, 4e-3), title=name, xlabel="s", ylabel="rate error, deg/s")
+        panel.set(ylim=(-4e-3, 4e-3), title=name, xlabel=CLOCK, ylabel="rate error, deg/s")
     figure.savefig(folder / "reproduction_spacecraft_own_laws.png", dpi=90)
     return [
         Picture(

@@ -289,7 +289,7 @@ def pictures(folder: Path) -> list[Picture]:
         top.plot(t_s, angle, style, lw=1.2)
         middle.plot(t_s, acceleration, style, lw=1.2, label=label)
     top.set_ylabel("alpha, deg")
-    middle.set(ylabel="deg/s²", xlabel="s")
+    middle.set(ylabel="acceleration, deg/s²", xlabel="time, s")
     middle.legend(fontsize=8, ncols=2)
     bottom.hist(drawn_slews().time_share, bins=40, color="0.6")
     bottom.axvline(float(np.median(drawn_slews().time_share)), color="C3", lw=1.2)

@@ -3,12 +3,15 @@
 Clear air scatters sunlight forwards and backwards more than sideways (Rayleigh), and the limb
 lies above most dust and cloud; so along each camera's arc the limb's brightness follows the
 angle to the Sun.  Each camera's exposure is free, and so, within bounds, are how much the
-light scattered more than once evens out, what dust adds and how much the lens darkens off its
-axis.  It decides between headings that fit the limb's shape alike, for when no attitude was
-predicted.
+light scattered more than once evens out, what dust adds, how much the air takes from sunlight on
+its way to the limb and how much the lens darkens off its axis.  It decides between headings that
+fit the limb's shape alike, for when no attitude was predicted.
 
 Dust scatters sunlight of all colours forwards, so the limb reddens towards the Sun: where the
 file kept its colours sharp, that tells the Sun's side from its opposite.
+
+The bounds are what twelve airs give of SASKTRAN2's light and the renderer's, from none with dust
+to that after an eruption (bench/limb_tables.py).
 """
 
 from collections.abc import Sequence
@@ -24,20 +27,41 @@ from estimator.limb.points import LimbPoints
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
 
-_SCATTER = 0.035  # of brightness from one 5 deg of limb to the next: dust, thin cloud
-_EVENED, _EVENED_SIGMA = 0.75, 0.25  # contrast left of single scattering
+_SCATTER = 0.025  # of brightness from one 5 deg of limb to the next: dust, thin cloud
 _DARKENED, _DARKENED_SIGMA = 0.25, 0.3  # of cos^4: lenses are flat-fielded, or nearly, or not
 _FORWARD = 0.65  # mean cosine of dust's scattering
-_DUST, _DUST_SIGMA = 0.15, 0.15  # its light against the air's, if it scattered evenly
 _DECODED_SHARE = 0.05  # the curve that is undone is rarely the whole of what a camera did
 _FREE_EXPOSURE = 3.0
 _OUTLIER = 3.0
 _FEWEST = 16
-# Of the logarithm of red over blue: its rise from across the Sun's direction to along it, and
-# its scatter from one 5 deg of limb to the next.
-_REDDENED, _REDDENED_SIGMA = 0.2, 0.12
-_COLOUR_SCATTER = 0.02
+# Of the logarithm of red over blue: its rise from across the Sun's direction to along it, its rise
+# to both sides, and its scatter from one 5 deg of limb to the next.
+_REDDENED, _REDDENED_SIGMA = 0.15, 0.13
+_REDDER_ALONG, _REDDER_ALONG_SIGMA = 0.02, 0.03
+_COLOUR_SCATTER = 0.015
 _WITHIN_M, _BEYOND_M = (6e3, 10e3, 14e3), (-30e3, -36e3)
+
+
+@dataclass(frozen=True)
+class _Air:
+    """What is expected of a kind of air, and its 1-sigma.
+
+    share: how often it is met.  evened_ratio: contrast left of single scattering.
+    dust_ratio: its light against the air's, if it scattered evenly.  dimmed_ratio: sunlight's
+    loss, by its path's length against that straight down.
+    """
+
+    share: float
+    evened_ratio: tuple[float, float]
+    dust_ratio: tuple[float, float]
+    dimmed_ratio: tuple[float, float]
+
+
+_AIRS = (
+    _Air(share=0.88, evened_ratio=(0.75, 0.25), dust_ratio=(0.15, 0.15), dimmed_ratio=(0.04, 0.03)),
+    # Laden with dust, or with the haze of an eruption.
+    _Air(share=0.12, evened_ratio=(0.3, 0.25), dust_ratio=(0.7, 0.35), dimmed_ratio=(0.08, 0.05)),
+)
 
 
 @dataclass(frozen=True)
@@ -57,14 +81,13 @@ class _LimbLight:
     def misfit(
         self,
         basis: list[Array],
-        offset: Array | float,
         expected_coefficients: list[float],
         sigma: list[float],
         scatter_sigma: float,
     ) -> float:
         """Chi-square of the best robust linear fit, its unknowns' own departures included."""
         design = np.column_stack([*basis, self.camera_basis])
-        off = self.log_level + offset - design @ np.array(expected_coefficients)
+        off = self.log_level - design @ np.array(expected_coefficients)
         information = np.array(sigma) ** -2
         weight = self.share / scatter_sigma**2
         robust = weight
@@ -93,27 +116,41 @@ class Sunlight:
         """Minus twice the log likelihood of an attitude; 0 where nothing was seen."""
         cost, sun_itrf = 0.0, self.around.sun_itrf
         if self.brightness is not None:
-            ray_itrf = self.brightness.ray_body @ c_body_from_itrf
-            elevation_rad = self.around.limb.sun_elevation_rad(ray_itrf, height_m, sun_itrf)
-            cosine = ray_itrf @ sun_itrf
-            cameras = self.brightness.camera_basis.shape[1] // 2
-            cost += self.brightness.misfit(
-                basis=[np.log(1.0 + cosine**2), _dust_over_air(cosine)],
-                offset=0.04 / np.maximum(np.sin(elevation_rad), 0.02),
-                expected_coefficients=[_EVENED, _DUST, *[0.0, _DARKENED] * cameras],
-                sigma=[_EVENED_SIGMA, _DUST_SIGMA, *[_FREE_EXPOSURE, _DARKENED_SIGMA] * cameras],
-                scatter_sigma=_SCATTER,
-            )
+            cost += self._brightness_cost(self.brightness, c_body_from_itrf, height_m)
         if self.colour is not None:
             cameras = self.colour.camera_basis.shape[1]
+            cosine = self.colour.ray_body @ c_body_from_itrf @ sun_itrf
             cost += self.colour.misfit(
-                basis=[self.colour.ray_body @ c_body_from_itrf @ sun_itrf],
-                offset=0.0,
-                expected_coefficients=[_REDDENED, *[0.0] * cameras],
-                sigma=[_REDDENED_SIGMA, *[_FREE_EXPOSURE] * cameras],
+                basis=[cosine, cosine**2],
+                expected_coefficients=[_REDDENED, _REDDER_ALONG, *[0.0] * cameras],
+                sigma=[_REDDENED_SIGMA, _REDDER_ALONG_SIGMA, *[_FREE_EXPOSURE] * cameras],
                 scatter_sigma=_COLOUR_SCATTER,
             )
         return cost
+
+    def _brightness_cost(
+        self, light: _LimbLight, c_body_from_itrf: Array, height_m: float
+    ) -> float:
+        sun_itrf = self.around.sun_itrf
+        ray_itrf = light.ray_body @ c_body_from_itrf
+        elevation_rad = self.around.limb.sun_elevation_rad(ray_itrf, height_m, sun_itrf)
+        cosine = ray_itrf @ sun_itrf
+        path = 1.0 / np.maximum(np.sin(elevation_rad), 0.02)
+        cameras = light.camera_basis.shape[1] // 2
+        own = [(0.0, _FREE_EXPOSURE), (_DARKENED, _DARKENED_SIGMA)] * cameras
+        costs = []
+        for air in _AIRS:
+            expected, sigma = zip(
+                air.evened_ratio, air.dust_ratio, air.dimmed_ratio, *own, strict=True
+            )
+            misfit = light.misfit(
+                basis=[np.log(1.0 + cosine**2), _dust_over_air(cosine), -path],
+                expected_coefficients=list(expected),
+                sigma=list(sigma),
+                scatter_sigma=_SCATTER,
+            )
+            costs.append(misfit - 2.0 * float(np.log(air.share)))
+        return float(-2.0 * np.logaddexp.reduce(-0.5 * np.array(costs)))
 
 
 def sunlight_along(

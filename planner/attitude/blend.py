@@ -18,7 +18,7 @@ from planner.attitude.extrapolation import (
     Extrapolation,
     fit_extrapolation,
 )
-from planner.attitude.manoeuvre import last_change
+from planner.attitude.manoeuvre import RANDOM_RMS_RAD, last_change, next_turn_rms_rad
 
 LEADS_S = 150.0 * 2.0 ** np.arange(8)  # to beyond three orbits
 LEAST_S = 4.0 * TAIL_S  # of history
@@ -27,6 +27,7 @@ OLDEST_CUT = 4.0  # leads before the end: an older cut says less of how it moves
 OLDEST_TOLD_S = 8340.0  # or as many leads, of the size of the error: few cuts tell it badly
 # A description is trusted where its cuts cover half the lead: fewer are alike, and may be luck.
 COVERED = 0.5
+SETTLED_ORBITS = max(description.orbits for description in DESCRIPTIONS)
 SHARPNESS = 3.0  # of the weights in the mean square error; 2 to 3 did alike
 _NEAR = (0.8, 1.2)  # leads whose errors count for a lead tried
 _FLOOR_RAD = np.deg2rad(0.003)  # no description is better known than that
@@ -39,15 +40,15 @@ class Blend:
 
     extrapolations: k of them, all from the history's last row.  weights: (m, k), each row's sum
     is 1.  error_rms_body_rad: (m, 3), of the blend about each body axis, on the tail; beyond
-    tried_s as it grows by the descriptions' own laws.  first_row: of the history, from which on
-    it was used; before, a manoeuvre began or ended.
+    tried_s as it grows by the descriptions' own laws.  changed_s: on the history's clock, when a
+    manoeuvre last began or ended; what is older is not used.  None where it holds none.
     """
 
     extrapolations: tuple[Extrapolation, ...]
     weights: Array
     error_rms_body_rad: Array
     tried_s: float
-    first_row: int
+    changed_s: float | None
 
     @property
     def end_s(self) -> float:
@@ -65,8 +66,23 @@ class Blend:
         return Rotation.from_rotvec(turn_rad) * q_reference
 
     def error_rms_at(self, lead_s: Array) -> Array:
-        """Expected rms about each body axis (rad), shape (n, 3)."""
-        return _between_leads(self.error_rms_body_rad, lead_s)
+        """Expected rms about each body axis (rad), shape (n, 3).
+
+        A carrier that may turn again is told to: nothing in its history foretells it.
+        """
+        rms_rad = _between_leads(self.error_rms_body_rad, lead_s)
+        if self.may_turn:
+            turn_rad = next_turn_rms_rad(lead_s, self.extrapolations[0].period_s)
+            rms_rad = np.hypot(rms_rad, turn_rad[:, None])
+        return np.minimum(rms_rad, RANDOM_RMS_RAD)
+
+    @property
+    def may_turn(self) -> bool:
+        """Within as long of a manoeuvre as the longest description of a swing takes."""
+        if self.changed_s is None:
+            return False
+        settled_s = SETTLED_ORBITS * self.extrapolations[0].period_s
+        return self.end_s - self.changed_s < settled_s
 
     def shares_at(self, lead_s: float) -> list[tuple[Description, float]]:
         """The descriptions and their weights, the weightiest first."""
@@ -88,6 +104,7 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
             "needed to try an extrapolation on its tail"
         )
     first_row = last_change(t_s, q_body_from_lvlh)
+    changed_s = float(t_s[first_row]) if first_row else None
     if t_s[-1] - t_s[first_row] < LEAST_S:
         first_row = 0
     t_s, q_body_from_lvlh = t_s[first_row:], q_body_from_lvlh[first_row:]
@@ -105,7 +122,7 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
         weights=weights,
         error_rms_body_rad=_blend_rms(trials, weights, mean_square_rad2, rows_tried),
         tried_s=float(LEADS_S[rows_tried[-1]]),
-        first_row=first_row,
+        changed_s=changed_s,
     )
 
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
-from planner.attitude.blend import Blend, blend
+from planner.attitude.blend import SETTLED_ORBITS, Blend, blend
 from planner.attitude.correctable import CorrectableAttitude
 from planner.attitude.errors import AttitudeErrors, known_errors
 from planner.attitude.extrapolation import OFFSET_TAIL_S
@@ -26,6 +26,7 @@ LEAD_MAX_S = 6.0 * 3600.0
 # Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
 # (bench/attitude_figures.py).
 ERROR_MEMORY_S = 1250.0
+_NEXT_TURN = ", and a turn that may follow its manoeuvre"
 
 
 @spec
@@ -33,9 +34,10 @@ class HarmonicAttitude(CorrectableAttitude):
     """An attitude history (CCSDS AEM, KVN or XML) carried on beyond its end.
 
     The history is described by orbital harmonics of its attitude to LVLH and the present offset
-    from them, and by the present attitude or rate alone; at each lead each counts by how well it
-    predicts the history's own tail so far ahead.  What is older than a manoeuvre isn't used.  On
-    ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+    from them, and by the present attitude or rate alone, a rate that slows down coming to rest; at
+    each lead each counts by how well it predicts the history's own tail so far ahead.  What is
+    older than a manoeuvre isn't used, and for two orbits after it a further turn is told in the
+    error.  On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
 
     content: the whole message, line breaks included.
     history_orbit: where the carrier was during the history; needed unless the message is against a
@@ -92,20 +94,27 @@ class HarmonicAttitude(CorrectableAttitude):
                 else "on "
             )
             + "parts of its own history it had not seen"
+            + _NEXT_TURN * self.carried_on.may_turn
         )
 
     def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
         """The choice: it may be a poor one, and its rms says so; a manoeuvre in the history."""
         lead_s = max(0.0, float(instants.since_s(self._end_utc)[-1]))
-        if not self.carried_on.first_row:
+        changed_s = self.carried_on.changed_s
+        if changed_s is None:
             return (self.choice_at(lead_s),)
-        t_s, _ = self._history
-        change_utc = shifted_utc(self.segments[-1].epoch_utc, float(t_s[self.carried_on.first_row]))
+        changed_utc = shifted_utc(self.segments[-1].epoch_utc, changed_s)
         return (
             self.choice_at(lead_s),
             f"the attitude history holds a manoeuvre, which ended or began about "
-            f"{utc_text(change_utc)}; what is older is not used, and nothing foretells when a "
-            "manoeuvre ends",
+            f"{utc_text(changed_utc)}; what is older is not used, and nothing foretells when a "
+            "manoeuvre begins or ends"
+            + (
+                f": within {SETTLED_ORBITS:g} orbits of it a turn as likely as not is told in the "
+                "error, unless attitude.uncertainty states it"
+                if self.carried_on.may_turn
+                else ""
+            ),
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
@@ -113,7 +122,8 @@ class HarmonicAttitude(CorrectableAttitude):
         lead_s = np.maximum(instants.since_s(self._end_utc), 0.0)
         return known_errors(
             self.carried_on.error_rms_at(lead_s),
-            "measured on the history's own tail, held out of the fit",
+            "measured on the history's own tail, held out of the fit"
+            + _NEXT_TURN * self.carried_on.may_turn,
             "a history that ends nearer to the session",
             ERROR_MEMORY_S,
         )

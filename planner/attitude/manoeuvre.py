@@ -1,4 +1,4 @@
-"""Since when an attitude history goes on as it does now: a manoeuvre ended or began then."""
+"""Since when an attitude goes on as it does, a manoeuvre having ended or begun; what may follow."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,6 +11,8 @@ PRESENT_S = 900.0
 # it is fastest, which is 3.5 times as much.
 MANOEUVRE_RATIO = 6.0
 NOISE_RAD = np.deg2rad(0.02)  # below, turns say nothing
+# About each axis of a rotation that may be any: the mean square of its angle is pi^2 / 3 + 2.
+RANDOM_RMS_RAD = np.sqrt((np.pi**2 / 3.0 + 2.0) / 3.0)
 
 
 def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> int:
@@ -37,3 +39,14 @@ def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> int:
     slower = usual_rad * MANOEUVRE_RATIO < usual_rad[-1]
     other = np.flatnonzero(faster | slower)
     return int(after[other[-1]]) if len(other) else 0
+
+
+def next_turn_rms_rad(lead_s: Array, period_s: float) -> Array:
+    """Of a turn that is as likely to begin as not, about each axis, shape (n,).
+
+    It is the greatest there is, half a turn from rest to rest, in an orbit.  Flown by optimised
+    commands, the ISS takes one to two orbits for a half or quarter turn.
+    Source: Bhatt et al., AAS 15, Thermally-constrained fuel-optimal ISS maneuvers.
+    """
+    share = np.clip(lead_s / period_s, 0.0, 1.0)
+    return np.asarray(np.pi * share**2 * (3.0 - 2.0 * share) / np.sqrt(2.0 * 3.0))

@@ -120,4 +120,4 @@ def _vector(unit: tuple[float, ...] | Array) -> str:
 
 def session_label(session: Session, number: int) -> str:
     """What it is called on maps and in lists."""
-    return session.label or f"session {number}"
+    return session.label or f"session {number + 1}"

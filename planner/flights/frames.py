@@ -13,6 +13,9 @@ from planner.pointing.frame import places_in_frame
 EXPOSURE_POINTS = 16  # 50 a second for the HRC: structure and drives swing at a few hertz
 _WAYS = np.linspace(0.0, math.pi, 16, endpoint=False)  # a path is told up to 0.5 % too short
 _WAY = np.array([np.cos(_WAYS), np.sin(_WAYS)])
+# No frame is wider than 170 deg; a target farther out or behind the camera counts as there.
+FARTHEST_RAD = math.radians(85.0)
+_FARTHEST = math.tan(FARTHEST_RAD)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -22,9 +25,9 @@ class Frames:
     begins_s: when each shutter opens.  place_px: where the target is half-way through the exposure,
     from the frame's middle along its sides, (n, 2).  error_rad: the largest angle
     between the boresight and the target while the shutter is open.  smear_px: the longest way
-    between two places of the target in the image meanwhile.  share: of half the frame, how far the
-    target is from its middle, along the side where that is more; it is inside up to 1.  All others
-    (n,).
+    between two places of the target in the image meanwhile.  Both end where no frame reaches.
+    share: of half the frame, how far the target is from its middle, along the side where that is
+    more; it is inside up to 1.  All others (n,).
     """
 
     begins_s: Array
@@ -86,10 +89,11 @@ def frames_of(
         ways = place @ _WAY
         extent = np.max(ways.max(axis=1) - ways.min(axis=1), axis=1)
     half = np.tan(platform.frame_half_rad)
+    middle = place[:, at_s.shape[1] // 2]
     return Frames(
         begins_s=at_s[:, 0],
-        place_px=place[:, at_s.shape[1] // 2] / platform.camera.pixel_rad,
+        place_px=np.clip(middle, -_FARTHEST, _FARTHEST) / platform.camera.pixel_rad,
         error_rad=np.arctan(np.hypot(place[..., 0], place[..., 1]).max(axis=1)),
-        smear_px=np.nan_to_num(extent, nan=np.inf) / platform.camera.pixel_rad,
+        smear_px=np.fmin(extent, _FARTHEST) / platform.camera.pixel_rad,
         share=np.abs(place / half).max(axis=(1, 2)),
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.arrays import Array, Mask
+from planner.flights.frames import FARTHEST_RAD
 from planner.flights.ground_view import Mover, ground_view, shift_px
 from planner.flights.runs import Fly, fly_nominal
 from planner.flights.scene import SessionScene
@@ -24,7 +25,8 @@ class NominalSession:
     north_rad: from the frame's first side towards its second.  turn_rad: the largest turn of the
     view from a frame to the next of all.  ground_sample_*_m: of a pixel; None in the sky.
     mover_ground_m, mover_px: how far what was asked about moves from one frame of its series to the
-    next, at each frame shown; None without.
+    next, at each frame shown; None without.  saturated_s: (2,), how long each drive gives all it
+    has.  Where a target is lost beside the camera, the view is that of the commanded angles.
     """
 
     frames: int
@@ -41,11 +43,14 @@ class NominalSession:
     ground_sample_along_m: Array | None
     mover_ground_m: float | None
     mover_px: Array | None
+    saturated_s: Array
 
 
 def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> NominalSession:
     """Without errors of orbit, attitude and clock; the drives do what theirs do."""
-    frames, range_m, angle_rad = fly_nominal(scene, fly)
+    frames, range_m, angle_rad, saturated_s = fly_nominal(scene, fly)
+    lost = frames.error_rad > FARTHEST_RAD
+    angle_rad[lost] = scene.commanded_rad(frames.begins_s[lost])
     view = ground_view(scene, frames.begins_s, angle_rad)
     shown = slice(None, None, -(-len(frames.begins_s) // SHOWN_MAX))
     on_earth = bool((range_m < RANGE_MAX_M).all())
@@ -71,4 +76,5 @@ def nominal_session(scene: SessionScene, fly: Fly, mover: Mover | None) -> Nomin
         mover_px=shift_px(view, mover, scene.scenario.platform.camera.pixel_rad)[shown]
         if mover and moves
         else None,
+        saturated_s=saturated_s,
     )

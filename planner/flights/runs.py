@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,7 +19,10 @@ GEOMETRY = tuple(cause for cause in CAUSES if cause != DRIVE)
 
 
 class Motion(Protocol):
-    """What flying a table gives: true shaft angles (k, 2) and the structure's turn (k, 3)."""
+    """What flying a table gives: true shaft angles (k, 2) and the structure's turn (k, 3).
+
+    is_saturated: (k, 2), whether each drive gives all it has.
+    """
 
     @property
     def t_s(self) -> Array: ...
@@ -27,10 +30,13 @@ class Motion(Protocol):
     def angle_rad(self) -> Array: ...
     @property
     def structure_rad(self) -> Array: ...
+    @property
+    def is_saturated(self) -> Mask: ...
 
 
-# Flies a table with the drives that a seed makes; None: as they are nominally.
-Fly = Callable[[CommandTable, int | None], Motion]
+# Flies the table of a session, told by its number, with the drives that a seed makes; None: as
+# they are nominally.
+Fly = Callable[[CommandTable, int, int | None], Motion]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,16 +99,30 @@ def fly_runs(
     return [_outcomes(*both) for both in zip(found, pairs, strict=True)]
 
 
-def fly_nominal(scene: SessionScene, fly: Fly) -> tuple[Frames, Array, Array]:
-    """As planned, by nominal drives: frames, range (n,) and axis angles (n, 2) at their begins."""
+class NominalFlight(NamedTuple):
+    """A session as planned, by nominal drives.
+
+    range_m, angle_rad: (n,) and (n, 2), as frames begin.  saturated_s: (2,), how long each drive
+    gives all it has, in the session and the `LEAD_S` before it.
+    """
+
+    frames: Frames
+    range_m: Array
+    angle_rad: Array
+    saturated_s: Array
+
+
+def fly_nominal(scene: SessionScene, fly: Fly) -> NominalFlight:
+    """Without errors but those of the drives."""
     [seen] = scene.seen([undisturbed(scene.modes)])
-    motion = fly(scene.table, None)
+    motion = fly(scene.table, scene.number, None)
     begins_s = scene.at_s[:, 0]
     frames = _frames(scene, motion, seen, scene.at_s)
-    return (
+    return NominalFlight(
         frames,
         seen.ranges_m(begins_s),
         _at(begins_s - scene.from_s, motion.t_s, motion.angle_rad),
+        np.diff(motion.t_s) @ motion.is_saturated[:-1],
     )
 
 
@@ -137,7 +157,7 @@ def _fly_pair(
     ]
     seen = scene.seen([*draws, *exchanged])
     own, swapped = seen[: len(draws)], seen[len(draws) :]
-    motions = [fly(scene.table, draw.drive) for draw in draws]
+    motions = [fly(scene.table, scene.number, draw.drive) for draw in draws]
     judged = [
         _judged(_frames(scene, motion, view, scene.at_s), view)
         for motion, view in zip(motions, own, strict=True)

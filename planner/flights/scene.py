@@ -72,6 +72,11 @@ class SessionScene:
         """Of the attitude, as `draw_run` wants to know."""
         return len(self.errors.attitude_body_rad)
 
+    def commanded_rad(self, at_s: Array) -> Array:
+        """What the table has the axes do then, (k, 2): linear between rows."""
+        rows_s = self.from_s + self.table.t_s
+        return np.stack([np.interp(at_s, rows_s, column) for column in self.table.angle_rad.T], 1)
+
     def seen(self, draws: Sequence[Draw]) -> list[Seen]:
         """Where the target stands under each of them, all at once: few cost what many do."""
         count = len(draws)

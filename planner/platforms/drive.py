@@ -20,7 +20,10 @@ DERIVATIVE_SHARE = 10.0  # the error's derivative is filtered at this many bandw
 
 _ARCSEC = math.radians(1.0 / 3600.0)
 _Share = Annotated[float, Within(0.0, 1.0)]
-_FrictionDegS2 = Annotated[float, Within(0.0, 100.0)]
+FRICTION_MAX_DEG_S2 = CABLE_TENSION_MAX_DEG_S2 = VISCOUS_MAX_PER_S = 100.0
+CABLE_STIFFNESS_MAX_PER_S2 = 10.0
+_FrictionDegS2 = Annotated[float, Within(0.0, FRICTION_MAX_DEG_S2)]
+_TensionDegS2 = Annotated[float, Within(-CABLE_TENSION_MAX_DEG_S2, CABLE_TENSION_MAX_DEG_S2)]
 _NoiseArcsec = Annotated[float, Within(0.0, 3600.0)]
 _RateNoiseArcsecS = Annotated[float, Within(0.0, 3600.0)]
 
@@ -62,11 +65,11 @@ class AxisDrive:
     coulomb_deg_s2: _FrictionDegS2 = 0.1
     breakaway_deg_s2: _FrictionDegS2 = 0.2
     stribeck_arcmin_s: Annotated[float, Within(1e-3, 600.0)] = 0.6
-    viscous_per_s: Annotated[float, Within(0.0, 100.0)] = 0.05
+    viscous_per_s: Annotated[float, Within(0.0, VISCOUS_MAX_PER_S)] = 0.05
     presliding_arcsec: Annotated[float, Within(0.01, 3600.0)] = 1.0
     presliding_damping: Annotated[float, Within(0.0, 10.0)] = 0.5
-    cable_tension_deg_s2: Annotated[float, Within(-100.0, 100.0)] = 0.01
-    cable_stiffness_per_s2: Annotated[float, Within(0.0, 10.0)] = 0.001
+    cable_tension_deg_s2: _TensionDegS2 = 0.01
+    cable_stiffness_per_s2: Annotated[float, Within(0.0, CABLE_STIFFNESS_MAX_PER_S2)] = 0.001
     backlash_arcsec: Annotated[float, Within(0.0, 3600.0)] = 0.0
     encoder_step_arcsec: _NoiseArcsec = 0.3
     encoder_noise_arcsec: _NoiseArcsec = 0.1

@@ -66,7 +66,7 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
         ]
         if lost:
             losses.append(
-                f"session {number} {' and '.join(lost)} than asked, so that the slew between "
+                f"session {number + 1} {' and '.join(lost)} than asked, so that the slew between "
                 f"sessions fits ({scenario.on_conflict})"
             )
     return replace(scenario, sessions=tuple(sessions)), losses

@@ -185,7 +185,7 @@ def _require_visible(los: LineOfSight, rows: Rows, target: VisibleTarget, number
     first_utc, worst_utc = los.instants.utc(hidden[0]), los.instants.utc(worst)
     why = target.hidden_because(float(los.clearance_rad[worst]))
     raise NotVisible(
-        f"session {number}: from {utc_text(first_utc)} the target can't be seen; at "
+        f"session {number + 1}: from {utc_text(first_utc)} the target can't be seen; at "
         f"{utc_text(worst_utc)} {why}",
         field=f"sessions.{number}.start" if hidden[0] == 0 else f"sessions.{number}.stop",
         limit="visibility",
@@ -224,7 +224,7 @@ def _outside_from_s(
     if entry.depth_rad > 0.0:
         at_utc = shifted_utc(scenario.initial_state.epoch, begins_s + entry.t_s)
         raise NotVisible(
-            f"session {number}: at {utc_text(at_utc)} the target stands "
+            f"session {number + 1}: at {utc_text(at_utc)} the target stands "
             f"{math.degrees(entry.depth_rad):.2f} deg inside {entry.title}, which the boresight "
             "must keep out of",
             field=f"sessions.{number}.target",

@@ -196,8 +196,10 @@ def _way_out(found: Session, wanted: Session) -> str:
 
 def _cost(costs: tuple[int, ...]) -> str:
     if len(costs) == 1:
-        return f"but session {costs[0]} can't be flown then as asked: leave it out, or move it too"
-    numbers = ", ".join(str(number) for number in costs)
+        return (
+            f"but session {costs[0] + 1} can't be flown then as asked: leave it out, or move it too"
+        )
+    numbers = ", ".join(str(number + 1) for number in costs)
     return f"but sessions {numbers} can't be flown then as asked: leave them out, or move them too"
 
 

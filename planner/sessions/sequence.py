@@ -192,7 +192,7 @@ def _refusal(chain: Chain, number: int, stand: Stand, *, prove: bool) -> Infeasi
         except InfeasibleSlew as refusal:
             return _with_mode(refusal, chain.scenario.on_conflict) if stand.way else refusal
     raise SolverFailed(
-        f"the slew to session {number} was found impossible and then possible",
+        f"the slew to session {number + 1} was found impossible and then possible",
         field=f"sessions.{number}.start",
     )
 

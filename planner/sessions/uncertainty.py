@@ -93,7 +93,7 @@ class PointingBudget:
             else f"{self.ground_m / 1e3:.1f} km"
         )
         return (
-            f"session {session}: the target stays in the frame with a probability of "
+            f"session {session + 1}: the target stays in the frame with a probability of "
             f"{self.probability_in_frame:.3f} only; the pointing error is {error} (1 sigma), most "
             f"of it from {worst.cause}: {worst.better} would help most"
         )

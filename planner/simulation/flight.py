@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.arrays import Array
+from planner.arrays import Array, Mask
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.platforms import AxisDrive, TwoAxisPlatform
 from planner.platforms.drive import CONTROL_STEP_S
@@ -26,6 +26,7 @@ class FlownMotion:
     measured_angle_rad: (k, 2), of the encoders, on the drive's side of the gear.
     measured_rate_rad_s: (k, 2), of rate gyros on the payload: about each axis, the structure's
     turn included, the carrier's own motion taken out.
+    is_saturated: (k, 2), whether each drive is commanded all the torque it has.
     """
 
     t_s: Array
@@ -34,6 +35,7 @@ class FlownMotion:
     structure_rad: Array
     measured_angle_rad: Array
     measured_rate_rad_s: Array
+    is_saturated: Mask
 
 
 def fly(
@@ -41,7 +43,7 @@ def fly(
     platform: TwoAxisPlatform,
     *,
     drives: tuple[AxisDrive, AxisDrive] | None = None,
-    seed: int = 0,
+    seed: int | tuple[int, ...] = 0,
     clock_offset_s: float = 0.0,
     output_step_s: float = CONTROL_STEP_S,
 ) -> FlownMotion:
@@ -64,7 +66,8 @@ def fly(
     noise = np.random.default_rng(seed)
     encoder_noise_rad = _in_rad(drives, "encoder_noise_arcsec") * noise.standard_normal((steps, 2))
     plant = plant_of(platform, drives)
-    log = close_loops(plant, _loop(platform, drives), command, encoder_noise_rad)
+    loop = _loop(platform, drives)
+    log = close_loops(plant, loop, command, encoder_noise_rad)
     e = np.array([mode.axis_platform for mode in platform.structural_modes]).reshape(-1, 3)
     first = 2 * AXIS_STATES
     turn = log.states[:, first::MODE_STATES] @ e
@@ -82,6 +85,7 @@ def fly(
         measured_rate_rad_s=np.where(
             count_rad_s > 0.0, np.round(gyro_rad_s / counted) * counted, gyro_rad_s
         )[::every],
+        is_saturated=(np.abs(log.torque_rad_s2) >= loop.torque_max_rad_s2)[::every],
     )
 
 

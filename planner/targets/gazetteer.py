@@ -17,6 +17,7 @@ from pathlib import Path
 from planner.targets.names import key_of, nearest_keys
 
 CANDIDATES_SHOWN = 8
+_LOOKED_AT = 200  # of those that a few letters begin, the most populous
 LEAST_PEOPLE = 15_000
 _DATA = Path(__file__).parent / "data"
 _OTHERWISE = "give latitude_deg, longitude_deg and height_m with mode ground"
@@ -56,7 +57,7 @@ def find_place(asked: str) -> Place:
     if len(found) == 1:
         return found[0]
     if found:
-        shown = [f"{_told_apart(one)!r}{_where(one)}" for one in found[:CANDIDATES_SHOWN]]
+        shown = [f"{told_apart(one)!r}{_where(one)}" for one in found[:CANDIDATES_SHOWN]]
         more = len(found) - len(shown)
         raise ValueError(
             f"name {asked!r} may be {' or '.join(shown)}{f' or {more} more' if more else ''}; "
@@ -65,7 +66,7 @@ def find_place(asked: str) -> Place:
     name, *rest = asked.split(",")
     same_name = _places_of(key_of(name))
     alike = same_name if rest and same_name else _alike(key_of(name))
-    suggested = " or ".join(repr(_told_apart(one)) for one in alike[:CANDIDATES_SHOWN])
+    suggested = " or ".join(repr(told_apart(one)) for one in alike[:CANDIDATES_SHOWN])
     raise ValueError(
         f"name {asked!r} is not among the places of {LEAST_PEOPLE:,} people or more known here"
         + (f" (do you mean {suggested}?)" if suggested else "")
@@ -77,7 +78,7 @@ def _where(place: Place) -> str:
     return f" ({place.latitude_deg:.2f}, {place.longitude_deg:.2f})"
 
 
-def _told_apart(place: Place) -> str:
+def told_apart(place: Place) -> str:
     """The shortest name that means this place alone."""
     parts = (place.country,), (place.region, place.country), (str(place.geonames_id),)
     names = [", ".join(filter(None, (place.name, *part))) for part in parts]
@@ -95,6 +96,32 @@ def _matching(asked: str) -> list[Place]:
     return sorted(found, key=lambda place: key_of(place.name) != key)
 
 
+def places_named_from(begun: str) -> list[Place]:
+    """Whose name in any language goes on so; after a comma region or country, likewise.
+
+    First those of just this name, then those whose own name it begins; of each the most populous.
+    """
+    name, *rest = begun.split(",")
+    key = key_of(name)
+    if not key:
+        return []
+    exact = _numbers_of(key)
+    numbers = exact if rest else [*exact, *sorted(_numbers_from(key) - set(exact))]
+    begins = [word for part in rest if (word := _compact(part))]
+    found = [
+        place
+        for place in map(_place, numbers[:_LOOKED_AT])
+        if all(any(one.startswith(word) for one in _qualifiers(place)) for word in begins)
+    ]
+    return sorted(found, key=lambda place: not key_of(place.name).startswith(key))
+
+
+def _numbers_from(key: str) -> set[int]:
+    start, stop = _line_from(key), _line_from(key + "\U0010ffff")
+    lines = _keys()[start:stop].decode().splitlines()
+    return {int(number) for line in lines for number in line.partition("\t")[2].split()}
+
+
 def _qualifiers(place: Place) -> set[str]:
     country = _countries().get(place.country, "")
     told = (place.country, country, place.region_code, place.region, str(place.geonames_id))
@@ -107,10 +134,14 @@ def _compact(text: str) -> str:
 
 
 def _places_of(key: str) -> list[Place]:
+    return [_place(number) for number in _numbers_of(key)]
+
+
+def _numbers_of(key: str) -> list[int]:
     start = _line_from(key)
     line = _keys()[start : _keys().find(b"\n", start)].decode()
     found, _, numbers = line.partition("\t")
-    return [_place(int(number)) for number in numbers.split()] if found == key else []
+    return [int(number) for number in numbers.split()] if found == key else []
 
 
 def _alike(key: str) -> list[Place]:

@@ -25,15 +25,17 @@ def hipparcos_number(name: str) -> int:
 
 @cache
 def _numbers() -> dict[str, int]:
-    return {key_of(name): number for name, number in _rows()}
+    return {key_of(name): number for name, number in star_names()}
 
 
 @cache
 def _spelling() -> dict[str, str]:
-    return {key_of(name): name for name, _ in _rows()}
+    return {key_of(name): name for name, _ in star_names()}
 
 
-def _rows() -> list[tuple[str, int]]:
+@cache
+def star_names() -> list[tuple[str, int]]:
+    """Every name with its Hipparcos number."""
     with _NAMES.open(encoding="utf-8", newline="") as file:
         lines = (line for line in file if not line.startswith("#"))
         return [(row["name"], int(row["hip"])) for row in csv.DictReader(lines)]

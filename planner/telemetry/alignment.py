@@ -5,7 +5,7 @@ A time tag is t + offset + drift t, t the seconds since the table's epoch.  What
 taken for it: a constant of every column (an encoder's zero, a gyro's bias), and of angles what
 friction holds an axis back by, one way or the other, and what a drive lags by under acceleration.
 What both axes are late by is the clock's: no telemetry of the axes alone can tell it from a delay
-they share.
+they share.  A drive may be late and never early: the clock's offset is that of the earlier axis.
 """
 
 import math
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.special import ndtr
 
 from planner.arrays import Array, Indices
 from planner.telemetry.columns import Kind
@@ -32,6 +33,10 @@ _ROUNDS_MAX = 40
 _SCALE_MIN = 1e-10  # rad: JSON's ninth decimal of a degree is 2e-11
 _BLOCKS = 40  # of time: errors within one may go together, and the sigmas tell it
 LATE_SIGMA = 4.0  # an axis is later than the other when it is by more
+# Times what is not known of a lag: the mean square of the offset's error over its sigma is at most
+# 1.3 at any lag, in the mean of many noises; 1.9 without.
+_LAG_ROOM = 1.25
+_LAG_SIGMA_MAX_S = 1.0  # no drive is so late: an axis known worse tells nothing of it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,18 +78,23 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class Alignment:
-    """offset_s, drift: of the telemetry's clock at the table's epoch.  lags_s: by axis, how much
-    later it moves than the earlier one of them, with the error of the difference; None where an
-    axis has no samples.
+    """offset_s, drift: of the telemetry's clock at the table's epoch.  common_offset_s: the same if
+    both axes are equally late; None where they clearly aren't, or one tells no time.
+    lags_s: by axis, how much later it moves than the earlier one of them, with the error of the
+    difference; None where it tells no time.  reference_offset_s, reference_gain: those that the
+    axes' errors are taken with.
     """
 
     offset_s: Estimate
     drift: Estimate
+    common_offset_s: Estimate | None
     lags_s: tuple[Estimate | None, ...]
+    reference_offset_s: float
+    reference_gain: float
 
     def t_s(self, tag_s: Array) -> Array:
         """Seconds after the table's epoch at time tags."""
-        return np.asarray((tag_s - self.offset_s.value) / (1.0 + self.drift.value))
+        return np.asarray((tag_s - self.reference_offset_s) / (1.0 + self.reference_gain))
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,34 +104,70 @@ class _Fit:
     parameters: Array
     covariance_parameters: Array
 
+    def estimate(self, place: int) -> Estimate:
+        """Of a parameter by itself."""
+        sigma = math.sqrt(self.covariance_parameters[place, place])
+        return Estimate(float(self.parameters[place]), sigma)
+
 
 def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alignment:
     """Offset and drift that the channels share, and how much later one axis is.
 
-    A drive may be late and never early: where the axes clearly differ, the earlier one has the
-    clock's offset, and the drift is that which suits the axes with an offset each.
+    Where the axes clearly differ, the offset is that of the earlier one; else the one that suits
+    both, and its sigma holds that either may be the earlier by what is not known of their
+    difference: nothing is known of lags beforehand.  The drift suits the axes with an offset each.
     """
     starts = dict.fromkeys((start_offset_s, 0.0))
     shared = min((_fit(channels, start) for start in starts), key=lambda one: _cost(channels, one))
     told = sorted({channel.motion.axis for channel in channels})
     each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
-    offsets_s = each.parameters[1 : 1 + len(told)]
-    covariance_s2 = each.covariance_parameters[1 : 1 + len(told), 1 : 1 + len(told)]
-    late_s = offsets_s - offsets_s.min()
-    first, last = int(np.argmin(offsets_s)), int(np.argmax(offsets_s))
-    ends = np.zeros(len(told))
-    ends[[last, first]] = 1.0, -1.0  # an axis alone: its own error
-    apart_sigma_s = float(np.sqrt(ends @ covariance_s2 @ ends))
-    fit, place = (each, first) if late_s.max() > LATE_SIGMA * apart_sigma_s else (shared, 0)
+    own_s = [each.estimate(1 + place) for place in range(len(told))]
+    lag_s = _lag_s(each) if len(told) > 1 else None
     lags_s: list[Estimate | None] = [None] * axes
-    for axis, value_s in zip(told, late_s.tolist(), strict=True):
-        lags_s[axis] = Estimate(value_s, apart_sigma_s)
-    sigma = np.sqrt(np.diag(fit.covariance_parameters))
+    if lag_s is None or lag_s.sigma > _LAG_SIGMA_MAX_S:
+        best = min(range(len(told)), key=lambda place: own_s[place].sigma)
+        lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
+        offset_s, reference, common_s = shared.estimate(1), shared, None
+    else:
+        first = int(own_s[1].value < own_s[0].value)
+        lags_s[told[first]] = Estimate(0.0, lag_s.sigma)
+        lags_s[told[1 - first]] = lag_s
+        if lag_s.value > LATE_SIGMA * lag_s.sigma:
+            offset_s, reference, common_s = own_s[first], each, None
+        else:
+            common_s = shared.estimate(1)
+            offset_s, reference = Estimate(common_s.value, _earlier_sigma(each, common_s)), shared
     return Alignment(
-        offset_s=Estimate(float(fit.parameters[1 + place]), float(sigma[1 + place])),
-        drift=Estimate(float(fit.parameters[0]), float(sigma[0])),
+        offset_s=offset_s,
+        drift=each.estimate(0),
+        common_offset_s=common_s,
         lags_s=tuple(lags_s),
+        reference_offset_s=offset_s.value,
+        reference_gain=float(reference.parameters[0]),
     )
+
+
+def _lag_s(each: _Fit) -> Estimate:
+    """By how much the offsets of two axes differ."""
+    ends = np.array([1.0, -1.0])
+    variance_s2 = float(ends @ each.covariance_parameters[1:3, 1:3] @ ends)
+    return Estimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
+
+
+def _earlier_sigma(each: _Fit, told: Estimate) -> float:
+    """Rms error of an offset that is told for the earlier of two axes, of which each is known as
+    the fit has it.  Source: moments of the least of two normal variables, Clark 1961, eqs. 2-4."""
+    apart_s = _LAG_ROOM * _lag_s(each).sigma
+    first, second = each.parameters[1:3] - told.value
+    variance_s2 = _LAG_ROOM**2 * each.covariance_parameters
+    later = (second - first) / apart_s
+    is_first = float(ndtr(later))
+    squares_s2 = (
+        (first**2 + variance_s2[1, 1]) * is_first
+        + (second**2 + variance_s2[2, 2]) * (1.0 - is_first)
+        - (first + second) * apart_s * math.exp(-0.5 * later**2) / math.sqrt(2.0 * math.pi)
+    )
+    return max(math.sqrt(max(squares_s2, 0.0)), told.sigma)
 
 
 def _fit(

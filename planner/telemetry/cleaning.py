@@ -12,17 +12,19 @@ from planner.telemetry.samples import Dropped
 SAME_TAG_S = 1e-6
 PART_ROWS_MIN = 10  # fewer in order are a few rows late, no clock that began anew
 _OVERLAP_MIN = 0.2  # of a part's rows, with an earlier one's time
+_COARSE_MIN = 0.2  # of the rows; fewer are packets sent again
 _ROOM = 2.5  # steps from row to row that noise may put a late row off
 
 
 @dataclass(frozen=True, eq=False)
 class Ordered:
     """row: numbers of the rows kept, by their tags.  dropped: rows by reason.  reordered: how
-    many of the kept came before an earlier one."""
+    many of the kept came before an earlier one.  notes: on tags too coarse."""
 
     row: Indices
     dropped: Counter[Dropped]
     reordered: int
+    notes: tuple[str, ...]
 
 
 def order(tag_s: Array, value: Array) -> Ordered:
@@ -42,7 +44,21 @@ def order(tag_s: Array, value: Array) -> Ordered:
     row = row[np.argsort(tag_s[row], kind="stable")]
     is_new = np.diff(tag_s[row], prepend=-np.inf) > SAME_TAG_S
     dropped["repeated"] = int(np.sum(~is_new))
-    return Ordered(row[is_new], dropped, reordered)
+    return Ordered(row[is_new], dropped, reordered, _notes(tag_s[row], value[row], is_new))
+
+
+def _notes(tag_s: Array, value: Array, is_new: Mask) -> tuple[str, ...]:
+    """tag_s: increasing, as are the rows of value."""
+    first = np.maximum.accumulate(np.where(is_new, np.arange(len(is_new)), 0))
+    differs = ~is_new & ~((value == value[first]) | ~np.isfinite(value)).all(axis=1)
+    if differs.sum() < _COARSE_MIN * len(is_new):
+        return ()
+    step_s = float(np.median(np.diff(tag_s[is_new]))) if is_new.sum() > 1 else 0.0
+    return (
+        f"{int(differs.sum())} rows have the time tag of another row, and other values: the tags "
+        f"are too coarse, or those of several sources; time_offset_s may be off by {step_s:.3g} s, "
+        "whatever its sigma",
+    )
 
 
 def _longest_between_resets(tag_s: Array, value: Array) -> Mask:

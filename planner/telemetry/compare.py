@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.arrays import Array, Mask
+from planner.arrays import Array
 from planner.errors import InvalidInput
 from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.telemetry.alignment import LATE_SIGMA, Alignment, Channel, Estimate, align
+from planner.telemetry.alignment import LATE_SIGMA, Alignment, Estimate
 from planner.telemetry.cleaning import order
+from planner.telemetry.clock import tell_clock
 from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
 from planner.telemetry.exceeded import Exceeded, Limit, limits_exceeded
 from planner.telemetry.following import (
@@ -22,16 +23,22 @@ from planner.telemetry.following import (
     follow,
     gap_starts,
     phases,
-    spikes_of_angles,
-    spikes_of_rates,
 )
 from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.oscillations import Oscillation, oscillations, searched_hz
 from planner.telemetry.samples import SAMPLES_MIN, CleanSamples, Dropped, Samples
 from planner.telemetry.search import OFFSET_MAX_S, in_units
 from planner.telemetry.stick_slip import StickSlip, stick_slip
-from planner.telemetry.strays import require_followed
-from planner.telemetry.unexplained import beyond_noise, clock_jump, outliers_left
+from planner.telemetry.strays import follows, require_followed
+from planner.telemetry.unexplained import (
+    alternating,
+    beyond_noise,
+    clock_jump,
+    no_lag,
+    other_scale,
+    outliers_left,
+)
+from planner.telemetry.unmeasured import leave_out_unmeasured
 
 _TURN_RAD = 2.0 * np.pi
 GAPS_MAX = 200
@@ -46,7 +53,7 @@ class AxisComparison:
     name: str
     followed: Followed
     error: ErrorSize
-    lag_s: Estimate
+    lag_s: Estimate | None
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
     oscillations_searched_hz: tuple[float, float] | None
@@ -88,8 +95,13 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
     angle_rad, rate_rad_s, wrapped = _in_radians(columns, tag_s - start_s, motions)
     ordered = order(tag_s, np.hstack([angle_rad, rate_rad_s]))
     row, dropped = ordered.row, ordered.dropped
-    near = (tag_s[row] > start_s - 60.0) & (tag_s[row] < motions[0].stop_s + start_s + 60.0)
-    alignment, bad = _aligned(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s, near)
+    values: dict[Kind, Array] = {"angle": angle_rad[row], "rate": rate_rad_s[row]}
+    notes_unmeasured = leave_out_unmeasured(values, tag_s[row] - start_s, motions, names, dropped)
+    angle_rad[row], rate_rad_s[row] = values["angle"], values["rate"]
+    row = row[np.isfinite(np.hstack([angle_rad[row], rate_rad_s[row]])).any(axis=1)]
+    clock = tell_clock(tag_s[row], angle_rad[row], rate_rad_s[row], motions, start_s)
+    alignment, bad = clock.alignment, clock.is_spike
+    notes_astray = _leave_out_astray(angle_rad, rate_rad_s, clock.astray, names)
     ordered_columns = [replace(column, value=column.value[row]) for column in columns]
     require_followed(ordered_columns, tag_s[row], motions, alignment)
     t_s = alignment.t_s(tag_s[row])
@@ -107,6 +119,8 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
         reordered=ordered.reordered,
     )
     axes, notes = _axes(plan, clean, alignment, motions)
+    scale = other_scale(alignment.offset_s.value, table.epoch_utc)
+    notes += [] if scale is None else [scale]
     own_s = t_s[kept]
     gaps_s = [(float(own_s[k - 1]), float(own_s[k])) for k in gap_starts(own_s)[1:]]
     return Comparison(
@@ -123,6 +137,9 @@ def compare(plan: FlightPlan, samples: Samples) -> Comparison:
             *samples.notes,
             *(f"{name} holds no number" for name in empty),
             *_notes_on_units(samples, columns),
+            *notes_unmeasured,
+            *ordered.notes,
+            *notes_astray,
             *notes,
         ),
     )
@@ -188,48 +205,24 @@ def _in_radians(
     return angle_rad, rate_rad_s, wrapped
 
 
-def _aligned(
-    tag_s: Array,
+def _leave_out_astray(
     angle_rad: Array,
     rate_rad_s: Array,
-    motions: Sequence[PlannedMotion],
-    start_s: float,
-    near: Mask,
-) -> tuple[Alignment, Mask]:
-    """Aligned, spikes found against that, and aligned again without them."""
-    bad = np.zeros(len(tag_s), dtype=bool)
-    for last in (False, True):
-        kinds: tuple[tuple[Kind, Array], ...] = (("angle", angle_rad), ("rate", rate_rad_s))
-        channels = [
-            Channel(motion=motion, kind=kind, tag_s=tag_s[own], value=value[own, motion.axis])
-            for motion in motions
-            for kind, value in kinds
-            if (own := near & ~bad & np.isfinite(value[:, motion.axis])).sum() >= SAMPLES_MIN
-        ]
-        if not channels:
-            raise InvalidInput(
-                f"a comparison needs {SAMPLES_MIN} samples of an axis while the plan is flown",
-                field="samples",
+    astray: Sequence[tuple[int, Kind]],
+    names: Sequence[str],
+) -> list[str]:
+    """Sets columns that don't follow to NaN, (n, 2), where the axis's other column does; notes."""
+    values: dict[Kind, Array] = {"angle": angle_rad, "rate": rate_rad_s}
+    notes = []
+    for axis, kind in astray:
+        other: Kind = "rate" if kind == "angle" else "angle"
+        if (axis, other) not in astray and np.isfinite(values[other][:, axis]).any():
+            values[kind][:, axis] = np.nan
+            notes.append(
+                f"{names[axis]}'s {kind}s don't follow its plan, its {other}s do: the {kind}s "
+                "were left out"
             )
-        alignment = align(channels, start_s, len(motions))
-        if last or not (bad := _spikes(alignment.t_s(tag_s), angle_rad, rate_rad_s, motions)).any():
-            break
-    return alignment, bad
-
-
-def _spikes(
-    t_s: Array, angle_rad: Array, rate_rad_s: Array, motions: Sequence[PlannedMotion]
-) -> Mask:
-    bad = np.zeros(len(t_s), dtype=bool)
-    for motion in motions:
-        for value, planned, find in (
-            (angle_rad[:, motion.axis], motion.angle_rad, spikes_of_angles),
-            (rate_rad_s[:, motion.axis], motion.rate_rad_s, spikes_of_rates),
-        ):
-            own = np.flatnonzero(np.isfinite(value))
-            if len(own):
-                bad[own] |= find(value[own] - planned(t_s[own]))
-    return bad
+    return notes
 
 
 def _axes(
@@ -247,11 +240,13 @@ def _axes(
     ):
         columns = clean.angle_rad[:, motion.axis], clean.rate_rad_s[:, motion.axis]
         followed = follow(motion, t_s, *columns)
-        if followed is None or lag_s is None:
+        if followed is None:
             notes.append(f"there is no telemetry of {name}")
             continue
         error = error_size(followed.error_rad)
         exceeded, checked = limits_exceeded(followed, limits)
+        angle_rad = motion.angle_rad(followed.t_s) + followed.error_rad
+        creeps = follows(angle_rad, "angle", followed.t_s, motion) is not False
         axes.append(
             AxisComparison(
                 name=name,
@@ -261,7 +256,7 @@ def _axes(
                 phases=tuple(phases(followed, plan.segments)),
                 oscillations=tuple(oscillations(followed)),
                 oscillations_searched_hz=searched_hz(followed),
-                stick_slip=tuple(stick_slip(followed)),
+                stick_slip=tuple(stick_slip(followed)) if creeps else (),
                 limits_exceeded=tuple(exceeded),
                 limits_checked=tuple(checked),
             )
@@ -270,14 +265,21 @@ def _axes(
 
 
 def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
-    """Errors beyond noise that nothing else in the answer explains."""
-    jump = clock_jump([axis.followed for axis in axes])
+    """Axes off their plan, and errors beyond noise that nothing else in the answer explains."""
+    on_time = [axis.followed for axis in axes if axis.lag_s is not None]
+    jump = clock_jump(on_time) if on_time else None
     notes = [] if jump is None else [jump]
     for axis in axes:
-        is_late = axis.lag_s.value > LATE_SIGMA * axis.lag_s.sigma
+        lag_s = axis.lag_s
+        if lag_s is None:
+            notes.append(no_lag(axis.name, axis.followed))
+            continue
+        is_late = lag_s.value > LATE_SIGMA * lag_s.sigma
         is_told = bool(jump or is_late or axis.oscillations or axis.stick_slip)
-        note = outliers_left(axis.name, axis.followed) or beyond_noise(
-            axis.name, axis.followed, is_told
+        note = (
+            outliers_left(axis.name, axis.followed)
+            or alternating(axis.name, axis.followed)
+            or beyond_noise(axis.name, axis.followed, is_told)
         )
         notes += [] if note is None else [note]
     return notes

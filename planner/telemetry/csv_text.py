@@ -104,6 +104,7 @@ def _cells_of(content: bytes) -> tuple[_Cells, list[str]]:
             raise InvalidInput("is no text; send CSV", field="samples") from None
         text = content.decode("latin-1")
         notes.append("the file is no UTF-8; it was read as Latin-1")
+    text = text.replace("\u2212", "-")  # a minus sign of typesetters
     if "\x00" in text[:4096]:
         raise InvalidInput("is no text: it has NUL bytes; send CSV", field="samples")
     if _JSON.match(text):

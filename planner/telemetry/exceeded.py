@@ -1,15 +1,14 @@
 """Limits of the platform that the measured motion went beyond, by more than its noise."""
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from planner.arrays import Array
 from planner.platforms import AxisLimits
 from planner.telemetry.following import Followed
+from planner.telemetry.noise import row_noise, sensor_step
 
 Limit = Literal["angle_min", "angle_max", "rate", "acceleration"]
 _SIGMA = 5.0
@@ -42,7 +41,7 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
     angle_rad = followed.motion.angle_rad(t_s) + followed.error_rad
     if followed.basis == "angles":
         checked += ["angle_min", "angle_max"]
-        margin = _SIGMA * _noise(angle_rad)
+        margin = _SIGMA * max(row_noise(angle_rad), 0.5 * sensor_step(angle_rad))
         low, high = limits.angle_min_rad, limits.angle_max_rad
         found += _beyond("angle_min", t_s, -angle_rad, -low, margin, -1.0)
         found += _beyond("angle_max", t_s, angle_rad, high, margin, 1.0)
@@ -50,10 +49,11 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
         ("rate", 1, limits.rate_max_rad_s),
         ("acceleration", 2, limits.acceleration_max_rad_s2),
     )
+    step = sensor_step(angle_rad if followed.rate_rad_s is None else followed.rate_rad_s)
     for limit, order, bound in motions:
         told = False
         for run in followed.runs:
-            value, noise = _motion(followed, run, order, _SLOPE_S[limit])
+            value, noise = _motion(followed, run, order, _SLOPE_S[limit], step)
             if value is not None and noise < _NOISE_MAX * bound:
                 told = True
                 found += _either_way(limit, t_s[run], value, bound, _SIGMA * noise)
@@ -63,10 +63,13 @@ def limits_exceeded(followed: Followed, limits: AxisLimits) -> tuple[list[Exceed
 
 
 def _motion(
-    followed: Followed, run: slice, order: int, span_s: float
+    followed: Followed, run: slice, order: int, span_s: float, step: float
 ) -> tuple[Array | None, float]:
     """The derivative of this order over a run, and its noise: the plan's own and the error's, as
-    only the error is small enough to be drawn through uneven or missing rows."""
+    only the error is small enough to be drawn through uneven or missing rows.
+
+    step: of the sensor, by half of which a row may be off.
+    """
     t_s, error, motion = followed.t_s[run], followed.error_rad[run], followed.motion
     if len(t_s) < _ROWS_MIN:
         return None, 0.0
@@ -75,27 +78,23 @@ def _motion(
         error, order = followed.rate_rad_s[run] - motion.rate_rad_s(t_s), order - 1
         if not np.isfinite(error).all():
             return None, 0.0
+    noise = max(row_noise(error), 0.5 * step)
     if order == 0:
-        return planned + error, _noise(error)
+        return planned + error, noise
     step_s = (t_s[-1] - t_s[0]) / (len(t_s) - 1)
     rows = max(_ROWS_MIN, 2 * round(0.5 * span_s / step_s) + 1)
     if rows > len(t_s):
         return None, 0.0
+    # SciPy's signals take 0.2 s to import, which only a comparison should pay.
+    from scipy.signal import savgol_filter
+
     even_s = np.linspace(t_s[0], t_s[-1], len(t_s))
     even = np.interp(even_s, t_s, error)
     slope = savgol_filter(even, rows, order + 1, deriv=order, delta=step_s)
     kernel = savgol_filter(
         np.eye(1, 2 * rows + 1, rows)[0], rows, order + 1, deriv=order, delta=step_s
     )
-    noise = _noise(error) * float(np.linalg.norm(kernel))
-    return planned + np.interp(t_s, even_s, slope), noise
-
-
-def _noise(value: Array) -> float:
-    """Of a row by itself, by third differences."""
-    if len(value) < 4:
-        return 0.0
-    return 1.4826 * float(np.median(np.abs(np.diff(value, 3)))) / math.sqrt(20.0)
+    return planned + np.interp(t_s, even_s, slope), noise * float(np.linalg.norm(kernel))
 
 
 def _either_way(

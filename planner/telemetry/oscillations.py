@@ -13,6 +13,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.telemetry.following import Followed
+from planner.telemetry.noise import sensor_step
 
 _WINDOWS_S = (24.0, 60.0)  # short ones for swings that come and go, long ones for slow swings
 _WINDOW_ROWS_MIN = 32
@@ -46,6 +47,9 @@ class _Line:
 def oscillations(followed: Followed) -> list[Oscillation]:
     """In order of time."""
     found: list[Oscillation] = []
+    step_rad = 0.0
+    if followed.basis == "angles":
+        step_rad = sensor_step(followed.motion.angle_rad(followed.t_s) + followed.error_rad)
     for run in _long_enough(followed):
         if followed.rate_error_rad_s is None:
             found += _in_run(followed.t_s[run], followed.error_rad[run])
@@ -54,7 +58,8 @@ def oscillations(followed: Followed) -> list[Oscillation]:
                 replace(one, amplitude_rad=one.amplitude_rad / (2.0 * math.pi * one.frequency_hz))
                 for one in _in_run(followed.t_s[run], followed.rate_error_rad_s[run])
             ]
-    return found
+    # A steady motion beats with the steps of an encoder, at 0.32 of them.
+    return [one for one in found if one.amplitude_rad > 0.5 * step_rad]
 
 
 def searched_hz(followed: Followed) -> tuple[float, float] | None:

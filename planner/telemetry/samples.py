@@ -14,6 +14,7 @@ Dropped = Literal[
     "no_time",
     "no_value",
     "repeated",
+    "held",
     "clock_reset",
     "outside_plan",
     "outlier",

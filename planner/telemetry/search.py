@@ -15,6 +15,7 @@ _STEP_S = 0.4  # well within what a fit finds from there: axes take seconds to c
 _ROWS = 400  # of each column, evenly
 STILL = {"angle": np.radians(0.05), "rate": np.radians(0.005)}  # less motion tells nothing
 _FITS = 0.25  # of what the motion would be off by if it weren't it
+_AS_GOOD = 0.02  # misfits that the step between offsets makes of columns that fit
 _CLEARLY = 0.2  # of the named unit's misfit, for another to be believed instead
 _TURN_RAD = 2.0 * np.pi
 
@@ -50,13 +51,11 @@ def in_units(
         if column is None:
             told[place] = _told_by_others(columns[place], known)
     sure = [column for column in told if column is not None]
-    total = sum(
-        (
-            units[column.meaning.unit].misfit_share
-            for column, units in zip(sure, tried, strict=True)
-        ),
-        start=np.zeros(len(offsets_s())),
-    )
+    # Those that fit at some offset say which: an axis that isn't on its plan at none.
+    total = np.zeros(len(offsets_s()))
+    for column, units in zip(sure, tried, strict=True):
+        one = units[column.meaning.unit]
+        total = total + one.misfit_share / (one.least + _AS_GOOD)
     # Of equals, as in a steady track, the least offset.
     best = np.flatnonzero(total <= total.min() * (1.0 + 1e-9) + 1e-12)
     return sure, float(min(offsets_s()[best], key=abs))
@@ -67,7 +66,10 @@ def _told_by_itself(column: Column, tried: dict[AngleUnit | None, Tried]) -> Col
     ranked = sorted((one.least, unit) for unit, one in tried.items() if unit is not None)
     (least, best), (second, _) = ranked[:2]
     if named is not None:
+        # What hardly moves in a unit fits it where the plan rests.
+        moves = np.nanstd(column.value) * RAD_BY_UNIT[best] / column.meaning.per_s
         is_wrong = least < min(_FITS, _CLEARLY * tried[named].least)
+        is_wrong = is_wrong and bool(moves > STILL[column.meaning.kind])
         return _as(column, best) if is_wrong else column
     return _as(column, best) if least < min(_FITS, 0.5 * second) else None
 

@@ -1,24 +1,29 @@
-"""Where an axis stuck and slipped: it stands while its command moves, then catches up.
+"""Where an axis stuck and slipped: it stands while its command creeps, then catches up.
 
-What stands still is judged by the slope of a few rows, as many as the noise asks for.
+Windows of rows, averaged as far as their noise and the command ask for, are cut into parts that
+stand and parts that follow (`staircase.py`).  An axis is told to stick where that explains its
+errors better than steps of an axis that follows and than a swing, by more than chance.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.signal import savgol_filter
 
-from planner.arrays import Array, Mask
+from planner.arrays import Array
 from planner.telemetry.following import Followed
+from planner.telemetry.noise import row_noise, sensor_step
+from planner.telemetry.staircase import Staircase, fit_staircase, swing_squares
 
-_STUCK, _SLIPS = 0.3, 1.6  # of the commanded rate
-_STEADY = 0.15  # of the commanded rate that the noise of a slope may be
-_WINDOWS_S = (0.15, 0.3, 0.6, 1.2)
+_WINDOW = 288  # of averaged rows
+_COARSER = (1, 2, 4, 8, 16)
+_ABOVE_NOISE = 4.0  # sigmas that a window's squares are beyond those of noise, to be looked at
+_CLEARLY = 80.0  # squares over the noise's: errors that wander by chance come to 63
+_SLIPS_MIN = 3
 _SHARE_MIN = 0.3  # of the time stuck: a swing about the command stands still for 0.25 at most
-_CYCLES_MIN = 2  # of stuck and slipping
-_APART_CYCLES = 2.5  # longer between two slips ends a stretch
+_QUANTA_MIN = 3.0  # of an encoder's steps in a slip
+_EXACT_RAD = 1e-10  # JSON's ninth decimal of a degree is 2e-11
 _RATE_MIN_RAD_S = np.radians(0.5 / 3600.0)
 _RATE_MAX_RAD_S = np.radians(0.2)  # faster is no creeping: what is told then is a servo's swing
 
@@ -36,91 +41,160 @@ class StickSlip:
     rate_rad_s: float
 
 
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Averaged rows of a stretch, (n,) each; the command grows.  variance_rad2: of the noise."""
+
+    t_s: Array
+    error_rad: Array
+    command_rad: Array
+    variance_rad2: float
+
+    def cut(self, first: int, last: int) -> "_Rows":
+        rows = slice(first, last)
+        return _Rows(
+            self.t_s[rows], self.error_rad[rows], self.command_rad[rows], self.variance_rad2
+        )
+
+
 def stick_slip(followed: Followed) -> list[StickSlip]:
     """In order of time."""
     found: list[StickSlip] = []
+    quantum_rad = sensor_step(followed.motion.angle_rad(followed.t_s) + followed.error_rad)
     for run in followed.runs:
-        if run.stop - run.start > 16:
-            found += _in_run(followed, run)
+        t_s = followed.t_s[run]
+        if len(t_s) < 8:
+            continue
+        rate_rad_s = followed.motion.rate_rad_s(t_s)
+        creeps = (np.abs(rate_rad_s) > _RATE_MIN_RAD_S) & (np.abs(rate_rad_s) < _RATE_MAX_RAD_S)
+        kind = np.where(creeps, np.sign(rate_rad_s), 0.0)
+        ends = [0, *(np.flatnonzero(np.diff(kind)) + 1).tolist(), len(kind)]
+        noise_rad = row_noise(followed.error_rad[run])
+        for first, last in itertools.pairwise(ends):
+            if kind[first]:
+                rows = slice(run.start + first, run.start + last)
+                found += _in_stretch(followed, rows, noise_rad, quantum_rad)
+    return _apart(found)
+
+
+def _in_stretch(
+    followed: Followed, rows: slice, noise_rad: float, quantum_rad: float
+) -> list[StickSlip]:
+    t_s, error_rad = followed.t_s[rows], followed.error_rad[rows]
+    command_rad = followed.motion.angle_rad(t_s)
+    if command_rad[-1] < command_rad[0]:
+        command_rad, error_rad = -command_rad, -error_rad
+    found: list[StickSlip] = []
+    for coarser in _COARSER:
+        first = 0
+        while first < len(t_s) - 8:
+            moves_rad = float(np.median(np.diff(command_rad[first : first + _WINDOW])))
+            # Averaged until the command moves by the noise of an average.
+            least = (noise_rad / max(moves_rad, 1e-15)) ** (2.0 / 3.0)
+            each = coarser * int(min(max(0.5 * least, 1.0), len(t_s)))
+            count = min(_WINDOW, (len(t_s) - first) // each)
+            if count >= 8:
+                part = slice(first, first + count * each)
+                averages = [
+                    one[part].reshape(count, each).mean(axis=1)
+                    for one in (t_s, error_rad, command_rad)
+                ]
+                variance_rad2 = noise_rad**2 / each + quantum_rad**2 / 12.0 + _EXACT_RAD**2
+                window = _Rows(averages[0], averages[1], averages[2], variance_rad2)
+                one = _in_window(window, quantum_rad)
+                found += [one] if one else []
+            first += max(_WINDOW // 2 * each, 1)
     return found
 
 
-def _in_run(followed: Followed, run: slice) -> list[StickSlip]:
-    t_s = followed.t_s[run]
-    command_rad_s = followed.motion.rate_rad_s(t_s)
-    speed_rad_s = np.abs(command_rad_s)
-    step_s = (t_s[-1] - t_s[0]) / (len(t_s) - 1)
-    relative = np.full(len(t_s), np.nan)
-    for window_s in _WINDOWS_S:
-        rows = max(3, 2 * round(0.5 * window_s / step_s) + 1)
-        if rows >= len(t_s):
+def _in_window(rows: _Rows, quantum_rad: float) -> StickSlip | None:
+    """What sticks in it, if that is clear."""
+    place = np.linspace(-1.0, 1.0, len(rows.t_s))
+    trend = np.polynomial.legendre.legvander(place, 2)
+    left = rows.error_rad - trend @ np.linalg.lstsq(trend, rows.error_rad, rcond=None)[0]
+    free = len(left) - 3
+    if np.sum(left**2) < rows.variance_rad2 * (free + _ABOVE_NOISE * math.sqrt(2.0 * free)):
+        return None
+    variance_rad2 = rows.variance_rad2
+    for _ in range(3):  # errors that neither explains are noise, too
+        stairs = _stairs(rows, variance_rad2, may_stand=True)
+        if stairs.left_variance_rad2 < 1.2 * variance_rad2:
             break
-        off_rad_s, noise_rad_s = _rate_error(followed, run, rows, step_s)
-        clear = np.isnan(relative) & (speed_rad_s > max(noise_rad_s / _STEADY, _RATE_MIN_RAD_S))
-        clear &= speed_rad_s < _RATE_MAX_RAD_S
-        relative[clear] = 1.0 + off_rad_s[clear] / command_rad_s[clear]
-    stuck, slips = np.abs(relative) < _STUCK, relative > _SLIPS
-    found = [
-        _stretch(t_s, followed.error_rad[run], speed_rad_s, stuck, slice(first, last))
-        for first, last in _alternating(t_s, stuck, slips)
-    ]
-    return [one for one in found if one.stuck_share > _SHARE_MIN]
+        variance_rad2 = stairs.left_variance_rad2
+    stands = [part for part in stairs.parts if part.stands]
+    if len(stands) < _SLIPS_MIN:
+        return None
+    first, last = stands[0].first, stands[-1].last
+    if last < len(rows.t_s):  # the slip that ends it
+        last += 1
+    stretch = _Rows(rows.t_s, rows.error_rad, rows.command_rad, variance_rad2).cut(first, last)
+    return _told(stretch, quantum_rad)
 
 
-def _rate_error(followed: Followed, run: slice, rows: int, step_s: float) -> tuple[Array, float]:
-    """Measured less commanded rate over so many rows, and its noise."""
-    if followed.rate_error_rad_s is None:
-        error_rad = followed.error_rad[run]
-        slope = savgol_filter(error_rad, rows, 1, deriv=1, delta=step_s)
-        # Of a straight line through so many rows of independent noise.
-        return slope, _noise(error_rad) / (step_s * np.sqrt(rows * (rows**2 - 1) / 12.0))
-    off_rad_s = followed.rate_error_rad_s[run]
-    return uniform_filter1d(off_rad_s, rows), _noise(off_rad_s) / np.sqrt(rows)
+def _stairs(rows: _Rows, variance_rad2: float, *, may_stand: bool) -> Staircase:
+    angle_rad = rows.command_rad + rows.error_rad
+    return fit_staircase(rows.error_rad, angle_rad, variance_rad2, may_stand=may_stand)
 
 
-def _noise(error: Array) -> float:
-    """Of a row by itself: third differences keep little of what is smooth."""
-    return 1.4826 * float(np.median(np.abs(np.diff(error, 3)))) / math.sqrt(20.0)
-
-
-def _alternating(t_s: Array, stuck: Mask, slips: Mask) -> list[tuple[int, int]]:
-    """First and last row of stretches with at least so many changes from stuck to slipping."""
-    told = np.flatnonzero(stuck | slips)
-    if not len(told):
-        return []
-    changes = told[1:][slips[told[1:]] & stuck[told[:-1]]]  # where it lets go
-    if len(changes) < _CYCLES_MIN:
-        return []
-    usual_s = float(np.median(np.diff(t_s[changes])))
-    groups = np.split(changes, np.flatnonzero(np.diff(t_s[changes]) > _APART_CYCLES * usual_s) + 1)
-    found = []
-    for group in groups:
-        if len(group) >= _CYCLES_MIN:
-            before = told[np.searchsorted(told, group[0]) - 1]
-            while before > 0 and stuck[before - 1]:
-                before -= 1
-            last = group[-1]
-            while last + 1 < len(t_s) and slips[last + 1]:
-                last += 1
-            found.append((int(before), int(last) + 1))
-    return found
-
-
-def _stretch(
-    t_s: Array, error_rad: Array, speed_rad_s: Array, stuck: Mask, rows: slice
-) -> StickSlip:
-    held = stuck[rows].astype(np.int8)
-    ends = np.flatnonzero(np.diff(held) < 0)
-    off_rad = error_rad[rows]
+def _told(rows: _Rows, quantum_rad: float) -> StickSlip | None:
+    stairs = _stairs(rows, rows.variance_rad2, may_stand=True)
+    if not _is_clear(rows, stairs.cost):
+        return None
+    stands = [part for part in stairs.parts if part.stands]
+    command_rad = rows.command_rad
     caught_up = [
-        float(np.ptp(off_rad[first : next_end + 1]))
-        for first, next_end in zip(ends, [*ends[1:], len(held) - 1], strict=True)
+        part.level - before.level - (command_rad[part.first] - command_rad[before.last - 1])
+        for before, part in itertools.pairwise(stands)
     ]
+    ends = rows.error_rad[stands[-1].last :]
+    if len(ends):
+        caught_up.append(float(ends.max() - rows.error_rad[stands[-1].last - 1]))
+    slips = [one for one in caught_up if one > 0.0]
+    share = float(stairs.stands(len(rows.t_s)).mean())
+    least_rad = _QUANTA_MIN * quantum_rad
+    if len(slips) < _SLIPS_MIN or share < _SHARE_MIN or np.median(slips) <= least_rad:
+        return None
     return StickSlip(
-        start_s=float(t_s[rows][0]),
-        stop_s=float(t_s[rows][-1]),
-        slips=len(ends),
-        stuck_share=float(held.mean()),
-        slip_rad=max(caught_up, default=0.0),
-        rate_rad_s=float(speed_rad_s[rows].max()),
+        start_s=float(rows.t_s[0]),
+        stop_s=float(rows.t_s[-1]),
+        slips=len(slips),
+        stuck_share=share,
+        slip_rad=max(slips),
+        rate_rad_s=float(np.max(np.diff(command_rad) / np.diff(rows.t_s))),
     )
+
+
+def _is_clear(rows: _Rows, cost: float) -> bool:
+    """Whether standing leaves so much less than following and than a swing do."""
+    follows = _stairs(rows, rows.variance_rad2, may_stand=False).cost
+    if follows - cost < _CLEARLY:
+        return False
+    # Errors that come and go by chance, and swings, look alike to a command turned round.
+    turned = _Rows(rows.t_s, rows.error_rad, -rows.command_rad, rows.variance_rad2)
+    least = cost + follows - _stairs(turned, rows.variance_rad2, may_stand=True).cost
+    if follows - least < _CLEARLY:
+        return False
+    return swing_squares(rows.t_s, rows.error_rad, rows.variance_rad2) - least >= _CLEARLY
+
+
+def _apart(found: list[StickSlip]) -> list[StickSlip]:
+    """Stretches that overlap, of windows that do and of averages over more rows, as one."""
+    apart: list[StickSlip] = []
+    for one in sorted(found, key=lambda one: one.start_s):
+        if not apart or one.start_s > apart[-1].stop_s:
+            apart.append(one)
+            continue
+        before = apart[-1]
+        start_s, stop_s = before.start_s, max(before.stop_s, one.stop_s)
+        longer = max(before, one, key=lambda one: one.slips)
+        # As often outside of the longer as in it.
+        grown = (stop_s - start_s) / max(longer.stop_s - longer.start_s, 1e-9)
+        apart[-1] = StickSlip(
+            start_s=start_s,
+            stop_s=stop_s,
+            slips=round(longer.slips * grown),
+            stuck_share=longer.stuck_share,
+            slip_rad=longer.slip_rad,
+            rate_rad_s=max(before.rate_rad_s, one.rate_rad_s),
+        )
+    return apart

@@ -8,16 +8,17 @@ from planner.arrays import Array
 from planner.errors import InvalidInput
 from planner.frames.time_scales import utc_text
 from planner.telemetry.alignment import Alignment
-from planner.telemetry.columns import RAD_BY_UNIT, Column
+from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
 from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.samples import SAMPLES_MIN
 from planner.telemetry.search import OFFSET_MAX_S, STILL, misfit_share
 
 _BLOCKS = 40  # whose medians noise and outliers hardly move
-_STRAYS = 0.7  # of the motion's spread: what is off by more has nothing of it
+_STRAYS = 0.3  # of the motion's spread: what is off by more isn't on its plan
 # Where many rows are put outside the plan, a part of its motion may be met by chance: a constant
 # isn't free then.
-_OUTSIDE_MAX, _STRAYS_OUTSIDE = 0.3, 0.3
+_OUTSIDE_MAX = 0.3
+_DRIFT_MAX = 0.02  # a share of time; what gains more is no clock
 _FITS = 0.1  # of the motion: clearly another axis's, or turned the other way
 
 
@@ -30,9 +31,11 @@ def require_followed(
     """
     offset_s = alignment.offset_s.value
     t_s = alignment.t_s(tag_s)
-    is_whole = bool(np.mean(~motions[0].is_within(t_s)) <= _OUTSIDE_MAX)
-    follows = [_follows(column, t_s, motions[column.meaning.axis], is_whole) for column in columns]
-    if any(follows) and abs(offset_s) > OFFSET_MAX_S:
+    told = [
+        follows(_in_radians(column), column.meaning.kind, t_s, motions[column.meaning.axis])
+        for column in columns
+    ]
+    if any(told) and abs(offset_s) > OFFSET_MAX_S:
         raise InvalidInput(
             f"the telemetry's clock is {abs(offset_s):.1f} s "
             f"{'ahead of' if offset_s > 0.0 else 'behind'} the plan's, which begins at "
@@ -40,8 +43,16 @@ def require_followed(
             "epoch that t_s counts from",
             field="samples.epoch",
         )
+    gain = alignment.drift.value
+    if any(told) and abs(gain) > _DRIFT_MAX:
+        raise InvalidInput(
+            f"the samples fit the plan only by a clock that gains {100.0 * gain:+.2g} % of time, "
+            "and no clock does: they are in another unit, of axes that stopped, of another plan, "
+            "or their time tags jump; send a part of them, or the unit in the column's name",
+            field="samples",
+        )
     is_lost = abs(offset_s) > OFFSET_MAX_S
-    if any(follows) or not (is_lost or False in follows):
+    if any(told) or not (is_lost or False in told):
         return
     names = ", ".join(column.name[:40] for column in columns)
     raise InvalidInput(
@@ -53,27 +64,25 @@ def require_followed(
     )
 
 
-def _follows(column: Column, t_s: Array, motion: PlannedMotion, is_whole: bool) -> bool | None:
-    """None where the plan doesn't move the axis meanwhile, or too few rows are left to tell.
-
-    is_whole: whether most rows are within the plan.
+def follows(value: Array, kind: Kind, t_s: Array, motion: PlannedMotion) -> bool | None:
+    """Whether angles or rates, (n,), are off by little of the motion's spread, but for a constant;
+    None where the plan doesn't move the axis meanwhile, or too few rows are left to tell.
     """
-    value = _in_radians(column)
-    rows = np.flatnonzero(np.isfinite(value) & motion.is_within(t_s))
+    is_within = motion.is_within(t_s)
+    rows = np.flatnonzero(np.isfinite(value) & is_within)
     if len(rows) < SAMPLES_MIN:
         return None
-    is_angle = column.meaning.kind == "angle"
-    planned = (motion.angle_rad if is_angle else motion.rate_rad_s)(t_s[rows])
+    planned = (motion.angle_rad if kind == "angle" else motion.rate_rad_s)(t_s[rows])
     off = value[rows] - planned
-    if is_angle:
+    if kind == "angle":
         off = off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
     planned, off = (_medians(one) for one in (planned, off))
     spread = float(np.std(planned))
-    if spread < STILL[column.meaning.kind]:
+    if spread < STILL[kind]:
         return None
-    if is_whole:
+    if np.mean(~is_within) <= _OUTSIDE_MAX:
         return bool(np.std(off) < _STRAYS * spread)
-    return bool(np.sqrt(np.mean(off**2)) < _STRAYS_OUTSIDE * spread)
+    return bool(np.sqrt(np.mean(off**2)) < _STRAYS * spread)
 
 
 def _medians(value: Array) -> Array:

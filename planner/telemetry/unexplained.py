@@ -1,15 +1,17 @@
-"""Errors larger than the telemetry's noise, and what made them so: a clock that jumped, outliers
-that are too many to be left out, or what isn't known."""
+"""Errors larger than the telemetry's noise, and what made them so: an axis off its plan, a clock
+that jumped, outliers that are too many to be left out, or what isn't known."""
 
 import math
 from collections.abc import Sequence
+from datetime import UTC, datetime
 
 import numpy as np
 from scipy.ndimage import median_filter
 
 from planner.arrays import Array
-from planner.frames.time_scales import shifted_utc, utc_text
+from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.telemetry.following import Followed, error_size
+from planner.telemetry.noise import row_noise
 
 _WORTH_TELLING_RAD = math.radians(60.0 / 3600.0)
 _TIMES_NOISE = 10.0
@@ -17,6 +19,9 @@ _POOR = 0.3  # of the motion: errors so large mean another plan, or columns mist
 _AROUND_ROWS = 31  # of whose median an outlier is far
 _OUTLIER_SIGMAS = 8.0
 _OUTLIERS_MAKE = 2.0  # times the rms of the other rows, at least
+_ALTERNATES = -0.5  # correlation of neighbours: of white noise it is 0
+_TAI_AS_UTC, _TAI_AHEAD_S = datetime(1999, 1, 1, tzinfo=UTC), 32  # IERS Bulletin C 16
+_SCALE_WITHIN_S = 0.5
 _JUMP_ROWS = 2000  # of each axis, evenly
 _SPLITS = 50  # tried, and once more between the neighbours of the best
 _JUMP_LEAVES = 0.1  # of the squares that no jump explains, at most
@@ -48,6 +53,50 @@ def clock_jump(axes: Sequence[Followed]) -> str | None:
         f"the telemetry's clock jumps by about {jump_s:+.3g} s near {at}: time_offset_s, "
         "clock_drift, lags and errors are those of no one clock; compare the rows before and after "
         "by themselves"
+    )
+
+
+def other_scale(offset_s: float, epoch_utc: datetime) -> str | None:
+    """Words on a clock that is ahead of UTC by what another time scale is."""
+    tai_s = round(elapsed_s(epoch_utc, _TAI_AS_UTC) - (epoch_utc - _TAI_AS_UTC).total_seconds())
+    tai_s += _TAI_AHEAD_S
+    for name, ahead_s in (("TAI", tai_s), ("GPS time", tai_s - 19), ("TT", tai_s + 32.184)):
+        if abs(offset_s - ahead_s) < _SCALE_WITHIN_S:
+            return (
+                f"the telemetry's clock is {offset_s:.3f} s ahead of UTC, as {name} was by "
+                f"{ahead_s:g} s: its time tags may be of that scale"
+            )
+    return None
+
+
+def no_lag(name: str, followed: Followed) -> str:
+    """Words on why no lag of the axis is told."""
+    size = error_size(followed.error_rad)
+    if size.rms_rad > _POOR * float(np.std(followed.motion.angle_rad(followed.t_s))):
+        return (
+            f"{name} doesn't follow its plan, it is {math.degrees(size.rms_rad):.3g} deg rms off: "
+            "it has no lag_s, and the other axis tells the clock; is it the plan that was flown, "
+            "and the column of this axis?"
+        )
+    return (
+        f"{name} has no lag_s: it is not known to a second, as the plan moves the axis too little, "
+        "or it follows too loosely; the other axis tells the clock"
+    )
+
+
+def alternating(name: str, followed: Followed) -> str | None:
+    """Words on errors that change from row to row by turns: rows of two sources."""
+    error_rad = followed.error_rad
+    if len(error_rad) < _AROUND_ROWS:
+        return None
+    off_rad = error_rad - median_filter(error_rad, _AROUND_ROWS, mode="nearest")
+    off_rad = off_rad - np.mean(off_rad)
+    squares = float(np.sum(off_rad**2))
+    if not squares or np.sum(off_rad[1:] * off_rad[:-1]) > _ALTERNATES * squares:
+        return None
+    return (
+        f"errors of {name} change sign from row to row: rows of two sources whose clocks or zeros "
+        "differ; send one of them, clock and lags may be off by more than their sigmas"
     )
 
 
@@ -87,14 +136,14 @@ def beyond_noise(name: str, followed: Followed, is_told: bool) -> str | None:
         )
     if is_told:
         return None
-    # Third differences keep little of what is smooth.
-    noise_rad = 1.4826 * float(np.median(np.abs(np.diff(followed.error_rad, 3)))) / math.sqrt(20.0)
+    noise_rad = row_noise(followed.error_rad)
     if size.rms_rad < _TIMES_NOISE * noise_rad:
         return None
     rms, mean, noise = (_ARCSEC_PER_RAD * one for one in (size.rms_rad, size.mean_rad, noise_rad))
     return (
         f"{name} is {rms:,.0f} arcsec rms off, its noise is {noise:.2g}: the mean is {mean:+,.0f}, "
-        "the rest comes and goes with the motion or in time; see phases"
+        "the rest comes and goes with the motion or in time, see phases; clock and lags may be off "
+        "by more than their sigmas"
     )
 
 

@@ -30,7 +30,7 @@ def bench_session(
     try:
         motion = target.axis_motion(table.axis_names, since_s)
     except InvalidInput as refusal:
-        detail = f"sessions.{number}: {refusal.detail}"
+        detail = f"session {number + 1}: {refusal.detail}"
         return None, (Finding(limit="motion", detail=detail),)
     error_rad = np.abs(flight.angle_rad - motion.angle_rad).max(axis=1)
     report = flight.report(error_rad, view=None, allowed_rad=BETWEEN_ROWS_MAX_RAD)

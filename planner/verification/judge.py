@@ -88,7 +88,7 @@ def _judge_session(
 ) -> tuple[SessionReport | None, tuple[Finding, ...]]:
     """rows: None where the table is too short for the session, which is a finding already."""
     if not isinstance(target, EarthFixedTarget | SkyTarget | BenchMotionTarget):
-        detail = f"sessions.{number}: the judge can't derive where this target appears"
+        detail = f"session {number + 1}: the judge can't derive where this target appears"
         return None, (Finding(limit="pointing", detail=detail),)
     if rows is None:
         return None, ()

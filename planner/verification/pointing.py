@@ -176,7 +176,7 @@ def _nearness_findings(report: SessionReport) -> Iterator[Finding]:
     share = worst.max_rad / report.allowed_rad
     yield Finding(
         detail=(
-            f"sessions.{report.number} is tracked as near as the limits allow: from "
+            f"session {report.number + 1} is tracked as near as the limits allow: from "
             f"{utc_text(stretches[0].start_utc, 1)} to {utc_text(stretches[-1].stop_utc, 1)} the "
             f"boresight is up to {_arcsec(worst.max_rad):.3g} arcsec off the target, at "
             f"{utc_text(worst.max_utc, 1)} {share:.0%} of the way to the frame's nearest edge; "

@@ -54,7 +54,7 @@ class TableSession:
             axis=axis,
             t_s=float(self.t_s[index]),
             at_utc=self.utc(index),
-            detail=f"sessions.{self.number}: {what}",
+            detail=f"session {self.number + 1}: {what}",
         )
 
     def report(

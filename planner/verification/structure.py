@@ -69,7 +69,7 @@ def structure_findings(table: CommandTable, scenario: Scenario) -> Iterator[Find
             yield Finding(
                 limit="coverage",
                 detail=(
-                    f"sessions.{number} needs rows {rows[0]}..{rows[-1]}, "
+                    f"session {number + 1} needs rows {rows[0]}..{rows[-1]}, "
                     f"the table has 0..{len(table.angle_rad) - 1}"
                 ),
             )

@@ -108,7 +108,7 @@ with TestClient(create_app()) as client:
 
 def test_a_mode_and_a_format_get_everywhere(tmp_path):
     for package in ("slewtrack", "app", "planner", "estimator"):
-        leave_out = shutil.ignore_patterns("__pycache__")
+        leave_out = shutil.ignore_patterns("__pycache__", "page")  # which may be built meanwhile
         shutil.copytree(ROOT / package, tmp_path / package, ignore=leave_out)
     (tmp_path / "planner/targets/itrf.py").write_text(MODE.lstrip())
     (tmp_path / "planner/export/tab.py").write_text(FORMAT.lstrip())

@@ -7,6 +7,7 @@ clock 0.37 s ahead.
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 CLOCK_AHEAD_S = 0.37
 
@@ -83,6 +84,11 @@ def damaged(rows, utc_of):
         *([f"{float(t) - rows[half][0]:.6f}", a, b] for t, a, b in text[half:]),
     ]
     wrapped = [[row[0], row[1] % 360.0, row[2] % 360.0] for row in rows]
+    missing = [
+        [t, "0" if (k // 100) % 5 == 0 else a, "-9999" if k % 4 == 0 else b]
+        for k, (t, a, b) in enumerate(text)
+    ]
+    rates = [(after[1] - before[1]) / (after[0] - before[0]) for before, after in pairwise(rows)]
     files = {
         "sound": Damaged(_csv(HEAD, text)),
         "a gap of 20 s": Damaged(
@@ -190,6 +196,27 @@ def damaged(rows, utc_of):
             ),
             lambda a: a["samples"]["dropped"]["outside_plan"] >= 118,
         ),
+        "values held for a second": Damaged(
+            _csv(HEAD, [[row[0], *text[k - k % 15][1:]] for k, row in enumerate(text)]),
+            _warned("repeat the row before"),
+            (("held", len(rows) - len(text[::15])),),
+        ),
+        "one value for those missing": Damaged(_csv(HEAD, missing), _warned("one value far from")),
+        "tags of whole seconds": Damaged(
+            _csv(HEAD, [[f"{float(row[0]) // 1:.0f}", *row[1:]] for row in text]),
+            _warned("tags are too coarse"),
+            offset_within_s=1.0,
+        ),
+        "rates of another sign": Damaged(
+            _csv(
+                [*HEAD, "alpha_rate_deg_s"],
+                [[*row, f"{-rate:.7f}"] for row, rate in zip(text, [*rates, 0.0], strict=True)],
+            ),
+            _warned("alpha's rates don't follow its plan"),
+        ),
+        "minus signs of a typesetter": Damaged(
+            _csv(HEAD, text).decode().replace("-", "\u2212").encode()
+        ),
         "a frozen sensor": Damaged(
             _csv(HEAD, [[*row[:2], "0.0"] for row in text]),
             lambda a: a["axes"]["beta"]["max_arcsec"] > 3600,
@@ -222,6 +249,7 @@ def damaged(rows, utc_of):
             "names 3 columns, but rows have up to 6 cells: the comma both parts columns and marks",
         ),
         "JSON": Refused(b'{"t_s": [1, 2],\n "alpha_deg": [1, 2]}', "is JSON, not CSV"),
+        "gradians": Refused(_csv(HEAD, _texts(_scaled(rows, 1.0 / 0.9))), "no clock does"),
         "columns swapped": Refused(
             _csv(HEAD, [[t, b, a] for t, a, b in text]), "their names are swapped"
         ),

@@ -154,11 +154,15 @@ def ask(address: str, **headers: str) -> int:
 
 
 def test_the_log_tells_each_request_and_no_secret(tmp_path):
+    settings = {
+        "SLEWTRACK_LOG_FORMAT": "json",
+        "SLEWTRACK_DATABASE_URL": "",  # a file in the folder
+    }
     database = open_database("", tmp_path)
     upgrade(database)
     _, secret = KeyStore(database).create("dashboard", ["read"])
     database.close()
-    with live_service(tmp_path, SLEWTRACK_LOG_FORMAT="json") as service:
+    with live_service(tmp_path, **settings) as service:
         bearer = {"Authorization": f"Bearer {secret}"}
         path = f"{service.address}/v1/platforms?token={secret}"
         assert ask(path, **bearer, **{"X-Request-ID": "id-7"}) == 422

@@ -65,11 +65,17 @@ def connections(service: Service) -> int:
     return sum(states.get(name, LISTENS) != LISTENS for name in held)
 
 
-def test_they_keep_nobody_out(tmp_path):
-    with (
-        service_with_key(tmp_path, SLEWTRACK_WRITE_TIMEOUT_S=NEVER_S) as (service, secret),
-        ExitStack() as held,
-    ):
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory):
+    """A service that waits for whoever doesn't read, and its key."""
+    folder = tmp_path_factory.mktemp("service")
+    with service_with_key(folder, SLEWTRACK_WRITE_TIMEOUT_S=NEVER_S) as made:
+        yield made
+
+
+def test_they_keep_nobody_out(patient):
+    service, secret = patient
+    with ExitStack() as held:
         for _ in range(2 * CONNECTIONS):
             held.enter_context(closing(slow_reader(service)))
         for _ in range(5):
@@ -89,11 +95,10 @@ def test_they_are_cut_off(tmp_path):
             assert len(received(reader)) < 1_000_000
 
 
-def test_who_reads_gets_all_answers_of_a_pipeline(tmp_path):
-    with (
-        service_with_key(tmp_path, SLEWTRACK_WRITE_TIMEOUT_S=NEVER_S) as (service, _),
-        closing(slow_reader(service)) as reader,
-    ):
+def test_who_reads_gets_all_answers_of_a_pipeline(patient):
+    service, _ = patient
+    eventually(lambda: connections(service) == 0)  # those who left are gone
+    with closing(slow_reader(service)) as reader:
         reader.sendall(head("GET /healthz HTTP/1.1", "Connection: close"))
         got = received(reader)
         assert got.count(b"HTTP/1.1 200 OK") == 21

@@ -116,6 +116,8 @@ def all_answers(folder: Path) -> dict[str, Any]:
         eventually(lambda: client.get("/readyz").status_code == 200)
         for path in ("/healthz", "/readyz", "/metrics", "/v1/platforms"):
             answers.ask("GET", path)
+        answers.ask("GET", "/v1/places", query="?begin=lond")
+        answers.ask("GET", "/v1/stars", query="?begin=al")
         for path in KEPT:
             _made(answers, path)
         _flown(answers)

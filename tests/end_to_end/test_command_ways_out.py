@@ -60,7 +60,7 @@ def test_a_refusal_lists_what_each_way_costs(conflict):
     assert first.startswith("slewtrack: sessions.1.start: ")
     [earlier] = [line for line in rest if "shorten_earlier," in line]
     assert re.fullmatch(
-        r"  with on_conflict shorten_earlier, session 0 stops [\d.]+ s earlier", earlier
+        r"  with on_conflict shorten_earlier, session 1 stops [\d.]+ s earlier", earlier
     )
 
 

@@ -2,13 +2,13 @@
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
-SLEWTRACK = Path(sys.executable).with_name("slewtrack")
+from app.cli import main
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HORIZON = [str(EXAMPLES / f"horizon_{side}.png") for side in ("ahead", "right")]
 REPORTS = {
@@ -20,20 +20,26 @@ REPORTS = {
 }
 
 
-def report(verb, words, environment):
-    done = subprocess.run(
-        [SLEWTRACK, verb, *words], capture_output=True, text=True, env=environment, check=True
-    )
+@pytest.fixture(autouse=True)
+def in_a_pipe(monkeypatch):
+    """Which knows no width."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+
+
+def report(verb, words, columns=None):
+    environment = {} if columns is None else {"COLUMNS": str(columns)}
+    done = CliRunner().invoke(main, [verb, *words], env=environment)
+    assert done.exit_code == 0, done.stderr
     return re.sub(r"planned in \d+ ms", "", done.stdout)
 
 
 @pytest.mark.parametrize("verb", REPORTS)
-def test_every_word_is_there_at_every_width(verb, clean_environment):
+def test_every_word_is_there_at_every_width(verb):
     words = REPORTS[verb]
-    whole = report(verb, words, clean_environment)
+    whole = report(verb, words)
     assert "…" not in whole
     for columns in (80, 30):
-        narrow = report(verb, words, clean_environment | {"COLUMNS": str(columns)})
+        narrow = report(verb, words, columns)
         assert "…" not in narrow
         assert max(map(len, narrow.splitlines())) <= columns
         told = {word.strip(",") for word in narrow.split()}
@@ -41,25 +47,12 @@ def test_every_word_is_there_at_every_width(verb, clean_environment):
         assert figures <= told
 
 
-def test_a_pipe_gets_one_line_a_row(clean_environment):
+def test_a_pipe_gets_one_line_a_row():
     document = json.loads((EXAMPLES / "opportunities_gallery.json").read_text())
     for target in document["targets"]:
         target["id"] += " and everything around it as far as the eye can see from above"
-    done = subprocess.run(
-        [SLEWTRACK, "windows", "-"],
-        input=json.dumps(document),
-        capture_output=True,
-        text=True,
-        env=clean_environment,
-        check=True,
-    )
+    done = CliRunner().invoke(main, ["windows", "-"], input=json.dumps(document))
+    assert done.exit_code == 0, done.stderr
     rows = [line for line in done.stdout.splitlines() if line.startswith("Las Vegas and")]
     assert len(rows) > 10
     assert all("from above  2015-" in row for row in rows)
-
-
-@pytest.fixture
-def clean_environment():
-    import os
-
-    return {name: value for name, value in os.environ.items() if name != "COLUMNS"}

@@ -150,4 +150,4 @@ def test_a_start_that_costs_another_session_says_which():
     refusal, _ = counted(scenario(*sessions, alpha=(150.0, 0.0, 0.0)))
     assert refusal.earliest_feasible_start_utc > at(1.0)
     assert refusal.costs_sessions == (1,)
-    assert "session 1 can't be flown then as asked" in refusal.detail
+    assert "session 2 can't be flown then as asked" in refusal.detail

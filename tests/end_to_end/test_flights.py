@@ -20,7 +20,7 @@ from planner.flights.scene import session_scenes
 from planner.flights.summary import joined, summarise
 from planner.frames.geodesy import itrf_from_geodetic
 from planner.frames.time_scales import Instants
-from planner.platforms import IDEAL_DRIVE, ISS_HRC, Camera
+from planner.platforms import IDEAL_DRIVE, ISS_HRC, AxisDrive, Camera
 from planner.pointing.angles import boresight_platform
 from planner.pointing.frame import frame_axes, places_in_frame
 from planner.pointing.hermite import quintic_motion
@@ -41,8 +41,12 @@ class AsCommanded:
     angle_rad: np.ndarray
     structure_rad: np.ndarray
 
+    @property
+    def is_saturated(self):
+        return np.zeros(self.angle_rad.shape, dtype=bool)
 
-def as_commanded(table, _seed):
+
+def as_commanded(table, _session, _seed):
     t_s = np.arange(0.0, table.t_s[-1] + 1e-9, 0.02)
     still = np.zeros_like(table.rate_rad_s)
     still[1:-1] = (table.rate_rad_s[2:] - table.rate_rad_s[:-2]) * ROWS_PER_S / 2.0
@@ -73,12 +77,25 @@ def test_a_run_is_the_same_whoever_flies_it_and_with_whichever_others(scene):
     )
 
 
-def test_drives_are_drawn_by_the_run_alone(scene):
-    fly = flown_by(scene.scenario.platform)
-    once = fly_runs([scene], fly, 3, 0, 4)
-    again = fly_runs([scene], fly, 3, 2, 2)
-    np.testing.assert_array_equal(once[0].miss_rad[2:], again[0].miss_rad)
-    np.testing.assert_array_equal(once[0].smear_px[2:], again[0].smear_px)
+def test_drives_are_drawn_by_run_and_session_alone(scene):
+    fly, sessions = flown_by(scene.scenario.platform), [scene, replace(scene, number=1)]
+    once, again = fly_runs(sessions, fly, 3, 0, 4), fly_runs(sessions, fly, 3, 2, 2)
+    for whole, part in zip(once, again, strict=True):
+        np.testing.assert_array_equal(whole.miss_rad[2:], part.miss_rad)
+        np.testing.assert_array_equal(whole.smear_px[2:], part.smear_px)
+    assert not np.any(once[0].smear_px == once[1].smear_px)
+
+
+@pytest.mark.parametrize("sensors", ["quiet", "noisy"])
+def test_a_runs_sessions_share_its_drives_but_not_their_noise(scene, sensors):
+    """Friction and cables are the same in all; what the encoders read is drawn anew in each."""
+    silent = replace(AxisDrive(), encoder_noise_arcsec=0.0)
+    drives = (silent, silent) if sensors == "quiet" else ISS_HRC.drives
+    fly = flown_by(replace(ISS_HRC, drives=drives))
+    for seed in (None, 5):
+        first, again, second = (fly(scene.table, k, seed).angle_rad for k in (0, 0, 1))
+        np.testing.assert_array_equal(first, again)
+        assert np.array_equal(first, second) == (sensors == "quiet")
 
 
 def test_directions_between_nodes_are_those_of_the_geometry(scene):
@@ -155,10 +172,11 @@ def test_ideal_drives_keep_the_target_in_the_middle(plan):
     ideal = replace(ISS_HRC, drives=(IDEAL_DRIVE, IDEAL_DRIVE))
     flown = replace(plan, scenario=replace(plan.scenario, platform=ideal))
     [scene] = session_scenes(flown)
-    frames, range_m, _ = fly_nominal(scene, flown_by(ideal))
+    frames, range_m, _, saturated_s = fly_nominal(scene, flown_by(ideal))
     assert np.max(frames.error_rad) < 0.3 * ARCSEC
     assert frames.is_sharp.all()
     assert range_m.min() > 400e3
+    assert not saturated_s.any()
 
 
 def test_a_drifting_target_is_smeared_by_what_it_drifts_in_an_exposure():

@@ -20,7 +20,8 @@ def fly(*words):
 def told(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fly")
     answer, picture = folder / "told.json", folder / "flights.png"
-    result = fly("--runs", 4, "--seed", 2, "--json", answer, "--plot", picture)
+    car = ("--mover-m-s", 75.0 / 3.6, "--course-deg", 90.0)
+    result = fly("--runs", 4, "--seed", 2, *car, "--json", answer, "--plot", picture)
     assert result.exit_code == 0, result.stderr
     assert "4 flights (seed 2)" in result.stdout
     titles = {line.strip() for line in result.stdout.splitlines()}
@@ -31,7 +32,10 @@ def told(tmp_path_factory):
 
 def test_here(told):
     assert (told["runs"], told["flown"], told["seed"]) == (4, 4, 2)
-    assert told["sessions"][0]["nominal"]["frames"] == 270
+    nominal = told["sessions"][0]["nominal"]
+    assert nominal["frames"] == 270
+    assert nominal["mover_ground_m"] == pytest.approx(208.0, abs=0.5)  # a car at 75 km/h, in 10 s
+    assert 100.0 < min(nominal["mover_px"]) < max(nominal["mover_px"]) < 181.0  # from over 400 km
 
 
 def test_a_service_flies_the_same(told, tmp_path):
@@ -47,7 +51,12 @@ def test_a_service_flies_the_same(told, tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "named"),
-    [(("--runs", 1), "runs"), (("--seed", -1), "seed"), (("--plot", "flights.gif"), "--plot")],
+    [
+        (("--runs", 1), "runs"),
+        (("--seed", -1), "seed"),
+        (("--plot", "flights.gif"), "--plot"),
+        (("--mover-m-s", 1e6), "mover.speed_m_s"),
+    ],
 )
 def test_refusals_are_one_line(words, named):
     result = fly(*words)

@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from planner.attitude import HarmonicAttitude
+from planner.attitude.extrapolation import Description, fit_extrapolation
 from planner.attitude.manoeuvre import last_change
 from planner.errors import OutsideCoverage
 from planner.frames.local_orbital import q_lvlh_from_eci
@@ -59,7 +60,7 @@ def test_torque_equilibrium_is_foretold_to_0_04_deg_after_900_s():
 def test_a_manoeuvre_is_carried_on_by_its_rate_and_said_to_be_uncertain():
     """In the middle of the yaw manoeuvre harmonics of what came before are worthless."""
     law, lead_s, truth = foretold_from("iss_attitude_manoeuvre_2018-285.aem", 430)
-    assert "by constant rate relative to LVLH" in law.choice_at(120.0)
+    assert "by present rate relative to LVLH" in law.choice_at(120.0)
     near = (lead_s > 0.0) & (lead_s <= 120.0)
     assert error_deg(law, lead_s, truth)[near].max() < 1.0  # of 8 deg turned meanwhile
     start_utc = shifted_utc(law.segments[0].epoch_utc, 0.0)
@@ -67,6 +68,53 @@ def test_a_manoeuvre_is_carried_on_by_its_rate_and_said_to_be_uncertain():
     instants = Instants(start_utc, end_s + np.array([300.0, 900.0]))
     sigma_deg = np.rad2deg(np.linalg.norm(law.errors(instants).sigma_body_rad, axis=1))
     assert sigma_deg[1] > sigma_deg[0] > 0.17
+
+
+MANOEUVRE = "iss_attitude_manoeuvre_2018-285.aem"
+
+
+def test_a_turn_that_slows_down_comes_to_rest():
+    """The last third of the excerpt: the station brakes, as nothing but its rate so far tells."""
+    braking, constant = [], []
+    for cut in range(440, 480, 4):
+        law, lead_s, truth = foretold_from(MANOEUVRE, cut)
+        row = int(np.argmin(np.abs(lead_s - 300.0)))
+        *_, before = telemetry(MANOEUVRE)
+        step = (before[cut - 1] * before[cut - 4].inv()).as_rotvec()  # rows are 20 s apart
+        held = Rotation.from_rotvec(step / 60.0 * lead_s[row]) * before[cut - 1]
+        constant.append((held * truth[row].inv()).magnitude())
+        braking.append(np.deg2rad(error_deg(law, lead_s[row : row + 1], truth[row : row + 1])[0]))
+    assert np.sqrt(np.mean(np.square(braking)) / np.mean(np.square(constant))) < 0.6
+
+
+def test_where_it_comes_to_rest_is_foretold_from_its_present_rate():
+    """A rate that falls by the square of the time left to zero, after 900 s."""
+    t_s = np.arange(-600.0, 1500.0, 10.0)
+    angle_rad = 0.03 * (1.0 - np.clip(1.0 - t_s / 900.0, 0.0, None) ** 3)
+    q = Rotation.from_rotvec(np.outer(angle_rad, [0.6, 0.0, -0.8]))
+    known = t_s <= 0.0
+    fit = fit_extrapolation(Description(has_rate=True), t_s[known], q[known], 5560.0)
+    miss = (fit.at(t_s[~known]) * q[~known].inv()).magnitude()
+    # of 0.03 rad: the present rate and its change are those of a parabola over the five minutes
+    # before, in which the change itself becomes less by a quarter
+    assert miss.max() < 0.03 * 0.25
+    assert np.ptp((fit.at(t_s[t_s > 1000.0]) * q[-1].inv()).magnitude()) < 1e-9
+
+
+def test_in_a_manoeuvre_the_stated_sigma_covers_what_happened():
+    """From where the history shows that one began: its further turn is not foretold but told."""
+    squares = []
+    for cut in range(120, 450, 10):
+        law, lead_s, truth = foretold_from(MANOEUVRE, cut)
+        if law.carried_on.changed_s is None:
+            continue
+        row = int(np.argmin(np.abs(lead_s - 900.0)))
+        at = Instants(law.segments[0].epoch_utc, law.carried_on.end_s + lead_s[row : row + 1])
+        stated = np.rad2deg(np.linalg.norm(law.errors(at).sigma_body_rad))
+        error = error_deg(law, lead_s[row : row + 1], truth[row : row + 1])[0]
+        squares.append((error / stated) ** 2)
+    assert len(squares) > 20
+    assert np.mean(squares) < 1.3
 
 
 def test_the_stated_sigma_covers_what_happened():

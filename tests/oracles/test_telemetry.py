@@ -50,7 +50,7 @@ def test_a_gyro_alone_tells_the_offset_and_as_much_of_the_drift_as_its_noise_let
     time to 50 ms and 3,450 to 3 ms, as the sigma says."""
     content = telemetry(tmp_path, clock=Clock(0.37, 50e-6), gyro_noise_deg_s=0.001, columns="rates")
     found = compared(content)
-    offset, drift = found.alignment.offset_s, found.alignment.drift
+    offset, drift = found.alignment.common_offset_s, found.alignment.drift
     assert 0.001 < offset.sigma < 0.005
     assert abs(offset.value - 0.37) < SIGMAS * offset.sigma
     assert abs(drift.value - 50e-6) < SIGMAS * drift.sigma

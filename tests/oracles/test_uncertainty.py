@@ -286,7 +286,7 @@ def test_a_likely_miss_is_said_with_what_would_help_most():
     found, _, los = budget(attitude=LvlhAttitude())
     assert found.probability_in_frame < 0.9
     warning = found.warning(3)
-    assert "session 3" in warning
+    assert "session 4" in warning
     assert f"{found.probability_in_frame:.3f}" in warning
     assert "attitude telemetry" in warning
     old = Older(TLE.ephemeris(START, START + timedelta(seconds=95)))

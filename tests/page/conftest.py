@@ -58,7 +58,7 @@ def open_page(browser, service) -> Iterator[OpenPage]:
                 faults.append(f"asked elsewhere: {url}")
 
         page.on("request", lambda request: look_at(request.url))
-        page.on("pageerror", lambda error: faults.append(f"exception: {error}"))
+        page.on("pageerror", lambda error: faults.append(f"exception: {error.stack or error}"))
         page.on(
             "console",
             lambda message: (

@@ -58,6 +58,38 @@ def test_of_places_of_one_name_one_is_chosen(ask):
     assert planned(ask)["sessions"][0]["target"]["name"] == "Springfield, Ohio, US"
 
 
+def test_a_place_is_completed_as_it_is_typed_by_keys(ask):
+    entry = ask.get_by_role("combobox", name="Place or coordinates")
+    entry.fill("lond")
+    options = ask.get_by_role("listbox", name="Places of this name").get_by_role("option")
+    expect(options.first).to_contain_text("London, GB")
+    expect(ask.get_by_text("8 names offered")).to_be_attached()
+    assert violations(ask) == []
+    entry.press("ArrowUp")
+    expect(options.last).to_have_attribute("aria-selected", "true")
+    entry.press("ArrowDown")
+    expect(options.first).to_have_attribute("aria-selected", "true")
+    assert entry.get_attribute("aria-activedescendant") == options.first.get_attribute("id")
+    entry.press("Enter")
+    expect(options).to_have_count(0)
+    expect(entry).to_have_value("London, GB")
+    expect(ask.get_by_text("GeoNames 2643743")).to_be_visible()
+    entry.fill("lond")
+    expect(options.first).to_be_visible()
+    entry.press("Escape")
+    expect(options).to_have_count(0)
+    expect(entry).to_have_value("lond")
+
+
+def test_a_star_is_completed_and_chosen_by_a_click(ask):
+    ask.get_by_role("radio", name="Star").check()
+    entry = ask.get_by_role("combobox", name="Star")
+    entry.press_sequentially("veg")
+    ask.get_by_role("option", name="Vega HIP 91262").click()
+    expect(entry).to_have_value("Vega")
+    expect(ask.get_by_text("Vega is Hipparcos 91262")).to_be_visible()
+
+
 def test_coordinates_are_taken_with_letters_and_height(ask):
     entry = ask.get_by_label("Place or coordinates")
     entry.fill("33.87 S 151.21 E, 40")
@@ -104,7 +136,7 @@ def test_the_map_by_keyboard(ask):
 )  # fmt: skip
 def test_a_star(ask, kind, label, entry, target):
     ask.get_by_role("radio", name=kind).check()
-    ask.get_by_role("textbox", name=label).fill(entry)
+    ask.get_by_role("combobox", name=label).fill(entry)
     ask.get_by_role("button", name="Find").click()
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()
     assert planned(ask)["sessions"][0]["target"] == target

@@ -23,8 +23,24 @@ def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
     expect(verdict).to_contain_text("of the flights", timeout=120_000)
     expect(page.get_by_text("40 of 40 flights")).to_be_visible()
     expect(page.get_by_role("img", name="Histogram of the runs' largest misses")).to_be_visible()
-    expect(page.get_by_role("img", name="Smear of the frames, as planned")).to_be_visible()
+    expect(page.get_by_role("img", name="Smear of the frames")).to_be_visible()
     expect(page.get_by_role("row", name="attitude").first).to_be_visible()
+    over_time = page.get_by_role("region", name="Over the plan's time")
+    expect(over_time).to_contain_text("budget, 1 σ")
+    frame = over_time.get_by_test_id("frame-now")
+    expect(frame).to_contain_text("Frame 1: error flown")
+    expect(frame).to_contain_text("planned 0")
+    slider = over_time.get_by_role("slider")
+    slider.focus()
+    for _ in range(5):
+        slider.press("ArrowRight")
+    expect(frame).not_to_contain_text("Frame 1:")
+    marks = over_time.locator(".chart-now").evaluate_all("all => all.map(e => e.style.transform)")
+    assert len(marks) == 2
+    assert len(set(marks)) == 1
+    before = slider.input_value()
+    over_time.get_by_role("button", name="Play").click()
+    expect(slider).not_to_have_value(before)
     assert violations(page) == []
     page.goto(page.url.rsplit("/flights", 1)[0] + "/flights")
     expect(page.get_by_role("heading", name="Flown before")).to_be_visible()

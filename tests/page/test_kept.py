@@ -31,7 +31,7 @@ def test_plans_are_found_and_two_revisions_compared(open_page, plans):
     expect(rows).to_have_count(2)
     assert violations(page) == []
     page.get_by_role("link", name="compare with the one it replaces").click()
-    expect(page.get_by_role("row", name="Session 0, stop")).to_contain_text("differs")
+    expect(page.get_by_role("row", name="Session 1, stop")).to_contain_text("differs")
     expect(page.get_by_role("row", name="Platform")).not_to_contain_text("differs")
     assert violations(page) == []
 

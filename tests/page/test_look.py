@@ -118,6 +118,20 @@ def test_the_globe_plays_the_plan(open_page, las_vegas):
     expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
 
 
+def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):
+    """Each one that is destroyed leaves its canvas with listeners behind."""
+    page = open_page(las_vegas)
+    globe = page.locator(".look-globe[data-state=there]")
+    globe.locator("canvas").evaluate("canvas => { canvas.dataset.first = ''; }")
+    for path in (planned(service, name="another"), "/plans", las_vegas):
+        page.evaluate("path => history.pushState(null, '', path)", path)
+        page.evaluate("dispatchEvent(new PopStateEvent('popstate'))")
+        expect(page.get_by_role("heading", level=1)).to_be_visible()
+    expect(globe).to_be_visible()
+    expect(globe.locator("canvas[data-first]")).to_be_visible()
+    expect(page.locator(".look-globe canvas")).to_have_count(1)
+
+
 def test_without_webgl_there_is_a_map(open_page, las_vegas):
     page = open_page("/healthz")
     page.add_init_script(_WITHOUT_WEBGL)

@@ -159,3 +159,43 @@ def test_on_a_phone_nothing_is_wider(open_page, session):
     page = open_page(f"/spacecraft/plans/{session['id']}", viewport=PHONE)
     expect(page.get_by_role("img", name="Body rates")).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_a_pass_is_found_and_taken_for_the_session(open_page):
+    page = open_page("/spacecraft")
+    passes = page.get_by_role("region", name="When does it pass?")
+    passes.get_by_label("Days").fill("1")
+    passes.get_by_role("button", name="Find passes").click()
+    first = passes.get_by_role("list").get_by_role("button").first
+    # The example's session is of this pass: the service's own search has all four in it.
+    expect(first).to_contain_text("sees 4 of 4")
+    expect(passes.locator(".overview-bar").first).to_be_visible()
+    assert violations(page) == []
+    passes.locator(".overview-bar").last.click()
+    last = passes.get_by_role("list").get_by_role("button").last
+    expect(last).to_have_attribute("aria-pressed", "true")
+    first.press("Enter")
+    expect(first).to_have_attribute("aria-pressed", "true")
+    asked = json.loads(page.get_by_label("Request as JSON").input_value())
+    assert asked["start"] <= FOUR_MODES["start"] < asked["stop"]
+    page.get_by_label("Closed-loop runs").fill("0")
+    page.get_by_label("Closed-loop runs").press("Tab")
+    planned(page)
+    expect(page.get_by_test_id("session-verdict")).to_contain_text(
+        "of 4 requests imaged", timeout=PATIENCE_MS
+    )
+
+
+def test_what_no_pass_shows_is_told(open_page):
+    page = open_page("/spacecraft")
+    wide = {  # 3,600 km across the track: more than the camera reaches on both sides
+        "mode": "corridor",
+        "name": "far apart",
+        "geometry": {"type": "LineString", "coordinates": [[0.0, 0.0], [16.0, 0.0], [32.0, 0.0]]},
+    }
+    page.get_by_label("Request as JSON").fill(json.dumps(FOUR_MODES | {"requests": [wide]}))
+    page.get_by_role("button", name="Find passes").click()
+    passes = page.get_by_role("region", name="When does it pass?")
+    expect(passes).to_contain_text("No pass in these days shows: far apart")
+    page.get_by_label("Request as JSON").fill(json.dumps(FOUR_MODES))
+    expect(passes).not_to_contain_text("No pass")

@@ -74,13 +74,3 @@ def test_the_request_as_json_curl_and_python(plan_page, service, tmp_path):
     script.write_text(copied("Python"))
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
     assert done.stdout.endswith(" True\n")
-
-
-def test_it_prints_on_one_page_with_its_plot(plan_page):
-    plan_page.evaluate("window.print = () => { window.isPrinted = true }")
-    plan_page.get_by_role("button", name="Print").click()
-    plan_page.wait_for_function("window.isPrinted")
-    plan_page.emulate_media(media="print")
-    expect(plan_page.get_by_role("img", name="Plot, SVG")).to_be_visible()
-    pdf = plan_page.pdf(prefer_css_page_size=True)
-    assert re.findall(rb"/Type /Pages\s*/Count (\d+)", pdf) == [b"1"]

@@ -1,6 +1,5 @@
 """Are slews found whose acceleration must be taken back at once, lest the rate pass its limit?"""
 
-import contextlib
 import math
 from dataclasses import replace
 
@@ -115,6 +114,16 @@ def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, l
         assert values.max() <= high + ROUNDING * (high - low)
 
 
+def refusal_of(slew):
+    """None where its rows carry it within the limits."""
+    try:
+        violations = fit_to_rows(slew).violations
+    except InfeasibleSlew as refused:
+        return refused
+    assert violations == ()
+    return None
+
+
 def test_where_rows_are_too_few_one_more_is_enough():
     """Slews that must brake at once, in their least time and up to a tenth of a row more."""
     rng = np.random.default_rng(3)
@@ -137,13 +146,11 @@ def test_where_rows_are_too_few_one_more_is_enough():
             end=(end,),
             duration_s=rows / 5.0,
         )
-        slew = optimal_slew(problem)
-        with contextlib.suppress(InfeasibleSlew):
-            assert fit_to_rows(slew).violations == ()
+        short = refusal_of(optimal_slew(problem))
+        if short is None:
             continue
         refused += 1
-        with pytest.raises(InfeasibleSlew, match="one row more is enough"):
-            fit_to_rows(slew)
+        assert "one row more is enough" in str(short)
         longer = replace(problem, duration_s=(rows + 1) / 5.0)
         assert fit_to_rows(optimal_slew(longer)).violations == ()
     assert 0 < refused < tried

@@ -31,10 +31,17 @@ export interface Given {
   signal?: AbortSignal;
 }
 
-/** Seconds until the next try while the service is busy; null otherwise. */
-export const busyFor_s = signal<number | null>(null);
+export interface Waiting {
+  left_s: number;
+  /** What the service said; null where no answer came. */
+  problem: Problem | null;
+}
+
+/** For the next try; null while nothing is waited for. */
+export const waiting = signal<Waiting | null>(null);
 
 const TRIES = 4;
+const STORE_TRIES = 2; // a lock may end by itself, a full disk doesn't
 const LONGEST_WAIT_S = 30;
 const BUSY = new Set([429, 503]);
 
@@ -92,12 +99,13 @@ export async function send(
       continue;
     }
     const problem = answer && (await Problem.of(answer));
-    if (problem && (!BUSY.has(problem.status) || problem.retryAfter_s === null || attempt >= TRIES)) {
+    const tries = problem?.kind === "store-unavailable" ? STORE_TRIES : TRIES;
+    if (problem && (!BUSY.has(problem.status) || problem.retryAfter_s === null || attempt >= tries)) {
       throw problem;
     }
     const wait_s = problem?.retryAfter_s ?? 2 ** (attempt - 1);
     if (problem && wait_s > LONGEST_WAIT_S) throw problem;
-    await pause(wait_s, given.signal);
+    await pause(wait_s, problem, given.signal);
   }
 }
 
@@ -124,10 +132,10 @@ async function once(
   }
 }
 
-async function pause(wait_s: number, until?: AbortSignal): Promise<void> {
+async function pause(wait_s: number, problem: Problem | null, until?: AbortSignal): Promise<void> {
   try {
     for (let left_s = Math.ceil(wait_s); left_s > 0; left_s--) {
-      busyFor_s.value = left_s;
+      waiting.value = { left_s, problem };
       await new Promise<void>((resolve, reject) => {
         const timer = setTimeout(resolve, 1000);
         until?.addEventListener("abort", () => {
@@ -137,6 +145,6 @@ async function pause(wait_s: number, until?: AbortSignal): Promise<void> {
       });
     }
   } finally {
-    busyFor_s.value = null;
+    waiting.value = null;
   }
 }

@@ -1,6 +1,5 @@
 /** A job's server-sent events, resumed after a broken connection as EventSource would. */
-import { address } from "../router";
-import { authorization } from "./key";
+import { send } from "./client";
 import { NoAnswer, Problem } from "./problem";
 
 export interface JobEvent {
@@ -10,17 +9,16 @@ export interface JobEvent {
 }
 
 const ENDS = new Set(["done", "refused", "failed", "cancelled"]);
-const TRIES = 5;
+const TRIES = 3;
 
 /** path: ".../events". EventSource itself can't send an API key. */
 export async function* follow(path: string, until?: AbortSignal): AsyncGenerator<JobEvent> {
   let last: string | null = null;
   for (let failures = 0; ; ) {
+    const headers: Record<string, string> = { Accept: "text/event-stream" };
+    if (last !== null) headers["Last-Event-ID"] = last;
     try {
-      const headers: Record<string, string> = { Accept: "text/event-stream", ...authorization() };
-      if (last !== null) headers["Last-Event-ID"] = last;
-      const answer = await fetch(address(path), { headers, signal: until, cache: "no-store" });
-      if (!answer.ok) throw await Problem.of(answer);
+      const answer = await send("GET", path, { headers, signal: until });
       for await (const event of read(answer)) {
         failures = 0;
         last = event.id ?? last;
@@ -28,7 +26,7 @@ export async function* follow(path: string, until?: AbortSignal): AsyncGenerator
         if (event.kind === "state" && ENDS.has(String(event.data.state))) return;
       }
     } catch (error) {
-      if (until?.aborted || (error instanceof Problem && error.status < 500)) throw error;
+      if (until?.aborted || error instanceof Problem) throw error; // else the connection broke
     }
     if (++failures >= TRIES) throw new NoAnswer(path);
     await new Promise((resolve) => setTimeout(resolve, 2000));

@@ -1,5 +1,5 @@
 /** Work that may take longer: sent off, followed by its events, fetched when it is done. */
-import { postForAnswer, send } from "./client";
+import { type Given, postForAnswer, send, url } from "./client";
 import { follow } from "./events";
 import { Problem, type ProblemDocument } from "./problem";
 import type { paths } from "./schema";
@@ -16,7 +16,10 @@ export interface Sent {
   id: string;
 }
 
-type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
+export type JobPaths = "/v1/plans" | "/v1/campaigns" | "/v1/spacecraft/plans";
+
+/** What was asked when no answer came: with the same key it isn't made twice. */
+let unanswered: { asked: string; key: string } | null = null;
 
 /** Sends a request off; raises Problem at once where the service refuses to take it. */
 export async function sendOff(
@@ -25,21 +28,30 @@ export async function sendOff(
   query: Record<string, string> = {},
   until?: AbortSignal,
 ): Promise<Sent> {
-  const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
-  const id = made(await postForAnswer(path, request, { headers, query, signal: until }));
+  const id = await made(path, request, { query, signal: until });
   return { path: `${path}/${id}`, id };
 }
 
 /** Has a plan flown. */
 export async function sendOffFlights(plan: string, request: object, until?: AbortSignal): Promise<Sent> {
-  const headers = { Prefer: "respond-async", "Idempotency-Key": crypto.randomUUID() };
-  const given = { id: plan, headers, signal: until };
-  const id = made(await postForAnswer("/v1/plans/{id}/flights", request, given));
+  const id = await made("/v1/plans/{id}/flights", request, { id: plan, signal: until });
   return { path: `/v1/flights/${id}`, id };
 }
 
-/** The id of what an answer made. */
-function made(answer: Response): string {
+/** The id of what was made. */
+async function made(path: JobPaths | "/v1/plans/{id}/flights", request: object, given: Given): Promise<string> {
+  const asked = JSON.stringify([url(path, given), request]);
+  const key = unanswered?.asked === asked ? unanswered.key : crypto.randomUUID();
+  unanswered = { asked, key };
+  const headers = { Prefer: "respond-async", "Idempotency-Key": key };
+  let answer: Response;
+  try {
+    answer = await postForAnswer(path, request, { ...given, headers });
+  } catch (error) {
+    if (error instanceof Problem && error.status < 500) unanswered = null;
+    throw error;
+  }
+  unanswered = null;
   const { pathname } = new URL(answer.headers.get("Location") ?? "", answer.url);
   return pathname.slice(pathname.lastIndexOf("/") + 1);
 }

@@ -49,7 +49,12 @@ export function useMade<A extends object>(
         // Only to show how far it is: the end is told by the events.
         fetch(id, until.signal).then(setAnswer, () => {});
       };
-      await untilDone({ path: path.replace("{id}", id), id }, tell, until.signal);
+      try {
+        await untilDone({ path: path.replace("{id}", id), id }, tell, until.signal);
+      } catch (caught) {
+        // However the job ended, its own address tells it best, with what was made until then.
+        if (!(caught instanceof Cancelled) && !(caught instanceof Problem)) throw caught;
+      }
       return fetch(id, until.signal);
     };
     follow()

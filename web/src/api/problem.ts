@@ -50,6 +50,11 @@ export class Problem extends Error {
 /** No answer: the connection is lost or the service stopped. */
 export class NoAnswer extends Error {}
 
+/** Whether the work itself failed: asked for once more, it may be done. */
+export function brokeOff(error: unknown): boolean {
+  return error instanceof Problem && (error.kind === "interrupted" || error.kind === "internal-error");
+}
+
 /** Whether it was only that nobody waits any more. */
 export function isAbort(error: unknown): boolean {
   return error instanceof DOMException && error.name === "AbortError";

@@ -44,7 +44,7 @@ export function Plane({ label, xLabel, yLabel, x, y, height, isEqual, children }
   };
   return (
     <div class="plane" ref={box}>
-      <svg width={width} height={height} role="img" aria-label={label}>
+      <svg width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-label={label}>
         <clipPath id={clip}>
           <rect x={LEFT} y={TOP} width={wide} height={high} />
         </clipPath>

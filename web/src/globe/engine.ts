@@ -56,15 +56,21 @@ export interface OnGround {
   swath: readonly Line[];
 }
 
-/** czml: a document of the service, as it is.  onBroken: when it can draw no more. */
-export async function openGlobe(
-  element: HTMLElement,
-  czml: object,
-  epoch_ms: number,
-  { trace, swath }: OnGround,
-  onBroken: (error: unknown) => void,
-): Promise<Opened> {
-  const widget = new CesiumWidget(element, {
+interface Kept {
+  widget: CesiumWidget;
+  stage: HTMLElement;
+  light: DirectionalLight;
+  onBroken: (error: unknown) => void;
+}
+
+/** The one there is: each that is made and destroyed leaves its canvas with listeners behind. */
+let kept: Kept | null = null;
+
+function globe(): Kept {
+  if (kept) return kept;
+  const stage = document.createElement("div");
+  stage.style.height = "100%"; // of what it is put in
+  const widget = new CesiumWidget(stage, {
     baseLayer: ImageryLayer.fromProviderAsync(
       TileMapServiceImageryProvider.fromUrl(buildModuleUrl("Assets/Textures/NaturalEarthII")),
       { saturation: 0.55, brightness: 0.95 },
@@ -79,8 +85,7 @@ export async function openGlobe(
     creditContainer: document.createElement("div"), // the page's own line names the sources
     creditViewport: document.createElement("div"),
   });
-  const { scene, clock, camera } = widget;
-  scene.renderError.addEventListener((_: unknown, error: unknown) => onBroken(error));
+  const { scene, clock } = widget;
   scene.backgroundColor = Color.fromCssColorString(SPACE);
   scene.fog.enabled = false;
   scene.globe.showGroundAtmosphere = false;
@@ -90,12 +95,48 @@ export async function openGlobe(
   const light = new DirectionalLight({ direction: new Cartesian3(1, 0, 0) });
   scene.light = light;
   clock.shouldAnimate = false;
-  const epoch = JulianDate.fromDate(new Date(epoch_ms));
+  const made: Kept = { widget, stage, light, onBroken: () => undefined };
+  scene.renderError.addEventListener((_: unknown, error: unknown) => {
+    if (kept === made) kept = null; // to be destroyed once it is closed
+    made.onBroken(error);
+  });
   // The picture's pixels are 20 km wide.
-  void boundaries().then((lines) => draw(scene, lines, LINES, 1), onBroken);
-  draw(scene, trace, TRACE, 1.5);
-  draw(scene, swath, SWATH, 1);
+  void boundaries().then(
+    (lines) => void draw(scene, lines, LINES, 1),
+    (error: unknown) => made.onBroken(error),
+  );
+  kept = made;
+  return made;
+}
+
+function destroy({ widget }: Kept): void {
+  const { canvas } = widget.scene;
+  const context = canvas.getContext("webgl2") ?? canvas.getContext("webgl");
+  widget.destroy();
+  context?.getExtension("WEBGL_lose_context")?.loseContext(); // not only when it is collected
+}
+
+/** null where nobody waits for it any more: then the globe is another's.
+
+czml: a document of the service, as it is.  onBroken: when it can draw no more. */
+export async function openGlobe(
+  element: HTMLElement,
+  czml: object,
+  epoch_ms: number,
+  { trace, swath }: OnGround,
+  onBroken: (error: unknown) => void,
+  until: AbortSignal,
+): Promise<Opened | null> {
   const source = await CzmlDataSource.load(czml);
+  if (until.aborted) return null;
+  const opened = globe();
+  const { widget, stage, light } = opened;
+  const { scene, clock, camera } = widget;
+  opened.onBroken = onBroken;
+  element.append(stage);
+  widget.useDefaultRenderLoop = true;
+  const drawn = [draw(scene, trace, TRACE, 1.5), draw(scene, swath, SWATH, 1)];
+  const epoch = JulianDate.fromDate(new Date(epoch_ms));
   await widget.dataSources.add(source);
   return {
     show: (t_s, sun) => {
@@ -127,17 +168,19 @@ export async function openGlobe(
       scene.requestRender();
     },
     close: () => {
-      const { canvas } = scene;
-      const context = canvas.getContext("webgl2") ?? canvas.getContext("webgl");
-      widget.destroy();
-      context?.getExtension("WEBGL_lose_context")?.loseContext(); // not only when it is collected
+      stage.remove();
+      if (kept !== opened) return destroy(opened);
+      opened.onBroken = () => undefined;
+      for (const lines of drawn) scene.primitives.remove(lines);
+      widget.dataSources.remove(source, true);
+      widget.useDefaultRenderLoop = false;
     },
   };
 }
 
 /** Lines of longitude and latitude on the ground. */
-function draw(scene: CesiumWidget["scene"], lines: readonly Line[], color: Color, width: number): void {
-  if (scene.isDestroyed()) return;
+function draw(scene: CesiumWidget["scene"], lines: readonly Line[], color: Color, width: number) {
+  if (scene.isDestroyed()) return null;
   const drawn = scene.primitives.add(new PolylineCollection()) as PolylineCollection;
   for (const line of lines) {
     // Its own: a line takes its material with it when it is destroyed.
@@ -145,6 +188,7 @@ function draw(scene: CesiumWidget["scene"], lines: readonly Line[], color: Color
     drawn.add({ positions: Cartesian3.fromDegreesArray(line.flat()), width, material });
   }
   scene.requestRender();
+  return drawn;
 }
 
 function cartesian({ longitude_deg, latitude_deg, height_m }: Place): Cartesian3 {

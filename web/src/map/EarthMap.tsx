@@ -52,7 +52,7 @@ export function EarthMap({ label, hint, around, aroundLabel, fits, onPick, heigh
     setZoom(degrees === 0 ? Math.max(zoom, NEAR_ZOOM) : clampZoom(360 / degrees));
   };
   useEffect(() => {
-    void wantOutlines();
+    void wantOutlines().catch(() => undefined); // a map without coasts is still one
     const element = box.current;
     if (!element) return;
     const watch = new ResizeObserver(() => setWide(element.clientWidth));

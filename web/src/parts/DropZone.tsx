@@ -6,14 +6,17 @@ interface Props {
   /** Of the button that chooses. */
   label: string;
   accept?: string;
+  /** Whether several may be chosen at once. */
+  multiple?: boolean;
+  /** Called for each. */
   onFile: (file: File) => void;
   children?: ComponentChildren;
 }
 
-export function DropZone({ label, accept, onFile, children }: Props) {
+export function DropZone({ label, accept, multiple, onFile, children }: Props) {
   const [isOver, setIsOver] = useState(false);
   const take = (files: FileList | null | undefined) => {
-    for (const file of files ?? []) onFile(file);
+    for (const file of [...(files ?? [])].slice(0, multiple ? undefined : 1)) onFile(file);
   };
   return (
     <div
@@ -36,6 +39,7 @@ export function DropZone({ label, accept, onFile, children }: Props) {
           class="hidden"
           type="file"
           accept={accept}
+          multiple={multiple}
           onChange={(event) => {
             take(event.currentTarget.files);
             event.currentTarget.value = "";

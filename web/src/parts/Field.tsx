@@ -1,7 +1,7 @@
 import type { ComponentChildren, JSX } from "preact";
 import { useId } from "preact/hooks";
 
-interface Control {
+export interface Control {
   id: string;
   "aria-describedby": string | undefined;
   "aria-invalid": boolean | undefined;

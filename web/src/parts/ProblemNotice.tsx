@@ -14,11 +14,12 @@ interface Props {
 /** A refusal, a failure or a lost connection in words, with the way out. */
 export function ProblemNotice({ error, again, children }: Props) {
   const text = words.value.shell;
-  const { title, detail, field, instance } = told(error);
+  const { title, advice, detail, field, instance } = told(error);
   return (
     <div class="notice notice-error" role="alert">
       <p class="notice-title">{title}</p>
-      <p>{detail}</p>
+      {advice && <p>{advice}</p>}
+      {detail && <p class={advice ? "small" : undefined}>{detail}</p>}
       {field && (
         <p class="small">
           {text.problem.field}: <code>{field}</code>
@@ -48,10 +49,19 @@ function told(error: unknown) {
   const text = words.value.shell.problem;
   if (error instanceof Problem) {
     const { title, detail, status, instance } = error.document;
-    return { title, detail, field: error.field, instance: status >= 500 ? instance : null };
+    const kind = status === 429 ? "tooMany" : status === 404 ? "gone" : error.kind;
+    const titles: Record<string, string> = { ...text.kinds, tooMany: text.tooMany, gone: text.gone };
+    const advice: Record<string, string> = text.advice;
+    return {
+      title: titles[kind] ?? title,
+      advice: advice[kind] ?? null,
+      detail,
+      field: error.field,
+      instance: status >= 500 ? instance : null,
+    };
   }
   if (error instanceof NoAnswer) {
-    return { title: text.noAnswer, detail: text.noAnswerDetail, field: null, instance: null };
+    return { title: text.noAnswer, advice: text.noAnswerDetail, detail: null, field: null, instance: null };
   }
   throw error; // ours: the room's boundary shows it
 }

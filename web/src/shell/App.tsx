@@ -1,7 +1,8 @@
 import { type ComponentType } from "preact";
 import { useEffect, useErrorBoundary, useRef, useState } from "preact/hooks";
 
-import { busyFor_s } from "../api/client";
+import { waiting } from "../api/client";
+import { part } from "../api/part";
 import { words } from "../i18n";
 import { Link } from "../parts/Link";
 import { match, place } from "../router";
@@ -13,6 +14,12 @@ export function App() {
   const text = words.value.shell;
   const main = useRef<HTMLElement>(null);
   const [room, params] = find(place.value.path);
+  const shown = useRef(place.value.path);
+  useEffect(() => {
+    // Where the focus was is gone with the room that was left.
+    if (shown.current !== place.value.path && document.activeElement === document.body) main.current?.focus({ preventScroll: true });
+    shown.current = place.value.path;
+  }, [place.value.path]);
   useEffect(() => {
     document.title = room ? `${text.rooms[room.title]} · slewtrack` : "slewtrack";
   });
@@ -22,16 +29,26 @@ export function App() {
         {text.skip}
       </button>
       <Header />
-      {busyFor_s.value !== null && (
-        <p class="busy" role="status">
-          {text.problem.busy(busyFor_s.value)}
-        </p>
-      )}
+      <Waits />
       <main ref={main} tabIndex={-1}>
         {room ? <Opened key={room.path} room={room} params={params} /> : <NotThere />}
       </main>
       <KeyDialog />
     </>
+  );
+}
+
+/** Said while the page waits for its next try. */
+function Waits() {
+  const text = words.value.shell.problem;
+  const now = waiting.value;
+  if (!now) return null;
+  const { left_s, problem } = now;
+  const why = problem === null ? text.noAnswer : problem.kind === "store-unavailable" ? text.kinds["store-unavailable"] : text.busy;
+  return (
+    <p class="busy" role="status">
+      {text.nextTry(why, left_s)}
+    </p>
   );
 }
 
@@ -50,7 +67,7 @@ function Opened({ room, params }: { room: Room; params: Record<string, string> }
   const [error, reset] = useErrorBoundary((what) => console.error(what));
   const load = () => {
     setIsLost(false);
-    room.load().then(
+    part(room.load).then(
       (module) => setContent(() => module.default),
       () => setIsLost(true),
     );

@@ -1,3 +1,5 @@
+import { useState } from "preact/hooks";
+
 import { LANGUAGES, type Language, language, setLanguage, words } from "../i18n";
 import { Link } from "../parts/Link";
 import { address, place } from "../router";
@@ -7,6 +9,11 @@ import icon from "./icon.svg";
 
 export function Header() {
   const text = words.value.shell;
+  const [isLost, setIsLost] = useState(false);
+  const speak = (next: Language) => {
+    setIsLost(false);
+    setLanguage(next).catch(() => setIsLost(true));
+  };
   return (
     <header class="top">
       <Link to="/" class="brand">
@@ -25,11 +32,15 @@ export function Header() {
         </ul>
       </nav>
       <div class="settings">
+        {isLost && <span role="alert">{text.problem.noAnswer}</span>}
         <a href={address("/docs")}>{text.documentation}</a>
         <select
           aria-label={text.language}
           value={language.value}
-          onChange={(event) => void setLanguage(event.currentTarget.value as Language)}
+          onChange={(event) => {
+            speak(event.currentTarget.value as Language);
+            event.currentTarget.value = language.peek(); // until its words are there
+          }}
         >
           {Object.entries(LANGUAGES).map(([code, name]) => (
             <option key={code} value={code} lang={code}>

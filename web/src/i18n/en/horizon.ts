@@ -37,6 +37,4 @@ export const horizon = {
   used: (arc: string, residual: string) => `${arc}° of the limb, residual ${residual} pixels`,
   notUsed: "not used.",
   correction: "As a correction for the next plan (attitude.corrections)",
-  copy: "Copy",
-  copied: "Copied.",
 };

@@ -26,6 +26,7 @@ export const look = {
   },
   map: { told: "Map with the ground track, the boresight, the footprint and the targets at the cursor's time" },
   charts: {
+    since: (time: string) => `seconds since ${time} UTC`,
     title: "Motion and sight",
     angle: "Angle",
     rate: "Rate",

@@ -45,6 +45,15 @@ export const spacecraft = {
     on: "camera on",
     off: "camera off",
   },
+  passes: {
+    title: "When does it pass?",
+    find: "Find passes",
+    searching: "Looking for passes…",
+    list: "Passes, the first first",
+    unseen: (names: string) => `No pass in these days shows: ${names}. Look at more days.`,
+    sees: (count: number, of: number) => `sees ${count} of ${of}`,
+    aside: (name: string, degrees: string) => `${name} (${degrees}° across)`,
+  },
   stages: {
     candidates: "Ways to image each",
     "choice and turns": "Choice and turns",

@@ -15,6 +15,7 @@ export const telemetry = {
   bases: { angles: "of angles", rates: "of rates added up" },
   errors: (rms: string, max: string, basis: string) => `Error ${rms}″ rms, ${max}″ at most, ${basis}.`,
   lag: (value: string, sigma: string) => `It moves ${value} ± ${sigma} s later than the other axis.`,
+  noLag: "It tells no lag: it doesn’t follow its plan, or hardly moves.",
   phases: "Errors by phase",
   phase: "Phase",
   kinds: { wait: "wait", slew: "slew to", track: "track", brake: "brake" },

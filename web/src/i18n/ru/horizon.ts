@@ -39,6 +39,4 @@ export const horizon: Words["horizon"] = {
   used: (arc: string, residual: string) => `${arc}° края, невязка ${residual} пикселя`,
   notUsed: "не использован.",
   correction: "Как поправка для следующего плана (attitude.corrections)",
-  copy: "Копировать",
-  copied: "Скопировано.",
 };

@@ -47,6 +47,15 @@ export const spacecraft: Words["spacecraft"] = {
     on: "камера включена",
     off: "камера выключена",
   },
+  passes: {
+    title: "Когда он пролетает?",
+    find: "Найти пролёты",
+    searching: "Поиск пролётов…",
+    list: "Пролёты по порядку времени",
+    unseen: (names: string) => `За эти дни не видно ни в одном пролёте: ${names}. Возьмите больше дней.`,
+    sees: (count: number, of: number) => `видно ${count} из ${of}`,
+    aside: (name: string, degrees: string) => `${name} (${degrees}° поперёк)`,
+  },
   stages: {
     candidates: "Способы съёмки",
     "choice and turns": "Выбор и развороты",

@@ -15,6 +15,7 @@ export const telemetry: Words["telemetry"] = {
   bases: { angles: "по углам", rates: "по сложенным скоростям" },
   errors: (rms: string, max: string, basis: string) => `Ошибка: СКО ${rms}″, не больше ${max}″, ${basis}.`,
   lag: (value: string, sigma: string) => `Движется на ${value} ± ${sigma} с позже другой оси.`,
+  noLag: "Запаздывание не определить: ось не следует плану или почти не движется.",
   phases: "Ошибки по участкам",
   phase: "Участок",
   kinds: { wait: "ожидание", slew: "переход к", track: "слежение", brake: "торможение" },

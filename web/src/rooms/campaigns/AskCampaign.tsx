@@ -1,8 +1,8 @@
 /** What is asked of a campaign: targets, days, and what counts in a view. */
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
 import example from "../../../../examples/campaign_cities.json";
-import { sendOff } from "../../api/job";
+import { useMaking } from "../../api/sending";
 import { words } from "../../i18n";
 import { EarthMap } from "../../map/EarthMap";
 import { readable } from "../../map/labels";
@@ -11,23 +11,17 @@ import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
 import { UtcField } from "../../parts/UtcField";
-import { go, place } from "../../router";
 import { type CampaignRequest, fetchRequest, placesOf } from "./campaign";
 import { NoTargets, targetsOf } from "./targets";
 import { Weights } from "./Weights";
 
+const EXAMPLE = example as unknown as CampaignRequest;
 const SHOWN = 200;
 
 export function AskCampaign() {
   const text = words.value.campaigns;
-  const [request, setRequest] = useState(example as unknown as CampaignRequest);
+  const { request, setRequest, isSending, error, send } = useMaking("/v1/campaigns", "/campaigns", EXAMPLE, fetchRequest);
   const [wrong, setWrong] = useState<string | null>(null);
-  const [isSending, setIsSending] = useState(false);
-  const [error, setError] = useState<unknown>(null);
-  const from = place.value.query.get("from");
-  useEffect(() => {
-    if (from) fetchRequest(from).then(setRequest, setError);
-  }, [from]);
   const change = (members: Partial<CampaignRequest>) => setRequest({ ...request, ...members });
   const take = async (file: File) => {
     try {
@@ -38,16 +32,6 @@ export function AskCampaign() {
       setWrong(text.noTargets(file.name, caught.line, caught.missing));
     }
   };
-  const send = async () => {
-    setError(null);
-    setIsSending(true);
-    try {
-      go(`/campaigns/${(await sendOff("/v1/campaigns", request)).id}`);
-    } catch (caught) {
-      setError(caught);
-      setIsSending(false);
-    }
-  };
   const targets = Array.isArray(request.targets) ? request.targets : [];
   const places = placesOf({ ...request, targets }, null);
   const known = places.filter((one) => one !== null);
@@ -55,7 +39,7 @@ export function AskCampaign() {
     <div class="room">
       <h1>{words.value.shell.rooms.campaigns}</h1>
       <p>{text.what}</p>
-      <div class="campaign-ask">
+      <div class="ask-beside">
         <div>
           <section class="panel" aria-labelledby="campaign-targets">
             <h2 id="campaign-targets">

@@ -1,15 +1,13 @@
 /** One campaign: how far it is, what was chosen and why the rest was not. */
 import { useEffect, useState } from "preact/hooks";
 
-import { Cancelled } from "../../api/job";
 import { useMade } from "../../api/made";
-import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { instant } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
 import { Copied } from "../../parts/Copied";
+import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
-import { ProblemNotice } from "../../parts/ProblemNotice";
 import { address } from "../../router";
 import { curl } from "../plan/snippets";
 import { type CampaignRequest, fatesOf, fetchCampaign, fetchRequest, PATH } from "./campaign";
@@ -42,7 +40,7 @@ export function OneCampaign({ id }: { id: string }) {
           {words.value.plan.one.change}
         </Link>
       </div>
-      {error !== null && <Why error={error} again={again} />}
+      {error !== null && <JobEnded work="/v1/campaigns" room="/campaigns" id={id} error={error} again={again} text={text} />}
       {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
       {answer?.choice && <Worth choice={answer.choice} planned={answer.planned} targets={answer.target_count} />}
@@ -56,7 +54,7 @@ export function OneCampaign({ id }: { id: string }) {
         </section>
       )}
       {fates.length > 0 && (
-        <div class="campaign-seen">
+        <div class="seen-beside">
           <FateMap fates={fates} chosen={chosen} onChoose={setChosen} />
           <Fates fates={fates} chosen={chosen} onChoose={setChosen} />
         </div>
@@ -75,12 +73,4 @@ export function OneCampaign({ id }: { id: string }) {
       )}
     </div>
   );
-}
-
-function Why({ error, again }: { error: unknown; again: () => void }) {
-  const text = words.value.campaigns;
-  if (error instanceof Cancelled) return <p class="notice" role="status">{text.cancelled}</p>;
-  if (error instanceof Problem && error.status === 404) return <p class="notice" role="status">{text.gone}</p>;
-  const isFinal = error instanceof Problem && error.status < 500 && error.status !== 429;
-  return <ProblemNotice error={error} again={isFinal ? undefined : again} />;
 }

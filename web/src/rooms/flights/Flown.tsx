@@ -1,53 +1,38 @@
 /** What the flights tell, and how far they have come. */
-import { useEffect, useState } from "preact/hooks";
-
-import { get, remove, type Schemas } from "../../api/client";
-import { Cancelled, type Progress, untilDone } from "../../api/job";
-import { isAbort, NoAnswer, Problem } from "../../api/problem";
+import { get, type Schemas } from "../../api/client";
+import { Cancelled } from "../../api/job";
+import { useMade } from "../../api/made";
 import { words } from "../../i18n";
 import { percent } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
-import { ProblemNotice } from "../../parts/ProblemNotice";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import { Contributors } from "./Contributors";
+import { OverTime } from "./OverTime";
 import { Session } from "./Session";
 
 export type Flights = Schemas["FlightsResponse"];
 
+function fetchFlights(id: string, signal: AbortSignal): Promise<Flights> {
+  return get("/v1/flights/{id}", { id, signal });
+}
+
 export function Flown({ id }: { id: string }) {
   const text = words.value;
-  const [flights, setFlights] = useState<Flights | null>(null);
-  const [progress, setProgress] = useState<Progress | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [asked, setAsked] = useState(0);
-
-  useEffect(() => {
-    const until = new AbortController();
-    const given = { id, signal: until.signal };
-    const fetchAndFollow = async () => {
-      const first = await get("/v1/flights/{id}", given);
-      setFlights(first);
-      if (first.state !== "queued" && first.state !== "running") return;
-      try {
-        await untilDone({ path: `/v1/flights/${id}`, id }, setProgress, until.signal);
-      } catch (caught) {
-        // However the job ended, its own address tells it best.
-        if (!(caught instanceof Cancelled) && !(caught instanceof Problem)) throw caught;
-      }
-      setProgress(null);
-      setFlights(await get("/v1/flights/{id}", given));
-    };
-    setError(null);
-    fetchAndFollow().catch((caught: unknown) => !isAbort(caught) && setError(caught));
-    return () => until.abort();
-  }, [id, asked]);
-
-  if (error !== null) {
-    const again = error instanceof NoAnswer ? () => setAsked((times) => times + 1) : undefined;
-    return <ProblemNotice error={error} again={again} />;
-  }
-  if (!flights) return <p class="loading">{text.shell.loading}</p>;
-  const isAtWork = flights.state === "queued" || flights.state === "running";
+  const { answer: flights, progress, error, again, cancel } = useMade("/v1/flights/{id}", id, fetchFlights);
+  const isCancelled = error instanceof Cancelled;
+  const problem = error !== null && !isCancelled && (
+    <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined}>
+      {flights && (
+        <p>
+          <Link to={`/flights?plan=${flights.plan}`} class="button">
+            {text.plan.one.change}
+          </Link>
+        </p>
+      )}
+    </ProblemNotice>
+  );
+  if (!flights) return problem || <p class="loading">{text.shell.loading}</p>;
   return (
     <>
       <p>
@@ -55,16 +40,16 @@ export function Flown({ id }: { id: string }) {
         {text.flights.of(flights.flown, flights.runs, flights.seed)}{" "}
         <Link to={`/plans/${flights.plan}`}>{text.flights.toPlan}</Link>
       </p>
-      {isAtWork && (
+      {(progress || flights.state === "queued" || flights.state === "running") && error === null && (
         <div class="row" role="status">
           <Bar label={progress?.stage ?? text.shell.states.running} percent={progress?.percent ?? null} />
-          <button type="button" onClick={() => void remove("/v1/flights/{id}", { id }).catch(setError)}>
+          <button type="button" onClick={cancel}>
             {text.shell.cancel}
           </button>
         </div>
       )}
-      {flights.problem && <ProblemNotice error={new Problem(flights.problem)} />}
-      {flights.state === "cancelled" && <p class="notice notice-warn">{text.flights.cancelled}</p>}
+      {problem}
+      {isCancelled && <p class="notice notice-warn">{text.flights.cancelled}</p>}
       {flights.probability_in_frame !== null && flights.flown > 0 && (
         <p data-testid="flights-verdict" class="panel" role="status">
           <strong>{text.flights.inFrame(percent(flights.probability_in_frame))}</strong>{" "}
@@ -84,6 +69,7 @@ export function Flown({ id }: { id: string }) {
           <Contributors contributors={flights.contributors} />
         </section>
       )}
+      {flights.epoch !== null && flights.sessions.length > 0 && <OverTime flights={flights} epoch={flights.epoch} />}
       {flights.sessions.map((session) => (
         <Session key={session.session} session={session} />
       ))}

@@ -3,7 +3,6 @@ import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
 import { between, type Flights } from "./Flown";
 import { Misses } from "./Misses";
-import { Frames } from "./Frames";
 
 type SessionFlights = Flights["sessions"][number];
 
@@ -13,7 +12,7 @@ export function Session({ session }: { session: SessionFlights }) {
   const { nominal } = session;
   return (
     <section class="panel" aria-labelledby={id}>
-      <h2 id={id}>{text.session(session.session, session.label)}</h2>
+      <h2 id={id}>{text.session(session.session + 1, session.label)}</h2>
       <dl class="figures">
         <dt>{text.told}</dt>
         <dd>{percent(session.told_probability_in_frame)}</dd>
@@ -43,10 +42,7 @@ export function Session({ session }: { session: SessionFlights }) {
           {moverOf(session)}
         </dd>
       </dl>
-      <div class="pictures">
-        {session.misses && <Misses misses={session.misses} />}
-        <Frames nominal={nominal} />
-      </div>
+      {session.misses && <Misses misses={session.misses} />}
     </section>
   );
 }

@@ -1,8 +1,7 @@
 /** What the images say: the verdict, the nadir with its ellipse, each camera's overlay. */
-import { useState } from "preact/hooks";
-
 import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
+import { Copied } from "../../parts/Copied";
 import { Ellipse } from "./Ellipse";
 import type { Estimate } from "./estimate";
 
@@ -61,7 +60,7 @@ export function Result({ found }: { found: Estimate }) {
           </figure>
         ))}
       </div>
-      {found.correction && <Correction json={JSON.stringify(found.correction, null, 2)} />}
+      {found.correction && <Copied name={text.correction} content={JSON.stringify(found.correction, null, 2)} />}
     </section>
   );
 }
@@ -73,20 +72,5 @@ function Vector({ name, value }: { name: string; value: readonly number[] | null
       <dt>{name}</dt>
       <dd class="mono">{value.map((part) => part.toFixed(6)).join(", ")}</dd>
     </>
-  );
-}
-
-function Correction({ json }: { json: string }) {
-  const text = words.value.horizon;
-  const [isCopied, setCopied] = useState(false);
-  return (
-    <details>
-      <summary>{text.correction}</summary>
-      <pre tabIndex={0}>{json}</pre>
-      <button type="button" onClick={() => void navigator.clipboard.writeText(json).then(() => setCopied(true))}>
-        {text.copy}
-      </button>
-      <span role="status"> {isCopied && text.copied}</span>
-    </details>
   );
 }

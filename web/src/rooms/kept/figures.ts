@@ -20,7 +20,7 @@ export function figures(plan: Plan): Figure[] {
     { name: text.rows, value: text.rowsOver(rows, number((rows - 1) * plan.table.step_s)) },
     ...plan.summary.sessions.flatMap((session) => ofSession(plan, session)),
     ...plan.solver.slews.flatMap((slew) => {
-      const name = slew.session === null ? text.finalSlew : text.slew(slew.session);
+      const name = slew.session === null ? text.finalSlew : text.slew(slew.session + 1);
       return [
         { name: `${name}, ${text.duration}`, value: `${number(slew.duration_s)} s` },
         { name: `${name}, ${text.cost}`, value: slew.cost == null ? "–" : `${digits(slew.cost, 4)} deg²/s⁵` },
@@ -39,7 +39,7 @@ export function figures(plan: Plan): Figure[] {
 
 function ofSession(plan: Plan, session: Plan["summary"]["sessions"][number]): Figure[] {
   const text = words.value.kept.figures;
-  const name = text.session(session.session);
+  const name = text.session(session.session + 1);
   const pointing = plan.pointing.find((one) => one.session === session.session);
   const budget = plan.uncertainty.find((one) => one.session === session.session);
   return [

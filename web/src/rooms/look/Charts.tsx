@@ -1,11 +1,10 @@
 /** How the axes move, how well they point and what they see, over the plan's time. */
-import { useSignal } from "@preact/signals";
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 
-import { type Line, type Shade, TimeChart, within, zoom } from "../../charts/TimeChart";
+import { RangeButtons, useTimeRange } from "../../charts/range";
+import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { digits } from "../../i18n/forms";
-import { cursor_s } from "../../time/cursor";
 import type { Stretch } from "../../time/TimeBar";
 import type { Plan } from "../plan/plan";
 import { lastOf, onRows, type View } from "./view";
@@ -13,7 +12,6 @@ import { lastOf, onRows, type View } from "./view";
 const HEIGHT = 118;
 const TIMES_HEIGHT = 26;
 const COLOURS = ["series-1", "series-2"];
-const AIR = 0.06; // of a stretch that is looked at closer, on either side
 const ORDERS = [
   { key: "angle", column: "angle_deg", unit: "°" },
   { key: "rate", column: "rate_deg_s", unit: "°/s" },
@@ -34,24 +32,9 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
   const text = words.value.look.charts;
   const stop_s = lastOf(view.t_s);
   const epoch_ms = Date.parse(view.epoch);
-  const range = useSignal({ from_s: 0, to_s: stop_s });
+  const range = useTimeRange(stop_s, chosen);
   const [withLimits, setWithLimits] = useState(false);
   const [withSpline, setWithSpline] = useState(true);
-  useEffect(() => {
-    if (!chosen) range.value = { from_s: 0, to_s: stop_s };
-    else {
-      const length_s = chosen.stop_s - chosen.start_s;
-      range.value = within(chosen.start_s - AIR * length_s, Math.max(length_s * (1 + 2 * AIR), 2), stop_s);
-    }
-  }, [chosen, view]);
-  useEffect(
-    () =>
-      cursor_s.subscribe((now_s) => {
-        const { from_s, to_s } = range.peek();
-        if (now_s < from_s || now_s > to_s) range.value = within(now_s - 0.1 * (to_s - from_s), to_s - from_s, stop_s);
-      }),
-    [view],
-  );
   const shades = useMemo<Shade[]>(
     () =>
       stretches
@@ -81,23 +64,7 @@ export function Charts({ view, plan, stretches, chosen, onWhole }: Props) {
               {text.withSpline}
             </label>
           )}
-          <span class="look-zoom">
-            <button type="button" aria-label={text.closer} onClick={() => zoom(range, cursor_s.peek(), 0.6, stop_s)}>
-              +
-            </button>
-            <button type="button" aria-label={text.farther} onClick={() => zoom(range, cursor_s.peek(), 1 / 0.6, stop_s)}>
-              −
-            </button>
-            <button
-              type="button"
-              onClick={() => {
-                range.value = { from_s: 0, to_s: stop_s };
-                onWhole();
-              }}
-            >
-              {text.whole}
-            </button>
-          </span>
+          <RangeButtons range={range} stop_s={stop_s} onWhole={onWhole} />
         </div>
       </div>
       <p class="look-legend">

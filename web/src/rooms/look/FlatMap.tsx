@@ -4,6 +4,7 @@ import { geoCircle, geoEquirectangular, geoGraticule10, geoPath, type GeoProject
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
+import { readable } from "../../map/labels";
 import { outlines, wantDetail, wantOutlines } from "../../map/outlines";
 import { cursor_s } from "../../time/cursor";
 import { footprintAt, footprintRows, linesOf, type LonLat, type Trace } from "./ground";
@@ -15,7 +16,6 @@ const NAME_PX = 130;
 const NIGHT_STEP_S = 20;
 
 export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
-  const text = words.value.look.map;
   const box = useRef<HTMLDivElement>(null);
   const [width, setWidth] = useState(0);
   useEffect(() => {
@@ -26,18 +26,34 @@ export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
     watch.observe(element);
     return () => watch.disconnect();
   }, []);
+  return (
+    <div class="look-map" ref={box}>
+      <MapPicture view={view} isWhole={isWhole} width={width} height={HEIGHT} />
+    </div>
+  );
+}
+
+interface Props {
+  view: View;
+  isWhole: boolean;
+  width: number;
+  height: number;
+}
+
+export function MapPicture({ view, isWhole, width, height }: Props) {
+  const text = words.value.look.map;
   const track = useMemo(() => linesOf(view.carrier), [view]);
   const trace = useMemo(() => linesOf(view.boresight), [view]);
   const projection = useMemo(() => {
     if (width === 0) return null;
     const made = geoEquirectangular().clipExtent([
       [-2, -2],
-      [width + 2, HEIGHT + 2],
+      [width + 2, height + 2],
     ]);
     return isWhole || track.length === 0
-      ? made.fitSize([width, HEIGHT], { type: "Sphere" })
-      : fit(made, [...track.flat(), ...trace.flat()], width);
-  }, [width, isWhole, track, trace]);
+      ? made.fitSize([width, height], { type: "Sphere" })
+      : fit(made, [...track.flat(), ...trace.flat()], width, height);
+  }, [width, height, isWhole, track, trace]);
   const shapes = outlines.value;
   const drawn = useMemo(() => {
     if (!projection) return null;
@@ -55,24 +71,22 @@ export function FlatMap({ view, isWhole }: { view: View; isWhole: boolean }) {
     };
   }, [projection, shapes, track, trace, view]);
   return (
-    <div class="look-map" ref={box}>
-      <svg width={width} height={HEIGHT} role="img" aria-label={text.told}>
-        <rect class="lm-sea" width={width} height={HEIGHT} />
-        {drawn && projection && (
-          <>
-            <path class="lm-land" d={drawn.land} />
-            <path class="lm-borders" d={drawn.borders} />
-            <path class="lm-graticule" d={drawn.graticule} />
-            <Night view={view} projection={projection} />
-            <path class="lm-track" d={drawn.track} />
-            <path class="lm-trace" d={drawn.trace} />
-            <path class="lm-footprints" d={drawn.footprints} />
-            <Targets view={view} projection={projection} width={width} />
-            <Now view={view} projection={projection} />
-          </>
-        )}
-      </svg>
-    </div>
+    <svg width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="img" aria-label={text.told}>
+      <rect class="lm-sea" width={width} height={height} />
+      {drawn && projection && (
+        <>
+          <path class="lm-land" d={drawn.land} />
+          <path class="lm-borders" d={drawn.borders} />
+          <path class="lm-graticule" d={drawn.graticule} />
+          <Night view={view} projection={projection} />
+          <path class="lm-track" d={drawn.track} />
+          <path class="lm-trace" d={drawn.trace} />
+          <path class="lm-footprints" d={drawn.footprints} />
+          <Targets view={view} projection={projection} width={width} />
+          <Now view={view} projection={projection} />
+        </>
+      )}
+    </svg>
   );
 }
 
@@ -89,20 +103,26 @@ function Night({ view, projection }: { view: View; projection: GeoProjection }) 
 function Targets({ view, projection, width }: { view: View; projection: GeoProjection; width: number }) {
   const isNearEdge = (x: number) => x > width - NAME_PX;
   const row = rowAt(view, cursor_s.value);
+  const points = view.targets.map((target) => {
+    const [longitude, latitude] = [target.longitude_deg[row], target.latitude_deg[row]];
+    return longitude == null || latitude == null ? null : projection([longitude, latitude]);
+  });
+  const named = readable(points.map((point, k) => point && { x: point[0], y: point[1], text: view.targets[k]?.name ?? "" }));
   return (
     <>
-      {view.targets.map((target) => {
-        const [longitude, latitude] = [target.longitude_deg[row], target.latitude_deg[row]];
-        const point = longitude == null || latitude == null ? null : projection([longitude, latitude]);
+      {view.targets.map((target, k) => {
+        const point = points[k];
         if (!point) return null;
         const isNow = view.session[row] === target.session;
         return (
           <g key={target.session} class={isNow ? "lm-target lm-target-now" : "lm-target"} transform={`translate(${point[0]},${point[1]})`}>
             <path d="M-6,0H-2M2,0H6M0,-6V-2M0,2V6" />
             <circle r={4.5} />
-            <text x={isNearEdge(point[0]) ? -9 : 9} y={-6} text-anchor={isNearEdge(point[0]) ? "end" : "start"}>
-              {target.name}
-            </text>
+            {(named[k] || isNow) && (
+              <text x={isNearEdge(point[0]) ? -9 : 9} y={-6} text-anchor={isNearEdge(point[0]) ? "end" : "start"}>
+                {target.name}
+              </text>
+            )}
           </g>
         );
       })}
@@ -133,7 +153,7 @@ function pointAt(view: View, trace: Trace, t_s: number, projection: GeoProjectio
 }
 
 /** The points in the middle of the map, with air around them. */
-function fit(projection: GeoProjection, points: LonLat[], width: number): GeoProjection {
+function fit(projection: GeoProjection, points: LonLat[], width: number, height: number): GeoProjection {
   const [x, y] = points.reduce(
     ([east, north], [longitude]) => [east + Math.cos((longitude * Math.PI) / 180), north + Math.sin((longitude * Math.PI) / 180)],
     [0, 0],
@@ -142,10 +162,10 @@ function fit(projection: GeoProjection, points: LonLat[], width: number): GeoPro
   const away = points.map(([longitude]) => ((longitude - middle + 540) % 360) - 180);
   const latitudes = points.map(([, latitude]) => latitude);
   const [left, right, low, high] = [Math.min(...away), Math.max(...away), Math.min(...latitudes), Math.max(...latitudes)];
-  const wide = Math.max((right - left) * 1.25, LEAST_DEG, (width / HEIGHT) * Math.max((high - low) * 1.25, LEAST_DEG * 0.6));
+  const wide = Math.max((right - left) * 1.25, LEAST_DEG, (width / height) * Math.max((high - low) * 1.25, LEAST_DEG * 0.6));
   return projection
     .rotate([-(middle + (left + right) / 2), 0])
     .center([0, (low + high) / 2])
     .scale((width * 180) / Math.PI / Math.min(wide, 360))
-    .translate([width / 2, HEIGHT / 2]);
+    .translate([width / 2, height / 2]);
 }

@@ -12,6 +12,7 @@ import { Charts } from "./Charts";
 import { HorizonViews } from "./HorizonViews";
 import { ImageFrame } from "./ImageFrame";
 import "./look.css";
+import { PrintSheet } from "./PrintSheet";
 import { Readout } from "./Readout";
 import { Scene } from "./Scene";
 import { fetchView, lastOf, stretchesOf, type View } from "./view";
@@ -42,28 +43,31 @@ function Looking({ view, plan }: { view: View; plan: Plan }) {
   const stop_s = lastOf(view.t_s);
   const epoch_ms = Date.parse(view.epoch);
   return (
-    <div class="look" ref={box} role="group" aria-label={title}>
-      <div class="look-grid">
-        <div class="look-left">
-          <Scene view={view} />
-          <Readout view={view} />
-          <AxisSpace view={view} stretches={stretches} />
-          <ImageFrame view={view} plan={plan} />
+    <>
+      <div class="look no-print" ref={box} role="group" aria-label={title}>
+        <div class="look-grid">
+          <div class="look-left">
+            <Scene view={view} />
+            <Readout view={view} />
+            <AxisSpace view={view} stretches={stretches} />
+            <ImageFrame view={view} plan={plan} />
+          </div>
+          <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} />
         </div>
-        <Charts view={view} plan={plan} stretches={stretches} chosen={chosen} onWhole={() => setChosen(null)} />
+        <HorizonViews plan={plan} epoch_ms={epoch_ms} stop_s={stop_s} />
+        <TimeBar
+          epoch_ms={epoch_ms}
+          stop_s={stop_s}
+          step_s={0.2}
+          stretches={stretches}
+          within={() => box.current}
+          onStretch={(stretch) => {
+            setChosen({ ...stretch });
+            moveTo(stretch.start_s, stop_s);
+          }}
+        />
       </div>
-      <HorizonViews plan={plan} epoch_ms={epoch_ms} stop_s={stop_s} />
-      <TimeBar
-        epoch_ms={epoch_ms}
-        stop_s={stop_s}
-        step_s={0.2}
-        stretches={stretches}
-        within={() => box.current}
-        onStretch={(stretch) => {
-          setChosen({ ...stretch });
-          moveTo(stretch.start_s, stop_s);
-        }}
-      />
-    </div>
+      <PrintSheet view={view} stretches={stretches} />
+    </>
   );
 }

@@ -109,10 +109,7 @@ async function open(
   if (until.aborted) return null;
   const swath = footprintRows(view).map((row) => footprintAt(view, row));
   const onGround = { trace: linesOf(view.boresight), swath: swath.filter((outline) => outline.length > 0) };
-  const opened = await openGlobe(element, czml, Date.parse(view.epoch), onGround, onBroken);
-  if (!until.aborted) return opened;
-  opened.close();
-  return null;
+  return openGlobe(element, czml, Date.parse(view.epoch), onGround, onBroken, until);
 }
 
 function track(view: View): Place[] {

@@ -1,27 +1,40 @@
 /** What is asked of a plan: orbit, targets, sessions in their windows. */
+import { batch } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { get } from "../../api/client";
+import { get, remove } from "../../api/client";
 import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../api/job";
-import { isAbort } from "../../api/problem";
-import { remove } from "../../api/client";
+import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
-import { ProblemNotice } from "../../parts/ProblemNotice";
+import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
 import { go, place } from "../../router";
 import type { RoomProps } from "../../rooms";
 import * as draft from "./draft";
 import { OrbitPanel } from "./OrbitPanel";
 import { wantOutlines } from "../../map/outlines";
-import type { PlanRequest } from "./plan";
+import { fetchPlan, isPlan, type PlanRequest } from "./plan";
 import "./plan.css";
-import { failure } from "./refusal";
+import { failure, refused } from "./refusal";
 import { RefusalNotice } from "./RefusalNotice";
-import { SequencePanel } from "./SequencePanel";
+import { SequencePanel, takeOffered } from "./SequencePanel";
 import { TargetPanel } from "./TargetPanel";
 import { keepSearching } from "./windows";
 import { WindowsPanel } from "./WindowsPanel";
 import { WorldMap } from "./WorldMap";
+
+/** Whether the work may go on although nothing more was heard of it. */
+function isFromSight(error: unknown): boolean {
+  return error instanceof NoAnswer || (error instanceof Problem && (error.status === 429 || error.status === 503));
+}
+
+/** Why it came to nothing, and the session it is about, so that it is drawn. */
+function fail(error: unknown): void {
+  batch(() => {
+    failure.value = error;
+    if (refused.value && refused.value.session < draft.sessions.value.length) draft.chosen.value = refused.value.session;
+  });
+}
 
 export default function AskRoom(_: RoomProps) {
   const text = words.value;
@@ -30,22 +43,36 @@ export default function AskRoom(_: RoomProps) {
   const [loadError, setLoadError] = useState<unknown>(null);
   const told = useRef<HTMLDivElement>(null);
   const work = useRef(new AbortController());
+  /** What was sent off and lost from sight. */
+  const lost = useRef<{ asked: string; sent: Sent } | null>(null);
   useEffect(() => () => work.current.abort(), []);
   useEffect(() => void wantOutlines().catch(() => undefined), []); // a map without coasts is still one
   useEffect(() => keepSearching(), []);
   const from = place.value.query.get("from");
+  const isToPlan = place.value.query.has("plan");
+  const [tries, setTries] = useState(0);
   const isRevision = place.value.query.has("revises"); // of a plan that was made
   const [isLoading, setIsLoading] = useState(from !== null);
   useEffect(() => {
     if (!from) return;
     setIsLoading(true);
-    get("/v1/plans/{id}/request", { id: from, signal: work.current.signal })
+    setLoadError(null);
+    const given = { id: from, signal: work.current.signal };
+    Promise.all([get("/v1/plans/{id}/request", given), isRevision ? null : fetchPlan(from, given.signal)])
       .then(
-        (asked) => draft.load(asked as unknown as PlanRequest, isRevision ? from : null),
+        ([asked, job]) => {
+          draft.load(asked as unknown as PlanRequest, isRevision ? from : null);
+          const problem = job && !isPlan(job) ? job.problem : null;
+          fail(problem ? new Problem(problem) : null);
+          if (!isToPlan) return;
+          go(`/?from=${from}`, { replace: true }); // loaded anew, the page doesn't plan again
+          if (refused.value?.offered) takeOffered(() => void plan());
+          else void plan();
+        },
         (error: unknown) => isAbort(error) || setLoadError(error),
       )
       .finally(() => setIsLoading(false));
-  }, [from]);
+  }, [from, tries]);
 
   const plan = async () => {
     failure.value = null;
@@ -54,18 +81,25 @@ export default function AskRoom(_: RoomProps) {
     setProgress({ state: "queued", stage: null, percent: null });
     try {
       const query: Record<string, string> = draft.revises.value ? { revises: draft.revises.value } : {};
-      const made = await sendOff("/v1/plans", draft.request.value, query, until);
+      const asked = JSON.stringify([query, draft.request.value]);
+      const before = lost.current?.asked === asked ? lost.current.sent : null;
+      const made = before ?? (await sendOff("/v1/plans", draft.request.value, query, until));
       setSent(made);
+      lost.current = { asked, sent: made };
       await untilDone(made, setProgress, until);
+      lost.current = null;
       draft.revises.value = null;
       go(`/plans/${made.id}`);
     } catch (error) {
       if (isAbort(error)) return;
-      if (!(error instanceof Cancelled)) failure.value = error;
+      if (!isFromSight(error)) lost.current = null;
+      if (!(error instanceof Cancelled)) fail(error);
       told.current?.scrollIntoView({ block: "nearest" });
     } finally {
       setProgress(null);
       setSent(null);
+      // The button that was pressed has lost the focus: whoever goes by Tab goes on from here.
+      if (document.activeElement === document.body) told.current?.focus({ preventScroll: true });
     }
   };
   const cancel = () => sent && void remove("/v1/plans/{id}", { id: sent.id }).catch((error: unknown) => (failure.value = error));
@@ -74,12 +108,16 @@ export default function AskRoom(_: RoomProps) {
     <div class="room ask">
       <h1 class="hidden">{text.shell.rooms.plan}</h1>
       <div class="ask-form">
-        {loadError !== null && <ProblemNotice error={loadError} />}
+        {loadError !== null && (
+          <ProblemNotice error={loadError} again={mayHelpAgain(loadError) ? () => setTries(tries + 1) : undefined} />
+        )}
         <OrbitPanel />
         <TargetPanel />
         <SequencePanel plan={() => void plan()} />
-        <div class="ask-go" ref={told}>
+        <div class="ask-told" ref={told} tabIndex={-1}>
           <RefusalNotice plan={() => void plan()} />
+        </div>
+        <div class="ask-go">
           <div class="row">
             <button
               type="button"

@@ -27,7 +27,7 @@ export function Figures({ plan }: { plan: Plan }) {
           </ul>
         </section>
       )}
-      <div class="figures">
+      <div class={plan.summary.sessions.length > 2 ? "figures figures-many" : "figures"}>
         <Sessions plan={plan} />
         <Margins plan={plan} />
         <Budget plan={plan} />

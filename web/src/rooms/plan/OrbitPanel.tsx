@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { instant, number } from "../../i18n/forms";
+import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import * as draft from "./draft";
 import { orbitOf, reachOf, textOf } from "./orbit";
@@ -14,15 +15,13 @@ export function OrbitPanel() {
   const text = words.value.plan.orbit;
   const [typed, setTyped] = useState<string | null>(null);
   const [wrong, setWrong] = useState<string | null>(null);
-  const [isOver, setIsOver] = useState(false);
   const take = (content: string) => {
     const orbit = orbitOf(content);
     setWrong(orbit ? null : text.unknown);
     setTyped(orbit ? null : content);
     if (orbit) draft.setOrbit(orbit);
   };
-  const read = async (file: File | undefined) => {
-    if (!file) return;
+  const read = async (file: File) => {
     if (file.size > LONGEST_BYTES) setWrong(text.tooLong);
     else take(await file.text());
   };
@@ -38,19 +37,7 @@ export function OrbitPanel() {
             {known && ` · ${instant(known.from_ms)}`}
           </span>
         </summary>
-        <div
-          class={`drop ${isOver ? "drop-over" : ""}`}
-          onDragOver={(event) => {
-            event.preventDefault();
-            setIsOver(true);
-          }}
-          onDragLeave={() => setIsOver(false)}
-          onDrop={(event) => {
-            event.preventDefault();
-            setIsOver(false);
-            void read(event.dataTransfer?.files[0]);
-          }}
-        >
+        <DropZone label={text.file} onFile={(file) => void read(file)}>
           <Field label={text.label} hint={text.hint} error={wrong ?? undefined}>
             {(props) => (
               <textarea
@@ -62,12 +49,7 @@ export function OrbitPanel() {
               />
             )}
           </Field>
-          <Field label={text.file}>
-            {(props) => (
-              <input {...props} type="file" onChange={(event) => void read(event.currentTarget.files?.[0])} />
-            )}
-          </Field>
-        </div>
+        </DropZone>
         <Attitude />
       </details>
     </section>

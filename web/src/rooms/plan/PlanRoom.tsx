@@ -4,12 +4,16 @@ import { useEffect, useState } from "preact/hooks";
 
 import { remove } from "../../api/client";
 import { Cancelled, type Progress, untilDone } from "../../api/job";
-import { NoAnswer, Problem } from "../../api/problem";
+import { offerOf } from "../../api/offer";
+import { part } from "../../api/part";
+import { brokeOff, NoAnswer, Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
 import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { TakeOffer } from "../../parts/TakeOffer";
 import type { RoomProps } from "../../rooms";
+import { go } from "../../router";
 import { Figures } from "./Figures";
 import { fetchPlan, isPlan, type Plan } from "./plan";
 import "./plan.css";
@@ -26,7 +30,7 @@ export default function PlanRoom({ params }: RoomProps) {
   const [tries, setTries] = useState(0);
   const [Look, setLook] = useState<ComponentType<{ plan: Plan }> | null>(null);
   useEffect(() => {
-    import("../look/Look").then((module) => setLook(() => module.default), (caught) => setError(new NoAnswer(String(caught))));
+    part(() => import("../look/Look")).then((module) => setLook(() => module.default), (caught) => setError(new NoAnswer(String(caught))));
   }, [tries]);
   useEffect(() => {
     const wanted = new AbortController();
@@ -39,12 +43,7 @@ export default function PlanRoom({ params }: RoomProps) {
     return (
       <div class="room">
         <h1>{text.shell.rooms.one}</h1>
-        <Why error={error} again={() => setTries(tries + 1)} />
-        <p>
-          <Link to={`/?from=${id}`} class="button">
-            {text.plan.one.change}
-          </Link>
-        </p>
+        <Why id={id} error={error} again={() => setTries(tries + 1)} />
       </div>
     );
   }
@@ -74,7 +73,7 @@ export default function PlanRoom({ params }: RoomProps) {
         </Link>
       </div>
       <Verdict plan={plan} />
-      <div class="no-print">{Look ? <Look plan={plan} /> : <p class="loading">{text.shell.loading}</p>}</div>
+      {Look ? <Look plan={plan} /> : <p class="loading no-print">{text.shell.loading}</p>}
       <div class="one-below">
         <div>
           <Figures plan={plan} />
@@ -97,9 +96,42 @@ async function made(id: string, tell: (now: Progress) => void, until: AbortSigna
   throw new Error(`a plan in the state ${finished.state} has no table`);
 }
 
-function Why({ error, again }: { error: unknown; again: () => void }) {
+/** Why there is no plan, and the ways on. */
+function Why({ id, error, again }: { id: string; error: unknown; again: () => void }) {
   const text = words.value.plan.one;
-  if (error instanceof Cancelled) return <p class="notice">{text.cancelled}</p>;
-  if (error instanceof Problem && error.status === 404) return <p class="notice">{text.gone}</p>;
-  return <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />;
+  if (error instanceof Problem && error.status === 404) {
+    return (
+      <>
+        <p class="notice" role="status">
+          {text.gone}
+        </p>
+        <div class="row">
+          <Link to="/" class="button">
+            {text.anew}
+          </Link>
+          <Link to="/plans">{text.others}</Link>
+        </div>
+      </>
+    );
+  }
+  const offer = offerOf(error);
+  const anew = () => go(`/?from=${id}&plan=now`);
+  return (
+    <>
+      {error instanceof Cancelled ? (
+        <p class="notice" role="status">
+          {text.cancelled}
+        </p>
+      ) : (
+        <ProblemNotice error={error} again={brokeOff(error) ? anew : mayHelpAgain(error) ? again : undefined}>
+          {offer && <TakeOffer offer={offer} take={anew} />}
+        </ProblemNotice>
+      )}
+      <p>
+        <Link to={`/?from=${id}`} class="button">
+          {text.change}
+        </Link>
+      </p>
+    </>
+  );
 }

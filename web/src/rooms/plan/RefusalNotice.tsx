@@ -2,6 +2,7 @@
 import { words } from "../../i18n";
 import { clock } from "../../i18n/forms";
 import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { TakeOffer } from "../../parts/TakeOffer";
 import { failure, refused } from "./refusal";
 import { takeOffered } from "./SequencePanel";
 
@@ -20,16 +21,7 @@ export function RefusalNotice({ plan }: { plan: () => void }) {
           {now.at && ` · ${clock(now.at)} UTC`}
         </p>
       )}
-      {now?.offered && (
-        <p>
-          <button type="button" class="primary" onClick={() => takeOffered(plan)}>
-            {text.take(clock(now.offered.start), clock(now.offered.stop))}
-          </button>
-          {(now.problem.document.costs_sessions?.length ?? 0) > 0 && (
-            <span class="small"> {text.without((now.problem.document.costs_sessions ?? []).map((one) => one + 1).join(", "))}</span>
-          )}
-        </p>
-      )}
+      {now?.offered && <TakeOffer offer={now.offered} take={() => takeOffered(plan)} />}
     </ProblemNotice>
   );
 }

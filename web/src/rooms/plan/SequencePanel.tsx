@@ -1,4 +1,6 @@
 /** All sessions on one line of time; where they conflict, what each way out would give up. */
+import { batch } from "@preact/signals";
+
 import type { Schemas } from "../../api/client";
 import { words } from "../../i18n";
 import { clock, instant, number, rfc3339 } from "../../i18n/forms";
@@ -66,6 +68,7 @@ export function SequencePanel({ plan }: { plan: () => void }) {
           </Field>
         </>
       )}
+      <Clashes />
       <WaysOut plan={plan} />
     </section>
   );
@@ -97,7 +100,56 @@ function Timeline() {
   return (
     <div class="line" aria-hidden="true">
       {all.map((one, number) => one && <Bar key={number} span={one} place={place} name={String(number + 1)} kind="" />)}
+      {overlaps().map(({ later, span }) => (
+        <Bar key={`overlap-${later}`} span={span} place={place} name="" kind="lost" />
+      ))}
     </div>
+  );
+}
+
+/** Where a session begins before the one before it has ended; later: its number. */
+function overlaps(): { later: number; span: Span }[] {
+  const all = spans();
+  return all.flatMap((one, later) => {
+    const before = all[later - 1];
+    if (!one || !before || one.start >= before.stop) return [];
+    return [{ later, span: { start: one.start, stop: Math.min(one.stop, before.stop) } }];
+  });
+}
+
+/** Sessions that can't both be as they are, where no other way out is offered. */
+function Clashes() {
+  const text = words.value.plan.sequence;
+  const told = new Map(
+    overlaps().map(({ later, span }) => [later, text.overlap(later, later + 1, number((span.stop - span.start) / 1000, 1))]),
+  );
+  const now = refused.value;
+  const { limit, give_up: offers = [] } = now?.problem.document ?? {};
+  if (now && now.session > 0 && limit === "duration" && offers.length === 0 && !told.has(now.session)) {
+    told.set(now.session, text.noRoom(now.session, now.session + 1));
+  }
+  return (
+    <>
+      {[...told].map(([later, why]) => (
+        <div key={later} class="notice notice-warn" role="alert">
+          <p>{why}</p>
+          <div class="row">
+            {[later - 1, later].map((number) => (
+              <button
+                key={number}
+                type="button"
+                onClick={() => {
+                  failure.value = null;
+                  draft.removeSession(number);
+                }}
+              >
+                {text.leaveOut(number + 1)}
+              </button>
+            ))}
+          </div>
+        </div>
+      ))}
+    </>
   );
 }
 
@@ -163,11 +215,13 @@ function costs(loss: GiveUp): string {
 export function takeOffered(plan: () => void): void {
   const now = refused.peek();
   if (!now?.offered) return;
-  const { start, stop } = now.offered;
-  const dropped = new Set(now.problem.document.costs_sessions ?? []);
-  draft.chosen.value = now.session;
-  draft.setTimes(rfc3339(Date.parse(start)), rfc3339(Date.parse(stop)));
-  for (const lost of [...dropped].sort((one, other) => other - one)) draft.removeSession(lost);
-  failure.value = null;
+  const { start, stop, without } = now.offered;
+  batch(() => {
+    const before = without.filter((lost) => lost < now.session).length;
+    for (const lost of [...without].sort((one, other) => other - one)) draft.removeSession(lost);
+    draft.chosen.value = now.session - before;
+    draft.setTimes(rfc3339(Date.parse(start)), rfc3339(Date.parse(stop)));
+    failure.value = null;
+  });
   plan();
 }

@@ -4,10 +4,11 @@ import { useRef } from "preact/hooks";
 
 import { words } from "../../i18n";
 import { clock, number, rfc3339 } from "../../i18n/forms";
+import { Profile } from "../../windows/Profile";
+import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
-import { Profile } from "./Profile";
 import { refusalOf } from "./refusal";
-import { lightOf, type Window } from "./windows";
+import type { Window } from "./windows";
 
 type Edge = "start" | "stop" | "both";
 
@@ -100,7 +101,7 @@ export function SessionBar({ window }: { window: Window }) {
     <div class="session-bar">
       <div class="session-window" ref={bar}>
         <div class="session-profile" style={{ left: place(rise), right: `calc(100% - ${place(set)})` }}>
-          <Profile window={window} />
+          <Profile pass={window} />
         </div>
         <div class="session-out" style={{ left: 0, width: place(first) }} />
         <div class="session-out" style={{ right: 0, width: `calc(100% - ${place(last)})` }} />

@@ -1,5 +1,5 @@
 /** Everything that leaves the page: files, the link, the request in three forms, paper. */
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 
 import { send } from "../../api/client";
 import { download } from "../../api/download";
@@ -38,22 +38,9 @@ export function TakeAway({ plan }: { plan: Plan }) {
       .then((answer) => answer.text())
       .then(setRequest, setError);
   }, [plan.id]);
-  const plot = useRef<HTMLImageElement>(null);
   const save = (format: Format) => {
     setError(null);
     download("/v1/plans/{id}/table", { id: plan.id, query: { format } }, `plan.${ENDINGS[format]}`).catch(setError);
-  };
-  const print = async () => {
-    try {
-      const answer = await send("GET", "/v1/plans/{id}/table", { id: plan.id, query: { format: "svg" }, headers: { Accept: "*/*" } });
-      if (plot.current) {
-        plot.current.src = URL.createObjectURL(await answer.blob());
-        await plot.current.decode();
-      }
-      window.print();
-    } catch (caught) {
-      setError(caught);
-    }
   };
   const service = new URL(address("/"), location.href).href;
   return (
@@ -65,7 +52,7 @@ export function TakeAway({ plan }: { plan: Plan }) {
           <button type="button" class="primary" onClick={() => save("csv")}>
             {text.csv}
           </button>
-          <button type="button" onClick={() => void print()}>
+          <button type="button" onClick={() => window.print()}>
             {text.print}
           </button>
         </div>
@@ -88,7 +75,6 @@ export function TakeAway({ plan }: { plan: Plan }) {
           </>
         )}
       </section>
-      <img ref={plot} class="print-only" alt={text.formats.svg} />
     </>
   );
 }

@@ -3,8 +3,10 @@ import { useEffect, useState } from "preact/hooks";
 
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
+import { Combobox } from "../../parts/Combobox";
 import { Field } from "../../parts/Field";
 import * as draft from "./draft";
+import { places, stars } from "./names";
 import { BODIES, groundOf, type Kind, kindOf, starOf, type Target, textOf } from "./target";
 import { found, searchError } from "./windows";
 
@@ -62,14 +64,14 @@ function TextField({ kind, target }: { kind: "ground" | "star"; target: Target |
       <Field label={text.labels[kind]} hint={text.hints[kind]} error={isWrong ? error.document.detail : undefined}>
         {(props) => (
           <span class="entry">
-            <input
-              {...props}
-              type="text"
-              autoComplete="off"
-              spellcheck={false}
+            <Combobox
+              control={props}
               value={typed}
-              onInput={(event) => setTyped(event.currentTarget.value)}
-              onBlur={() => take(typed)}
+              onValue={setTyped}
+              onTake={take}
+              onLeave={() => take(typed)}
+              offered={text.offered[kind]}
+              offers={kind === "star" ? stars : places}
             />
             <button type="submit">{text.find}</button>
           </span>

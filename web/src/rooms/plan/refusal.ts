@@ -1,6 +1,7 @@
 /** Why the request isn't flown, tied to the session it is about, and the ways out it offers. */
 import { computed, signal } from "@preact/signals";
 
+import { type Offer, offerOf, sessionOf } from "../../api/offer";
 import { Problem } from "../../api/problem";
 
 /** What came of the last try to plan; null while nothing is wrong. */
@@ -12,16 +13,15 @@ export interface Refused {
   session: number;
   at: string | null;
   /** A session that works instead. */
-  offered: { start: string; stop: string } | null;
+  offered: Offer | null;
 }
 
 export const refused = computed<Refused | null>(() => {
   const problem = failure.value;
   if (!(problem instanceof Problem)) return null;
-  const session = Number(/^sessions\.(\d+)/.exec(problem.field ?? "")?.[1] ?? NaN);
-  if (!Number.isInteger(session)) return null;
-  const { at, earliest_feasible_start: start, feasible_stop: stop } = problem.document;
-  return { problem, session, at: at ?? null, offered: start && stop ? { start, stop } : null };
+  const session = sessionOf(problem);
+  if (session === null) return null;
+  return { problem, session, at: problem.document.at ?? null, offered: offerOf(problem) };
 });
 
 export function refusalOf(session: number): Refused | null {

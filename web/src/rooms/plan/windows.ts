@@ -4,11 +4,11 @@ import { effect, signal } from "@preact/signals";
 import { post, remove, type Schemas } from "../../api/client";
 import { isAbort } from "../../api/problem";
 import { rfc3339 } from "../../i18n/forms";
+import { lightOf } from "../../windows/sight";
 import * as draft from "./draft";
 import type { Target } from "./target";
 
 export type Window = Schemas["WindowOut"];
-export type Light = "day" | "low" | "twilight" | "night";
 
 const SAMPLES = 41;
 const QUIET_MS = 250; // typing isn't yet asking
@@ -39,31 +39,6 @@ export function windowNear(windows: readonly Window[], one: draft.DraftSession):
   const away = (window: Window) => Math.max(0, Date.parse(window.rise) - middle, middle - Date.parse(window.set));
   const nearest = windows.reduce<Window | null>((best, window) => (!best || away(window) < away(best) ? window : best), null);
   return nearest && away(nearest) < NEAR_MS ? nearest : null;
-}
-
-/** Of the Sun at the target; null in space. */
-export function lightOf(sunElevation_deg: number | null | undefined): Light | null {
-  if (sunElevation_deg == null) return null;
-  if (sunElevation_deg >= 15) return "day";
-  if (sunElevation_deg >= 0) return "low";
-  return sunElevation_deg >= -6 ? "twilight" : "night";
-}
-
-/** Of a pixel on the ground at the closest approach, its longer side; null in space. */
-export function sample_m(window: Window): number | null {
-  const { ground_sample_along_m: along, ground_sample_across_m: across } = window.closest;
-  if (window.place === null || along === null || across === null) return null;
-  return Math.max(along, across);
-}
-
-/** 1 straight below the carrier, less the more a pixel is stretched; null in space. */
-export function quality(window: Window): number | null {
-  const sample = sample_m(window);
-  const { range_km, ground_sample_across_m: across, off_nadir_deg } = window.closest;
-  if (sample === null || across === null || range_km === null) return null;
-  // Straight down from there the range is about its projection on the vertical.
-  const below_m = across * Math.cos((off_nadir_deg * Math.PI) / 180);
-  return Math.min(1, below_m / sample);
 }
 
 /** The session that a click on a window takes: what other sessions leave of it, of a long one the

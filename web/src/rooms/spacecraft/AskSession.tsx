@@ -1,11 +1,11 @@
 /** What a session is asked to image: drawn, dropped as GeoJSON, or written as JSON. */
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 
 import eightAreas from "../../../../examples/spacecraft_eight_areas.json";
 import fourModes from "../../../../examples/spacecraft_four_modes.json";
 import stripAndStereo from "../../../../examples/spacecraft_strip_and_stereo.json";
-import { sendOff } from "../../api/job";
 import { Problem } from "../../api/problem";
+import { useMaking } from "../../api/sending";
 import { words } from "../../i18n";
 import { clock } from "../../i18n/forms";
 import { DropZone } from "../../parts/DropZone";
@@ -14,9 +14,9 @@ import { OrbitField } from "../../parts/OrbitField";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { RequestText } from "../../parts/RequestText";
 import { UtcField } from "../../parts/UtcField";
-import { go, place } from "../../router";
 import { AskedList } from "./AskedList";
 import { DrawMap } from "./DrawMap";
+import { PassesPanel } from "./PassesPanel";
 import { askedOf, type Asked, askedOfGeoJson, fetchRequest, type SessionRequest } from "./session";
 
 const EXAMPLES = { fourModes, eightAreas, stripAndStereo } as unknown as Record<ExampleName, SessionRequest>;
@@ -27,14 +27,8 @@ const MOST_RUNS = 100;
 
 export function AskSession() {
   const text = words.value.spacecraft;
-  const [request, setRequest] = useState(EXAMPLES.fourModes);
+  const { request, setRequest, isSending, error, send } = useMaking("/v1/spacecraft/plans", "/spacecraft/plans", EXAMPLES.fourModes, fetchRequest);
   const [wrong, setWrong] = useState<string | null>(null);
-  const [isSending, setIsSending] = useState(false);
-  const [error, setError] = useState<unknown>(null);
-  const from = place.value.query.get("from");
-  useEffect(() => {
-    if (from) fetchRequest(from).then(setRequest, setError);
-  }, [from]);
   const change = (members: Partial<SessionRequest>) => setRequest({ ...request, ...members });
   const asked = askedOf(request);
   const ask = (requests: Asked[]) => change({ requests });
@@ -45,22 +39,12 @@ export function AskSession() {
     const names = new Set(read.map((one) => one.name));
     ask([...asked.filter((one) => !names.has(one.name)), ...read]);
   };
-  const send = async (what: SessionRequest) => {
-    setError(null);
-    setIsSending(true);
-    try {
-      go(`/spacecraft/plans/${(await sendOff("/v1/spacecraft/plans", what)).id}`);
-    } catch (caught) {
-      setError(caught);
-      setIsSending(false);
-    }
-  };
   const offered = error instanceof Problem ? error.document : null;
   return (
     <div class="room">
       <h1>{words.value.shell.rooms.spacecraft}</h1>
       <p>{text.what}</p>
-      <div class="session-ask">
+      <div class="ask-beside">
         <div>
           <section class="panel" aria-labelledby="session-asked">
             <div class="row heading">
@@ -122,6 +106,7 @@ export function AskSession() {
             </div>
             <OrbitField orbit={request.orbit} onOrbit={(orbit) => change({ orbit })} />
           </section>
+          <PassesPanel request={request} count={asked.length} onTimes={change} />
         </div>
         <div>
           <DrawMap asked={asked} onAsked={ask} />
@@ -155,7 +140,7 @@ export function AskSession() {
           )}
         </ProblemNotice>
       )}
-      <button type="button" class="primary" disabled={isSending || asked.length === 0} onClick={() => void send(request)}>
+      <button type="button" class="primary" disabled={isSending || asked.length === 0} onClick={() => void send()}>
         {text.send}
       </button>
     </div>

@@ -1,12 +1,12 @@
 /** One session: whether it may be flown, what it images, how steady and how near to its limits. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 
-import { Cancelled } from "../../api/job";
+import { useFetched } from "../../api/fetched";
 import { useMade } from "../../api/made";
-import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { digits, number, percent } from "../../i18n/forms";
 import { AtWork } from "../../parts/AtWork";
+import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { moveTo } from "../../time/playback";
@@ -32,7 +32,7 @@ export function OneSession({ id }: { id: string }) {
           {words.value.plan.one.change}
         </Link>
       </div>
-      {error !== null && <Why error={error} again={again} />}
+      {error !== null && <JobEnded work="/v1/spacecraft/plans" room="/spacecraft/plans" id={id} error={error} again={again} text={{ gone: text.gone, cancelled: words.value.plan.one.cancelled }} />}
       {!answer && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {progress && <AtWork progress={progress} stages={text.stages} onCancel={cancel} />}
       {session && <Made session={session} />}
@@ -41,17 +41,10 @@ export function OneSession({ id }: { id: string }) {
 }
 
 function Made({ session }: { session: Session }) {
-  const [view, setView] = useState<SessionView | null>(null);
-  const [error, setError] = useState<unknown>(null);
-  const [tries, setTries] = useState(0);
+  const { answer: view, error, again } = useFetched(session.id, (signal) => fetchView(session.id, signal));
   useEffect(() => {
-    const wanted = new AbortController();
-    setView(null);
-    setError(null);
     cursor_s.value = 0;
-    fetchView(session.id, wanted.signal).then(setView, (caught: unknown) => wanted.signal.aborted || setError(caught));
-    return () => wanted.abort();
-  }, [session.id, tries]);
+  }, [session.id]);
   return (
     <>
       <Verdict session={session} />
@@ -65,7 +58,7 @@ function Made({ session }: { session: Session }) {
         </section>
       )}
       {session.left_out.length > 0 && <LeftOut session={session} />}
-      {error !== null && <ProblemNotice error={error} again={() => setTries(tries + 1)} />}
+      {error !== null && <ProblemNotice error={error} again={again} />}
       {!view && error === null && <p class="loading">{words.value.shell.loading}</p>}
       {view && <Seen session={session} view={view} />}
       <Looks session={session} />
@@ -85,7 +78,7 @@ function Seen({ session, view }: { session: Session; view: SessionView }) {
   const closer = looks.findIndex((one) => one.start_s === chosen?.start_s);
   return (
     <div ref={box} role="group" aria-label={text.seen}>
-      <div class="session-seen">
+      <div class="seen-beside">
         <div>
           <SessionMap view={view} closer={closer < 0 ? null : closer} />
           <MomentumSphere view={view} />
@@ -130,12 +123,4 @@ function Verdict({ session }: { session: Session }) {
       )}
     </div>
   );
-}
-
-function Why({ error, again }: { error: unknown; again: () => void }) {
-  const text = words.value.spacecraft;
-  if (error instanceof Cancelled) return <p class="notice" role="status">{words.value.plan.one.cancelled}</p>;
-  if (error instanceof Problem && error.status === 404) return <p class="notice" role="status">{text.gone}</p>;
-  const isFinal = error instanceof Problem && error.status < 500 && error.status !== 429;
-  return <ProblemNotice error={error} again={isFinal ? undefined : again} />;
 }

@@ -1,18 +1,16 @@
 /** How the body and the gyros move over the session, and how steady the camera is. */
-import { useSignal } from "@preact/signals";
-import type { ComponentChildren } from "preact";
-import { useEffect, useMemo } from "preact/hooks";
+import { useMemo } from "preact/hooks";
 
-import { type Line, type Shade, TimeChart, within, zoom } from "../../charts/TimeChart";
+import { RangeButtons, useTimeRange } from "../../charts/range";
+import { Strip } from "../../charts/Strip";
+import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { digits, number } from "../../i18n/forms";
-import { cursor_s } from "../../time/cursor";
 import type { Stretch } from "../../time/TimeBar";
 import type { Session, SessionView } from "./session";
 
 const HEIGHT = 112;
 const TIMES_HEIGHT = 26;
-const AIR = 0.06; // of a stretch that is looked at closer, on either side
 const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
 const BODY = ["X", "Y", "Z"];
 const GIMBALS = ["1", "2", "3", "4"];
@@ -27,17 +25,8 @@ interface Props {
 
 export function SessionCharts({ session, view, chosen, onWhole }: Props) {
   const text = words.value.spacecraft.charts;
-  const look = words.value.look.charts;
   const stop_s = view.t_s[view.t_s.length - 1] ?? 0;
-  const range = useSignal({ from_s: 0, to_s: stop_s });
-  const whole = { from_s: 0, to_s: stop_s };
-  useEffect(() => {
-    if (!chosen) range.value = whole;
-    else {
-      const length_s = chosen.stop_s - chosen.start_s;
-      range.value = within(chosen.start_s - AIR * length_s, Math.max(length_s * (1 + 2 * AIR), 2), stop_s);
-    }
-  }, [chosen, view]);
+  const range = useTimeRange(stop_s, chosen);
   const shades = useMemo<Shade[]>(() => {
     const epoch_ms = Date.parse(view.epoch);
     return session.windows.map(({ start, stop }) => ({
@@ -70,23 +59,7 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
     <section class="panel session-charts" aria-label={text.title}>
       <div class="row heading">
         <h2>{text.title}</h2>
-        <span class="row">
-          <button type="button" aria-label={look.closer} onClick={() => zoom(range, cursor_s.peek(), 0.6, stop_s)}>
-            +
-          </button>
-          <button type="button" aria-label={look.farther} onClick={() => zoom(range, cursor_s.peek(), 1 / 0.6, stop_s)}>
-            −
-          </button>
-          <button
-            type="button"
-            onClick={() => {
-              range.value = whole;
-              onWhole();
-            }}
-          >
-            {look.whole}
-          </button>
-        </span>
+        <RangeButtons range={range} stop_s={stop_s} onWhole={onWhole} />
       </div>
       <Strip name={text.rates} unit="°/s" keys={BODY} fact={text.most(digits(Math.max(...verification.rate_max_deg_s)), digits(limits.rate_axis_max_deg_s))}>
         <TimeChart {...common} label={text.told(text.rates)} lines={rates} limits={levels.rate} withLimits height={HEIGHT} />
@@ -137,31 +110,6 @@ export function SessionCharts({ session, view, chosen, onWhole }: Props) {
       </Strip>
       <p class="hint">{text.hint}</p>
     </section>
-  );
-}
-
-interface StripProps {
-  name: string;
-  unit: string;
-  keys: readonly string[];
-  fact: string;
-  children: ComponentChildren;
-}
-
-function Strip({ name, unit, keys, fact, children }: StripProps) {
-  return (
-    <div class="session-strip">
-      <h3>
-        {name}, {unit}
-        {keys.map((key, k) => (
-          <span key={key} class={`key-line key-series-${k + 1}`}>
-            {key}
-          </span>
-        ))}
-        <span class="small">{fact}</span>
-      </h3>
-      {children}
-    </div>
   );
 }
 

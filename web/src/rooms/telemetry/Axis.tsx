@@ -14,7 +14,9 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
       <h2 id={`axis-${name}`}>{name}</h2>
       <p>
         {text.errors(digits(axis.rms_arcsec), digits(axis.max_arcsec), text.bases[axis.basis])}{" "}
-        {text.lag(axis.lag_s.toFixed(4), axis.lag_sigma_s.toFixed(4))}
+        {axis.lag_s === null || axis.lag_sigma_s === null
+          ? text.noLag
+          : text.lag(axis.lag_s.toFixed(4), axis.lag_sigma_s.toFixed(4))}
       </p>
       <Stretches
         axis={name}
@@ -23,7 +25,7 @@ export function Axis({ name, axis }: { name: string; axis: AxisComparison }) {
         rows={axis.phases.map((phase) => ({
           ...phase,
           values: [
-            phase.session === null ? text.kinds[phase.kind] : `${text.kinds[phase.kind]} ${phase.session}`,
+            phase.session === null ? text.kinds[phase.kind] : `${text.kinds[phase.kind]} ${phase.session + 1}`,
             number(phase.samples),
             digits(phase.rms_arcsec),
             digits(phase.max_arcsec),

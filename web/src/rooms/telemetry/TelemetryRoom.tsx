@@ -2,6 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 
 import { words } from "../../i18n";
+import { DropZone } from "../../parts/DropZone";
 import { Field } from "../../parts/Field";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { place } from "../../router";
@@ -15,7 +16,6 @@ export default function TelemetryRoom(_: RoomProps) {
   const text = words.value;
   const [plan, setPlan] = useState(place.value.query.get("plan") ?? "");
   const [file, setFile] = useState<File | null>(null);
-  const [isOver, setOver] = useState(false);
   const [found, setFound] = useState<Compared | null>(null);
   const [isAtWork, setAtWork] = useState(false);
   const [error, setError] = useState<unknown>(null);
@@ -45,31 +45,9 @@ export default function TelemetryRoom(_: RoomProps) {
             <input {...control} required value={plan} onInput={(event) => setPlan(event.currentTarget.value)} />
           )}
         </Field>
-        <div
-          class={isOver ? "drop-file over" : "drop-file"}
-          onDragOver={(event) => {
-            event.preventDefault();
-            setOver(true);
-          }}
-          onDragLeave={() => setOver(false)}
-          onDrop={(event) => {
-            event.preventDefault();
-            setOver(false);
-            setFile(event.dataTransfer?.files[0] ?? null);
-          }}
-        >
-          <Field label={text.telemetry.file} hint={text.telemetry.fileHint}>
-            {(control) => (
-              <input
-                {...control}
-                type="file"
-                accept=".csv,.txt,text/csv"
-                onChange={(event) => setFile(event.currentTarget.files?.[0] ?? null)}
-              />
-            )}
-          </Field>
-          {file && <p class="small">{file.name}</p>}
-        </div>
+        <DropZone label={text.telemetry.file} accept=".csv,.txt,text/csv" onFile={setFile}>
+          <p class="small">{file ? file.name : text.telemetry.fileHint}</p>
+        </DropZone>
         <button type="submit" class="primary" disabled={!plan.trim() || !file || isAtWork}>
           {text.telemetry.compare}
         </button>{" "}
@@ -90,7 +68,7 @@ function Told({ found: { comparison, picture } }: { found: Compared }) {
         <h2 id="clock">{text.clock}</h2>
         <p>
           {text.offset(time_offset_s.value.toFixed(4), time_offset_s.sigma.toFixed(4))}{" "}
-          {text.drift((1e6 * clock_drift.value).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
+          {text.drift((Math.round(1e8 * clock_drift.value) / 100 + 0).toFixed(2), (1e6 * clock_drift.sigma).toFixed(2))}
         </p>
         {comparison.warnings.map((warning) => (
           <p key={warning} class="notice notice-warn">

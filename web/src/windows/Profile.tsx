@@ -1,14 +1,15 @@
 /** A window's elevation over time, on the light there is at the target. */
-import { lightOf, type Window } from "./windows";
+import { lightOf, type Pass } from "./sight";
+import "./windows.css";
 
 const WIDE = 1000;
 const HIGH = 100;
 
 /** Stretched to whatever it stands in; decoration, its figures are told beside it. */
-export function Profile({ window }: { window: Window }) {
-  const { at, elevation_deg, sun_elevation_deg } = window.through;
-  const rise = Date.parse(window.rise);
-  const span = Math.max(1, Date.parse(window.set) - rise);
+export function Profile({ pass }: { pass: Pass }) {
+  const { at, elevation_deg, sun_elevation_deg } = pass.through;
+  const rise = Date.parse(pass.rise);
+  const span = Math.max(1, Date.parse(pass.set) - rise);
   const x = at.map((instant) => (WIDE * (Date.parse(instant) - rise)) / span);
   const line = elevation_deg.map((angle, index) => {
     const height = (HIGH * Math.min(Math.max(angle, 0), 90)) / 90;

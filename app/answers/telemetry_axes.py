@@ -1,0 +1,199 @@
+"""What each axis did, in the answer to telemetry beside a plan: arcsec, by the plan's clock."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from app.answers.pointing import ARCSEC_PER_RAD
+from app.answers.ranges import Count, NotNegative, Share, Signed
+from app.answers.telemetry_samples import StretchOut, span
+from planner.export import SegmentKind
+from planner.telemetry.compare import AxisComparison, Comparison
+from planner.telemetry.exceeded import Exceeded, Limit
+from planner.telemetry.following import Basis, PhaseErrors
+
+_LIST_MAX = 1000
+_LimitUnit = Literal["deg", "deg/s", "deg/s2"]
+_UNITS: dict[Limit, _LimitUnit] = {
+    "angle_min": "deg",
+    "angle_max": "deg",
+    "rate": "deg/s",
+    "acceleration": "deg/s2",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PhaseErrorsOut:
+    """Measured less planned during one segment of the table.
+
+    kind: what the table does.
+    session: number of the session it belongs to, from 0; null on the way to the final state.
+    start: of the segment; UTC.
+    stop: of the segment; UTC.
+    samples: there are of it.
+    rms_arcsec: null without samples.
+    max_arcsec: the largest, either way; null without samples.
+    mean_arcsec: null without samples.
+    """
+
+    kind: SegmentKind
+    session: Count | None
+    start: str
+    stop: str
+    samples: Count
+    rms_arcsec: NotNegative | None
+    max_arcsec: NotNegative | None
+    mean_arcsec: Signed | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OscillationOut(StretchOut):
+    """A stretch in which the axis swings about its plan.
+
+    frequency_hz: of the sinusoid that fits best. E.g. `0.8`.
+    amplitude_arcsec: of the sinusoid. E.g. `12.5`.
+    """
+
+    frequency_hz: NotNegative
+    amplitude_arcsec: NotNegative
+
+
+@dataclass(frozen=True, kw_only=True)
+class StickSlipOut(StretchOut):
+    """A stretch in which the axis stands while its command moves, and catches up in slips.
+
+    slips: how often it let go. E.g. `4`.
+    stuck_share: of the time that it stood. E.g. `0.6`.
+    slip_arcsec: the farthest slip. E.g. `10.5`.
+    rate_arcsec_s: largest rate commanded meanwhile [arcsec/s]. E.g. `18.2`.
+    """
+
+    slips: Count
+    stuck_share: Share
+    slip_arcsec: NotNegative
+    rate_arcsec_s: NotNegative
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExceededOut(StretchOut):
+    """A stretch in which the measured motion went beyond a limit, by more than its noise.
+
+    limit: which. E.g. `"rate"`.
+    value: the farthest, in `unit`. E.g. `3.2`.
+    bound: the limit, in `unit`. E.g. `3.0`.
+    unit: of both. E.g. `"deg/s"`.
+    """
+
+    limit: Limit
+    value: Signed
+    bound: Signed
+    unit: _LimitUnit
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisComparisonOut:
+    """What one axis did, measured less planned, once the telemetry's clock was set right.
+
+    basis: whether errors are those of angles, or of rates added up: of those a constant and a
+    steady drift can't be seen and are left out.
+    samples: errors there are.
+    rms_arcsec: of all errors.
+    max_arcsec: the largest, either way.
+    mean_arcsec: of all errors.
+    lag_s: how much later the axis moves than the other one; what both are late by can't be told
+    from the clock, and is in `time_offset_s`.  Null of an axis that tells no time, as it doesn't
+    follow its plan or hardly moves; `warnings` say which.
+    lag_sigma_s: 1-sigma error of the axes' difference; null without `lag_s`.
+    phases: segment by segment of the table.
+    oscillations: in order of time, at most 1,000.
+    oscillations_searched_hz: lowest and highest frequency that the samples are long and fine enough
+    to tell of; null where they are too few. E.g. `[0.067, 6.8]`.
+    stick_slip: stretches in order of time, at most 1,000.
+    limits_exceeded: stretches in order of time, at most 1,000.
+    limits_checked: limits that the samples are fine enough to tell of.
+    """
+
+    basis: Basis
+    samples: Count
+    rms_arcsec: NotNegative
+    max_arcsec: NotNegative
+    mean_arcsec: Signed
+    lag_s: Signed | None
+    lag_sigma_s: NotNegative | None
+    phases: list[PhaseErrorsOut]
+    oscillations: list[OscillationOut]
+    oscillations_searched_hz: list[NotNegative] | None
+    stick_slip: list[StickSlipOut]
+    limits_exceeded: list[ExceededOut]
+    limits_checked: list[Limit]
+
+
+def axis_of(comparison: Comparison, axis: AxisComparison) -> AxisComparisonOut:
+    """Its angles in arcsec."""
+    return AxisComparisonOut(
+        basis=axis.followed.basis,
+        samples=axis.error.samples,
+        rms_arcsec=arcsec(axis.error.rms_rad),
+        max_arcsec=arcsec(axis.error.max_rad),
+        mean_arcsec=arcsec(axis.error.mean_rad),
+        lag_s=None if axis.lag_s is None else round(axis.lag_s.value, 9),
+        lag_sigma_s=None if axis.lag_s is None else round(axis.lag_s.sigma, 9),
+        phases=[_phase(comparison, phase) for phase in axis.phases],
+        oscillations=[
+            OscillationOut(
+                frequency_hz=round(one.frequency_hz, 6),
+                amplitude_arcsec=arcsec(one.amplitude_rad),
+                **span(comparison, one.start_s, one.stop_s),
+            )
+            for one in axis.oscillations[:_LIST_MAX]
+        ],
+        oscillations_searched_hz=_rounded(axis.oscillations_searched_hz),
+        stick_slip=[
+            StickSlipOut(
+                slips=one.slips,
+                stuck_share=round(one.stuck_share, 3),
+                slip_arcsec=arcsec(one.slip_rad),
+                rate_arcsec_s=arcsec(one.rate_rad_s),
+                **span(comparison, one.start_s, one.stop_s),
+            )
+            for one in axis.stick_slip[:_LIST_MAX]
+        ],
+        limits_exceeded=[_exceeded(comparison, one) for one in axis.limits_exceeded[:_LIST_MAX]],
+        limits_checked=list(axis.limits_checked),
+    )
+
+
+def _rounded(band_hz: tuple[float, float] | None) -> list[float] | None:
+    return None if band_hz is None else [round(one, 6) for one in band_hz]
+
+
+def _phase(comparison: Comparison, phase: PhaseErrors) -> PhaseErrorsOut:
+    return PhaseErrorsOut(
+        kind=phase.kind,
+        session=phase.session,
+        samples=phase.error.samples,
+        rms_arcsec=_or_none(phase.error.rms_rad),
+        max_arcsec=_or_none(phase.error.max_rad),
+        mean_arcsec=_or_none(phase.error.mean_rad),
+        **span(comparison, phase.start_s, phase.stop_s),
+    )
+
+
+def _exceeded(comparison: Comparison, one: Exceeded) -> ExceededOut:
+    return ExceededOut(
+        limit=one.limit,
+        value=round(math.degrees(one.value), 6),
+        bound=round(math.degrees(one.bound), 6),
+        unit=_UNITS[one.limit],
+        **span(comparison, one.start_s, one.stop_s),
+    )
+
+
+def _or_none(angle_rad: float) -> float | None:
+    """None for NaN, of no samples."""
+    return None if math.isnan(angle_rad) else arcsec(angle_rad)
+
+
+def arcsec(angle_rad: float) -> float:
+    """To a ten-thousandth, without a negative zero."""
+    return round(angle_rad * ARCSEC_PER_RAD, 4) + 0.0

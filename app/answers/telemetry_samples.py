@@ -1,0 +1,111 @@
+"""What became of the rows of telemetry, in the answer to their comparison."""
+
+from dataclasses import dataclass
+
+from app.answers.members import fill
+from app.answers.ranges import Count, NotNegative
+from planner.frames.time_scales import shifted_utc, utc_text
+from planner.telemetry.columns import AngleUnit, Kind, UnitFrom
+from planner.telemetry.compare import Comparison
+from planner.telemetry.samples import Dropped
+
+
+@dataclass(frozen=True, kw_only=True)
+class StretchOut:
+    """Of time, by the plan's clock.
+
+    start: when it begins; UTC. E.g. `"2015-02-27T17:36:20.000Z"`.
+    stop: when it ends; UTC. E.g. `"2015-02-27T17:36:24.000Z"`.
+    """
+
+    start: str
+    stop: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class TelemetryColumnOut:
+    """How a column was read.
+
+    name: as it was sent.
+    axis: the axis it tells of.
+    kind: of its angle or of its rate.
+    unit: in which it was read; of a rate, the unit's part before the time.
+    unit_from: what said so: the column's name, a row of units under the names, or which unit fits
+    the plan.
+    """
+
+    name: str
+    axis: str
+    kind: Kind
+    unit: AngleUnit
+    unit_from: UnitFrom
+
+
+@dataclass(frozen=True, kw_only=True)
+class SamplesOut:
+    """What became of the rows.
+
+    read: rows there were: those used and those dropped.
+    used: rows that the comparison rests on.
+    dropped: rows by reason: `no_time` and `no_value` hold no number there, `repeated` have a time
+    tag again, `held` only values of the row before while the plan moves on, `clock_reset` belong to
+    a clock that began anew, `outside_plan` lie before or after its table, `outlier` stand out from
+    those around. E.g. `{"outlier": 3}`.
+    reordered: rows used that came before an earlier one.
+    wrapped: angles that were brought within half a turn of the plan.
+    start: of the first row used; UTC.
+    stop: of the last row used; UTC.
+    step_s: usual time from row to row.
+    gaps: stretches without rows, at most 200. E.g.
+    `[{"start": "2015-02-27T17:35:00.000Z", "stop": "2015-02-27T17:35:10.000Z"}]`.
+    columns: those read.
+    ignored_columns: names of those that tell of no axis, or hold nothing. E.g. `["temperature"]`.
+    """
+
+    read: Count
+    used: Count
+    dropped: dict[Dropped, Count]
+    reordered: Count
+    wrapped: Count
+    start: str
+    stop: str
+    step_s: NotNegative
+    gaps: list[StretchOut]
+    columns: list[TelemetryColumnOut]
+    ignored_columns: list[str]
+
+
+def samples_of(comparison: Comparison) -> SamplesOut:
+    """Rows read, used and dropped, and the columns."""
+    clean, alignment = comparison.samples, comparison.alignment
+    first_s, last_s = alignment.t_s(clean.tag_s[[0, -1]]).tolist()
+    names = comparison.plan.scenario.platform.axis_names
+    return SamplesOut(
+        read=clean.read,
+        used=len(clean.tag_s),
+        dropped=dict(clean.dropped),
+        reordered=clean.reordered,
+        wrapped=comparison.wrapped,
+        step_s=round(comparison.step_s, 6),
+        gaps=[StretchOut(**span(comparison, *gap_s)) for gap_s in comparison.gaps_s],
+        columns=[
+            fill(
+                TelemetryColumnOut,
+                column,
+                column.meaning,
+                axis=names[column.meaning.axis],
+            )
+            for column in comparison.columns
+        ],
+        ignored_columns=list(comparison.ignored),
+        **span(comparison, first_s, last_s),
+    )
+
+
+def span(comparison: Comparison, start_s: float, stop_s: float) -> dict[str, str]:
+    """Start and stop in UTC, of seconds after the table's epoch."""
+    epoch_utc = comparison.plan.table.epoch_utc
+    return {
+        "start": utc_text(shifted_utc(epoch_utc, start_s)),
+        "stop": utc_text(shifted_utc(epoch_utc, stop_s)),
+    }

@@ -1,0 +1,241 @@
+"""What befalls a service for real: is it told in plain words, is nothing lost, does it go on?"""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx2 as httpx
+import pytest
+from browsing import PHONE, violations
+from hardships import dying_workers, full_disk, idle_workers, small_disk, spend_all
+from live_service import Service, live_service
+from playwright.sync_api import expect
+
+from app.requests.examples.plan import LAS_VEGAS
+
+PLACE = "36.17, -115.14, 620"
+BUSY_MS = 60_000.0  # a service that starts, or that asks to wait
+
+
+@dataclass(frozen=True)
+class Hard:
+    """A service with little patience, and the disk its data are on."""
+
+    service: Service
+    folder: Path
+    is_disk: bool
+
+
+@pytest.fixture(scope="module")
+def hard(browser, tmp_path_factory) -> Iterator[Hard]:
+    """One worker, one job that may wait, one attempt at each."""
+    folder = tmp_path_factory.mktemp("disk")
+    with (
+        small_disk(folder) as is_disk,
+        live_service(
+            tmp_path_factory.mktemp("hard"),
+            SLEWTRACK_DATA_DIR=str(folder),
+            SLEWTRACK_DATABASE_URL="",
+            SLEWTRACK_WORKERS="1",
+            SLEWTRACK_QUEUE_MAX="1",
+            SLEWTRACK_JOB_ATTEMPTS="1",
+        ) as service,
+    ):
+        yield Hard(service, folder, is_disk)
+
+
+@pytest.fixture
+def form(open_page):
+    """Opens the form of a service, with a target typed into it."""
+
+    def form(service, **settings):
+        page = open_page("/", at=service, **settings)
+        field = page.get_by_label("Place or coordinates")
+        field.fill(PLACE)
+        with page.expect_response(lambda answer: "36.17" in (answer.request.post_data or "")):
+            page.get_by_role("button", name="Find").click()
+        expect(page.get_by_role("list", name="Windows, the first first")).to_be_visible()
+        expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+        return page
+
+    return form
+
+
+def plan(page):
+    page.get_by_role("button", name="Plan", exact=True).click()
+
+
+def keeps_what_was_typed(page):
+    expect(page.get_by_label("Place or coordinates")).to_have_value(PLACE)
+    expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+
+
+def is_planned(page):
+    """The plan is made, of the target that was typed; and once."""
+    expect(page.get_by_test_id("verdict")).to_contain_text("Passed", timeout=BUSY_MS)
+    path = f"/v1/plans/{page.url.rsplit('/', 1)[1]}"
+    target = page.request.get(f"{path}/request").json()["sessions"][0]["target"]
+    assert (target["latitude_deg"], target["longitude_deg"]) == (36.17, -115.14)
+
+
+def told_in_russian_too(page, *texts):
+    """What is told, told again when the language is changed, and back."""
+    page.get_by_label("Language").select_option("ru")
+    for text in texts:
+        expect(page.get_by_role("alert")).to_contain_text(text)
+    page.get_by_label("Язык").select_option("en")
+
+
+def test_a_service_that_stops_and_comes_back(form, tmp_path):
+    with live_service(tmp_path) as service:
+        page = form(service)
+        page.get_by_label("Language").select_option("ru")
+        page.get_by_label("Язык").select_option("en")
+    plan(page)
+    expect(page.get_by_text("The service doesn't answer; the next try is in")).to_be_visible()
+    alert = page.get_by_role("alert")
+    expect(alert).to_contain_text("The service doesn't answer", timeout=BUSY_MS)
+    expect(alert).to_contain_text("Nothing you entered is lost")
+    told_in_russian_too(page, "Служба не отвечает", "Введённое не потеряно")
+    assert violations(page) == []
+    keeps_what_was_typed(page)
+    with live_service(tmp_path, "--port", str(service.port)):
+        alert.get_by_role("button", name="Try again").click()
+        is_planned(page)
+        page.close()
+
+
+def test_a_service_that_starts_anew_while_it_works(form, tmp_path):
+    """The work goes on where it was left, and the page follows it: one plan is made."""
+    with ExitStack() as until_it_stopped, live_service(tmp_path) as service:
+        page = form(service)
+        until_it_stopped.enter_context(idle_workers(service))
+        plan(page)
+        expect(page.get_by_role("progressbar", name="at work")).to_be_visible()
+    with live_service(tmp_path, "--port", str(service.port)) as service:
+        is_planned(page)
+        assert len(httpx.get(f"{service.address}/v1/plans").json()["plans"]) == 1
+        page.close()
+
+
+def test_too_many_requests_are_waited_for(form, tmp_path):
+    with live_service(tmp_path, SLEWTRACK_RATE_PER_MINUTE="900") as service:
+        page = form(service)
+        refusal = spend_all(service)
+        assert (refusal.status_code, refusal.headers["retry-after"]) == (429, "1")
+        plan(page)
+        expect(page.get_by_text("The service is busy; the next try is in 1 s.")).to_be_visible()
+        is_planned(page)
+        page.close()
+
+
+def test_a_full_queue_is_waited_for(form, hard):
+    page = form(hard.service)
+    with idle_workers(hard.service), httpx.Client(base_url=hard.service.address) as client:
+        for number in range(2):
+            order = LAS_VEGAS | {"name": f"before others {number}"}
+            answer = client.post("/v1/plans", json=order, headers={"Prefer": "respond-async"})
+            assert answer.status_code == 202, answer.text
+        plan(page)
+        expect(page.get_by_text("The service is busy; the next try is in 5 s.")).to_be_visible()
+        for one in client.get("/v1/plans", params={"name": "before others"}).json()["plans"]:
+            client.delete(f"/v1/plans/{one['id']}")
+    is_planned(page)
+
+
+def test_work_whose_process_dies_is_told_and_tried_again(form, hard):
+    page = form(hard.service)
+    with dying_workers(hard.service):
+        plan(page)
+        alert = page.get_by_role("alert")
+        expect(alert).to_contain_text("The work broke off", timeout=BUSY_MS)
+    expect(alert).to_contain_text("Try again; if it ends so again, ask for less")
+    told_in_russian_too(page, "Работа прервалась", "Процесс, который над этим работал")
+    assert violations(page) == []
+    keeps_what_was_typed(page)
+    # As it is told where the plan would be, too, from which it can be planned once more.
+    [broken] = page.request.get("/v1/plans?state=failed").json()["plans"]
+    alert.get_by_role("button", name="Try again").click()
+    is_planned(page)
+    page.goto(f"/plans/{broken['id']}")
+    expect(alert).to_contain_text("The work broke off")
+    expect(page.get_by_role("link", name="Change the request")).to_be_visible()
+    alert.get_by_role("button", name="Try again").click()
+    is_planned(page)
+
+
+def test_work_that_takes_too_long_is_told_and_asked_for_again(form, tmp_path):
+    """Nothing can be planned in the hundredth of a second that is allowed at first."""
+    with live_service(tmp_path) as service:
+        page = form(service)
+    port = str(service.port)
+    with live_service(tmp_path, "--port", port, SLEWTRACK_JOB_DEADLINE_S="0.01"):
+        plan(page)
+        alert = page.get_by_role("alert")
+        expect(alert).to_contain_text("It takes more than the service allows", timeout=BUSY_MS)
+        expect(alert).to_contain_text("this takes more than the 0.01 s it may")
+        told_in_russian_too(page, "Это больше, чем служба позволяет", "Просите меньше за раз")
+        keeps_what_was_typed(page)
+    with live_service(tmp_path, "--port", port):
+        plan(page)
+        is_planned(page)
+        page.close()
+
+
+def test_work_is_cancelled_and_asked_for_again(form, hard):
+    page = form(hard.service)
+    with idle_workers(hard.service):
+        plan(page)
+        expect(page.get_by_role("progressbar", name="at work")).to_be_visible()
+        page.get_by_role("button", name="Cancel").click()
+        expect(page.get_by_role("progressbar")).to_be_hidden()
+    keeps_what_was_typed(page)
+    found = page.request.get("/v1/plans?state=cancelled").json()["plans"]
+    [cancelled] = [one for one in found if not one["name"]]  # the other tests' have one
+    plan(page)
+    is_planned(page)
+    page.goto(f"/plans/{cancelled['id']}")
+    expect(page.get_by_text("Work on it was cancelled.")).to_be_visible()
+    page.get_by_role("link", name="Change the request").click()
+    expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+    plan(page)
+    is_planned(page)
+
+
+@pytest.mark.parametrize("viewport", [None, PHONE], ids=["laptop", "phone"])
+def test_a_full_disk_is_told_and_recovered_from(form, hard, viewport):
+    page = form(hard.service, **({"viewport": viewport} if viewport else {}))
+    with full_disk(hard.service, hard.folder, is_disk=hard.is_disk):
+        plan(page)
+        waits = "The service can't use its database now; the next try is in"
+        expect(page.get_by_text(waits)).to_be_visible()
+        alert = page.get_by_role("alert")
+        expect(alert).to_contain_text("Its disk may be full", timeout=BUSY_MS)
+        told_in_russian_too(page, "Возможно, диск полон")
+        assert violations(page) == []
+    keeps_what_was_typed(page)
+    alert.get_by_role("button", name="Try again").click()
+    is_planned(page)
+
+
+def test_a_plan_whose_time_is_over_is_told_with_the_ways_on(form, tmp_path):
+    with live_service(tmp_path) as service:
+        page = form(service)
+        plan(page)
+        is_planned(page)
+        gone = page.url.removeprefix(service.address)
+        page.wait_for_load_state("networkidle")  # the globe leaves what it can't fetch unhandled
+    port = str(service.port)
+    with live_service(tmp_path, "--port", port, SLEWTRACK_RETENTION_DAYS="0.000001"):
+        # What the page holds already is still shown; what it must fetch isn't there any more.
+        page.get_by_role("button", name="Download CSV").click()
+        expect(page.get_by_role("alert")).to_contain_text("It isn't there any more")
+        told_in_russian_too(page, "Этого больше нет")
+        page.goto(gone)
+        expect(page.get_by_text("There is no such plan")).to_be_visible()
+        assert violations(page) == []
+        expect(page.get_by_role("link", name="Plans kept")).to_be_visible()
+        page.get_by_role("link", name="Plan anew").click()
+        expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+        page.close()

@@ -1,0 +1,65 @@
+/** When the spacecraft passes what is asked for, as the service finds it. */
+import { post, remove, type Schemas } from "../../api/client";
+import { rfc3339 } from "../../i18n/forms";
+import { reachOf } from "../plan/orbit";
+import type { SessionRequest } from "./session";
+
+export type Opportunity = Schemas["ImagingOpportunityOut"];
+
+export interface Found {
+  from_ms: number;
+  to_ms: number;
+  opportunities: readonly Opportunity[];
+  /** In order of time, each as much as one session may hold. */
+  passes: readonly Pass[];
+  /** Names of what no pass shows whole. */
+  unseen: readonly string[];
+  warnings: readonly string[];
+}
+
+/** What one session can image. */
+export interface Pass {
+  start: string;
+  stop: string;
+  seen: readonly Opportunity[];
+}
+
+const DAY_MS = 86_400_000;
+const SAMPLES = 21;
+const LONGEST_MS = 3_600_000; // of a session, as the service takes it
+
+export type Search = Pick<SessionRequest, "orbit" | "spacecraft" | "settings" | "requests"> & {
+  from_ms: number;
+  days: number;
+};
+
+export async function findPasses({ from_ms, days, ...asked }: Search, until: AbortSignal): Promise<Found> {
+  const last_ms = reachOf(asked.orbit)?.to_ms ?? Infinity;
+  const wanted_ms = from_ms + days * DAY_MS;
+  const to_ms = last_ms > from_ms ? Math.min(wanted_ms, last_ms) : wanted_ms;
+  const body = { ...asked, start: rfc3339(from_ms), stop: rfc3339(to_ms), samples: SAMPLES };
+  const { id, windows, unseen, warnings } = await post("/v1/spacecraft/opportunities", body, { signal: until });
+  // Kept by the service for who wants it; ours is seen once.
+  void remove("/v1/spacecraft/opportunities/{id}", { id }).catch(() => undefined);
+  return { from_ms, to_ms, opportunities: windows, passes: passesOf(windows), unseen, warnings };
+}
+
+function passesOf(opportunities: readonly Opportunity[]): Pass[] {
+  const passes: { start_ms: number; stop_ms: number; seen: Opportunity[] }[] = [];
+  const sorted = [...opportunities].sort((one, other) => Date.parse(one.rise) - Date.parse(other.rise));
+  for (const one of sorted) {
+    if (!one.session) continue;
+    const [start_ms, stop_ms] = [Date.parse(one.session.start), Date.parse(one.session.stop)];
+    const pass = passes[passes.length - 1];
+    if (pass && start_ms <= pass.stop_ms && stop_ms - pass.start_ms <= LONGEST_MS) {
+      pass.stop_ms = Math.max(pass.stop_ms, stop_ms);
+      pass.seen.push(one);
+    } else passes.push({ start_ms, stop_ms, seen: [one] });
+  }
+  return passes.map(({ start_ms, stop_ms, seen }) => ({ start: rfc3339(start_ms), stop: rfc3339(stop_ms), seen }));
+}
+
+/** The pass seen from highest: by it a session of several is told. */
+export function highest({ seen }: Pass): Opportunity {
+  return seen.reduce((best, one) => (one.highest_deg > best.highest_deg ? one : best));
+}
