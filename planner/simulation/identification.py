@@ -31,6 +31,7 @@ _LEAST_SIGMA_ARCSEC = 0.1  # and arcsec/s: what telemetry between two control st
 _ROBUST_SIGMAS = 5.0  # above, a residual weighs by its size, not its square
 _DIFFERENCE = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
 _ROUNDS_MAX = 25
+_LAW_SIGMA = 0.03  # of a friction's logarithm: by which Karnopp's law, flown, is mistaken for ours
 _ARCSEC_RAD = math.radians(1.0 / 3600.0)
 
 
@@ -220,7 +221,10 @@ def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
 
 
 def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
-    """Of what moves the parameters, (n, n); the axes' don't go together."""
+    """Of what moves the parameters, (n, n); the axes' don't go together.
+
+    Friction's with what the law itself leaves open, which no residual of one flight shows.
+    """
     samples, n = len(tried.t_s), len(moved_parameters)
     missed = tried.misses(moved_parameters, sigma)
     slopes = _slopes(tried, moved_parameters, sigma)
@@ -235,7 +239,7 @@ def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Arr
                 weights[:, axis].reshape(2, samples),
                 tried.prior_parameters[own],
             )
-    return found
+    return found + np.diag(tried.is_one_of(*FRICTION) * _LAW_SIGMA**2)
 
 
 def _root_mean_square(missed_value: Array) -> Array:
