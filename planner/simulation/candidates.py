@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from planner.arrays import Array, Indices
+from planner.arrays import Array, Indices, Mask
 from planner.commands import CommandTable
 from planner.platforms import AxisDrive, TwoAxisPlatform
 from planner.simulation.flight import fly
@@ -71,7 +71,7 @@ class Candidates:
     prior_parameters: Array
     clean: tuple[AxisDrive, AxisDrive]
 
-    def is_one_of(self, *fields: str) -> Array:
+    def is_one_of(self, *fields: str) -> Mask:
         """Of each parameter, (n,)."""
         return np.array([name.split(".")[1] in fields for name in self.names])
 
@@ -100,13 +100,11 @@ class Candidates:
         """Whose sensors tell the truth.  Raises ValueError for those that no platform can have."""
         return with_parameters(self.platform, self.clean, self.names, self.values(moved_parameters))
 
-    def residuals(
-        self, drives: tuple[AxisDrive, AxisDrive], seed: int = 0
-    ) -> tuple[Array, Array, Array]:
+    def residuals(self, drives: tuple[AxisDrive, AxisDrive]) -> tuple[Array, Array, Array]:
         """Measured less flown angles and rates, (k, 2), and the rates' means, taken out, (2,)."""
         from scipy.interpolate import CubicSpline
 
-        flown = fly(self.table, self.platform, drives=drives, seed=seed)
+        flown = fly(self.table, self.platform, drives=drives)
         told = np.concatenate([flown.measured_angle_rad, flown.measured_rate_rad_s], axis=1)
         then = CubicSpline(flown.t_s, told)(self.t_s)
         angle_rad, rate_rad_s = self.angle_rad - then[:, :2], self.rate_rad_s - then[:, 2:]
@@ -125,20 +123,8 @@ class Candidates:
         except ValueError:  # its loop would swing up by itself: not the one that was flown
             return np.full((2 * len(self.t_s), 2), IMPOSSIBLE_SIGMAS)
         angle_rad, rate_rad_s, _ = self.residuals(drives)
-        return np.nan_to_num(np.concatenate([angle_rad / sigma[0], rate_rad_s / sigma[1]]))
-
-    def shaken(self, moved_parameters: Array, sigma: Array, seed: int) -> Array:
-        """The misses where the loops see what the platform's encoders count, with their noise."""
-        drives = [
-            replace(
-                drive,
-                encoder_step_arcsec=real.encoder_step_arcsec,
-                encoder_noise_arcsec=real.encoder_noise_arcsec,
-            )
-            for drive, real in zip(self.drives(moved_parameters), self.platform.drives, strict=True)
-        ]
-        angle_rad, rate_rad_s, _ = self.residuals((drives[0], drives[1]), seed)
-        return np.nan_to_num(np.concatenate([angle_rad / sigma[0], rate_rad_s / sigma[1]]))
+        found: Array = np.nan_to_num(np.concatenate([angle_rad / sigma[0], rate_rad_s / sigma[1]]))
+        return found
 
 
 def candidates(

@@ -1,7 +1,7 @@
 """What a platform's drives must have been, from the angles or rates that they flew."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,12 +23,15 @@ from planner.simulation.scatter import covariance
 # as ones do that are nearly rigid before they slide.
 _COARSE_TRIES = np.linspace(-math.log(6.0), math.log(6.0), 31)
 _FINE_TRIES = np.linspace(-0.18, 0.18, 10)
-_MANNERS = ({}, {"presliding_arcsec": -1.6, "presliding_damping": -2.0, "damping": 0.1})
+_MANNERS: tuple[Mapping[str, float], ...] = (
+    {},
+    {"presliding_arcsec": -1.6, "presliding_damping": -2.0, "damping": 0.1},
+)
 _LEAST_SIGMA_ARCSEC = 0.1  # and arcsec/s: what telemetry between two control steps costs
 _ROBUST_SIGMAS = 5.0  # above, a residual weighs by its size, not its square
 _DIFFERENCE = 1e-3  # of logarithms: a thousand times what the integrator leaves uncertain
 _ROUNDS_MAX = 25
-_SHAKES = 6  # flights that tell what the encoders do to the fit
+_LAW_SIGMA = 0.03  # of a friction's logarithm: by which Karnopp's law, flown, is mistaken for ours
 _ARCSEC_RAD = math.radians(1.0 / 3600.0)
 
 
@@ -80,7 +83,7 @@ def identify(
     moved = _fitted(tried, moved, sigma)
     sigma = _sigma(tried, moved)
     moved = _fitted(tried, moved, sigma)
-    moved, covariance_moved = _settled(tried, moved, _sigma(tried, moved))
+    covariance_moved = _covariance(tried, moved, _sigma(tried, moved))
     n, slope = len(names), tried.slope(moved)
     parameters = tried.values(moved)[:n]
     angle_rad, rate_rad_s, bias_rad_s = tried.residuals(tried.drives(moved))
@@ -108,7 +111,8 @@ def _best_start(tried: Candidates) -> Array:
         to = np.array([manner.get(name.split(".")[1], 0.0) for name in tried.names])
         fine += [best + to + shift * friction for shift in _FINE_TRIES]
     first = _cheapest([_robust(tried.misses(moved, sigma)) for moved in fine])
-    return np.array(fine)[first[tried.of_axis], np.arange(len(best))]
+    found: Array = np.array(fine)[first[tried.of_axis], np.arange(len(best))]
+    return found
 
 
 def _cheapest(costs_by_try: Sequence[Array]) -> Array:
@@ -117,9 +121,9 @@ def _cheapest(costs_by_try: Sequence[Array]) -> Array:
     return found
 
 
-def _robust(missed_sigmas: Array) -> Array:
+def _robust(missed_sigma: Array) -> Array:
     """As least_squares adds them up, of each axis, (2,)."""
-    size = (missed_sigmas / _ROBUST_SIGMAS) ** 2
+    size = (missed_sigma / _ROBUST_SIGMAS) ** 2
     total: Array = np.sum(np.sqrt(1.0 + size) - 1.0, axis=0)
     return total
 
@@ -192,13 +196,20 @@ def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
     """As they fit best from where the search starts."""
     from scipy.optimize import least_squares  # half a second, which most processes never need
 
-    n = len(start_parameters)
+    prior = tried.prior_parameters
+
+    def missed(moved_parameters: Array) -> Array:
+        told = tried.misses(moved_parameters, sigma).ravel()
+        return np.append(told, moved_parameters / prior)
+
+    def slopes(moved_parameters: Array) -> Array:
+        told = _slopes(tried, moved_parameters, sigma).reshape(-1, len(prior))
+        return np.concatenate([told, np.diag(1.0 / prior)])
+
     found = least_squares(
-        lambda moved: np.append(tried.misses(moved, sigma).ravel(), moved / tried.prior_parameters),
+        missed,
         start_parameters,
-        lambda moved: np.concatenate(
-            [_slopes(tried, moved, sigma).reshape(-1, n), np.diag(1.0 / tried.prior_parameters)]
-        ),
+        slopes,
         bounds=(tried.least_parameters, np.inf),
         loss="soft_l1",
         f_scale=_ROBUST_SIGMAS,
@@ -209,41 +220,26 @@ def _fitted(tried: Candidates, start_parameters: Array, sigma: Array) -> Array:
     return np.asarray(found.x)
 
 
-def _settled(tried: Candidates, moved_parameters: Array, sigma: Array) -> tuple[Array, Array]:
-    """The fit as it is once the encoders' part is taken out, and the covariance of it.
+def _covariance(tried: Candidates, moved_parameters: Array, sigma: Array) -> Array:
+    """Of what moves the parameters, (n, n); the axes' don't go together.
 
-    Counts and noise of an encoder shake an axis, which lessens its friction: where they move the
-    fit of flights to is where, to first order, they moved this one.  Between the axes there is no
-    covariance.
+    Friction's with what the law itself leaves open, which no residual of one flight shows.
     """
     samples, n = len(tried.t_s), len(moved_parameters)
     missed = tried.misses(moved_parameters, sigma)
     slopes = _slopes(tried, moved_parameters, sigma)
     weights = 1.0 / np.sqrt(1.0 + (missed / _ROBUST_SIGMAS) ** 2)
-    shaken = [
-        missed - tried.shaken(moved_parameters, sigma, seed) for seed in range(1, _SHAKES + 1)
-    ]
-    settled, found = moved_parameters.copy(), np.zeros((n, n))
+    found = np.zeros((n, n))
     for axis in range(2):
         own = np.flatnonzero(tried.of_axis == axis)
-        if len(own) == 0:
-            continue
-        slope, weight = slopes[:, axis, own], weights[:, axis]
-        told = covariance(
-            slope.reshape(2, samples, len(own)),
-            missed[:, axis].reshape(2, samples),
-            weight.reshape(2, samples),
-            tried.prior_parameters[own],
-        )
-        by_prior = np.diag(1.0 / tried.prior_parameters[own] ** 2)
-        gain = np.linalg.solve(slope.T @ (weight[:, None] * slope) + by_prior, slope.T * weight)
-        pushed = -np.array([gain @ one[:, axis] for one in shaken])
-        shift = np.mean(pushed, axis=0)
-        settled[own] -= shift
-        variance = np.var(pushed, axis=0, ddof=1) * (1.0 + 1.0 / _SHAKES) + (0.5 * shift) ** 2
-        grown = np.sqrt(np.maximum(variance / np.diag(told), 1.0))
-        found[np.ix_(own, own)] = told * np.outer(grown, grown)
-    return settled, found
+        if len(own) > 0:
+            found[np.ix_(own, own)] = covariance(
+                slopes[:, axis, own].reshape(2, samples, len(own)),
+                missed[:, axis].reshape(2, samples),
+                weights[:, axis].reshape(2, samples),
+                tried.prior_parameters[own],
+            )
+    return found + np.diag(tried.is_one_of(*FRICTION) * _LAW_SIGMA**2)
 
 
 def _root_mean_square(missed_value: Array) -> Array:
