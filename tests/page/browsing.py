@@ -1,13 +1,31 @@
 """What tests of the planner's page share."""
 
+import uuid
 from pathlib import Path
 
+import httpx2 as httpx
+from live_service import Service
 from playwright.sync_api import Page
+from waiting import eventually
 
 ROOT = Path(__file__).parents[2]
 LAPTOP = {"width": 1280, "height": 800}
 PHONE = {"width": 390, "height": 844}
 _AXE = ROOT / "web/node_modules/axe-core/axe.min.js"
+
+
+def made(service: Service, path: str, request: dict[str, object], **query: str) -> dict:
+    """The service's answer once it is made, however long a loaded machine takes."""
+    headers = {"Prefer": "wait=60", "Idempotency-Key": uuid.uuid4().hex}
+    with httpx.Client(base_url=service.address, headers=headers, timeout=120.0) as client:
+
+        def answered() -> httpx.Response | None:
+            answer = client.post(path, json=request, params=query)
+            return None if answer.status_code == 202 else answer
+
+        answer = eventually(answered)
+    assert answer.status_code == 201, answer.text
+    return answer.json()
 
 
 def violations(page: Page) -> list[str]:

@@ -13,7 +13,7 @@ from live_service import Service, live_service
 from page_browser import launched
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
-PATIENCE_MS = 20_000.0
+PATIENCE_MS = 60_000.0  # more than a plan takes, kernels compiled beside it
 
 OpenPage = Callable[..., Page]
 expect.set_options(timeout=PATIENCE_MS)

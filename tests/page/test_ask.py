@@ -168,7 +168,8 @@ def test_a_dropped_oem(ask):
         " data.items.add(new File([text], 'orbit.oem')); return data; }",
         OEM,
     )
-    ask.dispatch_event(".drop", "drop", {"dataTransfer": data})
+    entry = ask.get_by_label("TLE, or a CCSDS OEM, OMM or OPM")
+    entry.dispatch_event("drop", {"dataTransfer": data})
     expect(ask.get_by_text("OEM ·")).to_be_visible()
     expect(ask.get_by_label("From, UTC")).to_have_value("2015-02-27T17:28")
     expect(ask.get_by_role("slider", name="Session", exact=True)).to_be_visible()

@@ -5,7 +5,7 @@ import re
 
 import httpx
 import pytest
-from browsing import PHONE, ROOT, violations
+from browsing import PHONE, ROOT, made, violations
 from playwright.sync_api import expect
 
 EXAMPLE = json.loads((ROOT / "examples/campaign_cities.json").read_text())
@@ -21,12 +21,7 @@ def campaign(service):
         "target": {"mode": "ground", "latitude_deg": 78.22, "longitude_deg": 15.63},
     }
     asked = EXAMPLE | {"targets": [*EXAMPLE["targets"], north]}
-    with httpx.Client(base_url=service.address, timeout=180.0) as client:
-        made = client.post("/v1/campaigns", json=asked).json()
-        with client.stream("GET", f"/v1/campaigns/{made['id']}/events") as events:
-            for _ in events.iter_lines():
-                pass
-        return client.get(f"/v1/campaigns/{made['id']}").json()
+    return made(service, "/v1/campaigns", asked)
 
 
 def outcome(page, target):

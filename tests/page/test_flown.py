@@ -4,7 +4,7 @@ import json
 
 import httpx
 import pytest
-from browsing import ROOT, violations
+from browsing import ROOT, made, violations
 from playwright.sync_api import expect
 
 
@@ -12,7 +12,7 @@ from playwright.sync_api import expect
 def plan(service) -> str:
     """The id of the Las Vegas pass."""
     request = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
-    return httpx.post(f"{service.address}/v1/plans", json=request, timeout=60.0).json()["id"]
+    return made(service, "/v1/plans", request)["id"]
 
 
 def test_a_plan_is_flown_and_what_is_to_blame_is_told(open_page, plan):
@@ -78,7 +78,7 @@ def test_telemetry_is_compared_with_its_plan(open_page, service, plan, tmp_path)
     page = open_page(f"/telemetry?plan={plan}")
     page.get_by_label("Telemetry, CSV").set_input_files(str(file))
     page.get_by_role("button", name="Compare").click()
-    expect(page.get_by_test_id("comparison")).to_contain_text("0.3700", timeout=60_000)
+    expect(page.get_by_test_id("comparison")).to_contain_text("0.3700")
     drawn = page.get_by_alt_text("Plan and flight drawn over time")
     assert drawn.evaluate("image => image.naturalWidth") > 0
     expect(page.get_by_text("left out: no_time")).to_be_visible()
@@ -91,4 +91,4 @@ def test_a_file_that_tells_nothing_is_refused_in_words(open_page, plan, tmp_path
     page = open_page(f"/telemetry?plan={plan}")
     page.get_by_label("Telemetry, CSV").set_input_files(str(file))
     page.get_by_role("button", name="Compare").click()
-    expect(page.get_by_role("alert")).to_contain_text("samples", timeout=60_000)
+    expect(page.get_by_role("alert")).to_contain_text("samples")

@@ -2,8 +2,7 @@
 
 import json
 
-import httpx
-from browsing import ROOT, violations
+from browsing import ROOT, made, violations
 from playwright.sync_api import expect
 
 FRAMES = [str(ROOT / f"examples/horizon_{name}.png") for name in ("ahead", "right")]
@@ -15,7 +14,7 @@ def test_dropped_images_give_verdict_ellipse_and_overlays(open_page):
     expect(measure).to_be_disabled()
     page.get_by_label("Choose images").set_input_files(FRAMES)
     measure.click()
-    expect(page.get_by_test_id("horizon-verdict")).to_contain_text("Consistent", timeout=60_000)
+    expect(page.get_by_test_id("horizon-verdict")).to_contain_text("Consistent")
     expect(page.get_by_role("img", name="Error ellipse of the nadir")).to_be_visible()
     for camera in ("ahead", "right"):
         overlay = page.get_by_alt_text(
@@ -30,13 +29,13 @@ def test_dropped_images_give_verdict_ellipse_and_overlays(open_page):
 def test_the_plan_says_where_and_how_the_carrier_should_be(open_page, service):
     example = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
     example["attitude"] = {"law": "lvlh", "yaw_deg": 0.0, "pitch_deg": 3.0, "roll_deg": 0.0}
-    plan = httpx.post(f"{service.address}/v1/plans", json=example, timeout=60.0).json()["id"]
+    plan = made(service, "/v1/plans", example)["id"]
     page = open_page(f"/horizon?plan={plan}")
     page.get_by_role("button", name="Take the example's images").click()
     page.get_by_role("button", name="Take them from the plan").click()
     expect(page.get_by_text("predicted attitude are the plan's")).to_be_visible(timeout=60_000)
     page.get_by_role("button", name="Measure the vertical").click()
-    expect(page.get_by_test_id("horizon-verdict")).to_contain_text("Not consistent", timeout=60_000)
+    expect(page.get_by_test_id("horizon-verdict")).to_contain_text("Not consistent")
 
 
 def test_what_is_no_image_is_refused_in_words(open_page, tmp_path):

@@ -4,7 +4,7 @@ import json
 
 import httpx
 import pytest
-from browsing import ROOT, violations
+from browsing import ROOT, made, violations
 from playwright.sync_api import expect
 
 EXAMPLE = json.loads((ROOT / "examples/las_vegas_2015.json").read_text())
@@ -16,11 +16,8 @@ def plans(service) -> tuple[str, str]:
     shorter = json.loads(json.dumps(EXAMPLE))
     stop = shorter["sessions"][0]["stop"]
     shorter["sessions"][0]["stop"] = stop.replace(stop[17:19], f"{int(stop[17:19]) - 10:02d}")
-    with httpx.Client(base_url=service.address, timeout=60.0) as client:
-        first = client.post("/v1/plans", json=EXAMPLE | {"name": "Vegas, kept"}).json()["id"]
-        second = client.post(
-            "/v1/plans", json=shorter | {"name": "Vegas, kept"}, params={"revises": first}
-        ).json()["id"]
+    first = made(service, "/v1/plans", EXAMPLE | {"name": "Vegas, kept"})["id"]
+    second = made(service, "/v1/plans", shorter | {"name": "Vegas, kept"}, revises=first)["id"]
     return first, second
 
 
@@ -49,18 +46,18 @@ def test_any_two_are_chosen_to_compare(open_page, plans):
 
 
 def test_what_is_deleted_is_gone_only_after_asking(open_page, service):
+    path = f"/v1/plans/{made(service, '/v1/plans', EXAMPLE | {'name': 'Not to be kept'})['id']}"
     with httpx.Client(base_url=service.address, timeout=60.0) as client:
-        made = client.post("/v1/plans", json=EXAMPLE | {"name": "Not to be kept"}).json()["id"]
         page = open_page("/plans")
         page.get_by_role("button", name="Delete Not to be kept").click()
         page.get_by_role("button", name="Keep it").click()
-        assert client.get(f"/v1/plans/{made}").status_code == 200
+        assert client.get(path).status_code == 200
         page.get_by_role("button", name="Delete Not to be kept").click()
         dialog = page.get_by_role("dialog")
         assert violations(page) == []
         dialog.get_by_role("button", name="Delete").click()
         expect(page.get_by_role("link", name="Not to be kept")).to_have_count(0)
-        assert client.get(f"/v1/plans/{made}").status_code == 404
+        assert client.get(path).status_code == 404
 
 
 def test_work_shows_its_progress_and_can_be_cancelled(open_page, service):
@@ -92,7 +89,7 @@ def test_a_lost_connection_is_told_and_recovered_from(open_page, plans):
     page = open_page("/plans")
     page.route("**/v1/plans?*", lambda route: route.abort())
     page.get_by_role("button", name="Reload").click()
-    expect(page.get_by_role("alert")).to_contain_text("doesn't answer", timeout=30_000)
+    expect(page.get_by_role("alert")).to_contain_text("doesn't answer")
     page.unroute("**/v1/plans?*")
     page.get_by_role("button", name="Try again").click()
     expect(page.get_by_role("alert")).to_have_count(0)

@@ -4,7 +4,7 @@ import json
 import urllib.request
 
 import pytest
-from browsing import PHONE, ROOT, violations
+from browsing import PHONE, ROOT, made, violations
 from playwright.sync_api import Page, expect
 
 from app.requests.examples.horizon import AHEAD, RIGHT
@@ -25,13 +25,7 @@ def las_vegas(service) -> str:
 
 def planned(service, **changed: object) -> str:
     document = json.loads((ROOT / "examples/las_vegas_2015.json").read_text()) | changed
-    request = urllib.request.Request(
-        f"{service.address}/v1/plans",
-        json.dumps(document).encode(),
-        {"Content-Type": "application/json"},
-    )
-    with urllib.request.urlopen(request, timeout=60) as answer:
-        return f"/plans/{json.load(answer)['id']}"
+    return f"/plans/{made(service, '/v1/plans', document)['id']}"
 
 
 def view_of(service, path: str) -> dict:

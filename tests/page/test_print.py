@@ -2,8 +2,8 @@
 
 import re
 
-import httpx2 as httpx
 import pytest
+from browsing import made
 from playwright.sync_api import expect
 
 from app.requests.examples.plan import LAS_VEGAS
@@ -29,15 +29,10 @@ def several_sessions():
 
 
 @pytest.fixture(scope="module")
-def made(service):
+def plans(service):
     """Ids of a plan of one session, and of one of several."""
-
-    def made(request):
-        answer = httpx.post(f"{service.address}/v1/plans", json=request, timeout=60.0)
-        assert answer.status_code == 201, answer.text
-        return answer.json()["id"]
-
-    return {"one": made(LAS_VEGAS), "several": made(several_sessions())}
+    requests = {"one": LAS_VEGAS, "several": several_sessions()}
+    return {name: made(service, "/v1/plans", asked)["id"] for name, asked in requests.items()}
 
 
 def pages_of(pdf):
@@ -49,8 +44,8 @@ def pages_of(pdf):
     ("name", "language", "theme"),
     [("one", "en-GB", "dark"), ("several", "en-GB", "light"), ("several", "ru-RU", "dark")],
 )
-def test_a_plan_is_printed_on_one_page(open_page, made, name, language, theme, paper):
-    page = open_page(f"/plans/{made[name]}", locale=language, color_scheme=theme)
+def test_a_plan_is_printed_on_one_page(open_page, plans, name, language, theme, paper):
+    page = open_page(f"/plans/{plans[name]}", locale=language, color_scheme=theme)
     expect(page.locator(".look-charts canvas").first).to_be_visible()
     verdict = page.get_by_test_id("verdict").inner_text()
     # The pictures are drawn for paper only, when the browser says that it prints.

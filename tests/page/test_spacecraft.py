@@ -4,9 +4,8 @@ import json
 import re
 from pathlib import Path
 
-import httpx
 import pytest
-from browsing import PHONE, ROOT, violations
+from browsing import PHONE, ROOT, made, violations
 from playwright.sync_api import expect
 
 FOUR_MODES = json.loads((ROOT / "examples/spacecraft_four_modes.json").read_text())
@@ -23,10 +22,7 @@ def session(service):
         "geometry": {"type": "LineString", "coordinates": [[160.0, -20.0], [160.0, -20.5]]},
     }
     asked = FOUR_MODES | {"requests": [*FOUR_MODES["requests"], elsewhere]}
-    path = f"{service.address}/v1/spacecraft/plans"
-    answer = httpx.post(path, json=asked, headers={"Prefer": "wait=60"}, timeout=180.0)
-    assert answer.status_code == 201, answer.text
-    return answer.json()
+    return made(service, "/v1/spacecraft/plans", asked)
 
 
 def planned(page):
