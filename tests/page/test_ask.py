@@ -239,4 +239,4 @@ def test_searches_for_windows_are_not_left_behind(ask, service):
         with ask.expect_response(lambda answer: answer.request.method == "DELETE"):
             ask.get_by_label("Days").fill(days)
             ask.get_by_label("Days").press("Enter")
-    assert kept() == before
+    assert kept() <= before  # the first search's may still have been there

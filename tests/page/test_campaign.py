@@ -35,9 +35,9 @@ def test_what_is_chosen_and_why_the_rest_is_not(open_page, campaign):
     [left_out], [unseen] = campaign["choice"]["left_out"], campaign["choice"]["unseen"]
     expect(outcome(page, left_out["target"])).to_contain_text(left_out["because"])
     expect(outcome(page, unseen["target"])).to_contain_text(unseen["because"])
-    assert page.locator(".map .fate-chosen").count() == 4
-    assert page.locator(".map .fate-left_out").count() == 1
-    assert page.locator(".map .fate-unseen").count() == 1
+    expect(page.locator(".map .fate-chosen")).to_have_count(4)
+    expect(page.locator(".map .fate-left_out")).to_have_count(1)
+    expect(page.locator(".map .fate-unseen")).to_have_count(1)
     outcome(page, "Boston").get_by_role("button").click()
     expect(page.locator(".map .fate-now")).to_contain_text("Boston")
     page.get_by_label("Show", exact=True).select_option("left out")

@@ -1,11 +1,14 @@
 """Does the look at a plan show what the plan holds, at the cursor's time, to everyone?"""
 
+import io
 import json
 import urllib.request
 
 import pytest
 from browsing import PHONE, ROOT, made, violations
-from playwright.sync_api import Page, expect
+from PIL import Image
+from playwright.sync_api import Locator, Page, expect
+from waiting import eventually
 
 from app.requests.examples.horizon import AHEAD, RIGHT
 
@@ -37,6 +40,12 @@ def view_of(service, path: str) -> dict:
 
 def go_to(page: Page, t_s: float) -> None:
     page.get_by_label("Time of the cursor").fill(f"{t_s:g}")
+
+
+def shows_the_earth(globe: Locator) -> bool:
+    """Whether the picture has the colours of land and sea, which space and lines have not."""
+    picture = Image.open(io.BytesIO(globe.screenshot())).convert("RGB")
+    return len(picture.getcolors(picture.width * picture.height)) > 5000
 
 
 def axis_row(page: Page, name: str) -> list[str]:
@@ -108,6 +117,7 @@ def test_the_globe_plays_the_plan(open_page, las_vegas):
     page = open_page(las_vegas)
     globe = page.locator(".look-globe")
     expect(globe).to_have_attribute("data-state", "there")
+    eventually(lambda: shows_the_earth(globe))
     page.get_by_role("button", name="Flat map").click()
     expect(page.get_by_role("img", name="Map with the ground track")).to_be_visible()
 
@@ -124,6 +134,7 @@ def test_one_globe_is_kept_from_plan_to_plan(open_page, service, las_vegas):
     expect(globe).to_be_visible()
     expect(globe.locator("canvas[data-first]")).to_be_visible()
     expect(page.locator(".look-globe canvas")).to_have_count(1)
+    eventually(lambda: shows_the_earth(globe))
 
 
 def test_without_webgl_there_is_a_map(open_page, las_vegas):

@@ -62,7 +62,7 @@ def test_time_moves_the_momentum_and_the_scanned_line(open_page, session):
     assert len(set(marks)) == 1
     way = sphere.locator(".sphere-off").get_attribute("d")
     sphere.get_by_role("application").press("ArrowLeft")
-    assert sphere.locator(".sphere-off").get_attribute("d") != way
+    expect(sphere.locator(".sphere-off")).not_to_have_attribute("d", way)
 
 
 def test_every_export_is_taken_away(open_page, session):

@@ -33,7 +33,9 @@ function Share({ share, sigma }: { share: number; sigma: number }) {
   return (
     <td>
       <meter min={0} max={1} value={Math.min(Math.max(share, 0), 1)} aria-hidden="true" />{" "}
-      {number(100 * share)} ± {number(100 * sigma)} %
+      <span class="nowrap">
+        {number(100 * share)} ± {number(100 * sigma)} %
+      </span>
     </td>
   );
 }

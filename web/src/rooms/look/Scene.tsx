@@ -36,6 +36,7 @@ export function Scene({ view }: { view: View }) {
     open(view, element, goFlat, wanted.signal).then(
       (opened) => {
         if (!opened) return;
+        if (wanted.signal.aborted) return opened.close();
         globe.current = opened;
         opened.overview(track(view));
         opened.show(cursor_s.peek(), sunAt(view, cursor_s.peek()));
