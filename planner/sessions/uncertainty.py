@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from planner.arrays import Array, Indices, cross
+from planner.arrays import Array, cross
 from planner.attitude import AttitudeErrors, AttitudeLaw
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.iers import RAD_PER_ARCSEC
@@ -22,11 +22,11 @@ from planner.orbits.accuracy import orbit_sigma
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.frame import frame_axes
 from planner.pointing.line_of_sight import LineOfSight
+from planner.sessions.few_rows import farthest_rows, spread_rows
 from planner.sessions.probability import lattice_points, probability_inside
 from planner.targets import VisibleTarget
 
 SAMPLES = 11  # errors change over a pass, not from row to row
-FRAME_TURN_RAD = 0.1  # but a keyhole turns the frame in seconds: then one more instant each
 COARSE = 16  # one of so many draws, where instants are many
 BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
@@ -215,11 +215,11 @@ class Scene:
         samples: int,
     ) -> None:
         image = frame_axes(platform, angle_rad)
-        self.rows = _spread(image, min(len(image), samples))
+        self.rows = spread_rows(image, min(len(image), samples))
         off_rad = np.einsum("nij,nj->ni", image, los.los_platform)
         shares = np.abs(off_rad / platform.frame_half_rad).max(axis=1)
         if shares.max() > OFF_TARGET:
-            self.rows = _farthest(shares, self.rows)
+            self.rows = farthest_rows(shares, self.rows)
         self._image, self.off_rad = image[self.rows], off_rad[self.rows]
         self.instants = Instants(los.instants.epoch_utc, los.instants.t_s[self.rows])
         self.states = OrbitStates(
@@ -255,22 +255,6 @@ class Scene:
         )
         seen_platform = (self._platform.q_platform_from_body * q_body_from_eci).apply(seen)
         return np.asarray(seen_platform.reshape(len(orbits), len(t_s), 3))
-
-
-def _spread(image_platform: Array, samples: int) -> Indices:
-    """Of the rows that many, evenly, and more where the frame turns in the platform."""
-    rows = np.arange(len(image_platform))
-    turn_rad = np.linalg.norm(np.diff(image_platform, axis=0), axis=(1, 2))
-    along = np.linspace(0.0, samples - 1.0, len(rows))
-    along[1:] += np.cumsum(turn_rad) / FRAME_TURN_RAD
-    even = np.linspace(0.0, along[-1], math.ceil(along[-1]) + 1)
-    return np.unique(np.interp(even, along, rows).round().astype(np.intp))
-
-
-def _farthest(shares: Array, rows: Indices) -> Indices:
-    """Of the instants nearest to each of `rows` the one with the largest share of the frame."""
-    nearest = np.abs(np.arange(len(shares))[:, None] - rows).argmin(axis=1)
-    return np.array([np.argmax(np.where(nearest == i, shares, -1.0)) for i in range(len(rows))])
 
 
 class Bias(NamedTuple):
