@@ -231,7 +231,7 @@ def test_clients_fly_and_wait(tmp_path):
         assert 0.0 <= flown.probability_sharp <= flown.probability_in_frame <= 1.0
         assert service.wait_for_flights(flown.id).members == flown.members
         assert [job.id for job in service.flights(plan_id)] == [flown.id]
-        assert [job.id for job in service.flights()] == [flown.id]
+        assert flown.id in [job.id for job in service.flights()]
 
         async def awaited():
             async with slewtrack.AsyncClient(there.address) as service:
