@@ -35,7 +35,16 @@ def test_here(told):
     nominal = told["sessions"][0]["nominal"]
     assert nominal["frames"] == 270
     assert nominal["mover_ground_m"] == pytest.approx(208.0, abs=0.5)  # a car at 75 km/h, in 10 s
-    assert 100.0 < min(nominal["mover_px"]) < max(nominal["mover_px"]) < 181.0  # from over 400 km
+    # Across the lean of the line of sight a pixel is narrowest, along it longest.
+    sizes = zip(
+        nominal["ground_sample_across_m"],
+        nominal["mover_px"],
+        nominal["ground_sample_along_m"],
+        strict=True,
+    )
+    assert all(
+        across <= 208.0 / px * 1.005 and 208.0 / px <= along * 1.005 for across, px, along in sizes
+    )
 
 
 def test_a_service_flies_the_same(told, tmp_path):
