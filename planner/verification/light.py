@@ -45,7 +45,8 @@ def bend_by_sun(source_eci: Array, range_m: Array, r_observer_sun_m: Array) -> A
     sin_phi = np.sqrt(np.sum(cross * cross, axis=1, keepdims=True))
     turn_rad = _SUN_SCHWARZSCHILD_M / distance_m * sin_phi
     turn_rad /= np.maximum(1.0 + cos_phi, _BEHIND_THE_SUN)
-    arriving_eci = source_eci + turn_rad * away / np.maximum(size, np.finfo(np.float64).tiny)
+    way = np.divide(away, size, out=np.zeros_like(away), where=size > 0.0)
+    arriving_eci = source_eci + turn_rad * way
     return np.asarray(
         arriving_eci / np.sqrt(np.sum(arriving_eci * arriving_eci, axis=1, keepdims=True))
     )
