@@ -17,7 +17,7 @@ _STAND_ROWS_MIN = 3
 
 
 @dataclass(frozen=True)
-class Part:
+class StaircasePart:
     """Rows first to last, without last.  level: constant part of the angle, or of the error."""
 
     first: int
@@ -33,7 +33,7 @@ class Staircase:
 
     cost: float
     left_variance_rad2: float
-    parts: tuple[Part, ...]
+    parts: tuple[StaircasePart, ...]
 
     def stands(self, rows: int) -> Mask:
         """Of so many rows, (n,)."""
@@ -62,13 +62,13 @@ def fit_staircase(
         total = cost[:last] + cost_of_part[:last, last]
         origin[last] = first = int(total.argmin())
         cost[last] = total[first]
-    parts: list[Part] = []
+    parts: list[StaircasePart] = []
     last = count
     while last:
         first = int(origin[last])
         stands = bool(is_stand[first, last])
         level = float(np.mean((angle_rad if stands else error_rad)[first:last]))
-        parts.append(Part(first, last, stands, level))
+        parts.append(StaircasePart(first, last, stands, level))
         last = first
     left = (float(cost[count]) - _PART_PRICE * len(parts)) * variance_rad2
     free = max(count - 2 * len(parts), 1)
