@@ -325,7 +325,7 @@ def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlig
 
 def _warnings(head: FlightsHead, found: PlanFlights | None) -> list[str]:
     warnings = [
-        f"session {told.session}: flown as planned, the drive of {axis} gives all its torque "
+        f"session {told.session + 1}: flown as planned, the drive of {axis} gives all its torque "
         f"for {saturated_s:.1f} s and falls behind its table; raise its drive's torque_reserve, or "
         "lower its friction or cable_tension_deg_s2, if the platform's are other than assumed"
         for told in head.sessions

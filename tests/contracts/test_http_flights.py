@@ -60,6 +60,20 @@ def test_what_is_pinned_is_told(flown, plan_id):
     assert sum(session["misses"]["counts"]) + session["misses"]["beyond"] == 6
 
 
+def test_a_drive_that_is_spent_is_told_by_its_session(client):
+    """Sessions are counted from 1 where people read, as the budget's doubts are."""
+    platform = client.get("/v1/platforms").json()["platforms"][0]
+    for axis in ("outer", "inner"):
+        stuck = {"coulomb_deg_s2": 50.0, "breakaway_deg_s2": 100.0, "torque_reserve": 1.0}
+        platform[axis]["drive"] = stuck
+    plan = client.post("/v1/plans", json={**LAS_VEGAS, "platform": platform})
+    assert plan.status_code == 201, plan.text
+    answer = client.post(f"/v1/plans/{plan.json()['id']}/flights", json={"runs": 2}).json()
+    warnings = answer["warnings"]
+    assert any("gives all its torque" in warning for warning in warnings)
+    assert all(warning.startswith("session 1: ") for warning in warnings)
+
+
 def test_the_service_flies_what_python_flies(flown):
     """Parts in children of two workers, and one loop here: the same runs."""
     alone = fly_plan(make_plan(read_plan_request(json.dumps(LAS_VEGAS).encode())), 6, 3)
