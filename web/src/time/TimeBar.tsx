@@ -19,15 +19,16 @@ export interface Stretch {
 interface Props {
   epoch_ms: number;
   stop_s: number;
-  /** The slider's step. */
-  step_s: number;
   stretches: readonly Stretch[];
   /** Keys are listened to in it, and where nothing has the focus. */
   within: () => HTMLElement | null;
+  /** The cursor goes to its start; another object each time, so that the same may be taken again. */
   onStretch: (stretch: Stretch) => void;
 }
 
-export function TimeBar({ epoch_ms, stop_s, step_s, stretches, within, onStretch }: Props) {
+const STEP_S = 0.2; // of the command table
+
+export function TimeBar({ epoch_ms, stop_s, stretches, within, onStretch }: Props) {
   const text = words.value.look.time;
   useEffect(() => {
     const stopKeeping = keepTime(stop_s);
@@ -82,7 +83,7 @@ export function TimeBar({ epoch_ms, stop_s, step_s, stretches, within, onStretch
       <Now epoch_ms={epoch_ms} />
       <div class="timebar-track">
         <Stretches stretches={stretches} stop_s={stop_s} onStretch={onStretch} />
-        <Slider epoch_ms={epoch_ms} stop_s={stop_s} step_s={step_s} stretches={stretches} />
+        <Slider epoch_ms={epoch_ms} stop_s={stop_s} stretches={stretches} />
       </div>
     </div>
   );
@@ -103,7 +104,7 @@ function Now({ epoch_ms }: { epoch_ms: number }) {
   );
 }
 
-function Slider({ epoch_ms, stop_s, step_s, stretches }: Omit<Props, "within" | "onStretch">) {
+function Slider({ epoch_ms, stop_s, stretches }: Omit<Props, "within" | "onStretch">) {
   const text = words.value.look.time;
   const now_s = cursor_s.value;
   const here = stretches.find((one) => now_s < one.stop_s) ?? stretches[stretches.length - 1];
@@ -115,7 +116,7 @@ function Slider({ epoch_ms, stop_s, step_s, stretches }: Omit<Props, "within" | 
       aria-valuetext={`${clock} UTC, ${here?.label ?? ""}`}
       min={0}
       max={stop_s}
-      step={step_s}
+      step={STEP_S}
       value={now_s}
       onInput={(event) => moveTo(event.currentTarget.valueAsNumber, stop_s)}
     />
@@ -134,7 +135,10 @@ function Stretches({ stretches, stop_s, onStretch }: Pick<Props, "stretches" | "
           title={text.zoomTo(one.label)}
           aria-label={text.zoomTo(one.label)}
           style={{ flexGrow: String((one.stop_s - one.start_s) / stop_s) }}
-          onClick={() => onStretch(one)}
+          onClick={() => {
+            onStretch({ ...one });
+            moveTo(one.start_s, stop_s);
+          }}
         >
           <span aria-hidden="true">{one.label}</span>
         </button>

@@ -87,13 +87,9 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
       <TimeBar
         epoch_ms={Date.parse(epoch)}
         stop_s={stop_s}
-        step_s={0.2}
         stretches={stretches}
         within={() => box.current}
-        onStretch={(stretch) => {
-          setChosen({ ...stretch });
-          moveTo(stretch.start_s, stop_s);
-        }}
+        onStretch={setChosen}
       />
       <p class="hint">{text.overTimeHint}</p>
     </section>

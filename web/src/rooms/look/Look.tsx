@@ -5,7 +5,6 @@ import { words } from "../../i18n";
 import { ProblemNotice } from "../../parts/ProblemNotice";
 import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
-import { moveTo } from "../../time/playback";
 import type { Plan } from "../plan/plan";
 import { AxisSpace } from "./AxisSpace";
 import { Charts } from "./Charts";
@@ -58,13 +57,9 @@ function Looking({ view, plan }: { view: View; plan: Plan }) {
         <TimeBar
           epoch_ms={epoch_ms}
           stop_s={stop_s}
-          step_s={0.2}
           stretches={stretches}
           within={() => box.current}
-          onStretch={(stretch) => {
-            setChosen({ ...stretch });
-            moveTo(stretch.start_s, stop_s);
-          }}
+          onStretch={setChosen}
         />
       </div>
       <PrintSheet view={view} stretches={stretches} />

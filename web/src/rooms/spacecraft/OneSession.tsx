@@ -9,7 +9,6 @@ import { AtWork } from "../../parts/AtWork";
 import { JobEnded } from "../../parts/JobEnded";
 import { Link } from "../../parts/Link";
 import { ProblemNotice } from "../../parts/ProblemNotice";
-import { moveTo } from "../../time/playback";
 import { cursor_s } from "../../time/cursor";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
 import { MomentumSphere } from "./MomentumSphere";
@@ -88,13 +87,9 @@ function Seen({ session, view }: { session: Session; view: SessionView }) {
       <TimeBar
         epoch_ms={Date.parse(view.epoch)}
         stop_s={stop_s}
-        step_s={0.2}
         stretches={stretches}
         within={() => box.current}
-        onStretch={(stretch) => {
-          setChosen({ ...stretch });
-          moveTo(stretch.start_s, stop_s);
-        }}
+        onStretch={setChosen}
       />
     </div>
   );
