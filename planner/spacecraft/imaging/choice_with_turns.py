@@ -56,8 +56,8 @@ class LooksTooClose(InfeasibleSlew):
         self.gap_s = scan_s + turn_s
         super().__init__(
             f"the looks of requests.{number} begin {gap_s:.1f} s apart; a scan takes "
-            f"{scan_s:.1f} s and the turn between them about {turn_s:.1f} s: ask for a larger gap_s or "
-            "look_angle_deg, a faster scan or a shorter line",
+            f"{scan_s:.1f} s and the turn between about {turn_s:.1f} s: ask for a larger gap_s "
+            "or look_angle_deg, a faster scan or a shorter line",
             field=f"requests.{number}",
             limit="time",
         )
