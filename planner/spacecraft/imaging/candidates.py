@@ -246,7 +246,6 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
     """Say when it would come closest, and at what angles."""
     camera = session.spacecraft.camera
     middle_itrf_m = middle_of(request, session)
-    scans, least_s = least_time_s(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
     along_rad, across_rad = session.look_angles(middle_itrf_m, grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
@@ -257,17 +256,24 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
         if abs(along_rad[abeam]) < PASSING_RAD
         else "the track doesn't pass it"
     )
-    between = " takes" if scans == 1 else ", with the turns between, take"
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
         f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{least_s:.1f} s that {_count(scans)}{between} at least: {where}; move or "
-        "widen the window, "
+        f"{_duration(request, session)}: {where}; move or widen the window, "
         f"{_less_asked(request)} or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,
     )
+
+
+def _duration(request: Request, session: ImagingSession) -> str:
+    if isinstance(request, StereoRequest):
+        return f"{scan_orders(request, session)[0][0].duration_s:.1f} s that each look takes"
+    scans, least_s = least_time_s(request, session)
+    if scans == 1:
+        return f"{least_s:.1f} s it takes to scan"
+    return f"{least_s:.1f} s that {scans} scans, with the turns between, take at least"
 
 
 def _less_asked(request: Request) -> str:
