@@ -21,7 +21,12 @@ from planner.spacecraft.imaging.candidates import PASSING_RAD, Candidate, candid
 from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
 from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.requests import SESSION_MAX_S, ImagingPlanRequest, Request
+from planner.spacecraft.requests import (
+    SESSION_MAX_S,
+    ImagingPlanRequest,
+    Request,
+    StereoRequest,
+)
 from planner.spacecraft.table import TICK_S
 
 TRIED_MAX = 4
@@ -96,9 +101,11 @@ def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
 
 def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Iterator[Alternative]:
     """The number-th request, a stereo pair, by itself with its looks further apart."""
+    asked = request.requests[number]
+    assert isinstance(asked, StereoRequest)
     for more_s in GAP_MORE_S:
         wider_s = math.ceil(gap_s) + more_s
-        pair = replace(request.requests[number], look_angle_deg=None, gap_s=wider_s)
+        pair = replace(asked, look_angle_deg=None, gap_s=wider_s)
         yield Alternative(
             request=replace(request, requests=(pair,), simulation_runs=0),
             text=f"{pair.name!r} with a gap_s of {wider_s:g}",
