@@ -51,8 +51,7 @@ serve: setup web
 	$(BIN)/slewtrack serve
 
 # Each worker begins with a half and helps the other in the end: few modules are set up by both.
-WORKERS ?= 2
-PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
+PYTEST := $(BIN)/pytest -n 2 --dist worksteal
 
 test: setup
 	$(PYTEST)
