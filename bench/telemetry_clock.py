@@ -74,7 +74,7 @@ def flown(plan: FlightPlan) -> tuple[Array, list[Array], Any]:
         np.array(other_platform.fly(times, *columns, other_platform.Drive()))
         for columns in motion.values()
     ]
-    return flights[0][:, 0], [np.radians(one[:, 1]) for one in flights], (times, motion)
+    return flights[0][0], [np.radians(one[1]) for one in flights], (times, motion)
 
 
 def sampled(

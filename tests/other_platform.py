@@ -9,13 +9,15 @@ import csv
 import math
 import random
 import sys
+from array import array
 from bisect import bisect_right
 from dataclasses import dataclass
+from functools import lru_cache
 
 STEP_S = 0.002
 
 
-@dataclass
+@dataclass(frozen=True)
 class Drive:
     """Torques over inertia.  friction_deg_s2: Coulomb level.  break_away: times that.
 
@@ -48,11 +50,11 @@ def read_table(path):
     with open(path, newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     names = [key[: -len("_rate_deg_s")] for key in rows[0] if key.endswith("_rate_deg_s")]
-    t = [float(row["t_s"]) for row in rows]
+    t = tuple(float(row["t_s"]) for row in rows)
     motion = {
         name: (
-            [float(row[f"{name}_deg"]) for row in rows],
-            [float(row[f"{name}_rate_deg_s"]) for row in rows],
+            tuple(float(row[f"{name}_deg"]) for row in rows),
+            tuple(float(row[f"{name}_rate_deg_s"]) for row in rows),
         )
         for name in names
     }
@@ -82,15 +84,21 @@ def commanded(times, angles, rates, t):
     return angle, rate, acceleration
 
 
+@lru_cache(maxsize=32)
 def fly(times, angles, rates, drive):
-    """Angle and rate every STEP_S: semi-implicit Euler, sticking as Karnopp has it."""
+    """Times, angles and rates every STEP_S: semi-implicit Euler, sticking as Karnopp has it.
+
+    The same flight is measured with many noises and clocks.
+    """
     omega = 2 * math.pi * drive.bandwidth_hz
     angle, rate = angles[0], rates[0]
-    flown = []
+    at, flown, flown_rates = array("d"), array("d"), array("d")
     stuck_below = drive.stribeck_deg_s / 50
     for n in range(round((times[-1] - times[0]) / STEP_S) + 1):
         t = times[0] + n * STEP_S
-        flown.append((t, angle, rate))
+        at.append(t)
+        flown.append(angle)
+        flown_rates.append(rate)
         want, want_rate, want_acceleration = commanded(times, angles, rates, t)
         drive_torque = (
             omega**2 * (want - angle)
@@ -111,7 +119,7 @@ def fly(times, angles, rates, drive):
             new_rate = 0.0  # it stops before it turns back
         rate = new_rate
         angle += STEP_S * rate
-    return flown
+    return at, flown, flown_rates
 
 
 def measure(
@@ -127,11 +135,11 @@ def measure(
     for n in range(count):
         t = start + n / rate_hz
         row = [clock.offset_s + (1 + clock.drift) * t]
-        k = min(int((t - times[0]) / STEP_S), len(next(iter(flights.values()))) - 2)
+        k = min(int((t - times[0]) / STEP_S), len(next(iter(flights.values()))[0]) - 2)
         part = (t - times[0]) / STEP_S - k
         for column, noise in ((1, noise_arcsec / 3600), (2, gyro_noise_deg_s)):
             for name, flight in flights.items():
-                value = flight[k][column] * (1 - part) + flight[k + 1][column] * part
+                value = flight[column][k] * (1 - part) + flight[column][k + 1] * part
                 drive = drives[name]
                 if drive.swing_deg and drive.swing_from_s <= t <= drive.swing_to_s:
                     phase = 2 * math.pi * drive.swing_hz * t

@@ -5,6 +5,7 @@ what goes wrong is one line on stderr.
 Imports wait until a command needs them: `plan` must not pay for the web server.
 """
 
+import gc
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -262,9 +263,12 @@ def serve(
     from app.jobs.disposable import start_server
 
     start_server()  # what children need is loaded while the service itself is
+    gc.disable()  # nothing that is loaded is garbage: looking for some takes a sixth of a start
     from app.http.serving import serve_on
     from app.settings import settings_of_environment
 
+    gc.freeze()
+    gc.enable()
     serve_on(host, port, settings_of_environment())
 
 

@@ -6,8 +6,8 @@ import zlib
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
+from child_work import made
 from databases import fresh_database
-from job_cases import made
 
 from app.answers.campaign import campaign_json
 from app.jobs.kinds import CAMPAIGN, JOB_KINDS, PLAN

@@ -10,9 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from child_work import let_go
 from dask import config
 from distributed import Client
-from job_cases import KINDS, BoundsWithABug, let_go
+from job_cases import KINDS, BoundsWithABug
 from waiting import alive, eventually
 
 from app.jobs import dask_executor

@@ -3,9 +3,7 @@
 import json
 import operator
 import os
-import resource
 import signal
-import struct
 import subprocess
 import sys
 import threading
@@ -14,12 +12,21 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing import forkserver
-from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Timer
 
 import pytest
-from job_cases import Notes, hang
+from child_work import (
+    Notes,
+    allocate,
+    die_within_a_word,
+    fall_silent,
+    hang,
+    keep_much,
+    refuse,
+    say_how_far,
+    used_to_end,
+)
 from waiting import alive, eventually
 
 from app.jobs import child, disposable
@@ -34,14 +41,10 @@ from app.jobs.disposable import (
 )
 from app.requests.examples.plan import PLAN_EXAMPLES
 from app.work.plan import plan_and_pack
-from app.work.progress import Progress, report
+from app.work.progress import Progress
 from planner.errors import InvalidInput
 
 BOUNDS = Bounds(deadline_s=120.0, memory_mib=200)
-
-
-def refuse(detail):
-    raise InvalidInput(detail, field="sessions.0", limit="rate")
 
 
 def test_work_is_done_elsewhere():
@@ -58,11 +61,6 @@ def test_a_refusal_comes_through_whole():
     with pytest.raises(InvalidInput, match="not so") as refused:
         run_disposable(BOUNDS, refuse, "not so")
     assert (refused.value.field, refused.value.limit) == ("sessions.0", "rate")
-
-
-def say_how_far():
-    report(Progress(stage="begun"))
-    report(Progress(stage="half", done=1, of=2))
 
 
 def test_progress_comes_through_in_order():
@@ -113,20 +111,11 @@ def one_child():
         yield run_disposable(BOUNDS, os.getpid)
 
 
-def used_to_end():
-    """The process, and the processor time it may have used when it is killed."""
-    return os.getpid(), resource.getrlimit(resource.RLIMIT_CPU)[0]
-
-
 def test_sound_work_leaves_its_child_for_more():
     with one_child() as same:
         with pytest.raises(InvalidInput):
             run_disposable(BOUNDS, refuse, "not so")
         assert run_disposable(BOUNDS, os.getpid) == same
-
-
-def allocate(size):
-    return len(bytes(size))
 
 
 def test_each_work_has_bounds_of_its_own():
@@ -141,14 +130,6 @@ def test_each_work_has_bounds_of_its_own():
         with pytest.raises(TooDemanding, match="100 MiB"):
             run_disposable(bounds, allocate, 150 * 2**20)
         assert run_disposable(BOUNDS, allocate, 150 * 2**20) == 150 * 2**20
-
-
-def keep_much():
-    kept.append(b"." * (180 * 2**20))
-    return os.getpid()
-
-
-kept = []
 
 
 @pytest.mark.parametrize("work", [keep_much, os.abort, partial(operator.truediv, 1.0, 0.0)])
@@ -232,19 +213,6 @@ def test_a_service_that_needed_no_child_ends_without_complaint():
     command = [sys.executable, "-c", "import app.jobs.disposable"]
     done = subprocess.run(command, capture_output=True, check=True)
     assert done.stderr == b""
-
-
-def die_within_a_word():
-    def send_half(line, _):
-        os.write(line.fileno(), struct.pack("!i", 1000) + b"half")
-        os.abort()
-
-    Connection._send = send_half
-
-
-def fall_silent():
-    os.closerange(3, 100)
-    time.sleep(3600.0)
 
 
 @pytest.mark.parametrize(("work", "exit_code"), [(die_within_a_word, "-6"), (fall_silent, "-9")])

@@ -8,6 +8,7 @@ import os
 
 import pytest
 import schemathesis
+from api_document import api_document
 from hypothesis import HealthCheck, Phase, settings
 from live_service import live_service
 from schemathesis.checks import not_a_server_error
@@ -21,7 +22,6 @@ from schemathesis.specs.openapi.checks import (
     use_after_free,
 )
 
-from app.http.app import create_app
 from app.requests.examples.campaign import CAMPAIGN_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
 
@@ -52,7 +52,7 @@ STATEFUL = BOUNDED | {"max_examples": EXAMPLES // 3, "stateful_step_count": 8}
 
 def the_document():
     """Worked examples are planned by tests of their own; here each would cost seconds."""
-    document = schemathesis.openapi.from_dict(create_app().openapi())
+    document = schemathesis.openapi.from_dict(api_document())
     document.config.phases.examples.enabled = False
     document.config.phases.coverage.enabled = EXAMPLES > BRIEF
     document.config.update(request_timeout=300.0)

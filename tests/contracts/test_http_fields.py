@@ -5,12 +5,12 @@ import re
 import sys
 
 import pytest
+from api_document import api_document
 from jsonschema import Draft202012Validator
 
-from app.http.app import create_app
 from app.http.openapi.fields import is_number
 
-DOCUMENT = create_app().openapi()
+DOCUMENT = api_document()
 SCHEMAS = DOCUMENT["components"]["schemas"]
 FIELDS = [
     pytest.param(schema, name, id=f"{schema}.{name}")

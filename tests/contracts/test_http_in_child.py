@@ -7,8 +7,8 @@ import threading
 from functools import partial
 
 import pytest
+from child_work import Notes, abort, hang, hoard
 from databases import own_settings
-from job_cases import Notes, note
 from refusal_cases import request
 from waiting import PatientClient, alive, eventually
 
@@ -44,16 +44,6 @@ ROUTES = {
         {"json": PICTURE_EXAMPLES["ahead"][1]},
     ),
 }
-
-
-def hang(file, *_given):
-    note(file)
-    while True:
-        pass
-
-
-def hoard(_file, *_given):
-    return bytes(2**30)
 
 
 @pytest.fixture(scope="module")
@@ -109,12 +99,8 @@ def test_a_table_beyond_its_bounds_is_refused(client, monkeypatch, wild, query):
     refused_as_documented(client, answer, bound, "/v1/plans/{id}/table", "get")
 
 
-def die(*_given):
-    os.abort()
-
-
 def test_a_picture_whose_child_dies_is_not_put_down_to_the_request(client, monkeypatch):
-    monkeypatch.setattr(horizon, "picture", die)
+    monkeypatch.setattr(horizon, "picture", abort)
     answer = client.post("/v1/horizon/images", json=PICTURE_EXAMPLES["ahead"][1])
     assert answer.status_code == 500
     assert answer.json()["type"] == "urn:slewtrack:problem:internal-error"

@@ -5,8 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from child_work import Notes
 from databases import own_settings
-from job_cases import KINDS, Notes, new_job
+from job_cases import KINDS, new_job
 from refusal_cases import request
 from waiting import PatientClient, eventually
 

@@ -6,8 +6,9 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 
 import pytest
+from child_work import Notes, let_go
 from databases import fresh_database
-from job_cases import KINDS, Notes, let_go, new_job
+from job_cases import KINDS, new_job
 from sqlalchemy import select, update
 from waiting import PATIENCE_S, alive, eventually
 
@@ -223,7 +224,7 @@ def test_a_bug_is_reported_without_its_text(database, tmp_path, caplog):
     assert found.problem["type"].endswith("internal-error")
     assert "secret" not in str(found.problem)
     assert "RuntimeError" in caplog.text
-    assert "job_cases.py" in caplog.text
+    assert "child_work.py" in caplog.text
     assert "secret" not in caplog.text
 
 

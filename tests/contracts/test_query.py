@@ -4,6 +4,7 @@ import json
 import re
 
 import pytest
+from api_document import api_document
 from databases import own_settings
 from fastapi.testclient import TestClient
 from waiting import eventually
@@ -12,7 +13,7 @@ from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.store.ids import new_id
 
-PATHS = create_app().openapi()["paths"]
+PATHS = api_document()["paths"]
 NO_PLAN = new_id()
 PAGES = ["/docs", "/redoc", "/openapi.json"]
 OPERATIONS = [(path, method) for path, operations in PATHS.items() for method in operations]

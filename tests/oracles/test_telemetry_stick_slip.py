@@ -49,7 +49,7 @@ def flown(folder, friction):
     times, motion = other_platform.read_table(path)
     drive = ROUGH if friction else other_platform.Drive(bandwidth_hz=1.0)
     flights = [np.array(other_platform.fly(times, *columns, drive)) for columns in motion.values()]
-    return flights[0][:, 0], [3600.0 * one[:, 1] for one in flights]
+    return flights[0][0], [3600.0 * one[1] for one in flights]
 
 
 @pytest.fixture(scope="module")

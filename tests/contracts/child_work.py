@@ -1,0 +1,163 @@
+"""What do children under test do?  They import this, and nothing that they wouldn't have anyway."""
+
+import os
+import resource
+import signal
+import struct
+import time
+import zlib
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from app.store.packed import NewPlan
+from app.work.progress import Progress, report
+from planner.errors import InvalidInput
+
+
+@dataclass(frozen=True)
+class Notes:
+    """What the children of one job wrote."""
+
+    file: Path
+
+    def pids(self) -> list[int]:
+        return [int(line) for line in self.file.read_text().split()] if self.file.exists() else []
+
+
+def _gate(file: Path) -> Path:
+    return file.with_suffix(".go")
+
+
+def let_go(file: Path) -> None:
+    """Let the work that lingers with this file end."""
+    _gate(file).touch()
+
+
+def made() -> NewPlan:
+    return NewPlan(
+        name="",
+        state="done",
+        input_sha256="",
+        versions={},
+        document=zlib.compress(b"{}"),
+        table_columns=b"",
+        planned_utc=datetime.now(UTC),
+    )
+
+
+def note(request: bytes, *_: object) -> NewPlan:
+    """Adds its process to a file."""
+    with Path(os.fsdecode(request)).open("a") as file:
+        file.write(f"{os.getpid()}\n")
+    return made()
+
+
+def spin(*_: object) -> NewPlan:
+    while True:
+        pass
+
+
+def hang(request: bytes, *_: object) -> NewPlan:
+    """Never ends, and uses a whole processor for it."""
+    note(request)
+    spin(request)
+    return made()
+
+
+def die(request: bytes, *_: object) -> NewPlan:
+    note(request)
+    os.kill(os.getpid(), signal.SIGKILL)
+    return made()
+
+
+def die_once(request: bytes, *_: object) -> NewPlan:
+    return note(request) if Path(os.fsdecode(request)).exists() else die(request)
+
+
+def hang_once(request: bytes, *_: object) -> NewPlan:
+    return note(request) if Path(os.fsdecode(request)).exists() else hang(request)
+
+
+def linger(request: bytes, *_: object) -> NewPlan:
+    """Until let go."""
+    while not _gate(Path(os.fsdecode(request))).exists():
+        time.sleep(0.02)
+    return note(request)
+
+
+def tell(request: bytes, *_: object) -> NewPlan:
+    """Lingers, and says how far it is."""
+    told = 0
+    while not _gate(Path(os.fsdecode(request))).exists():
+        told += 1
+        report(Progress(stage="telling", done=told))
+        time.sleep(0.02)
+    return note(request)
+
+
+def dwell(request: bytes, *_: object) -> NewPlan:
+    """Goes from stage to stage at once, and lingers in the last."""
+    for stage in ("one", "two", "three"):
+        report(Progress(stage=stage))
+    return linger(request)
+
+
+def abort(*_: object) -> None:
+    os.abort()
+
+
+def fail(*_: object) -> NewPlan:
+    raise RuntimeError("secret /etc/passwd")
+
+
+def hoard(*_: object) -> bytes:
+    """More memory than any work may take."""
+    return bytes(2**30)
+
+
+def repeat(request: bytes, asked: object = None) -> NewPlan:
+    """Writes down what it was given beside the request's bytes."""
+    with Path(os.fsdecode(request)).open("a") as file:
+        file.write(f"{asked}\n")
+    return made()
+
+
+def refuse(detail):
+    raise InvalidInput(detail, field="sessions.0", limit="rate")
+
+
+def say_how_far():
+    report(Progress(stage="begun"))
+    report(Progress(stage="half", done=1, of=2))
+
+
+def used_to_end():
+    """The process, and the processor time it may have used when it is killed."""
+    return os.getpid(), resource.getrlimit(resource.RLIMIT_CPU)[0]
+
+
+def allocate(size):
+    return len(bytes(size))
+
+
+kept: list[bytes] = []
+
+
+def keep_much():
+    kept.append(b"." * (180 * 2**20))
+    return os.getpid()
+
+
+def die_within_a_word():
+    def send_half(line, _):
+        os.write(line.fileno(), struct.pack("!i", 1000) + b"half")
+        os.abort()
+
+    Connection._send = send_half
+
+
+def fall_silent():
+    os.closerange(3, 100)
+    time.sleep(3600.0)
