@@ -27,7 +27,8 @@ from planner.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.uncertainty import LIKELY, PointingBudget, pointing_budget
+from planner.sessions.budget import LIKELY, PointingBudget
+from planner.sessions.uncertainty import pointing_budget
 from planner.targets.ground import GroundTarget
 
 SESSION_S = np.arange(0.0, 90.1, 9.0)
