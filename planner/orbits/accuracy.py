@@ -73,7 +73,7 @@ def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> Or
     """
     days = age_s / DAY_S
     shares = (TLE_DRAG_WRONG, TLE_BEYOND_WRONG)
-    of_drag = np.interp(drag_in_a_day_m / air_in_a_day_m, TLE_BEYOND_AIR, shares)
+    of_drag = float(np.interp(drag_in_a_day_m / air_in_a_day_m, TLE_BEYOND_AIR, shares))
     of_air = TLE_AIR_WRONG
     if drag_in_a_day_m < 0.0:
         of_drag, of_air = TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG
