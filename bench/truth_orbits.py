@@ -1,9 +1,9 @@
 """Are orbits off by as much as told?  Point 1 of bench/truth.py.
 
-The constants of planner/orbits/accuracy.py were chosen on every other quarter of 1998 to 2004,
-2017 and 2024-25 (docs/decisions/orbit_growth.md), those near the epoch on the two ephemerides of 7
-and 11 February 2022; what is tried here is April to June 2017, one of the other quarters, and the
-other ephemerides.
+The constants of planner/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
+and 2024-25 (docs/decisions/orbit_growth.md), those near the epoch on the two ephemerides of 7
+and 11 February 2022; what is tried here is April to June 2017, 1 % of
+those, and the other ephemerides.
 """
 
 from collections import defaultdict

@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from attitude import channel, held
 from orbit_age import created, read_oem_file, read_tles
+from orbit_growth import REBOOST_REV_DAY
 from scipy.spatial.transform import Rotation, Slerp
-from truth_orbits import ARCHIVE, HELD_OUT_MONTH, REBOOST_REV_DAY
+from truth_orbits import ARCHIVE, HELD_OUT_MONTH
 from truth_rows import Row, share_row
 
 from planner.attitude import LvlhAttitude
