@@ -28,7 +28,7 @@ OEM_DRAG_WRONG = 0.2
 # What of the drag in elements is wrong: a share of it, of what the thickest air at their height
 # makes, and what a fit can't see.  No air makes it negative, or far more: as of a fit across a
 # reboost, then nothing in it is right.
-TLE_DRAG_WRONG, TLE_AIR_WRONG, TLE_UNSEEN_IN_A_DAY_M = 0.5, 0.09, 300.0
+TLE_DRAG_WRONG, TLE_AIR_WRONG, TLE_UNSEEN_IN_A_DAY_M = 0.5, 0.07, 300.0
 TLE_BEYOND_AIR, TLE_BEYOND_WRONG = (1.3, 1.7), 1.5
 TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG = 2.5, 2.0
 _TLE_GROWTH = 1.65  # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
