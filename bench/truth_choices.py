@@ -24,8 +24,8 @@ from planner.opportunities import (
 )
 from planner.platforms import PLATFORMS
 from planner.scenario import InitialState, Scenario, Session
+from planner.sessions.budget import LIKELY
 from planner.sessions.pipeline import make_plan
-from planner.sessions.uncertainty import LIKELY
 
 ABOVE_DEG = 25.0
 TARGETS = 60

@@ -1,8 +1,9 @@
 """Are orbits off by as much as told?  Point 1 of bench/truth.py.
 
-The constants of planner/orbits/accuracy.py were chosen on the elements of January to March 2017
-and on the two ephemerides of 7 and 11 February 2022; what is tried here is April to June 2017 and
-the other ephemerides.
+The constants of planner/orbits/accuracy.py were chosen on elements of 1998 to 2004, 2017
+and 2024-25 (docs/decisions/orbit_growth.md), those near the epoch on the two ephemerides of 7
+and 11 February 2022; what is tried here is April to June 2017, 1 % of
+those, and the other ephemerides.
 """
 
 from collections import defaultdict
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from orbit_age import created, differences, read_oem_file, read_tles, ric_m
+from orbit_growth import BEYOND_SIGMA, WEEK_DAYS, pairs
 from scipy.optimize import brentq
 from truth_rows import GAUSS, LAPLACE, Row, nees_row
 
@@ -30,10 +32,6 @@ NEAR_EPOCH_DAYS = 0.04
 OEM_AGE_MIN_DAYS = 1.5  # where it is worse than the elements it is tried on
 OEM_YOUNG_DAYS = 0.3  # as truth for an older one
 BURN_MOVED_S = 3600.0  # a burn moved by more is another
-REBOOST_REV_DAY = -3e-4  # of the mean motion, from elements to the next
-SPREAD = 0.15  # of the age
-DAMAGED_SIGMA = 6.0
-WEEK_DAYS = 7.0  # elements of a week share their tracking and their air
 BURN_STEP_S = 60.0  # nodes crowd where an engine burns
 STATE_LEADS_S = (900.0, 2700.0, 5400.0, 10800.0, 21600.0)
 STATE_DAYS = (0.5, 1.6, 4.3)
@@ -72,25 +70,13 @@ def _tle_rows(tles: list[TleOrbit], oems: list[OemOrbit], which: str) -> Iterato
 
 def growth_rows(archive: Path) -> Iterator[Row]:
     """Along the track, where the elements' own error at the epoch is small against the growth."""
-    tles = sorted(read_tles(archive), key=lambda tle: tle.epoch_utc)
-    days = np.array([elapsed_s(t.epoch_utc, tles[0].epoch_utc) / DAY_S for t in tles])
-    raised = np.diff([float(t.line2[52:63]) for t in tles]) < REBOOST_REV_DAY
-    by_age: dict[float, list[tuple[float, float]]] = defaultdict(list)
-    for first, age in product(range(len(tles)), (1.0, 2.0, 3.0, 5.0, 7.0)):
-        if tles[first].epoch_utc.month < HELD_OUT_MONTH:
-            continue
-        later = int(np.argmin(np.abs(days - days[first] - age)))
-        apart = float(days[later] - days[first])
-        if abs(apart - age) > SPREAD * age or raised[first:later].any():
-            continue
-        normalised2 = _normalised2(tles[later], tles[first], tles[first], apart)
-        if normalised2 is not None:
-            by_age[age].append((days[first], normalised2[1]))
-    for age, found in by_age.items():
-        sound = [(day, value) for day, value in found if value < DAMAGED_SIGMA**2]
-        day, value = np.array(sound).T
-        weeks = [value[day // WEEK_DAYS == week, None] for week in np.unique(day // WEEK_DAYS)]
-        of = f"of {len(sound)} pairs, {len(found) - len(sound)} beyond {DAMAGED_SIGMA:g} sigma"
+    tles = [tle for tle in read_tles(archive) if tle.epoch_utc.month >= HELD_OUT_MONTH]
+    for age, found in pairs(tles).items():
+        sound = [pair for pair in found if abs(pair.sigmas) < BEYOND_SIGMA]
+        day, sigmas = np.array(sound).T
+        week = day // WEEK_DAYS
+        weeks = [sigmas[week == one, None] ** 2 for one in np.unique(week)]
+        of = f"of {len(sound)} pairs, {len(found) - len(sound)} beyond {BEYOND_SIGMA:g} sigma"
         yield nees_row(1, f"TLE against a later one, along, {age:g} d", weeks, of, LAPLACE)
 
 

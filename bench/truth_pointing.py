@@ -14,8 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from attitude import channel, held
 from orbit_age import created, read_oem_file, read_tles
+from orbit_growth import REBOOST_REV_DAY
 from scipy.spatial.transform import Rotation, Slerp
-from truth_orbits import ARCHIVE, HELD_OUT_MONTH, REBOOST_REV_DAY
+from truth_orbits import ARCHIVE, HELD_OUT_MONTH
 from truth_rows import Row, share_row
 
 from planner.attitude import LvlhAttitude
@@ -27,7 +28,8 @@ from planner.orbits import OemOrbit, Orbit, StateVectorOrbit, TleOrbit
 from planner.platforms.iss_hrc import ISS_HRC
 from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import line_of_sight
-from planner.sessions.uncertainty import LIKELY, PointingBudget, pointing_budget
+from planner.sessions.budget import LIKELY, PointingBudget
+from planner.sessions.uncertainty import pointing_budget
 from planner.targets.ground import GroundTarget
 
 SESSION_S = np.arange(0.0, 90.1, 9.0)

@@ -29,6 +29,7 @@ _MODES = 6
 _AT_A_TIME = 4096  # instants, for the memory they take
 _TINY = np.finfo(float).tiny
 _VARIANCE_MAX_DEG2 = 1e5  # of a direction that wasn't measured
+_ROUNDING = 1e-14  # of all variances together: what sums of so many are good to
 
 _TurnDeg = Annotated[float, Within(-20.0, 20.0)]
 _VarianceDeg2 = Annotated[float, Within(-_VARIANCE_MAX_DEG2, _VARIANCE_MAX_DEG2)]
@@ -173,12 +174,15 @@ class _Measurements:
         order = sorted(correction.measured, key=lambda one: tai_us(one.epoch))
         epoch_utc = order[0].epoch
         instants = Instants(epoch_utc, np.array([elapsed_s(one.epoch, epoch_utc) for one in order]))
+        _refuse_repeated(order)
         self._told_at, self._period_s = correction.told, correction.period_s
         self._told = _Told(self._told_at(instants), instants)
         self.covariance_rad2 = self.covariance_with(self._told)
         for k, one in enumerate(order):
             mine = slice(3 * k, 3 * k + 3)
             self.covariance_rad2[mine, mine] += np.deg2rad(np.deg2rad(one.covariance_deg2))
+        rounded_rad2 = _ROUNDING * float(np.sum(self._told.variance_rad2))
+        self.covariance_rad2 += rounded_rad2 * np.eye(len(self.covariance_rad2))
         turn_rad = np.deg2rad([one.turn_body_deg for one in order]).ravel()
         self._refuse_contradiction(order, turn_rad)
         self._weights = np.linalg.solve(self.covariance_rad2, turn_rad)
@@ -224,6 +228,18 @@ class _Measurements:
                     field="attitude.corrections",
                     at_utc=one.epoch,
                 )
+
+
+def _refuse_repeated(order: list[AttitudeCorrection]) -> None:
+    """One measurement sent twice would count as two."""
+    for number, one in enumerate(order):
+        if one in order[:number]:
+            raise InvalidInput(
+                f"the correction of {utc_text(one.epoch)} is given twice; send each measurement "
+                "once (two that agree to the last digit are one)",
+                field="attitude.corrections",
+                at_utc=one.epoch,
+            )
 
 
 def _joint(covariance_rad2: Array) -> Array:

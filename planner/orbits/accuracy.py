@@ -1,5 +1,6 @@
 """The error of a predicted orbit, by its kind and age."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +11,9 @@ from planner.orbits.ephemeris import Ephemeris
 from planner.orbits.paper_model import PaperEphemeris
 
 MEASURED_TLE = (
-    "measured: ISS TLEs against NASA ephemerides near their epoch, those of 2017 against later "
-    "ones for the growth, by the drag in the elements; reboosts excluded (bench/truth.py)"
+    "measured: ISS TLEs against NASA ephemerides near their epoch, 2,300 of 1998-2004, 2017 and "
+    "2024-25 against later ones for the growth, by the drag in the elements; reboosts excluded "
+    "(bench/truth.py, bench/orbit_growth.py)"
 )
 MEASURED_OEM = (
     "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each (bench/truth.py); "
@@ -23,7 +25,13 @@ ASSUMED_STATE = (
 )
 # The air foretold is wrong by so much of itself, rms of ten ephemerides.
 OEM_DRAG_WRONG = 0.2
-DRAG_LEAST_IN_A_DAY_M = 1200.0  # the air varies, however little of it the elements tell
+# What of the drag in elements is wrong: a share of it, of what the thickest air at their height
+# makes, and what a fit can't see.  No air makes it negative, or far more: as of a fit across a
+# reboost, then nothing in it is right.
+TLE_DRAG_WRONG, TLE_AIR_WRONG, TLE_UNSEEN_IN_A_DAY_M = 0.5, 0.07, 300.0
+TLE_BEYOND_AIR, TLE_BEYOND_WRONG = (1.3, 1.7), 1.5
+TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG = 2.5, 2.0
+_TLE_GROWTH = 1.65  # power of the age: 1.5 if the air were wrong anew each day, 2 if for good
 _RATE_RAD_S = 2.0 * np.pi / 5560.0  # the ISS's, whose figures these are
 _STATE_M, _STATE_M_S = 10.0, 0.01
 
@@ -49,25 +57,32 @@ def orbit_sigma(ephemeris: Ephemeris, instants: Instants) -> OrbitSigma:
     """Errors of a prediction at n instants."""
     age_s = ephemeris.age_s(instants)
     if ephemeris.kind == "tle":
-        return tle_sigma(age_s, ephemeris.drag_in_a_day_m)
+        return tle_sigma(age_s, ephemeris.drag_in_a_day_m, ephemeris.air_in_a_day_m)
     if ephemeris.kind == "oem":
         return oem_sigma(age_s, ephemeris.drag_in_a_day_m)
     return state_sigma(age_s, paper_model=isinstance(ephemeris, PaperEphemeris))
 
 
-def tle_sigma(age_s: Array, drag_in_a_day_m: float) -> OrbitSigma:
+def tle_sigma(age_s: Array, drag_in_a_day_m: float, air_in_a_day_m: float) -> OrbitSigma:
     """Of SGP4 elements, this long from their epoch.
 
     drag_in_a_day_m: how far along the track their drag takes the satellite in a day from the epoch.
-    A forecast is wrong by about as much, more so where it was fitted across a reboost; half of them
-    by less than half of that.
+    air_in_a_day_m: how far the thickest air at their height would take the ISS.  Negative drag, or
+    more than that air makes, is of elements fitted across a reboost.
+    Neglects how other satellites differ: the large ones above 600 km are wrong by less than told.
     """
     days = age_s / DAY_S
-    drag_m = max(abs(drag_in_a_day_m), DRAG_LEAST_IN_A_DAY_M) * days**0.6  # per day
+    shares = (TLE_DRAG_WRONG, TLE_BEYOND_WRONG)
+    of_drag = float(np.interp(drag_in_a_day_m / air_in_a_day_m, TLE_BEYOND_AIR, shares))
+    of_air = TLE_AIR_WRONG
+    if drag_in_a_day_m < 0.0:
+        of_drag, of_air = TLE_NEGATIVE_WRONG, TLE_NEGATIVE_AIR_WRONG
+    wrong_m = math.hypot(of_drag * drag_in_a_day_m, of_air * air_in_a_day_m, TLE_UNSEEN_IN_A_DAY_M)
+    drift_m_day = _TLE_GROWTH * wrong_m * days ** (_TLE_GROWTH - 1.0)
     return OrbitSigma(
-        radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(1.6 * drag_m) ** 2),
-        along_m=np.hypot(1200.0, drag_m * days),
-        cross_m=np.hypot(400.0, 190.0 * days),
+        radial_m=np.sqrt(150.0**2 + (60.0 * days) ** 2 + _radial_m(drift_m_day) ** 2),
+        along_m=np.hypot(1200.0, wrong_m * days**_TLE_GROWTH),
+        cross_m=np.hypot(400.0, 155.0 * days),
         basis=MEASURED_TLE,
         better="younger elements, or an ephemeris (OEM)",
         is_along_laplace=True,

@@ -15,6 +15,13 @@ _HEIGHT_M = _TABLE[:, 0] * 1e3
 _LOG_DENSITY = np.log(_TABLE[:, 1:] * 1e-12)
 
 
+def thickest_kg_m3(height_m: Array) -> Array:
+    """Density under the bulge by height above the ellipsoid, any shape; that of the table's ends
+    beyond them.
+    """
+    return np.asarray(np.exp(np.interp(height_m, _HEIGHT_M, _LOG_DENSITY[:, 1])))
+
+
 def density_kg_m3(r_eci_m: Array, height_m: Array, r_sun_eci_m: Array) -> Array:
     """Density at n positions, shape (n,); nothing above 1000 km, that of 100 km below it.
 

@@ -38,6 +38,7 @@ class Ephemeris(ABC):
     stop_utc: datetime
     warnings: tuple[str, ...]
     drag_in_a_day_m: float = 0.0
+    air_in_a_day_m: float = 0.0
 
     @abstractmethod
     def interpolate(self, instants: Instants) -> OrbitStates:

@@ -11,14 +11,18 @@ from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 
 from planner.errors import OutsideCoverage, figures
 from planner.frames.earth_orientation import eci_from_frame_state
+from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, require_known, utc_text
 from planner.messages.omm import MEAN_MOTION_REV_DAY
 from planner.orbits.accuracy import tle_sigma
+from planner.orbits.atmosphere import thickest_kg_m3
 from planner.orbits.ephemeris import Ephemeris, OrbitStates
+from planner.orbits.gravity import RADIUS_M
 from planner.spec import spec
 
 WARN_AGE_DAYS = 3.0
 REFUSE_AGE_DAYS = 30.0
+ISS_BALLISTIC_M2_KG = 0.0068  # drag coefficient times area over mass
 PERIGEE_MIN_KM = 80.0  # air ends every orbit within a revolution there
 _LENGTH = 69
 _EPHEMERIS_TYPES = " 023"  # those of SGP4 and SDP4, and not said; 4 is SGP4-XP's
@@ -161,9 +165,10 @@ def sgp4_ephemeris(
             field=field,
         )
     warnings: tuple[str, ...] = ()
-    drag_in_a_day_m = _drag_in_a_day_m(satrec)
+    drag_in_a_day_m, air_in_a_day_m = _drag_in_a_day_m(satrec), _air_in_a_day_m(satrec)
     if age_days >= WARN_AGE_DAYS:
-        sigma_km = float(tle_sigma(np.array(age_days * DAY_S), drag_in_a_day_m).along_m) / 1e3
+        sigma = tle_sigma(np.array(age_days * DAY_S), drag_in_a_day_m, air_in_a_day_m)
+        sigma_km = float(sigma.along_m) / 1e3
         warnings = (
             f"{sentence}: expect an error of some {sigma_km:.0f} km (1 sigma) along the track",
         )
@@ -173,6 +178,7 @@ def sgp4_ephemeris(
         stop_utc=stop_utc,
         warnings=warnings,
         drag_in_a_day_m=drag_in_a_day_m,
+        air_in_a_day_m=air_in_a_day_m,
         satrec=satrec,
         field=field,
     )
@@ -188,6 +194,15 @@ def _drag_in_a_day_m(satrec: Satrec) -> float:
     day_min = DAY_S / 60.0
     a_m = satrec.a * satrec.radiusearthkm * 1e3
     return float(0.25 * (after - before) * day_min**2 * a_m)
+
+
+def _air_in_a_day_m(satrec: Satrec) -> float:
+    """How far along the track the thickest air on its way would take the ISS in a day."""
+    a_m, e = satrec.a * satrec.radiusearthkm * 1e3, satrec.ecco
+    way = 1.0 - e * np.cos(np.linspace(0.0, 2.0 * np.pi, 73)[:-1])  # radius and time, over a
+    density_kg_m3 = thickest_kg_m3(a_m * way - RADIUS_M)
+    decelerated_m_s2 = 0.5 * ISS_BALLISTIC_M2_KG * MU_EARTH_M3_S2 / a_m * density_kg_m3
+    return float(1.5 * np.mean(way * decelerated_m_s2) * DAY_S**2)
 
 
 def _lines_of(content: str) -> tuple[str, str]:

@@ -16,13 +16,14 @@ from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session, SlewOptions
 from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.budget import PointingBudget
 from planner.sessions.final import with_final_slew
 from planner.sessions.holding import ephemeris_over, session_rows, sight
 from planner.sessions.joining import Join
 from planner.sessions.lead import least_slew_s
 from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
-from planner.sessions.uncertainty import PointingBudget, pointing_budget
+from planner.sessions.uncertainty import pointing_budget
 from planner.slew import compare_with_spline
 from planner.targets import BenchMotionTarget
 from planner.verification import VerificationReport, verify

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from planner.export import FlightPlan
-from planner.sessions.uncertainty import PointingBudget
+from planner.sessions.budget import PointingBudget
 from planner.slew import SlewComparison
 from planner.verification import VerificationReport
 

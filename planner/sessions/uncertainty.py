@@ -6,11 +6,9 @@ Each cause is carried through the geometry by repeating it with the cause distur
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import Field
 
 from planner.arrays import Array, cross
 from planner.attitude import AttitudeErrors, AttitudeLaw
@@ -22,6 +20,7 @@ from planner.orbits.accuracy import orbit_sigma
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.frame import frame_axes
 from planner.pointing.line_of_sight import LineOfSight
+from planner.sessions.budget import LIKELY, Contribution, PointingBudget
 from planner.sessions.few_rows import farthest_rows, spread_rows
 from planner.sessions.probability import lattice_points, probability_inside
 from planner.targets import VisibleTarget
@@ -31,7 +30,6 @@ COARSE = 16  # one of so many draws, where instants are many
 BATCH = 1000  # instants: 16 MB
 RANDOM_MARGIN_SIGMA = 3.0
 OFF_TARGET = 1e-3  # of the frame: more than a table's rows leave between them
-LIKELY = 0.9  # of staying in the frame; below, a plan warns
 RANGE_MAX_M = 1e8  # beyond, metres at the target say nothing
 _PROBE_M = 10.0
 _PROBE_S = 0.1
@@ -49,55 +47,6 @@ class _Cause(NamedTuple):
 
 
 _DRIVES = _Cause("drive resolution", "5 arcsec encoder step assumed unless stated", "finer drives")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Contribution:
-    """One cause: 1-sigma per image axis at the session's worst instant.
-
-    cause: what is not known exactly.
-    sigma_arcsec: its 1-sigma.
-    ground_m: across the line of sight at the target, null for a target in the sky.
-    is_bias: constant over the session, or a swing as slow as the orbit.
-    basis: whether measured or assumed, and on what.
-    better: what would make it smaller.
-    """
-
-    cause: str
-    sigma_arcsec: Annotated[float, Field(ge=0.0)]
-    ground_m: Annotated[float, Field(ge=0.0)] | None
-    is_bias: bool
-    basis: str
-    better: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class PointingBudget:
-    """1-sigma pointing error of one session, per image axis at the worst instant.
-
-    probability_in_frame: that the target is inside the frame at every instant of the session.
-    """
-
-    contributions: tuple[Contribution, ...]
-    sigma_arcsec: float
-    ground_m: float | None
-    probability_in_frame: float
-
-    def warning(self, session: int) -> str | None:
-        """That the target may well be missed, and what would help most."""
-        if self.probability_in_frame >= LIKELY:
-            return None
-        worst = max(self.contributions, key=lambda part: part.sigma_arcsec)
-        error = (
-            f"{self.sigma_arcsec / 3600.0:.2f} deg"
-            if self.ground_m is None
-            else f"{self.ground_m / 1e3:.1f} km"
-        )
-        return (
-            f"session {session + 1}: the target stays in the frame with a probability of "
-            f"{self.probability_in_frame:.3f} only; the pointing error is {error} (1 sigma), most "
-            f"of it from {worst.cause}: {worst.better} would help most"
-        )
 
 
 def pointing_budget(
@@ -129,6 +78,7 @@ def pointing_budget(
         cause: float(np.sqrt(sum(b.sigma_rad[worst] ** 2 for b in biases if b.cause == cause)))
         for cause in dict.fromkeys(bias.cause for bias in biases)
     } | {_DRIVES: DRIVE_RAD}
+    probability = _probability(biases, scene, platform)
     return PointingBudget(
         contributions=tuple(
             Contribution(
@@ -141,18 +91,39 @@ def pointing_budget(
         ),
         sigma_arcsec=float(total_rad[worst]) * _ARCSEC,
         ground_m=_ground_m(float(total_rad[worst]), range_m),
-        probability_in_frame=probability_inside(
-            np.stack(_constant(biases)),
-            _half_rad(platform),
-            scene.off_rad,
-            [
-                np.stack([bias.offsets_rad, bias.quarter_later_rad])
-                for bias in biases
-                if bias.quarter_later_rad is not None
-            ],
-            laplace=sum(bias.is_laplace for bias in biases),
-        ),
+        probability_in_frame=probability,
+        helps_most=None if probability >= LIKELY else _helps_most(biases, scene, platform),
     )
+
+
+def _probability(
+    biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform
+) -> float:
+    return probability_inside(
+        np.stack(_constant(biases)),
+        _half_rad(platform),
+        scene.off_rad,
+        [
+            np.stack([bias.offsets_rad, bias.quarter_later_rad])
+            for bias in biases
+            if bias.quarter_later_rad is not None
+        ],
+        laplace=sum(bias.is_laplace for bias in biases),
+    )
+
+
+def _helps_most(biases: Sequence["Bias"], scene: "PointingScene", platform: TwoAxisPlatform) -> str:
+    """The cause without which the target stays likeliest, the largest of those that are alike.
+
+    A frame's sides differ, and so do rare large errors and usual small ones of the same sigma.
+    """
+
+    def helps(cause: _Cause) -> tuple[float, float]:
+        left = _probability([bias for bias in biases if bias.cause != cause], scene, platform)
+        size_rad2 = sum(float(np.sum(b.sigma_rad**2)) for b in biases if b.cause == cause)
+        return round(left, 2), size_rad2
+
+    return max({bias.cause for bias in biases}, key=helps).cause
 
 
 def probabilities_at(

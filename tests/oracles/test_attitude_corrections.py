@@ -199,6 +199,29 @@ def test_a_covariance_that_makes_no_sense_is_refused():
             AttitudeCorrection(epoch=epoch, turn_body_deg=STILL, covariance_deg2=rows)
 
 
+def test_a_measurement_sent_twice_is_refused():
+    """Counted as two it would be surer than it is."""
+    with pytest.raises(InvalidInput, match="given twice") as refused:
+        told_deg(law(correction(600.0, (0.1, 0.0, 0.0)), correction(600.0, (0.1, 0.0, 0.0))))
+    assert refused.value.field == "attitude.corrections"
+    two_cameras = correction(600.0, (0.1, 0.0, 0.0)), correction(600.0, (0.1, 0.0, 1e-6))
+    assert (told_deg(law(*two_cameras)) < told_deg(law(two_cameras[0]))).all()
+
+
+@pytest.mark.parametrize("sigma_deg", [1e-160, 1e-15, 1e-6])
+@pytest.mark.parametrize("unknown_deg", [0.1, 20.0])
+def test_measurements_without_noise_at_the_same_instant_leave_a_finite_error(
+    sigma_deg, unknown_deg
+):
+    """All that can be known: what the rest does until the session."""
+    looks = [correction(60.0, (0.1, 0.0, 1e-14 * k), sigma_deg=sigma_deg) for k in range(100)]
+    exact = law(*looks, sigma_deg=(unknown_deg,) * 3)
+    noisy = law(correction(60.0, (0.1, 0.0, 0.0)), sigma_deg=(unknown_deg,) * 3)
+    assert (told_deg(exact) > 0.0).all()
+    assert (told_deg(exact) <= told_deg(noisy)).all()
+    assert turned_deg(exact)[0, 0] == pytest.approx(0.1, rel=0.05)
+
+
 def test_instants_each_by_itself_are_as_if_asked_alone():
     """A campaign's many views; before, between and hours after the measurements."""
     one = law(

@@ -12,6 +12,7 @@ from sgp4.api import Satrec
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, utc_from_text
 from planner.orbits import OmmOrbit, OpmOrbit, StateVectorOrbit, TleOrbit
+from planner.orbits.accuracy import orbit_sigma
 
 # The element set of 2022-02-07 from Space-Track, as a TLE and as CelesTrak's JSON writes it.
 TLE = TleOrbit(
@@ -38,6 +39,7 @@ FIELDS = {
     "MEAN_MOTION_DDOT": 0,
 }
 START = utc_from_text("2022-02-08T12:00:00Z")
+NOON = Instants(START, np.zeros(1))
 INSTANTS = Instants(START, np.linspace(0.0, 6000.0, 61))
 HEADER = {"MEAN_ELEMENT_THEORY": "SGP4", "REF_FRAME": "TEME", "TIME_SYSTEM": "UTC"}
 
@@ -99,6 +101,15 @@ def test_elements_far_from_the_plan_are_refused_in_the_content():
         OmmOrbit(content=as_json()).ephemeris(late, late + timedelta(seconds=60))
     assert refusal.value.field == "orbit.content"
     assert OmmOrbit(content=as_json()).ephemeris(START, START + timedelta(days=4)).warnings
+
+
+def test_elements_made_after_a_reboost_are_read():
+    """Drag terms as the ISS's of 13 November 2024, -0.11407, refused until now."""
+    orbit = OmmOrbit(content=as_json(BSTAR=-0.11407))
+    quiet = OmmOrbit(content=as_json())
+    told_m = [orbit_sigma(o.ephemeris(START, START), NOON).along_m[0] for o in (orbit, quiet)]
+    assert orbit.message.bstar == -0.11407
+    assert told_m[0] > 100.0 * told_m[1]
 
 
 @pytest.mark.parametrize(

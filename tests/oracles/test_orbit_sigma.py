@@ -4,10 +4,11 @@ from datetime import timedelta
 
 import numpy as np
 import pytest
+from scipy.special import i0
 
 from planner.frames.time_scales import Instants, elapsed_s
 from planner.orbits import StateVectorOrbit, TleOrbit
-from planner.orbits.accuracy import orbit_sigma, state_sigma
+from planner.orbits.accuracy import orbit_sigma, state_sigma, tle_sigma
 
 TLE = TleOrbit(
     line1="1 25544U 98067A   15058.48161588  .00023857  00000-0  35618-3 0  9991",
@@ -81,3 +82,35 @@ def test_elements_fitted_across_a_reboost_are_told_to_be_bad():
     assert 0.5 < told.along_m[0] / off_m < 2.0
     quiet = TWO_DAYS_LATER.ephemeris(at_utc, at_utc)
     assert orbit_sigma(quiet, now).along_m[0] < 1500.0
+
+
+@pytest.mark.parametrize(
+    ("drag_m", "seen_m"),
+    [(1480.0, 1430.0), (6580.0, 4300.0), (9800.0, 5300.0), (15000.0, 7600.0)],
+)
+def test_half_of_the_drag_is_wrong_and_something_however_little_there_is(drag_m, seen_m):
+    """ISS elements of 1998 to 2004, 2017 and 2024 against later ones: error in a day, by drag.
+
+    Within the 30 % by which the years differ.
+    """
+    told = tle_sigma(np.array(86400.0), drag_m, 16000.0).along_m
+    assert np.sqrt(told**2 - 1200.0**2) == pytest.approx(seen_m, rel=0.3)
+
+
+def test_air_is_averaged_over_an_eccentric_way():
+    """As I0(a e / H), King-Hele 1987, chapter 4, with the H of 58 km of the table."""
+    round_m = TLE.ephemeris(TLE.epoch_utc, TLE.epoch_utc).air_in_a_day_m
+    eccentric = TleOrbit(
+        line1=TLE.line1,
+        line2="2 25544  51.6478 271.9610 0074043  54.4849  18.6646 15.54887163930967",
+    )
+    long_m = eccentric.ephemeris(TLE.epoch_utc, TLE.epoch_utc).air_in_a_day_m
+    assert long_m / round_m == pytest.approx(i0(6.78e6 * 0.0074043 / 58e3), rel=0.05)
+
+
+def test_the_thickest_air_takes_the_iss_along_as_the_elements_of_solar_maximum_say():
+    """Those of February 2015, a year after it, tell 64 %; the bulge is thickest, the orbit's mean
+    is about 60 % of it (Montenbruck and Gill 2000, table 3.8).
+    """
+    ephemeris = TLE.ephemeris(TLE.epoch_utc, TLE.epoch_utc)
+    assert 0.4 < ephemeris.drag_in_a_day_m / ephemeris.air_in_a_day_m < 1.0

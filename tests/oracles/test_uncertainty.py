@@ -229,6 +229,7 @@ class Older:
     def __init__(self, ephemeris):
         self.states = ephemeris.states
         self.drag_in_a_day_m = ephemeris.drag_in_a_day_m
+        self.air_in_a_day_m = ephemeris.air_in_a_day_m
         self._age_s = ephemeris.age_s
 
     def age_s(self, instants):
@@ -326,3 +327,35 @@ def test_a_likely_miss_is_said_with_what_would_help_most():
     stale = budget_of(los, old, LvlhAttitude())
     assert "younger elements" in stale.warning(0)
     assert budget(platform=replace(ISS_HRC, frame_half_rad=(0.5, 0.5)))[0].warning(0) is None
+
+
+@pytest.mark.parametrize(
+    ("sigma_deg", "swing_deg", "clock_s"),
+    [
+        ((0.05, 0.05, 0.05), (0.2, 0.02, 0.02), CLOCK_S),
+        ((0.02, 0.06, 0.2), (0.02, 0.4, 0.04), 0.3),
+        ((0.1, 0.1, 0.1), (0.0, 0.0, 0.2), 0.1),
+        ((0.01, 0.01, 0.01), (0.02, 0.02, 0.02), CLOCK_S),
+    ],
+)
+@pytest.mark.parametrize("older", [False, True])
+def test_what_is_said_to_help_most_does(sigma_deg, swing_deg, clock_s, older):
+    """Each remedy applied in full: a state of today, a law without errors, a clock in step."""
+    known = AttitudeUncertainty(sigma_body_deg=sigma_deg, swing_rms_body_deg=swing_deg)
+    exact = AttitudeUncertainty(sigma_body_deg=(0.0,) * 3, swing_rms_body_deg=(0.0,) * 3)
+    law = LvlhAttitude(yaw_deg=-4.0, pitch_deg=-2.0, roll_deg=0.8, uncertainty=known)
+    elements = TLE.ephemeris(START, START + timedelta(seconds=95))
+    orbit = Older(elements) if older else elements
+    state = fresh_state().ephemeris(START, START + timedelta(seconds=95))
+    los = line_of_sight(INSTANTS, elements, law, ISS_HRC.q_platform_from_body, LAS_VEGAS)
+    found = budget_of(los, orbit, law, clock_s=clock_s)
+    remedied = {
+        "orbit": budget_of(los, state, law, clock_s=clock_s),
+        "attitude": budget_of(los, orbit, replace(law, uncertainty=exact), clock_s=clock_s),
+        "clock": budget_of(los, orbit, law, clock_s=0.0),
+    }
+    kept = {cause: one.probability_in_frame for cause, one in remedied.items()}
+    if found.probability_in_frame >= 0.9:
+        assert found.helps_most is None
+    else:
+        assert kept[found.helps_most] >= max(kept.values()) - 0.01 - 2.0 * QUASI_RANDOM
