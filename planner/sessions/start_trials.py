@@ -1,7 +1,7 @@
 """Trials of whether a session can be flown if it is moved."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 
 import numpy as np
@@ -23,13 +23,15 @@ class Trials:
     """The refused session from a start row on; every method may end by EffortSpent.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
-    stop that goes with a start row.
+    stop that goes with a start row.  held: rows over which the target is known to be held.
     """
 
     refused: RefusedSession
     ephemeris: Ephemeris
     seen: list[Rows]
     stop_utc: Callable[[int], datetime]
+    held: Rows | None = None
+    _latest: dict[tuple[datetime, datetime, bool], tuple[Way, ...]] = field(default_factory=dict)
 
     def session(self, start_row: int) -> Session | None:
         """With its times moved; None where there is no such session."""
@@ -72,6 +74,9 @@ class Trials:
         moved = self.session(start_row)
         if moved is None:
             return False
+        rows = session_rows(moved, self.refused.epoch_utc)
+        if self.held and self.held.start <= rows.start and rows.stop <= self.held.stop:
+            return self.ends_may(start_row)
         ways = self._ways(moved)
         if any(self._may_be_slewed(way) for way in ways):
             return True
@@ -92,6 +97,15 @@ class Trials:
 
         early: with the time in which its track may be joined before it begins.
         """
+        is_longer = early and self.refused.scenario.slew.objective == "minimum_time"
+        key = session.start, session.stop, is_longer
+        if key not in self._latest:
+            found = self._ways_anew(session, early=early)
+            self._latest.clear()  # a session of hours fills megabytes
+            self._latest[key] = found
+        return self._latest[key]
+
+    def _ways_anew(self, session: Session, *, early: bool) -> tuple[Way, ...]:
         refused = self.refused
         rows = session_rows(session, refused.epoch_utc)
         from_row = refused.from_row if early else rows.start
