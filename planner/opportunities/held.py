@@ -6,6 +6,7 @@ its axis can be braked before it.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +15,27 @@ from planner import effort
 from planner.arrays import Array, Indices
 from planner.opportunities.conditions import NEVER_RAD, TURN_MAX_RAD, reach_margin_rad
 from planner.opportunities.sights import Sight
-from planner.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches, turning_point
+from planner.opportunities.spans import (
+    Margin,
+    Nodes,
+    Spans,
+    Stretches,
+    nodes_over,
+    stretches,
+    turning_point,
+)
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import axis_angles, singular_margin_rad
+from planner.pointing.track import TURN_RAD, turns_within_stops
 
 DELTA_S = 0.4  # between the five looks from which rates, accelerations and jerks are found
 WITHIN = 0.995  # of each limit: plans test the motion between rows, too
 BRAKED_S = 0.2  # of motion: braking in rows of a table takes that much longer at most
 # Of a limit, by motion from node to node: below that no window is looked at more closely.
 PLAIN = 0.4
+EDGES = ("reach", "mask")
+OFF_MASK_S = 0.5  # of motion beside the braking distance: ways around a mask are harder to find
+MASK_EDGE_S = 30.0  # from a window's edge: where it can be braked before a mask
 PLAIN_TURN_RAD = 0.6  # of an axis from node to node
 PLAIN_STOP_RAD = 0.1  # beside the braking distance
 
@@ -68,8 +81,9 @@ def _is_plain(
     plain = np.ones((2, len(spans.target)), np.bool_)
     for branch in range(2):
         plain[branch, nodes.group[near_stop[branch] | lively[branch]]] = False
-    at_stop = (spans.opened_by == "reach") | (spans.closed_by == "reach")
-    return np.asarray(plain.any(axis=0) & ~at_stop)
+        plain[branch] &= ~_may_wind_up(platform, nodes.group[1:], change_rad[branch], len(plain[0]))
+    at_edge = np.isin(spans.opened_by, EDGES) | np.isin(spans.closed_by, EDGES)
+    return np.asarray(plain.any(axis=0) & ~at_edge)
 
 
 def _longest(
@@ -81,6 +95,8 @@ def _longest(
     for branch in range(2):
         effort.spend(5.0 * look_rows * len(nodes.t_s))
         found = stretches(_motion_margin(platform, sight, branch), nodes)
+        if _wide(platform).any():
+            found = _unwound(platform, sight, branch, nodes, found)
         group.append(found.group)
         start_s.append(found.start_s)
         stop_s.append(found.stop_s)
@@ -88,7 +104,97 @@ def _longest(
     order = np.lexsort((ends_s - begins_s, all_group))  # the longest of each group last
     longest_s = np.full((2, len(spans.target)), math.nan)
     longest_s[:, all_group[order]] = begins_s[order], ends_s[order]
+    if platform.masks:
+        effort.spend(12.0 * MASK_EDGE_S * look_rows * len(spans.target))
+        opens, closes = (
+            np.flatnonzero((cause == "mask") & (edge_s == held_s))
+            for cause, edge_s, held_s in (
+                (spans.opened_by, spans.start_s, longest_s[0]),
+                (spans.closed_by, spans.stop_s, longest_s[1]),
+            )
+        )
+        longest_s[0, opens] = _off_masks(platform, sight, spans.select(opens), 1.0)
+        longest_s[1, closes] = _off_masks(platform, sight, spans.select(closes), -1.0)
+        longest_s[:, ~(longest_s[1] > longest_s[0])] = math.nan
     return longest_s[0], longest_s[1]
+
+
+def _off_masks(platform: TwoAxisPlatform, sight: Sight, spans: Spans, sign: float) -> Array:
+    """When a mask at an edge of each span (m,) is far enough off to brake before it; or NaN.
+
+    sign: 1 at the start, -1 at the stop.
+    """
+    slowest = min(platform.axis_limits, key=lambda axis: axis.acceleration_max_rad_s2)
+    edge_s = spans.start_s if sign > 0.0 else spans.stop_s
+
+    def off_rad(which: Indices, t_s: Array) -> Array:
+        direction = sight.carrier.in_platform(sight.sighting(which, t_s).direction_itrf, t_s)
+        return np.asarray(-np.max([mask.depth_rad(direction) for mask in platform.masks], axis=0))
+
+    def margin(row: Indices, after_s: Array) -> Array:
+        which, t_s = spans.target[row], edge_s[row] + sign * after_s
+        after_rad, before_rad = off_rad(which, t_s + DELTA_S), off_rad(which, t_s - DELTA_S)
+        rate_rad_s = np.abs(after_rad - before_rad) / (2.0 * DELTA_S)
+        braking_rad = _braking_rad(rate_rad_s, np.zeros(len(t_s)), slowest)
+        return off_rad(which, t_s) - braking_rad - OFF_MASK_S * rate_rad_s
+
+    rows = np.arange(len(edge_s))
+    after_s = np.arange(0.0, MASK_EDGE_S, 0.5)
+    found = stretches(
+        margin, Nodes(rows, np.repeat(rows, len(after_s)), np.tile(after_s, len(rows)))
+    )
+    first_s = np.full(len(rows), math.nan)
+    first_s[found.group[::-1]] = found.start_s[::-1]  # the first of each group is written last
+    return np.asarray(edge_s + sign * first_s)
+
+
+def _wide(platform: TwoAxisPlatform) -> NDArray[np.bool_]:
+    """Which axes can be in one place by several turns, (2,)."""
+    return np.array([_travel_rad(axis) > TURN_RAD for axis in platform.axis_limits])
+
+
+def _travel_rad(axis: AxisLimits) -> float:
+    return axis.angle_max_rad - axis.angle_min_rad
+
+
+def _may_wind_up(
+    platform: TwoAxisPlatform, group: Indices, change_rad: Array, count: int
+) -> NDArray[np.bool_]:
+    """Of which groups (count,) a wide axis may turn so far that no number of turns holds them all.
+
+    change_rad: (n, 2), of the axes' angles, in each `group` (n,).
+    """
+    may = np.zeros(count, np.bool_)
+    for n in np.flatnonzero(_wide(platform)):
+        turned_rad = np.bincount(group, np.abs(change_rad[:, n]), minlength=count)
+        may |= turned_rad > _travel_rad(platform.axis_limits[n]) - TURN_RAD
+    return may
+
+
+def _unwound(
+    platform: TwoAxisPlatform, sight: Sight, branch: int, nodes: Nodes, found: Stretches
+) -> Stretches:
+    """Of each stretch the longest part, from node to node, that one number of turns holds."""
+    start_s, stop_s = found.start_s.copy(), found.stop_s.copy()
+    for n, group in enumerate(found.group.tolist()):
+        own_s = nodes.t_s[nodes.group == group]
+        inside_s = own_s[(own_s > start_s[n]) & (own_s < stop_s[n])]
+        t_s = np.concatenate([[start_s[n]], inside_s, [stop_s[n]]])
+        one = Nodes(nodes.target[[group]], np.zeros(len(t_s), np.intp), t_s)
+        angle_rad = axis_angles(platform, _los_platform(sight, one)).angle_rad[branch]
+        first, last = _longest_on_turns(platform, np.unwrap(angle_rad, axis=0))
+        start_s[n], stop_s[n] = t_s[first], t_s[last]
+    return replace(found, start_s=start_s, stop_s=stop_s)
+
+
+def _longest_on_turns(platform: TwoAxisPlatform, angle_rad: Array) -> tuple[int, int]:
+    """First and last of the most rows of a motion (n, 2) that lie within the stops together."""
+    best, first = (0, 0), 0
+    for last in range(len(angle_rad)):
+        while not all(turns_within_stops(angle_rad[first : last + 1], platform.axis_limits, 0.0)):
+            first += 1
+        best = max(best, (first, last), key=lambda rows: rows[1] - rows[0])
+    return best
 
 
 def _nodes(sight: Sight, spans: Spans) -> Nodes:

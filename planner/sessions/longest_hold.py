@@ -16,6 +16,7 @@ from planner.sessions.holding import CONE_ROW, HOLD, HOLD_ROW, Rows, sight
 from planner.sessions.sequence import RefusedSession
 from planner.targets import BenchMotionTarget
 
+AWAY_ROWS = ROWS_PER_S  # from a cone or mask, out of which no slew comes at once
 LOOKS_MAX = 20_000  # of more than an hour not every row is looked at
 
 
@@ -46,7 +47,7 @@ def longest_hold(refused: RefusedSession, ephemeris: Ephemeris) -> Rows | None:
             effort.spend(CONE_ROW * count * len(view.regions))
             t_s = los.instants.t_s - los.instants.t_s[0]
             inside = view.depths_rad(t_s, angle_rad).max(axis=0) > 0.0
-            near = np.convolve(inside, np.ones(3), "same") > 0.0  # it may enter between rows
+            near = np.convolve(inside, np.ones(2 * AWAY_ROWS + 1), "same") > 0.0
             held &= ~(near[1:] | near[:-1])
         cells = _longest_run(held)
         if longest is None or (cells.stop - cells.start) * stride > longest.stop - longest.start:

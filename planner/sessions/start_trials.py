@@ -23,7 +23,8 @@ class Trials:
     """The refused session from a start row on; every method may end by EffortSpent.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
-    stop that goes with a start row.  held: rows over which the target is known to be held.
+    stop that goes with a start row.  held: rows over which the target is known to be held, none
+    other are tried; None where that isn't known.
     """
 
     refused: RefusedSession
@@ -51,7 +52,8 @@ class Trials:
         except ValueError:  # the target itself is not known then
             return None
         rows = session_rows(moved, refused.epoch_utc)
-        inside = any(run.start <= rows.start and rows.stop <= run.stop for run in self.seen)
+        runs = self.seen if self.held is None else [self.held]
+        inside = any(run.start <= rows.start and rows.stop <= run.stop for run in runs)
         return moved if inside else None
 
     def ends_may(self, start_row: int) -> bool:
@@ -74,8 +76,7 @@ class Trials:
         moved = self.session(start_row)
         if moved is None:
             return False
-        rows = session_rows(moved, self.refused.epoch_utc)
-        if self.held and self.held.start <= rows.start and rows.stop <= self.held.stop:
+        if self.held is not None:
             return self.ends_may(start_row)
         ways = self._ways(moved)
         if any(self._may_be_slewed(way) for way in ways):
