@@ -63,7 +63,10 @@ def _is_plain(
     effort.spend(look_rows * len(nodes.t_s))
     both_rad = axis_angles(platform, _los_platform(sight, nodes)).angle_rad
     stop_rad = np.array(
-        [_braking_rad(PLAIN * axis.rate_max_rad_s, 0.0, axis) for axis in platform.axis_limits]
+        [
+            _braking_rad(np.array(PLAIN * axis.rate_max_rad_s), np.zeros(()), axis)
+            for axis in platform.axis_limits
+        ]
     )
     near_stop = reach_margin_rad(platform, both_rad) < PLAIN_STOP_RAD + stop_rad.max()
     same = nodes.group[1:] == nodes.group[:-1]
@@ -91,19 +94,20 @@ def _longest(
 ) -> tuple[Array, Array]:
     """The longest stretch over which either branch of `axis_angles` holds, (m,) each, or NaN."""
     nodes = _with_keyholes(platform, sight, _nodes(sight, spans))
-    group, start_s, stop_s = [], [], []
+    parts = []
     for branch in range(2):
         effort.spend(5.0 * look_rows * len(nodes.t_s))
         found = stretches(_motion_margin(platform, sight, branch), nodes)
         if _wide(platform).any():
             found = _unwound(platform, sight, branch, nodes, found)
-        group.append(found.group)
-        start_s.append(found.start_s)
-        stop_s.append(found.stop_s)
-    all_group, begins_s, ends_s = map(np.concatenate, (group, start_s, stop_s))
-    order = np.lexsort((ends_s - begins_s, all_group))  # the longest of each group last
+        parts.append(found)
+    group, begins_s, ends_s = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("group", "start_s", "stop_s")
+    )
+    order = np.lexsort((ends_s - begins_s, group))  # the longest of each group last
     longest_s = np.full((2, len(spans.target)), math.nan)
-    longest_s[:, all_group[order]] = begins_s[order], ends_s[order]
+    longest_s[:, group[order]] = begins_s[order], ends_s[order]
     if platform.masks:
         effort.spend(12.0 * MASK_EDGE_S * look_rows * len(spans.target))
         opens, closes = (
@@ -264,7 +268,7 @@ def _motion_margin(platform: TwoAxisPlatform, sight: Sight, branch: int) -> Marg
             shares.append(WITHIN - peak / axis.rate_max_rad_s)
             shares.append(WITHIN - np.abs(acceleration[:, n]) / axis.acceleration_max_rad_s2)
             shares.append(WITHIN - np.abs(jerk[:, n]) / axis.jerk_max_rad_s3)
-        return np.nan_to_num(np.min(shares, axis=0), nan=NEVER_RAD)
+        return np.asarray(np.nan_to_num(np.min(shares, axis=0), nan=NEVER_RAD))
 
     return margin
 
