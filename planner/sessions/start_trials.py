@@ -34,6 +34,10 @@ class Trials:
     held: Rows | None = None
     _latest: dict[tuple[datetime, datetime, bool], tuple[Way, ...]] = field(default_factory=dict)
 
+    @property
+    def _joins_early(self) -> bool:
+        return self.refused.scenario.slew.objective == "minimum_time"
+
     def session(self, start_row: int) -> Session | None:
         """With its times moved; None where there is no such session."""
         refused = self.refused
@@ -67,7 +71,7 @@ class Trials:
         begun_utc = self.refused.utc(rows.start + STENCIL - 1)
         ended_utc = self.refused.utc(rows.stop - STENCIL + 1)
         first = self._ways(replace(moved, stop=begun_utc))
-        if self.refused.scenario.slew.objective != "minimum_time":
+        if not self._joins_early:
             first = tuple(way for way in first if self._may_be_slewed(way))
         return bool(first) and bool(self._ways(replace(moved, start=ended_utc)))
 
@@ -76,12 +80,12 @@ class Trials:
         moved = self.session(start_row)
         if moved is None:
             return False
-        if self.held is not None:
+        if self.held is not None and not self._joins_early:
             return self.ends_may(start_row)
         ways = self._ways(moved)
         if any(self._may_be_slewed(way) for way in ways):
             return True
-        if not ways or self.refused.scenario.slew.objective != "minimum_time":
+        if not ways or not self._joins_early:
             return False
         return any(self._may_be_slewed(way) for way in self._ways(moved, early=True))
 
@@ -98,8 +102,7 @@ class Trials:
 
         early: with the time in which its track may be joined before it begins.
         """
-        is_longer = early and self.refused.scenario.slew.objective == "minimum_time"
-        key = session.start, session.stop, is_longer
+        key = session.start, session.stop, early and self._joins_early
         if key not in self._latest:
             found = self._ways_anew(session, early=early)
             self._latest.clear()  # a session of hours fills megabytes
@@ -127,8 +130,7 @@ class Trials:
 
         Where cones leave no way that is found quickly, none is sought for long.
         """
-        scenario = self.refused.scenario
-        may_be_early = scenario.slew.objective == "minimum_time" and not scenario.keeps_out
+        may_be_early = self._joins_early and not self.refused.scenario.keeps_out
         return self._is_found(way, early=False) or (
             may_be_early and self._is_found(way, early=True)
         )

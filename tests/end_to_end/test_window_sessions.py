@@ -199,3 +199,29 @@ def test_no_start_at_the_horizon_is_offered_to_who_left_the_elevation_out():
     states = TLE.ephemeris(start, start + timedelta(seconds=60)).states(moment)
     elevation_rad = LAS_VEGAS.apparent(moment, states).clearance_rad[0]
     assert 10.0 <= np.degrees(elevation_rad) < 10.5
+
+
+def test_who_joins_early_is_offered_a_start_after_the_stop_that_opens_the_window():
+    """Asked for 5 s before the star leaves the outer axis's stop, in least time."""
+    star = StarTarget(hip=32349)
+    request = OpportunityRequest(
+        orbit=TLE,
+        attitude=LvlhAttitude(),
+        platform=HRC,
+        start=at(-21600.0),
+        stop=at(3600.0),
+        targets=(OpportunityTarget(id="it", target=star),),
+    )
+    found = find_opportunities(request)
+    row = int(np.flatnonzero(found.windows.opened_by == "reach")[0])
+    start, stop = (
+        shifted_utc(found.start_utc, float(t_s))
+        for t_s in found.windows.sessions_s(found.start_utc)[row]
+    )
+    asked = session_alone(HRC, TLE, LvlhAttitude(), star, start - timedelta(seconds=5), stop)
+    asked = replace(asked, slew=replace(asked.slew, objective="minimum_time"))
+    with pytest.raises(Unreachable) as refused:
+        make_plan(asked)
+    advised_start = refused.value.earliest_feasible_start_utc
+    assert abs((advised_start - start).total_seconds()) <= 0.6
+    assert refused.value.feasible_stop_utc >= stop
