@@ -26,6 +26,7 @@ from planner.platforms import PLATFORMS
 from planner.scenario import InitialState, Scenario, Session
 from planner.sessions.budget import LIKELY
 from planner.sessions.pipeline import make_plan
+from planner.targets import BodyTarget, GroundTarget, StarTarget
 
 ABOVE_DEG = 25.0
 TARGETS = 60
@@ -34,10 +35,12 @@ GAP_GOAL, TIME_GOAL_S = 0.01, 60.0
 
 
 def window_rows(data: Path, windows: int) -> Iterator[Row]:
-    """Sessions of random windows of OCO-3 targets, up to 3 days after the elements' epoch."""
+    """Sessions of random windows of OCO-3 targets, two stars and Jupiter, whose windows open and
+    close at stops, too; up to 3 days after the elements' epoch."""
     rng = np.random.default_rng(3)
     tles = list(read_tles(data / "tle" / "iss_tles.txt"))
     places = [one.target for one in campaign_request(TARGETS, 1.0, 2.0).targets]
+    places += [StarTarget(name="Vega"), StarTarget(hip=32349), BodyTarget(name="jupiter")]
     platform = PLATFORMS["iss-hrc"]
     refused: Counter[str] = Counter()
     planned, likely, warned = 0, 0, 0
@@ -61,6 +64,8 @@ def window_rows(data: Path, windows: int) -> Iterator[Row]:
         row = int(rng.integers(len(times_s)))
         first, last = (shifted_utc(found.start_utc, float(t_s)) for t_s in times_s[row])
         place = places[found.windows.target[row]]
+        if isinstance(place, GroundTarget):
+            place = replace(place, min_elevation_deg=ABOVE_DEG)
         asked = Scenario(
             orbit=tle,
             attitude=LvlhAttitude(),
@@ -69,9 +74,7 @@ def window_rows(data: Path, windows: int) -> Iterator[Row]:
                 epoch=first - timedelta(seconds=BEFORE_S),
                 angles_deg=dict.fromkeys(platform.axis_names, 0.0),
             ),
-            sessions=(
-                Session(target=replace(place, min_elevation_deg=ABOVE_DEG), start=first, stop=last),
-            ),
+            sessions=(Session(target=place, start=first, stop=last),),
         )
         try:
             plan = make_plan(asked)

@@ -104,7 +104,8 @@ class PassWindow:
     rise: when it begins; UTC.
     set: when it ends; UTC.
     duration_s: from rise to set.
-    session: the longest on the rows of a command table, null where the window is too short for one.
+    session: the longest, up to six hours, over which the axes can follow by one pair of angles, on
+    the rows of a command table; null where there is none.
     opened_by: the condition that is met from `rise` on; "interval" is the request's own start.
     closed_by: the condition that is met until `set`; "interval" is the request's own stop.
     highest_at: when the elevation is greatest; UTC.

@@ -110,6 +110,8 @@ def _left_out(request: CampaignRequest, one: UnchosenTarget) -> TargetLeftOut:
         because = (
             f"{look}, and what it displaces, {', '.join(ids)}, is worth {one.displaced_value:.4g}"
         )
+    elif one.value <= 0.0:
+        because = f"{look}, and no other view of it is worth more, as `view` weighs them"
     else:
         because = f"{look}, but no sequence with it was found that is worth more"
     return fill(

@@ -124,7 +124,7 @@ def _closed(
     for row, highest_rad in zip(unseen, best_rad.tolist(), strict=True):
         least_deg = _least_elevation_deg(request, row)
         if math.degrees(highest_rad) < least_deg:
-            closed[row] = "elevation", f"the carrier stays below {least_deg:g} deg in its sky"
+            closed[row] = "elevation", _too_low(request, row, least_deg)
         elif (windows.target == row).any():
             closed[row] = _closed_later(request, row, windows, looks)
     left = [row for row in unseen if row not in closed]
@@ -168,10 +168,16 @@ def _windows(
 
 
 def _least_elevation_deg(request: CampaignRequest, row: int) -> float:
-    target = request.targets[row].target
+    target, asked_deg = request.targets[row].target, request.conditions.min_elevation_deg
     if not isinstance(target, EarthFixedTarget):
-        return 0.0
-    return max(target.min_elevation_deg, request.conditions.min_elevation_deg)
+        return asked_deg
+    return max(target.min_elevation_deg, asked_deg)
+
+
+def _too_low(request: CampaignRequest, row: int, least_deg: float) -> str:
+    if isinstance(request.targets[row].target, EarthFixedTarget):
+        return f"the carrier stays below {least_deg:g} deg in its sky"
+    return f"it stays below {least_deg:g} deg above the limb"
 
 
 def _closed_later(
@@ -222,7 +228,9 @@ def _reason(cause: Closing, asked: Mapping[str, float | None], before: Windows |
         "sun_keep_out": "from the Sun it is",
         "moon_keep_out": "from the Moon it is",
     }[cause]
-    return f"whenever it is in sight {what} {best_deg[0]:.1f} to {best_deg[1]:.1f} deg: {said}"
+    low, high = (f"{one:.1f}" for one in best_deg)
+    reached = low if low == high else f"{low} to {high}"
+    return f"whenever it is in sight {what} {reached} deg: {said}"
 
 
 def _range(angle_rad: Array) -> tuple[float, float]:

@@ -27,9 +27,16 @@ _STEP_S = 600.0  # windows shorter than three of these hold one approach
 
 
 def describe_windows(
-    request: OpportunityRequest, sight: Sight, numbers: Indices, spans: Spans
+    request: OpportunityRequest,
+    sight: Sight,
+    numbers: Indices,
+    spans: Spans,
+    held_s: tuple[Array, Array],
 ) -> Windows:
-    """The windows of one sight; numbers: its targets' rows in the request."""
+    """The windows of one sight; numbers: its targets' rows in the request.
+
+    held_s: the parts that a session can hold.
+    """
     highest_s = _greatest(sight.clearance_rad, sight, spans)
     share = np.linspace(0.0, 1.0, request.samples)
     t_s = np.concatenate(
@@ -45,6 +52,8 @@ def describe_windows(
         target=numbers[spans.target],
         rise_s=spans.start_s,
         set_s=spans.stop_s,
+        held_from_s=held_s[0],
+        held_to_s=held_s[1],
         opened_by=spans.opened_by,
         closed_by=spans.closed_by,
         highest_s=highest_s,

@@ -55,7 +55,7 @@ class OpportunityConditions:
     The Sun's elevations and `max_off_nadir_deg` apply to targets on the Earth only.
 
     min_elevation_deg: of the carrier in the target's sky, on top of the target's own least
-    elevation (the greater counts); without refraction.
+    elevation (the greater counts); without refraction.  Of a target in space above the limb.
     max_off_nadir_deg: largest angle of the line of sight from the geocentric nadir; any unless
     given. E.g. `45.0`.
     sun_elevation_min_deg: least elevation of the Sun's centre at the target, without refraction:

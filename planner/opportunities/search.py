@@ -17,6 +17,7 @@ from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier, carrier_over
 from planner.opportunities.conditions import Cause, Condition, conditions_of
 from planner.opportunities.description import describe_windows
+from planner.opportunities.held import held_parts
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
 from planner.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
@@ -72,7 +73,8 @@ def opportunities_however_many(request: OpportunityRequest) -> Opportunities:
     found = []
     for numbers, sight, spans, work in found_spans(request, carrier):
         spend_on(spans, work, request.samples)
-        found.append(describe_windows(request, sight, numbers, spans))
+        held_s = held_parts(request.platform, sight, spans, work.look_rows)
+        found.append(describe_windows(request, sight, numbers, spans, held_s))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return Opportunities(
         start_utc=request.start,

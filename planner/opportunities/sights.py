@@ -131,14 +131,19 @@ class EarthSight:
 
 @dataclass(frozen=True, eq=False)
 class SkySight:
-    """One target in space."""
+    """One target in space.
+
+    min_elevation_rad: above the limb raised by its grazing altitude.
+    """
 
     carrier: Carrier
     target: SkyTarget
+    min_elevation_rad: float
 
     def clearance_rad(self, which: Indices, t_s: Array) -> Array:
-        """From the limb raised by the grazing altitude, (n,)."""
-        return self.target.apparent(*self._carrier_at(t_s)[:2]).clearance_rad
+        """Height above the raised limb, beyond the least one, (n,)."""
+        height_rad = self.target.apparent(*self._carrier_at(t_s)[:2]).clearance_rad
+        return np.asarray(height_rad - self.min_elevation_rad)
 
     def closeness(self, which: Indices, t_s: Array) -> Array:
         """The carrier doesn't approach it: highest above the limb counts."""
@@ -216,7 +221,7 @@ def sight_of(carrier: Carrier, target: Target, min_elevation_rad: float) -> Sigh
     if isinstance(target, EarthFixedTarget):
         return EarthSight(carrier, MovingPlace(carrier, target), np.array([min_elevation_rad]))
     assert isinstance(target, SkyTarget), f"a {target.mode} has no windows"
-    return SkySight(carrier, target)
+    return SkySight(carrier, target, min_elevation_rad)
 
 
 def _carried_m_s(r_itrf_m: Array) -> Array:

@@ -15,6 +15,7 @@ from planner.opportunities.target_sky import TargetSky
 
 T = TypeVar("T")
 GRID_TOLERANCE_ROWS = 5e-5  # 10 us
+SESSION_MAX_S = 21_600.0  # a plan of twice that takes more work than one request may make
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,6 +55,7 @@ class Windows:
     """Arrays of shape (windows,) unless said otherwise.
 
     target: row of the request's targets.  rise_s, set_s: since `Opportunities.start_utc`.
+    held_from_s, held_to_s: the longest part that a session can hold its target over, or NaN.
     opened_by, closed_by: which `Cause` made the edge; "interval" is the request's own start
     or stop.
     highest_s, highest_rad: greatest elevation within the window.
@@ -68,6 +70,8 @@ class Windows:
     target: NDArray[np.intp]
     rise_s: Array
     set_s: Array
+    held_from_s: Array
+    held_to_s: Array
     opened_by: NDArray[np.str_]
     closed_by: NDArray[np.str_]
     highest_s: Array
@@ -91,8 +95,9 @@ class Windows:
         Since start_utc; tables begin on whole rows of a second.  NaN where no two rows fit.
         """
         before_s = start_utc.microsecond / 1e6
-        first = np.ceil((self.rise_s + before_s) * ROWS_PER_S - GRID_TOLERANCE_ROWS)
-        last = np.floor((self.set_s + before_s) * ROWS_PER_S + GRID_TOLERANCE_ROWS)
+        first = np.ceil((self.held_from_s + before_s) * ROWS_PER_S - GRID_TOLERANCE_ROWS)
+        last = np.floor((self.held_to_s + before_s) * ROWS_PER_S + GRID_TOLERANCE_ROWS)
+        last = np.minimum(last, first + SESSION_MAX_S * ROWS_PER_S)
         rows = np.where(last > first, np.stack([first, last]), np.nan)
         return np.asarray((rows / ROWS_PER_S - before_s).T)
 

@@ -101,6 +101,30 @@ def track_candidates(
     )
 
 
+def held_cells(platform: TwoAxisPlatform, los: LineOfSight) -> Iterator[tuple[Array, Mask]]:
+    """Every way to point at the target: its angles (n, 2), and between which rows it is held.
+
+    Cells (n - 1,) over which the motion keeps stops and limits.
+    """
+    step_s = float(los.instants.t_s[1] - los.instants.t_s[0])
+    angles, reachable = axis_angles(platform, los.los_platform)
+    for branch_rad in angles:
+        margin = singular_margin_rad(platform, branch_rad, los.los_platform)
+        usable = reachable & (margin > SINGULAR_RAD)
+        unwrapped = np.unwrap(np.where(usable[:, None], branch_rad, 0.0), axis=0)
+        rate, acceleration = axis_motion(
+            platform,
+            unwrapped,
+            los.los_platform,
+            los.los_rate_platform_per_s,
+            los.los_acceleration_platform_per_s2,
+        )
+        for angle_rad in _turns_to_stops(unwrapped, platform.axis_limits):
+            ranges = cubic_and_row_range(step_s, angle_rad, rate, acceleration)
+            beyond = beyond_limits(ranges, platform.axis_limits, LIMIT_TOLERANCE)
+            yield angle_rad, usable[1:] & usable[:-1] & ~beyond.any(axis=(0, 2))
+
+
 class _Branch(NamedTuple):
     """One of the ways of `axis_angles`, over the rows `here` of the line of sight.
 
@@ -180,6 +204,19 @@ def _whole_turns(
         middle = (limit.angle_min_rad + limit.angle_max_rad) / 2.0
         nearest = round((middle - (low + high) / 2.0) / TURN_RAD)
         choices.append(fits or (nearest,))
+    for turns in itertools.product(*choices):
+        yield angle_rad + TURN_RAD * np.array(turns)
+
+
+def _turns_to_stops(angle_rad: Array, limits: tuple[AxisLimits, ...]) -> Iterator[Array]:
+    """The motion with each number of whole turns that brings any of it within the stops."""
+    choices = [
+        range(
+            math.ceil((limit.angle_min_rad - angle.max()) / TURN_RAD),
+            math.floor((limit.angle_max_rad - angle.min()) / TURN_RAD) + 1,
+        )
+        for angle, limit in zip(angle_rad.T, limits, strict=True)
+    ]
     for turns in itertools.product(*choices):
         yield angle_rad + TURN_RAD * np.array(turns)
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from planner import effort
 from planner.commands import ROWS_PER_S
-from planner.effort import at_most
+from planner.effort import EffortSpent, at_most
 from planner.errors import InfeasibleSlew, Refusal
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc, utc_text
 from planner.orbits import Ephemeris
-from planner.pointing.line_of_sight import STENCIL
 from planner.scenario import Scenario, Session
 from planner.sessions.holding import Rows
 from planner.sessions.joining import Join
+from planner.sessions.longest_hold import longest_hold
 from planner.sessions.other_sessions import Others
 from planner.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.sessions.start_trials import Trials
@@ -80,8 +80,15 @@ def _advise(failed: SessionRefused) -> Refusal:
     alike = isinstance(refused.session.target, BenchMotionTarget)
     if alike and not isinstance(refusal, InfeasibleSlew):
         return refusal  # it breaks its limits at any other time, too
-    offers = failed.offers()
-    advice = _advice(refused)
+    try:
+        offers = failed.offers()
+        advice = _advice(refused)
+    except EffortSpent:  # of the whole request: why it is refused is known all the same
+        offers = ()
+        advice = Advice(
+            "no other start was found before the search, which is bounded, ended; ask for a "
+            "shorter session"
+        )
     advised = type(refusal)(
         f"{refusal.detail}; {advice.words}",
         field=refusal.field or f"sessions.{refused.number}.start",
@@ -134,12 +141,14 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         stop_utc=lambda _: session.stop,
     )
     moved = replace(shortened, stop_utc=lambda row: shifted_utc(refused.utc(row), length_s))
-    stop_row = _latest_stop(shortened, span)
-    if stop_row != refused.wanted.stop:
-        shortened = replace(shortened, stop_utc=lambda _: refused.utc(stop_row))
+    held = _longest_hold(refused, span)
+    left = held or Rows(start=max(wanted_row, refused.from_row + 1), stop=refused.wanted.stop)
+    shortened = replace(shortened, held=held)
+    if left.stop != refused.wanted.stop:
+        shortened = replace(shortened, stop_utc=lambda _: refused.utc(left.stop))
     reaches: list[int | None] = []
     searches: tuple[tuple[Trials, Iterable[int]], ...] = (
-        (shortened, _rows_before_stop(refused, span, stop_row)),
+        (shortened, _rows_before_stop(span, left)),
         (moved, _rows_by_distance(refused, span)),
     )
     for trials, rows in searches:
@@ -152,37 +161,6 @@ def _seek_start(refused: RefusedSession, span: _Span) -> Advice:
         return Advice(f"{_way_out(instead, session)}, {_cost(costs)}", instead, costs)
     alone = f"; {others.undecided}" if others.undecided else ""
     return Advice(_not_found(refused, span, *reaches) + alone)
-
-
-def _latest_stop(trials: Trials, span: _Span) -> int:
-    """Until which row the session can be held that begins halfway through what is seen of it."""
-    refused = trials.refused
-    wanted = refused.wanted
-    seen = [
-        Rows(
-            start=max(run.start, wanted.start, refused.from_row + 1),
-            stop=min(run.stop, wanted.stop),
-        )
-        for run in span.seen
-    ]
-    longest = max(seen, key=lambda rows: rows.stop - rows.start, default=wanted)
-    halfway = (longest.start + longest.stop) // 2
-
-    def may_be_held_to(row: int) -> bool:
-        return replace(trials, stop_utc=lambda _: refused.utc(row)).may(halfway)
-
-    good, bad = halfway + 2 * STENCIL, wanted.stop
-    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
-        if good >= bad or trials.may(halfway) or not may_be_held_to(good):
-            return wanted.stop
-        while bad - good > 1:
-            middle = (good + bad) // 2
-            if may_be_held_to(middle):
-                good = middle
-            else:
-                bad = middle
-        return good
-    return wanted.stop
 
 
 def _way_out(found: Session, wanted: Session) -> str:
@@ -287,12 +265,19 @@ def _nearest_feasible(trials: Trials, row: int, wanted_row: int) -> Session | No
     return None
 
 
-def _rows_before_stop(refused: RefusedSession, span: _Span, stop_row: int) -> Iterable[int]:
-    """Start rows of the session cut short, the nearest to the wanted row first."""
-    first = max(refused.wanted.start, refused.from_row + 1)
-    step = min(COARSE_ROWS, max((stop_row - first) // 8, 1))
-    runs = [run for run in span.seen if run.start <= stop_row <= run.stop]
-    return (row for row in range(first, stop_row, step) if any(run.start <= row for run in runs))
+def _longest_hold(refused: RefusedSession, span: _Span) -> Rows | None:
+    """What of the session can be held; None where that isn't known."""
+    with at_most(min(SEARCH, SEARCH_SHARE * effort.remaining())):
+        return longest_hold(refused, span.ephemeris)
+    return None
+
+
+def _rows_before_stop(span: _Span, left: Rows) -> Iterable[int]:
+    """Start rows of the session cut short to what is left of it, the first ones first."""
+    step = min(COARSE_ROWS, max((left.stop - left.start) // 8, 1))
+    runs = [run for run in span.seen if run.start <= left.stop <= run.stop]
+    rows = range(left.start, left.stop, step)
+    return (row for row in rows if any(run.start <= row for run in runs))
 
 
 def _rows_by_distance(refused: RefusedSession, span: _Span) -> list[int]:

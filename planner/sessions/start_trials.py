@@ -1,7 +1,7 @@
 """Trials of whether a session can be flown if it is moved."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 
 import numpy as np
@@ -23,13 +23,20 @@ class Trials:
     """The refused session from a start row on; every method may end by EffortSpent.
 
     seen: runs of rows in which its target can be seen, none other are tried.  stop_utc: the
-    stop that goes with a start row.
+    stop that goes with a start row.  held: rows over which the target is known to be held, none
+    other are tried; None where that isn't known.
     """
 
     refused: RefusedSession
     ephemeris: Ephemeris
     seen: list[Rows]
     stop_utc: Callable[[int], datetime]
+    held: Rows | None = None
+    _latest: dict[tuple[datetime, datetime, bool], tuple[Way, ...]] = field(default_factory=dict)
+
+    @property
+    def _joins_early(self) -> bool:
+        return self.refused.scenario.slew.objective == "minimum_time"
 
     def session(self, start_row: int) -> Session | None:
         """With its times moved; None where there is no such session."""
@@ -49,7 +56,8 @@ class Trials:
         except ValueError:  # the target itself is not known then
             return None
         rows = session_rows(moved, refused.epoch_utc)
-        inside = any(run.start <= rows.start and rows.stop <= run.stop for run in self.seen)
+        runs = self.seen if self.held is None else [self.held]
+        inside = any(run.start <= rows.start and rows.stop <= run.stop for run in runs)
         return moved if inside else None
 
     def ends_may(self, start_row: int) -> bool:
@@ -63,7 +71,7 @@ class Trials:
         begun_utc = self.refused.utc(rows.start + STENCIL - 1)
         ended_utc = self.refused.utc(rows.stop - STENCIL + 1)
         first = self._ways(replace(moved, stop=begun_utc))
-        if self.refused.scenario.slew.objective != "minimum_time":
+        if not self._joins_early:
             first = tuple(way for way in first if self._may_be_slewed(way))
         return bool(first) and bool(self._ways(replace(moved, start=ended_utc)))
 
@@ -72,10 +80,12 @@ class Trials:
         moved = self.session(start_row)
         if moved is None:
             return False
+        if self.held is not None and not self._joins_early:
+            return self.ends_may(start_row)
         ways = self._ways(moved)
         if any(self._may_be_slewed(way) for way in ways):
             return True
-        if not ways or self.refused.scenario.slew.objective != "minimum_time":
+        if not ways or not self._joins_early:
             return False
         return any(self._may_be_slewed(way) for way in self._ways(moved, early=True))
 
@@ -92,6 +102,14 @@ class Trials:
 
         early: with the time in which its track may be joined before it begins.
         """
+        key = session.start, session.stop, early and self._joins_early
+        if key not in self._latest:
+            found = self._ways_anew(session, early=early)
+            self._latest.clear()  # a session of hours fills megabytes
+            self._latest[key] = found
+        return self._latest[key]
+
+    def _ways_anew(self, session: Session, *, early: bool) -> tuple[Way, ...]:
         refused = self.refused
         rows = session_rows(session, refused.epoch_utc)
         from_row = refused.from_row if early else rows.start
@@ -112,8 +130,7 @@ class Trials:
 
         Where cones leave no way that is found quickly, none is sought for long.
         """
-        scenario = self.refused.scenario
-        may_be_early = scenario.slew.objective == "minimum_time" and not scenario.keeps_out
+        may_be_early = self._joins_early and not self.refused.scenario.keeps_out
         return self._is_found(way, early=False) or (
             may_be_early and self._is_found(way, early=True)
         )

@@ -166,7 +166,7 @@ def _found(request: ImagingOpportunityRequest) -> ImagingOpportunities:
     spend_on(spans, RESTING, request.samples)
     sight = EarthSight(carrier, _middles(request, carrier), np.zeros(len(request.requests)))
     numbers = np.arange(len(request.requests))
-    windows = describe_windows(asked, sight, numbers, spans)
+    windows = describe_windows(asked, sight, numbers, spans, (spans.start_s, spans.stop_s))
     ends = Instants(request.start, np.array([0.0, carrier.span_s]))
     return ImagingOpportunities(
         start_utc=request.start,

@@ -1,14 +1,14 @@
 """Can what the windows offer be planned, and does a refusal know the window it missed?"""
 
 from dataclasses import replace
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 from scenarios import LAS_VEGAS, TLE, at, scenario, session
 
 from planner.attitude import LvlhAttitude
-from planner.errors import NotVisible
+from planner.errors import NotVisible, Refusal, Unreachable
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.opportunities import (
     OpportunityConditions,
@@ -17,9 +17,11 @@ from planner.opportunities import (
     Windows,
     find_opportunities,
 )
-from planner.platforms import PLATFORMS
+from planner.opportunities.windows import SESSION_MAX_S
+from planner.orbits import StateVectorOrbit
+from planner.platforms import PLATFORMS, FieldMask
 from planner.sessions.pipeline import make_plan
-from planner.targets import GroundTarget
+from planner.targets import GroundTarget, StarTarget
 
 PLACES = (
     LAS_VEGAS,
@@ -60,9 +62,105 @@ def test_the_session_of_every_window_plans_as_it_stands(begins_s):
         assert make_plan(asked).verification.passed
 
 
+HRC = PLATFORMS["iss-hrc"]
+NARROW = HRC.with_limits(
+    (HRC.axis_limits[0], replace(HRC.axis_limits[1], angle_min_rad=-0.8, angle_max_rad=0.8))
+)
+ARM = FieldMask(
+    name="arm",
+    margin_deg=1.0,
+    corners_platform=(
+        (0.2, 4.0, 1.2), (0.7, 4.0, 1.2), (0.8, 1.5, 2.5),
+        (1.7, 0.9, 2.4), (1.6, 0.6, 2.5), (0.5, 1.1, 2.7),
+    ),
+)  # fmt: skip
+QUITO = GroundTarget(latitude_deg=-0.2, longitude_deg=-78.5, height_m=2850.0)
+PARTLY_FOLLOWED = {
+    "a star whose window opens and closes at a stop": (HRC, 0.0, StarTarget(hip=32349)),
+    "a place the outer axis points straight at": (HRC, 80.0, LAS_VEGAS),
+    "a place that comes out from behind a mask": (replace(HRC, masks=(ARM,)), 30.0, QUITO),
+    "a star beside a stop of the inner axis": (NARROW, 0.0, StarTarget(name="Vega")),
+}
+
+
+def session_alone(platform, orbit, attitude, target, start, stop):
+    """From rest at zero ten minutes before."""
+    alone = scenario(session(target, 0.0, 1.0))
+    return replace(
+        alone,
+        platform=platform,
+        orbit=orbit,
+        attitude=attitude,
+        initial_state=replace(alone.initial_state, epoch=start - timedelta(seconds=620)),
+        sessions=(replace(alone.sessions[0], start=start, stop=stop),),
+    )
+
+
+@pytest.mark.parametrize(
+    ("platform", "roll_deg", "target"), PARTLY_FOLLOWED.values(), ids=PARTLY_FOLLOWED
+)
+def test_a_session_is_what_the_axes_can_follow_of_its_window(platform, roll_deg, target):
+    """By one pair of angles, within their rates, and braked before a stop: no longer part can."""
+    attitude = LvlhAttitude(roll_deg=roll_deg)
+    request = OpportunityRequest(
+        orbit=TLE,
+        attitude=attitude,
+        platform=platform,
+        start=at(-21600.0),
+        stop=at(3600.0),
+        targets=(OpportunityTarget(id="it", target=target),),
+    )
+    found = find_opportunities(request)
+    windows = found.windows
+    times_s = windows.sessions_s(found.start_utc)
+    cut = np.column_stack(
+        [times_s[:, 0] - windows.rise_s > 0.2, windows.set_s - times_s[:, 1] > 0.2]
+    )
+    assert cut.any()
+    for window in np.flatnonzero(cut.any(axis=1))[: 1 if platform.masks else 2]:
+        start, stop = (shifted_utc(found.start_utc, float(t_s)) for t_s in times_s[window])
+        asked = session_alone(platform, TLE, attitude, target, start, stop)
+        assert make_plan(asked).verification.passed
+        if cut[window, 0] and windows.rise_s[window] < times_s[window, 0] - 1.2:
+            earlier = start - timedelta(seconds=1.2)
+            with pytest.raises(Refusal):
+                make_plan(session_alone(platform, TLE, attitude, target, earlier, stop))
+
+
+def test_a_window_of_a_day_has_a_session_that_one_request_may_plan():
+    """Ten days' worth of rows are not asked for: from a high orbit the Sun never sets."""
+
+    class Day:
+        held_from_s, held_to_s = np.array([0.0]), np.array([86400.0])
+
+    [[start_s, stop_s]] = Windows.sessions_s(Day(), at(0.0))
+    assert stop_s - start_s == SESSION_MAX_S
+
+
+def test_a_session_no_pair_of_angles_holds_throughout_is_offered_the_longest_part():
+    """Polaris from a polar orbit: each pair of angles meets a stop on its way."""
+    orbit = StateVectorOrbit(
+        frame="GCRF",
+        epoch=datetime(2026, 11, 16, 12, tzinfo=UTC),
+        position_km=(7158.137, 0.0, 0.0),
+        velocity_km_s=(0.0, 1.1, 7.38),
+    )
+    attitude = LvlhAttitude(yaw_deg=177.0, pitch_deg=-2.0, roll_deg=1.0)
+    start = datetime(2026, 11, 16, 15, 13, 20, 400000, tzinfo=UTC)
+    stop = datetime(2026, 11, 16, 16, 17, 51, 600000, tzinfo=UTC)
+    asked = session_alone(HRC, orbit, attitude, StarTarget(name="Polaris"), start, stop)
+    with pytest.raises(Unreachable) as refused:
+        make_plan(asked)
+    start, stop = refused.value.earliest_feasible_start_utc, refused.value.feasible_stop_utc
+    # Of 64 min either pair of angles follows for 31 and 37, which overlap.
+    assert (stop - start).total_seconds() > 36 * 60.0
+    advised = replace(asked, sessions=(replace(asked.sessions[0], start=start, stop=stop),))
+    assert make_plan(advised).verification.passed
+
+
 def test_a_window_too_short_for_two_rows_has_no_session():
     class Short:
-        rise_s, set_s = np.array([0.05, 0.05]), np.array([0.35, 0.45])
+        held_from_s, held_to_s = np.array([0.05, 0.05]), np.array([0.35, 0.45])
 
     times_s = Windows.sessions_s(Short(), at(0.0))
     assert np.isnan(times_s[0]).all()
@@ -101,3 +199,29 @@ def test_no_start_at_the_horizon_is_offered_to_who_left_the_elevation_out():
     states = TLE.ephemeris(start, start + timedelta(seconds=60)).states(moment)
     elevation_rad = LAS_VEGAS.apparent(moment, states).clearance_rad[0]
     assert 10.0 <= np.degrees(elevation_rad) < 10.5
+
+
+def test_who_joins_early_is_offered_a_start_after_the_stop_that_opens_the_window():
+    """Asked for 5 s before the star leaves the outer axis's stop, in least time."""
+    star = StarTarget(hip=32349)
+    request = OpportunityRequest(
+        orbit=TLE,
+        attitude=LvlhAttitude(),
+        platform=HRC,
+        start=at(-21600.0),
+        stop=at(3600.0),
+        targets=(OpportunityTarget(id="it", target=star),),
+    )
+    found = find_opportunities(request)
+    row = int(np.flatnonzero(found.windows.opened_by == "reach")[0])
+    start, stop = (
+        shifted_utc(found.start_utc, float(t_s))
+        for t_s in found.windows.sessions_s(found.start_utc)[row]
+    )
+    asked = session_alone(HRC, TLE, LvlhAttitude(), star, start - timedelta(seconds=5), stop)
+    asked = replace(asked, slew=replace(asked.slew, objective="minimum_time"))
+    with pytest.raises(Unreachable) as refused:
+        make_plan(asked)
+    advised_start = refused.value.earliest_feasible_start_utc
+    assert abs((advised_start - start).total_seconds()) <= 0.6
+    assert refused.value.feasible_stop_utc >= stop

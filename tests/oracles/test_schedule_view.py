@@ -19,9 +19,10 @@ from planner.campaigns import (
     scenario_of,
 )
 from planner.frames.time_scales import Instants, elapsed_s
-from planner.opportunities import OpportunityConditions
+from planner.opportunities import OpportunityConditions, OpportunityTarget
 from planner.platforms import PLATFORMS, FieldMask
 from planner.sessions.pipeline import make_plan
+from planner.targets import StarTarget
 
 # Under LVLH all that is 10 deg or more above the horizon lies within 69 deg of the nadir.
 BELOW = FieldMask(
@@ -203,6 +204,18 @@ def test_each_condition_that_closes_a_target_is_named(fields, cause, said):
     assert one.closed_by == cause
     assert said in one.because
     assert one.best_elevation_rad > math.radians(30.0)
+
+
+def test_a_star_that_stays_too_low_above_the_limb_says_so():
+    """Over the limb of the Earth a star climbs as high as the orbit's plane lets it."""
+    conditions = OpportunityConditions(min_elevation_deg=85.0)
+    polaris = OpportunityTarget(id="Polaris", target=StarTarget(name="Polaris"))
+    request = request_for([polaris], conditions=conditions)
+    [one] = choose_campaign(request).unseen
+    assert one.closed_by == "elevation"
+    assert one.because == "it stays below 85 deg above the limb"
+    # The orbit reaches 51.6 deg of latitude, and from 400 km the limb lies 18 deg below level.
+    assert 60.0 < math.degrees(one.best_elevation_rad) < 75.0
 
 
 def test_who_is_left_out_is_displaced_by_looks_worth_as_much():

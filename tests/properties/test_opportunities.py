@@ -26,7 +26,7 @@ from planner.opportunities.sights import EarthSight, FixedPlaces
 from planner.opportunities.spans import Nodes, stretches, turning_point
 from planner.orbits import StateVectorOrbit, TleOrbit
 from planner.platforms import PLATFORMS
-from planner.targets import GroundPathTarget, GroundTarget
+from planner.targets import GroundPathTarget, GroundTarget, StarTarget
 from planner.targets.ground_path import PathPoint
 
 HRC = PLATFORMS["iss-hrc"]
@@ -244,6 +244,26 @@ def test_stretches_of_a_wave(width, phases, cells):
         np.testing.assert_allclose(
             found.stop_s[mine][kept], np.minimum(high[seen], 20.0), rtol=0, atol=1e-5
         )
+
+
+def test_of_a_target_in_space_the_least_elevation_is_that_above_the_limb():
+    """Sirius, within 40 deg of the limb for some minutes after it rises."""
+    wanted = (OpportunityTarget(id="Sirius", target=StarTarget(hip=32349)),)
+    low, high = (
+        find_opportunities(
+            request(wanted, days=0.2, conditions=OpportunityConditions(min_elevation_deg=least))
+        ).windows
+        for least in (0.0, 40.0)
+    )
+    edges = high.through.elevation_rad[:, [0, -1]]
+    causes = np.stack([high.opened_by, high.closed_by], axis=1)
+    np.testing.assert_allclose(edges[causes == "elevation"], math.radians(40.0), rtol=0, atol=1e-6)
+    assert np.count_nonzero(causes == "elevation") >= 4
+    assert high.through.elevation_rad.min() >= math.radians(40.0) - 1e-6
+    # It climbs 360 deg in an orbit of 93 min: 40 deg take 10 min or more.
+    opened = low.rise_s[low.opened_by == "elevation"]
+    for rise_s in high.rise_s[high.opened_by == "elevation"]:
+        assert rise_s - opened[opened < rise_s].max() > 600.0
 
 
 def test_turning_point_at_an_end():
