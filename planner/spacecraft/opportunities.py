@@ -43,7 +43,7 @@ from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.spacecraft.geojson import Position
 from planner.spacecraft.imaging.session import HEIGHT_MAX_M
 from planner.spacecraft.requests import AreaRequest, Request, SpacecraftSettings
-from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft, Camera
+from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft, PushbroomCamera
 from planner.spec import Within, spec
 from planner.targets import GroundTarget
 
@@ -195,7 +195,7 @@ def _require_low(carrier: Carrier) -> None:
 
 
 def _search(
-    request: ImagingOpportunityRequest, camera: Camera
+    request: ImagingOpportunityRequest, camera: PushbroomCamera
 ) -> tuple[OpportunityRequest, Indices]:
     """The search for every position, and the number of the request each belongs to."""
     places = [
@@ -219,7 +219,7 @@ def _search(
     return asked, np.array([number for number, _ in places])
 
 
-def _camera_as_axes(camera: Camera) -> TwoAxisPlatform:
+def _camera_as_axes(camera: PushbroomCamera) -> TwoAxisPlatform:
     """LVLH axes: the outer angle is that along the track, the inner one is free."""
 
     def limits(angle_max_deg: float) -> AxisLimits:
@@ -244,7 +244,9 @@ def _camera_as_axes(camera: Camera) -> TwoAxisPlatform:
     )
 
 
-def _spans_of_positions(asked: OpportunityRequest, carrier: Carrier, camera: Camera) -> Spans:
+def _spans_of_positions(
+    asked: OpportunityRequest, carrier: Carrier, camera: PushbroomCamera
+) -> Spans:
     across_max_rad = math.radians(camera.across_max_deg)
 
     def across(sight: Sight) -> Iterator[Condition]:

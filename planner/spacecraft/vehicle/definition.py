@@ -110,7 +110,7 @@ class SlewLimits:
 
 
 @spec
-class Camera:
+class PushbroomCamera:
     """The pushbroom camera, optical axis -Y, detector columns along X.
 
     pixel_rad: 1 m at nadir from 650 km.  tdi_lines: lines added up, which sets the exposure;
@@ -141,7 +141,7 @@ class AgileSpacecraft:
     sensors: Sensors = Sensors()
     gains: ControlGains = ControlGains()
     slew: SlewLimits = SlewLimits()
-    camera: Camera = Camera()
+    camera: PushbroomCamera = PushbroomCamera()
 
     def __post_init__(self) -> None:
         a, b, c = sorted(self.inertia_kg_m2)
