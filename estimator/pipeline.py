@@ -87,8 +87,8 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
     if not (around.daylight and all(map(blue_is_sharp, images))):
         return _answer(*_find(images, request, around, None))
     found = horizon, _, _ = _find(images, request, around, _BLUE)
-    if _is_overexposed(horizon):
-        # The limb is brightest in blue: another colour may show it whole.
+    if request.predicted is not None and _is_overexposed(horizon):
+        # The limb is brightest in blue: another colour may show it whole, if not its heading.
         for channel in _OTHER_COLOURS:
             instead = _find(images, request, around, channel)
             if instead[0].reason is None and not _is_overexposed(instead[0]):

@@ -40,6 +40,7 @@ _OVEREXPOSED_SHARE = 0.3
 _CLOUDLESS_QUANTILE, _CLOUDLESS_SHARE = 0.9, 0.86
 _SURE_SIGMA = 3.0
 _CLEAR_OF_CLOUDS_M = 6e3
+_SEPARATE_M = 6e3  # smoothed by more, clouds and the air above them are one edge
 
 
 @dataclass(frozen=True)
@@ -294,7 +295,7 @@ def _above_clouds(edge: _Edge, strip: _Strip) -> _Edge:
 
     Brightness grows by the same share of itself a metre where air is as deep, however bright.
     """
-    if not edge.significant.any():
+    if not edge.significant.any() or strip.smooth_px * strip.typical_m_per_px > _SEPARATE_M:
         return edge
     row, last = np.arange(len(edge.peak)), strip.level.shape[1] - 1
     sky = np.median(strip.level[:, -_SKY_STEPS:], axis=1, keepdims=True)
