@@ -39,6 +39,7 @@ from planner.spacecraft.vehicle.definition import (
 )
 from planner.spacecraft.vehicle.onboard import PAPER, TABLE
 
+# The last is ours: so long after the paper's last, 1891 s, as its strips take before.
 PAPER_TURNS_S = (
     600, 725, 756, 789, 821, 882, 914, 946, 979, 1040, 1071, 1104, 1136, 1197, 1229, 1261, 1294,
     1355, 1386, 1419, 1451, 1512, 1544, 1576, 1609, 1670, 1701, 1734, 1766, 1827, 1859, 1891, 1923,

@@ -27,7 +27,7 @@ from planner.export import FlightPlan
 from planner.export.csv import table_csv
 from planner.sessions.pipeline import make_plan
 from planner.telemetry.alignment import Alignment
-from planner.telemetry.columns import Column, meaning_of
+from planner.telemetry.columns import TelemetryColumn, meaning_of
 from planner.telemetry.compare import compare
 from planner.telemetry.samples import Samples
 
@@ -98,7 +98,7 @@ def compared(plan: FlightPlan, tag_s: Array, angles_rad: list[Array]) -> Alignme
     for name, angle_rad in zip(names, angles_rad, strict=True):
         meaning = meaning_of(f"{name}_rad", names)
         assert meaning is not None
-        columns.append(Column(name=name, meaning=meaning, value=angle_rad))
+        columns.append(TelemetryColumn(name=name, meaning=meaning, value=angle_rad))
     samples = Samples(epoch_utc=plan.table.epoch_utc, t_s=tag_s, columns=tuple(columns))
     return compare(plan, samples).alignment
 

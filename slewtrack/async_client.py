@@ -271,3 +271,11 @@ class AsyncClient(AsyncCarrier):
     async def platforms(self) -> Sequence[Members]:
         """Those that a request can name, each as it may write out its own."""
         return await self._run(calls.platforms(self._service.patience_s))
+
+    async def places(self, begin: str, *, limit: int = 8) -> Sequence[Members]:
+        """The places whose names begin so, for a target of mode place."""
+        return await self._run(calls.known_names("places", begin, limit, self._service.patience_s))
+
+    async def stars(self, begin: str, *, limit: int = 8) -> Sequence[Members]:
+        """The stars whose names begin so, for a target of mode star."""
+        return await self._run(calls.known_names("stars", begin, limit, self._service.patience_s))

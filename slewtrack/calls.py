@@ -289,6 +289,14 @@ def platforms(patience_s: float) -> Call[Sequence[Members]]:
     return found
 
 
+def known_names(kind: str, begin: str, limit: int, patience_s: float) -> Call[Sequence[Members]]:
+    """The places or stars whose names begin so."""
+    query = {"begin": begin, "limit": str(limit)}
+    members = yield from document(Ask(method="GET", path=f"/v1/{kind}", query=query), patience_s)
+    found: Sequence[Members] = members[kind]
+    return found
+
+
 def check(path: str, request: Json, patience_s: float) -> Call[Members]:
     """The answer to a dry run; raises Refused when it doesn't fly."""
     return (yield from document(post(path, request, query={"dry_run": "true"}), patience_s))

@@ -269,3 +269,11 @@ class Client(Carrier):
     def platforms(self) -> Sequence[Members]:
         """Those that a request can name, each as it may write out its own."""
         return self._run(calls.platforms(self._service.patience_s))
+
+    def places(self, begin: str, *, limit: int = 8) -> Sequence[Members]:
+        """The places whose names begin so, for a target of mode place."""
+        return self._run(calls.known_names("places", begin, limit, self._service.patience_s))
+
+    def stars(self, begin: str, *, limit: int = 8) -> Sequence[Members]:
+        """The stars whose names begin so, for a target of mode star."""
+        return self._run(calls.known_names("stars", begin, limit, self._service.patience_s))

@@ -14,7 +14,7 @@ from planner.arrays import Array
 from planner.attitude.corrections import AttitudeCorrection
 from planner.frames.time_scales import utc_text
 from planner.platforms import PlatformDefinition
-from planner.telemetry.alignment import Estimate
+from planner.telemetry.alignment import ClockEstimate
 from planner.telemetry.attitude import PointingParts
 from planner.telemetry.compare import Comparison
 from planner.telemetry.parameters import Parameter, PlatformFound
@@ -175,7 +175,7 @@ def _correction(correction: AttitudeCorrection) -> CorrectionOut:
     )
 
 
-def _estimate(estimate: Estimate, decimals: int) -> EstimateOut:
+def _estimate(estimate: ClockEstimate, decimals: int) -> EstimateOut:
     return EstimateOut(value=round(estimate.value, decimals), sigma=round(estimate.sigma, decimals))
 
 

@@ -9,6 +9,7 @@ from rich.text import Text
 from app.answers.spacecraft import row_text
 from app.cli.report_parts import print_table, print_warnings, report_table
 from planner.spacecraft.plan import ImagingPlan
+from planner.spacecraft.turns.turn_choice import TurnComparison
 
 
 def print_session(console: Console, plan: ImagingPlan) -> None:
@@ -60,6 +61,12 @@ def _windows(plan: ImagingPlan) -> Table:
     return table
 
 
+def _made_by(turn: TurnComparison) -> str:
+    if turn.time_from in (None, turn.method):
+        return turn.method
+    return f"{turn.method}, in the least time of the {turn.time_from}"
+
+
 def _turns(plan: ImagingPlan) -> Table:
     table = report_table(
         "turns", "<start", "deg", "seconds", "eigenaxis", "<by", "Nm/s", "eigenaxis"
@@ -71,7 +78,7 @@ def _turns(plan: ImagingPlan) -> Table:
             f"{math.degrees(compared.angle_rad):.1f}",
             f"{compared.duration_s:.1f}",
             f"{compared.eigenaxis_s:.1f}",
-            compared.method,
+            _made_by(compared),
             f"{compared.torque_rate_peak_n_m_s:.1f}",
             f"{compared.eigenaxis_torque_rate_peak_n_m_s:.1f}",
         )

@@ -12,7 +12,7 @@ from app.work.plan import stored_plan
 from planner.errors import InvalidInput
 from planner.export import Exporter, FlightPlan
 from planner.telemetry.attitude import PointingParts, from_image, from_rotation
-from planner.telemetry.columns import Column, ColumnMeaning, meaning_of
+from planner.telemetry.columns import ColumnMeaning, TelemetryColumn, meaning_of
 from planner.telemetry.compare import Comparison, compare
 from planner.telemetry.csv_text import read_csv, utc_seconds
 from planner.telemetry.figure import write_comparison_png, write_comparison_svg
@@ -83,7 +83,7 @@ def _samples(plan: FlightPlan, sent: SentTelemetry) -> Samples:
         return read_csv(sent.samples, names, epoch_utc or None, plan.table.epoch_utc)
     since_utc = epoch_utc or plan.table.epoch_utc
     columns = tuple(
-        Column(name=name, meaning=_meaning(name, names), value=value)
+        TelemetryColumn(name=name, meaning=_meaning(name, names), value=value)
         for name, value in sent.samples.columns.items()
     )
     _require_each_once(columns, names)
@@ -105,7 +105,7 @@ def _meaning(name: str, axis_names: Sequence[str]) -> ColumnMeaning:
     return meaning
 
 
-def _require_each_once(columns: Sequence[Column], axis_names: Sequence[str]) -> None:
+def _require_each_once(columns: Sequence[TelemetryColumn], axis_names: Sequence[str]) -> None:
     if not columns:
         raise _fault(f"{axis_names[0]}_deg", "is required, or a column of another axis or of rates")
     seen: dict[tuple[int, str], str] = {}

@@ -18,7 +18,7 @@ from planner.attitude.extrapolation import (
     Extrapolation,
     fit_extrapolation,
 )
-from planner.attitude.manoeuvre import RANDOM_RMS_RAD, last_change, next_turn_rms_rad
+from planner.attitude.manoeuvre import RANDOM_RMS_RAD, last_change, turn_rms_rad
 
 LEADS_S = 150.0 * 2.0 ** np.arange(8)  # to beyond three orbits
 LEAST_S = 4.0 * TAIL_S  # of history
@@ -42,6 +42,7 @@ class Blend:
     is 1.  error_rms_body_rad: (m, 3), of the blend about each body axis, on the tail; beyond
     tried_s as it grows by the descriptions' own laws.  changed_s: on the history's clock, when a
     manoeuvre last began or ended; what is older is not used.  None where it holds none.
+    under_way: it began, as lately as a swing takes to show.
     """
 
     extrapolations: tuple[Extrapolation, ...]
@@ -49,6 +50,7 @@ class Blend:
     error_rms_body_rad: Array
     tried_s: float
     changed_s: float | None
+    under_way: bool
 
     @property
     def end_s(self) -> float:
@@ -68,21 +70,14 @@ class Blend:
     def error_rms_at(self, lead_s: Array) -> Array:
         """Expected rms about each body axis (rad), shape (n, 3).
 
-        A carrier that may turn again is told to: nothing in its history foretells it.
+        How a manoeuvre under way goes on its tail can't tell beyond the next minutes.
         """
-        rms_rad = _between_leads(self.error_rms_body_rad, lead_s)
-        if self.may_turn:
-            turn_rad = next_turn_rms_rad(lead_s, self.extrapolations[0].period_s)
-            rms_rad = np.hypot(rms_rad, turn_rad[:, None])
-        return np.minimum(rms_rad, RANDOM_RMS_RAD)
-
-    @property
-    def may_turn(self) -> bool:
-        """Within as long of a manoeuvre as the longest description of a swing takes."""
-        if self.changed_s is None:
-            return False
-        settled_s = SETTLED_ORBITS * self.extrapolations[0].period_s
-        return self.end_s - self.changed_s < settled_s
+        if self.under_way:
+            turn_rad = turn_rms_rad(lead_s, self.extrapolations[0].period_s)
+            rms_rad = np.hypot(self.error_rms_body_rad[0], turn_rad[:, None])
+        else:
+            rms_rad = _between_leads(self.error_rms_body_rad, lead_s)
+        return np.asarray(np.minimum(rms_rad, RANDOM_RMS_RAD))
 
     def shares_at(self, lead_s: float) -> list[tuple[Description, float]]:
         """The descriptions and their weights, the weightiest first."""
@@ -103,16 +98,21 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
             f"the history is only {t_s[-1] - t_s[0]:.0f} s long; at least {LEAST_S:.0f} s are "
             "needed to try an extrapolation on its tail"
         )
-    first_row = last_change(t_s, q_body_from_lvlh)
-    changed_s = float(t_s[first_row]) if first_row else None
-    if t_s[-1] - t_s[first_row] < LEAST_S:
-        first_row = 0
-    t_s, q_body_from_lvlh = t_s[first_row:], q_body_from_lvlh[first_row:]
+    change = last_change(t_s, q_body_from_lvlh)
+    changed_s, under_way = None, False
+    if change is not None:
+        changed_s = float(t_s[change.row])
+        since_s = float(t_s[-1]) - changed_s
+        under_way = change.is_begin and since_s < SETTLED_ORBITS * period_s
+        if since_s >= LEAST_S:
+            t_s, q_body_from_lvlh = t_s[change.row :], q_body_from_lvlh[change.row :]
     fits = [fit_extrapolation(d, t_s, q_body_from_lvlh, period_s) for d in DESCRIPTIONS]
     extrapolations = tuple(fit for fit in fits if fit is not None)
     descriptions = tuple(extrapolation.description for extrapolation in extrapolations)
     trials = _trials(descriptions, t_s, q_body_from_lvlh, period_s)
-    mean_square_rad2, rows_tried = _mean_squares(trials, descriptions)
+    # What swings at the orbital rate is farthest off half an orbit later, not what turns.
+    growing_s = np.minimum(LEADS_S, np.inf if under_way else 0.5 * period_s)
+    mean_square_rad2, rows_tried = _mean_squares(trials, descriptions, growing_s)
     if not len(rows_tried):
         raise ValueError("the history has too few rows in its tail; send it without gaps")
     likely = 1.0 / (mean_square_rad2 + _FLOOR_RAD**2) ** SHARPNESS
@@ -123,6 +123,7 @@ def blend(t_s: Array, q_body_from_lvlh: Rotation, period_s: float) -> Blend:
         error_rms_body_rad=_blend_rms(trials, weights, mean_square_rad2, rows_tried),
         tried_s=float(LEADS_S[rows_tried[-1]]),
         changed_s=changed_s,
+        under_way=under_way,
     )
 
 
@@ -168,12 +169,12 @@ def _errors(fits: list[Extrapolation | None], t_s: Array, q_body_from_lvlh: Rota
 
 
 def _mean_squares(
-    trials: list[list[_Trial]], descriptions: tuple[Description, ...]
+    trials: list[list[_Trial]], descriptions: tuple[Description, ...], growing_s: Array
 ) -> tuple[Array, Indices]:
     """Of each description's error at each lead (m, k), and at which leads any was measured.
 
     One not tried at a lead is taken to do as at the lead before, or the next one tried, grown or
-    shrunk by its law.
+    shrunk by its law with growing_s, (m,).
     """
     mean_square_rad2 = np.full((len(LEADS_S), len(descriptions)), np.nan)
     for row, (lead_s, found) in enumerate(zip(LEADS_S, trials, strict=True)):
@@ -185,13 +186,15 @@ def _mean_squares(
                 squares = [np.sum(trial.error_rad[k] ** 2, axis=1) for trial in mine]
                 mean_square_rad2[row, k] = np.mean(np.concatenate(squares))
     rows_tried = np.flatnonzero(np.isfinite(mean_square_rad2).any(axis=1))
-    growth = 4.0 ** np.array([description.growth for description in descriptions])
+    growth = growing_s[:, None] ** [2.0 * description.growth for description in descriptions]
     for row in range(1, len(LEADS_S)):
         unknown = np.isnan(mean_square_rad2[row])
-        mean_square_rad2[row, unknown] = (mean_square_rad2[row - 1] * growth)[unknown]
+        before = mean_square_rad2[row - 1] / growth[row - 1]
+        mean_square_rad2[row, unknown] = (before * growth[row])[unknown]
     for row in range(len(LEADS_S) - 2, -1, -1):
         unknown = np.isnan(mean_square_rad2[row])
-        mean_square_rad2[row, unknown] = (mean_square_rad2[row + 1] / growth)[unknown]
+        after = mean_square_rad2[row + 1] / growth[row + 1]
+        mean_square_rad2[row, unknown] = (after * growth[row])[unknown]
     return np.where(np.isnan(mean_square_rad2), np.inf, mean_square_rad2), rows_tried
 
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
-from planner.attitude.blend import SETTLED_ORBITS, Blend, blend
+from planner.attitude.blend import Blend, blend
 from planner.attitude.correctable import CorrectableAttitude
 from planner.attitude.errors import AttitudeErrors, known_errors
 from planner.attitude.extrapolation import OFFSET_TAIL_S
@@ -26,7 +26,7 @@ LEAD_MAX_S = 6.0 * 3600.0
 # Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
 # (bench/attitude_figures.py).
 ERROR_MEMORY_S = 1250.0
-_NEXT_TURN = ", and a turn that may follow its manoeuvre"
+_TURN = ", and its manoeuvre's turn, which nothing foretells"
 
 
 @spec
@@ -36,8 +36,8 @@ class HarmonicAttitude(CorrectableAttitude):
     The history is described by orbital harmonics of its attitude to LVLH and the present offset
     from them, and by the present attitude or rate alone, a rate that slows down coming to rest; at
     each lead each counts by how well it predicts the history's own tail so far ahead.  What is
-    older than a manoeuvre isn't used, and for two orbits after it a further turn is told in the
-    error.  On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
+    older than a manoeuvre isn't used, and while one is under way its turn is told in the error.
+    On ISS telemetry in torque equilibrium: 0.02 deg rms after 900 s.
 
     content: the whole message, line breaks included.
     history_orbit: where the carrier was during the history; needed unless the message is against a
@@ -94,7 +94,7 @@ class HarmonicAttitude(CorrectableAttitude):
                 else "on "
             )
             + "parts of its own history it had not seen"
-            + _NEXT_TURN * self.carried_on.may_turn
+            + _TURN * self.carried_on.under_way
         )
 
     def law_warnings_at(self, instants: Instants) -> tuple[str, ...]:
@@ -104,17 +104,16 @@ class HarmonicAttitude(CorrectableAttitude):
         if changed_s is None:
             return (self.choice_at(lead_s),)
         changed_utc = shifted_utc(self.segments[-1].epoch_utc, changed_s)
+        what = (
+            "is under way, which began about {}: a turn as likely as not is told in the error, "
+            "unless attitude.uncertainty states it"
+            if self.carried_on.under_way
+            else "began or ended about {}: the error told holds no other"
+        )
         return (
             self.choice_at(lead_s),
-            f"the attitude history holds a manoeuvre, which ended or began about "
-            f"{utc_text(changed_utc)}; what is older is not used, and nothing foretells when a "
-            "manoeuvre begins or ends"
-            + (
-                f": within {SETTLED_ORBITS:g} orbits of it a turn as likely as not is told in the "
-                "error, unless attitude.uncertainty states it"
-                if self.carried_on.may_turn
-                else ""
-            ),
+            f"the attitude history holds a manoeuvre, which {what.format(utc_text(changed_utc))}; "
+            "what is older is not used, and nothing foretells when a manoeuvre begins or ends",
         )
 
     def law_errors(self, instants: Instants) -> AttitudeErrors:
@@ -123,7 +122,7 @@ class HarmonicAttitude(CorrectableAttitude):
         return known_errors(
             self.carried_on.error_rms_at(lead_s),
             "measured on the history's own tail, held out of the fit"
-            + _NEXT_TURN * self.carried_on.may_turn,
+            + _TURN * self.carried_on.under_way,
             "a history that ends nearer to the session",
             ERROR_MEMORY_S,
         )

@@ -1,4 +1,6 @@
-"""Since when an attitude goes on as it does, a manoeuvre having ended or begun; what may follow."""
+"""Since when an attitude goes on as it does, a manoeuvre having begun or ended; how it may turn."""
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -15,8 +17,15 @@ NOISE_RAD = np.deg2rad(0.02)  # below, turns say nothing
 RANDOM_RMS_RAD = np.sqrt((np.pi**2 / 3.0 + 2.0) / 3.0)
 
 
-def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> int:
-    """The first row of the history after a manoeuvre's end or begin; 0 where it holds none.
+class Change(NamedTuple):
+    """A manoeuvre's begin or end, and the first row after it."""
+
+    row: int
+    is_begin: bool
+
+
+def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> Change | None:
+    """None where the history holds no manoeuvre.
 
     t_s: shape (n,), increasing.
     A manoeuvre turns the body against LVLH in five minutes by six times what it did, or does, in a
@@ -27,7 +36,7 @@ def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> int:
     first = np.flatnonzero(after < len(t_s))
     after = after[first]
     if not len(first):
-        return 0
+        return None
     turn_rad = (q_body_from_lvlh[after] * q_body_from_lvlh[first].inv()).magnitude()
     turn_rad *= STEP_S / (t_s[after] - t_s[first])
     turn_rad = np.maximum(turn_rad, NOISE_RAD)
@@ -38,14 +47,16 @@ def last_change(t_s: Array, q_body_from_lvlh: Rotation) -> int:
     faster = turn_rad > MANOEUVRE_RATIO * usual_rad[-1]
     slower = usual_rad * MANOEUVRE_RATIO < usual_rad[-1]
     other = np.flatnonzero(faster | slower)
-    return int(after[other[-1]]) if len(other) else 0
+    if not len(other):
+        return None
+    return Change(int(after[other[-1]]), bool(slower[other[-1]]))
 
 
-def next_turn_rms_rad(lead_s: Array, period_s: float) -> Array:
-    """Of a turn that is as likely to begin as not, about each axis, shape (n,).
+def turn_rms_rad(lead_s: Array, period_s: float) -> Array:
+    """Of a manoeuvre under way, about each axis, shape (n,): nothing foretells where it ends.
 
-    It is the greatest there is, half a turn from rest to rest, in an orbit.  Flown by optimised
-    commands, the ISS takes one to two orbits for a half or quarter turn.
+    It is as likely as not the greatest there is, half a turn from rest to rest, in an orbit.  Flown
+    by optimised commands, the ISS takes one to two orbits for a half or quarter turn.
     Source: Bhatt et al., AAS 15, Thermally-constrained fuel-optimal ISS maneuvers.
     """
     share = np.clip(lead_s / period_s, 0.0, 1.0)

@@ -10,7 +10,7 @@ from planner.arrays import Array, Mask
 from planner.commands import CommandTable
 from planner.flights.draws import CAUSES, DRIVE, Draw, draw_run, undisturbed
 from planner.flights.frames import Frames, frames_of
-from planner.flights.scene import Seen, SessionScene
+from planner.flights.scene import SeenTarget, SessionScene
 from planner.sessions.uncertainty import RANGE_MAX_M
 
 FRAMES_COMPARED = 11  # of a session, for the causes' shares: errors change slowly, as the budget's
@@ -167,7 +167,7 @@ def _fly_pair(
     rows = np.unique(np.linspace(0, len(scene.at_s) - 1, FRAMES_COMPARED).round().astype(np.intp))
     at_s = scene.at_s[rows]
 
-    def shows(motion: Motion, view: Seen) -> tuple[Array, Array]:
+    def shows(motion: Motion, view: SeenTarget) -> tuple[Array, Array]:
         frames = _frames(scene, motion, view, at_s)
         return frames.place_px, frames.smear_px
 
@@ -194,7 +194,7 @@ def _half_squares(one_px: tuple[Array, Array], other_px: tuple[Array, Array]) ->
     return np.array([0.5 * np.sum((a - b) ** 2) for a, b in zip(one_px, other_px, strict=True)])
 
 
-def _frames(scene: SessionScene, motion: Motion, seen: Seen, at_s: Array) -> Frames:
+def _frames(scene: SessionScene, motion: Motion, seen: SeenTarget, at_s: Array) -> Frames:
     blocks = []
     for first in range(0, len(at_s), FRAMES_AT_ONCE):
         block_s = at_s[first : first + FRAMES_AT_ONCE]
@@ -216,7 +216,7 @@ def _at(t_s: Array, known_s: Array, angle_rad: Array) -> Array:
     return np.stack([np.interp(t_s, known_s, column) for column in angle_rad.T], axis=1)
 
 
-def _judged(frames: Frames, seen: Seen) -> _Judged:
+def _judged(frames: Frames, seen: SeenTarget) -> _Judged:
     range_m = seen.ranges_m(frames.begins_s)
     miss_m = np.where(range_m < RANGE_MAX_M, frames.error_rad * range_m, np.inf)
     return _Judged(

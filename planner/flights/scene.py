@@ -26,7 +26,7 @@ POINTS = 6  # by a polynomial through so many: good to 3e-5 arcsec on a 400 km p
 LEAD_S = 10.0  # flown before a session, for the drives to be at work when it begins
 
 
-class Seen(NamedTuple):
+class SeenTarget(NamedTuple):
     """A target as the base sees it: at n nodes by the platform's clock.
 
     nodes_s: (n,).  los_platform: unit vectors, (n, 3).  range_m: (n,).
@@ -77,7 +77,7 @@ class SessionScene:
         rows_s = self.from_s + self.table.t_s
         return np.stack([np.interp(at_s, rows_s, column) for column in self.table.angle_rad.T], 1)
 
-    def seen(self, draws: Sequence[Draw]) -> list[Seen]:
+    def seen(self, draws: Sequence[Draw]) -> list[SeenTarget]:
         """Where the target stands under each of them, all at once: few cost what many do."""
         count = len(draws)
         epoch_utc, t_s = self.instants.epoch_utc, self.instants.t_s
@@ -102,7 +102,7 @@ class SessionScene:
         ranges_m = seen.range_m.reshape(count, len(t_s))
         # What the platform does at a time by its own clock it does so much later by UTC.
         return [
-            Seen(t_s - draw.clock_score * CLOCK_S, node, range_m)
+            SeenTarget(t_s - draw.clock_score * CLOCK_S, node, range_m)
             for draw, node, range_m in zip(draws, nodes, ranges_m, strict=True)
         ]
 

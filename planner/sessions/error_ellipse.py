@@ -7,7 +7,7 @@ from planner.attitude import AttitudeLaw
 from planner.orbits import Ephemeris
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.line_of_sight import LineOfSight
-from planner.sessions.uncertainty import CLOCK_S, DRIVE_RAD, Scene, error_biases
+from planner.sessions.uncertainty import CLOCK_S, DRIVE_RAD, PointingScene, error_biases
 from planner.targets import VisibleTarget
 
 
@@ -27,7 +27,7 @@ def error_covariance_rad2(
     about the boresight, and the second across it.  angle_rad: (n, 2), the axes at the instants of
     `los`.  Its mean per axis is the square of the budget's `sigma_arcsec`.
     """
-    scene = Scene(los, attitude, target, platform, angle_rad, len(los.instants))
+    scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
     errors = attitude.errors(scene.instants)
     covariance_rad2 = np.tile(DRIVE_RAD**2 * np.eye(2), (len(los.instants), 1, 1))
     for bias in error_biases(scene, los, ephemeris, errors, clock_s):

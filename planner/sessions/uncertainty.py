@@ -119,7 +119,7 @@ def pointing_budget(
     a phase that nobody knows beforehand; the drives' resolution is random.  Leaves out the mount's
     alignment and the camera's own distortion, which are calibrated, and refraction.
     """
-    scene = Scene(los, attitude, target, platform, angle_rad, SAMPLES)
+    scene = PointingScene(los, attitude, target, platform, angle_rad, SAMPLES)
     errors = attitude.errors(scene.instants)
     biases = error_biases(scene, los, ephemeris, errors, clock_s)
     total_rad = np.sqrt(sum(bias.sigma_rad**2 for bias in biases) + DRIVE_RAD**2)
@@ -169,7 +169,7 @@ def probabilities_at(
 
     By every 16th point of the budget's, good to 0.01.
     """
-    scene = Scene(los, attitude, target, platform, angle_rad, len(los.instants))
+    scene = PointingScene(los, attitude, target, platform, angle_rad, len(los.instants))
     half_rad = _half_rad(platform)
     if not (half_rad > 0.0).all():
         return np.zeros(len(los.instants))
@@ -198,7 +198,7 @@ def _half_rad(platform: TwoAxisPlatform) -> Array:
     return np.array(platform.frame_half_rad) - RANDOM_MARGIN_SIGMA * DRIVE_RAD
 
 
-class Scene:
+class PointingScene:
     """The session at a few instants, and where a disturbance puts the target in the image.
 
     off_rad: (n, 2), where the target is without errors; the instants are those, one of each
@@ -285,7 +285,11 @@ def _constant(biases: Sequence[Bias]) -> list[Array]:
 
 
 def error_biases(
-    scene: Scene, los: LineOfSight, ephemeris: Ephemeris, errors: AttitudeErrors, clock_s: float
+    scene: PointingScene,
+    los: LineOfSight,
+    ephemeris: Ephemeris,
+    errors: AttitudeErrors,
+    clock_s: float,
 ) -> list[Bias]:
     orbits = [*_disturbed_orbits(scene.states), scene.states, scene.states]
     *moved, late, early = scene.directions_platform(orbits, [0.0, 0.0, 0.0, _PROBE_S, -_PROBE_S])
@@ -313,7 +317,7 @@ def _disturbed_orbits(states: OrbitStates) -> tuple[OrbitStates, ...]:
 
 
 def _orbit_offsets(
-    scene: Scene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
+    scene: PointingScene, ephemeris: Ephemeris, moved_platform: Sequence[Array]
 ) -> list[Bias]:
     """Radial, along-track and cross-track, as independent causes.
 
@@ -332,7 +336,7 @@ def _orbit_offsets(
     ]
 
 
-def _attitude_offsets(scene: Scene, errors: AttitudeErrors) -> list[Bias]:
+def _attitude_offsets(scene: PointingScene, errors: AttitudeErrors) -> list[Bias]:
     """Turns about the body axes, constant and swinging with the orbit."""
     sigma_body_rad = np.broadcast_to(errors.sigma_body_rad, (len(scene.instants), 3))
     r_m, v_m_s = scene.states.r_sat_eci_m, scene.states.v_sat_eci_m_s
@@ -362,7 +366,7 @@ def ut1_sigma_s(instants: Instants) -> float:
     return 2e-5 + 2.5e-4 * float(predicted_days**0.75) + 8.5e-4 * max(0.0, past_days)
 
 
-def _earth_offsets(scene: Scene, passing_platform: Array) -> Bias:
+def _earth_offsets(scene: PointingScene, passing_platform: Array) -> Bias:
     """UT1; the pole's part is a tenth of it.
 
     passing_platform: how far the Earth's turning moves the target from `_PROBE_S` before to after.
@@ -377,7 +381,7 @@ def _earth_offsets(scene: Scene, passing_platform: Array) -> Bias:
     return Bias(cause, scene.in_image(passing_platform) * (ut1_s / (2.0 * _PROBE_S)))
 
 
-def _clock_offsets(scene: Scene, los: LineOfSight, clock_s: float) -> Bias:
+def _clock_offsets(scene: PointingScene, los: LineOfSight, clock_s: float) -> Bias:
     """A table flown late points where the target was."""
     drift = scene.in_image(los.los_rate_platform_per_s[scene.rows])
     cause = _Cause("clock", "20 ms of the platform's clock assumed unless stated", "a better clock")

@@ -9,7 +9,7 @@ from planner.arrays import Array, Mask
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.platforms import AxisDrive, TwoAxisPlatform
 from planner.platforms.drive import CONTROL_STEP_S
-from planner.simulation.loop import Command, Log, Loop, close_loops
+from planner.simulation.loop import Command, Loop, LoopLog, close_loops
 from planner.simulation.plant import AXIS_STATES, MODE_STATES, plant_of
 
 _ARCSEC_RAD = math.radians(1.0 / 3600.0)
@@ -137,7 +137,7 @@ def _loop(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> Loo
     )
 
 
-def _gyro(platform: TwoAxisPlatform, log: Log, swing_rad_s: Array) -> Array:
+def _gyro(platform: TwoAxisPlatform, log: LoopLog, swing_rad_s: Array) -> Array:
     """True rate about each axis, (n, 2), where the base swings at (n, 3) in the platform frame."""
     outer, inner = platform.axes_platform
     alpha = log.angle_rad[:, :1]

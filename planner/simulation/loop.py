@@ -13,13 +13,13 @@ from planner.simulation.plant import (
     BRISTLE,
     MODE_STATES,
     RATE,
-    Plant,
+    AxesPlant,
     derivative,
     friction,
     relative_rate_rad_s,
     steady_bristle,
 )
-from planner.simulation.rosenbrock import Torque, Work, between, step, torque_at, work_for
+from planner.simulation.rosenbrock import Scratch, Torque, between, scratch_for, step, torque_at
 
 # Absolute, per step: a thousandth of an arcsecond, and a hundredth over an exposure of 0.3 s.
 ANGLE_TOLERANCE_RAD = 5e-9
@@ -50,7 +50,7 @@ class Command(NamedTuple):
     acceleration_rad_s2: Array  # (n, 2), mean over the step that begins here
 
 
-class Log(NamedTuple):
+class LoopLog(NamedTuple):
     """What n control steps began with."""
 
     angle_rad: Array  # (n, 2), of the shaft
@@ -63,7 +63,7 @@ class Log(NamedTuple):
 
 @compiled
 def advance(
-    plant: Plant,
+    plant: AxesPlant,
     state: Array,
     signs: Array,
     torque: Torque,
@@ -72,7 +72,7 @@ def advance(
     shaft_rad: Array,
     duration_s: float,
     first_step_s: float,
-    work: Work,
+    scratch: Scratch,
 ) -> tuple[float, int]:
     """Integrate over a duration; returns the step to try next and how many were tried.
 
@@ -83,45 +83,45 @@ def advance(
         left_s = duration_s - t_s
         whole = step_s >= 0.999 * left_s
         trial_s = left_s if whole else step_s
-        step(plant, state, signs, torque, t_s, trial_s, work)
+        step(plant, state, signs, torque, t_s, trial_s, scratch)
         tried += 1
         error = 0.0
         for i in range(len(state)):
-            error = max(error, abs(work.error_states[i]) / tolerance_limits[i])
+            error = max(error, abs(scratch.error_states[i]) / tolerance_limits[i])
         scale = _SAFETY * error**-0.25 if error > 0.0 else _GROW
         if not error <= 1.0 and trial_s > _LEAST_STEP_S:
             step_s = trial_s * max(_SHRINK, scale)
             continue
-        reversal = _first_reversal(plant, state, signs, work)
+        reversal = _first_reversal(plant, state, signs, scratch)
         if reversal < 1.0:
             # Again, up to where the first axis comes to rest.
             trial_s = max(reversal * trial_s, _LEAST_STEP_S)
             whole = trial_s >= left_s
-            step(plant, state, signs, torque, t_s, trial_s, work)
+            step(plant, state, signs, torque, t_s, trial_s, scratch)
             tried += 1
         for i in range(len(state)):
-            state[i] = work.end_states[i]
+            state[i] = scratch.end_states[i]
         t_s = duration_s if whole else t_s + trial_s
         step_s = max(trial_s, step_s) * min(_GROW, max(_SHRINK, scale))
         _take_up_play(state, play_rad, shaft_rad)
-        _set_signs(plant, state, signs, torque, t_s, work)
+        _set_signs(plant, state, signs, torque, t_s, scratch)
     return step_s, tried
 
 
 @compiled
-def _first_reversal(plant: Plant, state: Array, signs: Array, work: Work) -> float:
+def _first_reversal(plant: AxesPlant, state: Array, signs: Array, scratch: Scratch) -> float:
     """Share of the step at which an axis first comes to rest; 1 if none does."""
     first = 1.0
     for axis in range(2):
-        end = signs[axis] * relative_rate_rad_s(plant, work.end_states, axis)
+        end = signs[axis] * relative_rate_rad_s(plant, scratch.end_states, axis)
         start = signs[axis] * relative_rate_rad_s(plant, state, axis)
         if end >= -REVERSAL_RAD_S or start <= REVERSAL_RAD_S:
             continue
         low, high = 0.0, 1.0
         while high - low > 1e-12:
             middle = 0.5 * (low + high)
-            between(state, work, middle, work.stage_states)
-            if signs[axis] * relative_rate_rad_s(plant, work.stage_states, axis) > 0.0:
+            between(state, scratch, middle, scratch.stage_states)
+            if signs[axis] * relative_rate_rad_s(plant, scratch.stage_states, axis) > 0.0:
                 low = middle
             else:
                 high = middle
@@ -131,7 +131,7 @@ def _first_reversal(plant: Plant, state: Array, signs: Array, work: Work) -> flo
 
 @compiled
 def _set_signs(
-    plant: Plant, state: Array, signs: Array, torque: Torque, t_s: float, work: Work
+    plant: AxesPlant, state: Array, signs: Array, torque: Torque, t_s: float, scratch: Scratch
 ) -> None:
     """Each axis's: of its rate, or of its acceleration where it has come to rest."""
     known = True
@@ -143,11 +143,13 @@ def _set_signs(
             known = False
     if known:
         return
-    torque_at(torque, t_s, work.torque_rad_s2)
-    derivative(plant, state, work.torque_rad_s2, signs, work.rubbed_parameters, work.slope_states)
+    torque_at(torque, t_s, scratch.torque_rad_s2)
+    derivative(
+        plant, state, scratch.torque_rad_s2, signs, scratch.rubbed_parameters, scratch.slope_states
+    )
     for axis in range(2):
         if abs(relative_rate_rad_s(plant, state, axis)) <= REVERSAL_RAD_S:
-            signs[axis] = 1.0 if work.slope_states[AXIS_STATES * axis + RATE] > 0.0 else -1.0
+            signs[axis] = 1.0 if scratch.slope_states[AXIS_STATES * axis + RATE] > 0.0 else -1.0
 
 
 @compiled
@@ -173,13 +175,13 @@ def tolerances(modes: int) -> Array:
 
 
 @compiled
-def close_loops(plant: Plant, loop: Loop, command: Command, noise_rad: Array) -> Log:
+def close_loops(plant: AxesPlant, loop: Loop, command: Command, noise_rad: Array) -> LoopLog:
     """Fly n control steps from the first one's command, settled there.
 
     noise_rad: (n, 2), of the encoders.
     """
     n, modes = len(command.angle_rad), len(plant.mode_rad_s)
-    work, tolerance = work_for(modes), tolerances(modes)
+    scratch, tolerance = scratch_for(modes), tolerances(modes)
     state, signs = np.zeros(2 * AXIS_STATES + MODE_STATES * modes), np.ones(2)
     torque = Torque(np.zeros(2), np.zeros(2), loop.lag_s)
     integral, slope, last = np.zeros(2), np.zeros(2), np.zeros(2)
@@ -195,7 +197,7 @@ def close_loops(plant: Plant, loop: Loop, command: Command, noise_rad: Array) ->
         torque.command_rad_s2[axis] = integral[axis] + command.acceleration_rad_s2[0, axis]
         torque.start_rad_s2[axis] = torque.command_rad_s2[axis]
     shaft_rad = np.array([state[0], state[AXIS_STATES]])
-    log = Log(
+    log = LoopLog(
         np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)),
         np.empty((n, len(state))), np.zeros(1, dtype=np.intp),
     )  # fmt: skip
@@ -237,7 +239,7 @@ def close_loops(plant: Plant, loop: Loop, command: Command, noise_rad: Array) ->
             torque.command_rad_s2[axis] = given
             log.torque_rad_s2[tick, axis] = given
         log.states[tick] = state
-        _set_signs(plant, state, signs, torque, 0.0, work)
+        _set_signs(plant, state, signs, torque, 0.0, scratch)
         step_s, tried = advance(
             plant,
             state,
@@ -248,7 +250,7 @@ def close_loops(plant: Plant, loop: Loop, command: Command, noise_rad: Array) ->
             shaft_rad,
             CONTROL_STEP_S,
             step_s,
-            work,
+            scratch,
         )
         log.steps[0] += tried
     return log

@@ -31,7 +31,7 @@ AXIS_STATES, MODE_STATES = 3, 2
 _ARCSEC_RAD = math.radians(1.0 / 3600.0)
 
 
-class Plant(NamedTuple):
+class AxesPlant(NamedTuple):
     """Two axes and m modes; friction and cable over the axis's inertia.
 
     c_outer: (m,).  c_inner: (m, 3), the constant part, the cosine's and the sine's of theta_1.
@@ -55,7 +55,7 @@ class Plant(NamedTuple):
     mode_damping_per_s: Array  # (m,), 2 d W
 
 
-def plant_of(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> Plant:
+def plant_of(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> AxesPlant:
     """The platform's, with these drives."""
 
     def each(name: str, unit_value: float = 1.0) -> Array:
@@ -67,7 +67,7 @@ def plant_of(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> 
     along = np.dot(outer, inner) * outer
     inertia_kg_m2 = np.array([mode.inertia_kg_m2 for mode in modes])
     mode_rad_s = 2.0 * math.pi * np.array([mode.frequency_hz for mode in modes])
-    return Plant(
+    return AxesPlant(
         bristle_per_s2=each("bristle_per_s2"),
         bristle_per_s=each("bristle_per_s"),
         coulomb_rad_s2=each("coulomb_deg_s2", math.radians(1.0)),
@@ -89,7 +89,7 @@ def plant_of(platform: TwoAxisPlatform, drives: tuple[AxisDrive, AxisDrive]) -> 
 
 
 @compiled
-def steady_bristle(plant: Plant, axis: int, rate_rad_s: float) -> float:
+def steady_bristle(plant: AxesPlant, axis: int, rate_rad_s: float) -> float:
     """Of an axis that has long turned at this rate, rad."""
     if plant.bristle_per_s2[axis] == 0.0 or rate_rad_s == 0.0:
         return 0.0
@@ -100,7 +100,7 @@ def steady_bristle(plant: Plant, axis: int, rate_rad_s: float) -> float:
 
 
 @compiled
-def relative_rate_rad_s(plant: Plant, states: Array, axis: int) -> float:
+def relative_rate_rad_s(plant: AxesPlant, states: Array, axis: int) -> float:
     """w of the axis."""
     rate: float = states[AXIS_STATES * axis + RATE]
     modes = len(plant.mode_rad_s)
@@ -119,7 +119,7 @@ def relative_rate_rad_s(plant: Plant, states: Array, axis: int) -> float:
 
 @compiled
 def friction(
-    plant: Plant,
+    plant: AxesPlant,
     axis: int,
     rate_rad_s: float,
     bristle_rad: float,
@@ -153,7 +153,7 @@ def friction(
 
 @compiled
 def derivative(
-    plant: Plant,
+    plant: AxesPlant,
     states: Array,
     torque_rad_s2: Array,
     signs: Array,
@@ -197,7 +197,7 @@ def derivative(
 
 @compiled
 def jacobian(
-    plant: Plant,
+    plant: AxesPlant,
     states: Array,
     slope_states: Array,
     signs: Array,

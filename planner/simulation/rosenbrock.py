@@ -12,7 +12,7 @@ import numpy as np
 
 from planner.arrays import Array, Indices
 from planner.compiled import compiled
-from planner.simulation.plant import AXIS_STATES, MODE_STATES, Plant, derivative, jacobian
+from planner.simulation.plant import AXIS_STATES, MODE_STATES, AxesPlant, derivative, jacobian
 
 _GAMMA = 0.25
 _STAGES = 6
@@ -61,7 +61,7 @@ class Torque(NamedTuple):
     lag_s: Array
 
 
-class Work(NamedTuple):
+class Scratch(NamedTuple):
     """A step's scratch, of n states; and what it leaves.
 
     end_state, end_error: (n,).  bend_states: (2, n), of `between`.
@@ -81,10 +81,10 @@ class Work(NamedTuple):
 
 
 @compiled
-def work_for(modes: int) -> Work:
+def scratch_for(modes: int) -> Scratch:
     """Scratch of a platform with this many modes."""
     n = 2 * AXIS_STATES + MODE_STATES * modes
-    return Work(
+    return Scratch(
         np.zeros((_STAGES, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, n)),
         np.zeros(n, dtype=np.intp), np.zeros(2), np.zeros(6), np.zeros(n), np.zeros(n),
         np.zeros((2, n)),
@@ -149,63 +149,73 @@ def _substitute(matrix: Array, pivots: Indices, solved_states: Array) -> None:
 
 @compiled
 def step(
-    plant: Plant, states: Array, signs: Array, torque: Torque, t_s: float, step_s: float, work: Work
+    plant: AxesPlant,
+    states: Array,
+    signs: Array,
+    torque: Torque,
+    t_s: float,
+    step_s: float,
+    scratch: Scratch,
 ) -> None:
-    """From states at t_s over step_s; the end, its error and its way are left in work."""
+    """From states at t_s over step_s; the end, its error and its way are left in scratch."""
     n = len(states)
-    torque_at(torque, t_s, work.torque_rad_s2)
-    derivative(plant, states, work.torque_rad_s2, signs, work.rubbed_parameters, work.slope_states)
-    jacobian(plant, states, work.slope_states, signs, work.rubbed_parameters, work.matrix)
-    _subtract_from_diagonal(work.matrix, 1.0 / (_GAMMA * step_s))
-    _factorise(work.matrix, work.pivots)
-    _set_rise(plant, states, torque, t_s, work.rise_states)
+    torque_at(torque, t_s, scratch.torque_rad_s2)
+    derivative(
+        plant, states, scratch.torque_rad_s2, signs, scratch.rubbed_parameters, scratch.slope_states
+    )
+    jacobian(plant, states, scratch.slope_states, signs, scratch.rubbed_parameters, scratch.matrix)
+    _subtract_from_diagonal(scratch.matrix, 1.0 / (_GAMMA * step_s))
+    _factorise(scratch.matrix, scratch.pivots)
+    _set_rise(plant, states, torque, t_s, scratch.rise_states)
     for stage in range(_STAGES):
         if stage > 0:
-            _set_stage(states, work, stage)
-            torque_at(torque, t_s + _ALPHA[stage] * step_s, work.torque_rad_s2)
+            _set_stage(states, scratch, stage)
+            torque_at(torque, t_s + _ALPHA[stage] * step_s, scratch.torque_rad_s2)
             derivative(
-                plant, work.stage_states, work.torque_rad_s2, signs, work.rubbed_parameters,
-                work.slope_states,
+                plant, scratch.stage_states, scratch.torque_rad_s2, signs,
+                scratch.rubbed_parameters, scratch.slope_states,
             )  # fmt: skip
-        k = work.k_states[stage]
+        k = scratch.k_states[stage]
         for i in range(n):
             total = 0.0
             for before in range(stage):
-                total += _C[stage, before] * work.k_states[before, i]
-            rise = _GAMMA_SUM[stage] * step_s * work.rise_states[i]
-            k[i] = work.slope_states[i] + rise + total / step_s
-        _substitute(work.matrix, work.pivots, k)
-    _finish(work)
+                total += _C[stage, before] * scratch.k_states[before, i]
+            rise = _GAMMA_SUM[stage] * step_s * scratch.rise_states[i]
+            k[i] = scratch.slope_states[i] + rise + total / step_s
+        _substitute(scratch.matrix, scratch.pivots, k)
+    _finish(scratch)
 
 
 @compiled
-def _finish(work: Work) -> None:
+def _finish(scratch: Scratch) -> None:
     """The step's end, its error and its bends from the stages."""
-    for i in range(len(work.end_states)):
-        work.end_states[i] = work.stage_states[i] + work.k_states[5, i]
-        work.error_states[i] = work.k_states[5, i]
+    for i in range(len(scratch.end_states)):
+        scratch.end_states[i] = scratch.stage_states[i] + scratch.k_states[5, i]
+        scratch.error_states[i] = scratch.k_states[5, i]
         for bend in range(2):
             total = 0.0
             for stage in range(5):
-                total += _D[bend, stage] * work.k_states[stage, i]
-            work.bend_states[bend, i] = total
+                total += _D[bend, stage] * scratch.k_states[stage, i]
+            scratch.bend_states[bend, i] = total
 
 
 @compiled
-def _set_stage(states: Array, work: Work, stage: int) -> None:
+def _set_stage(states: Array, scratch: Scratch, stage: int) -> None:
     """The states at which a stage is taken."""
     for i in range(len(states)):
         if stage == _STAGES - 1:
-            work.stage_states[i] += work.k_states[4, i]
+            scratch.stage_states[i] += scratch.k_states[4, i]
             continue
         total = states[i]
         for before in range(stage):
-            total += _A[stage, before] * work.k_states[before, i]
-        work.stage_states[i] = total
+            total += _A[stage, before] * scratch.k_states[before, i]
+        scratch.stage_states[i] = total
 
 
 @compiled
-def _set_rise(plant: Plant, states: Array, torque: Torque, t_s: float, rise_states: Array) -> None:
+def _set_rise(
+    plant: AxesPlant, states: Array, torque: Torque, t_s: float, rise_states: Array
+) -> None:
     """How fast the derivative rises with the drives' torques, into rise_states (n,)."""
     rise_states[:] = 0.0
     for axis in range(2):
@@ -226,10 +236,10 @@ def _set_rise(plant: Plant, states: Array, torque: Torque, t_s: float, rise_stat
 
 
 @compiled
-def between(states: Array, work: Work, share: float, middle_states: Array) -> None:
+def between(states: Array, scratch: Scratch, share: float, middle_states: Array) -> None:
     """The states at a share of the step just taken from `states`, to order 3."""
     for i in range(len(states)):
-        bend = work.bend_states[0, i] + share * work.bend_states[1, i]
+        bend = scratch.bend_states[0, i] + share * scratch.bend_states[1, i]
         middle_states[i] = (1.0 - share) * states[i] + share * (
-            work.end_states[i] + (1.0 - share) * bend
+            scratch.end_states[i] + (1.0 - share) * bend
         )

@@ -102,10 +102,12 @@ def _cross(a: Position, b: Position, c: Position, d: Position) -> bool:
 
 @spec
 class GeoPolygon:
-    """A GeoJSON polygon without holes.
+    """A GeoJSON polygon without holes, in either winding; its sides lie in planes like a line's.
+
+    A side goes the shorter way round: from 179.8 to -179.8 over 0.4 deg.
 
     coordinates: one closed ring of positions [longitude, latitude], WGS84, east and north positive
-    [deg]
+        [deg]
     """
 
     type: Literal["Polygon"] = "Polygon"

@@ -39,6 +39,7 @@ from planner.spacecraft.verification import SpacecraftVerification, verify_table
 # Of `planner.effort`: 10 s for a session of one request, 1.5 s for each more, a minute at most.
 REQUEST_MORE, SESSION_MOST = 150_000.0, 6_000_000.0
 SIMULATED_ROW = 4.5
+TRY_SHARE = 0.25  # of a session's work, to find out whether an alternative to it works
 # Told what is being done, and how many parts of how many are done.
 Reporter = Callable[[str, int, int], None]
 
@@ -73,8 +74,7 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> Imagi
     InvalidInput for momentum beyond the sphere or a high orbit, VerificationFailed when the
     judge objects, SearchEnded when it takes more work than such a request may make.
     """
-    more = REQUEST_MORE * (len(request.requests) - 1)
-    with at_most(min(effort.PLAN + more, SESSION_MOST)):
+    with at_most(_bound(request)):
         try:
             return _make_plan(request, tell)
         except (Unreachable, InfeasibleSlew, InvalidInput) as why:
@@ -82,27 +82,39 @@ def plan_imaging(request: ImagingPlanRequest, tell: Reporter = _nobody) -> Imagi
             with suppress(EffortSpent):
                 raise refusal_with_alternative(request, why, _works) from why
             raise
+    easier = ["ask for fewer or smaller requests at a time"]
+    if request.objective == "minimum_time":
+        easier.append('for the objective "smooth"')
+    if any(request.settings.momentum_n_m_s):
+        easier.append("for less momentum in the gyros")
     raise SearchEnded(
         "what is asked of this session takes more work than may be done for it before any plan "
-        "is found; ask for fewer or smaller requests at a time",
+        f"is found; {', or '.join(easier)}",
         field="requests",
     )
 
 
+def _bound(request: ImagingPlanRequest) -> float:
+    """The work that may be done for a session."""
+    more = REQUEST_MORE * (len(request.requests) - 1)
+    return min(effort.PLAN + more, SESSION_MOST)
+
+
 def _works(request: ImagingPlanRequest) -> bool:
-    try:
-        return bool(_make_plan(request, _nobody).table.windows)
-    except Refusal:
-        return False
+    """Whether a plan of it is found with a part of the work of a session."""
+    with at_most(TRY_SHARE * _bound(request)), suppress(Refusal):
+        return bool(_make_plan(request, _nobody, gentler=False).table.windows)
+    return False
 
 
-def _make_plan(request: ImagingPlanRequest, tell: Reporter) -> ImagingPlan:
+def _make_plan(request: ImagingPlanRequest, tell: Reporter, *, gentler: bool = True) -> ImagingPlan:
     _refuse_momentum(request)
     tell("candidates", 0, 1)
     session = make_session(request)
     options, unseen = options_of(session)
     tell("choice and turns", 0, 1)
-    choice, timeline, warnings = choose_and_turn(session, options)
+    chosen = choose_and_turn(session, options, gentler=gentler)
+    timeline, warnings = chosen.timeline, chosen.warnings
     tell("gimbals", 0, 1)
     table = make_table(session, timeline)
     tell("verification", 0, 1)
@@ -120,8 +132,8 @@ def _make_plan(request: ImagingPlanRequest, tell: Reporter) -> ImagingPlan:
         request=request,
         table=table,
         turns=timeline.turns,
-        choice=choice,
-        left_out=(*unseen, *_not_chosen(session, choice, unseen)),
+        choice=chosen.choice,
+        left_out=(*unseen, *chosen.left_out),
         verification=verification,
         stabilisation=report,
         assumptions=ASSUMPTIONS,
@@ -201,17 +213,4 @@ def make_table(session: ImagingSession, timeline: Timeline) -> AttitudeTable:
         gimbal_rad=gimbal_rad,
         gimbal_rate_rad_s=gimbal_rate_rad_s,
         windows=timeline.windows,
-    )
-
-
-def _not_chosen(
-    session: ImagingSession, choice: Choice, unseen: tuple[LeftOut, ...]
-) -> tuple[LeftOut, ...]:
-    """Requests with candidates that the best choice has no time for."""
-    others = {one.name for one in unseen}
-    gap = "no better choice exists" if choice.proven_optimal else "the choice is not proven best"
-    return tuple(
-        LeftOut(name=request.name, reason=f"no time beside requests worth more ({gap})")
-        for number, request in enumerate(session.request.requests)
-        if number not in choice.requests and request.name not in others
     )

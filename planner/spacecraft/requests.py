@@ -35,7 +35,8 @@ class ImagingRequest:
     priority: worth of the whole request.
     scan_speed_m_s: of the scanned line over the ground.
     height_m: of the ground above the ellipsoid.
-    start: of the first look; UTC, chosen unless given. E.g. `"2024-06-01T10:01:26Z"`.
+    start: of the first look, to the nearest 0.2 s; UTC, chosen unless given.
+        E.g. `"2024-06-01T10:01:26Z"`.
     window_start: the looks must not begin earlier; UTC. E.g. `"2024-06-01T10:01:00Z"`.
     window_stop: the looks must not end later; UTC. E.g. `"2024-06-01T10:03:00Z"`.
     """

@@ -69,7 +69,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ClockEstimate:
     """With its 1-sigma error."""
 
     value: float
@@ -85,10 +85,10 @@ class Alignment:
     axes' errors are taken with.
     """
 
-    offset_s: Estimate
-    drift: Estimate
-    common_offset_s: Estimate | None
-    lags_s: tuple[Estimate | None, ...]
+    offset_s: ClockEstimate
+    drift: ClockEstimate
+    common_offset_s: ClockEstimate | None
+    lags_s: tuple[ClockEstimate | None, ...]
     reference_offset_s: float
     reference_gain: float
 
@@ -104,10 +104,10 @@ class _Fit:
     parameters: Array
     covariance_parameters: Array
 
-    def estimate(self, place: int) -> Estimate:
+    def estimate(self, place: int) -> ClockEstimate:
         """Of a parameter by itself."""
         sigma = math.sqrt(self.covariance_parameters[place, place])
-        return Estimate(float(self.parameters[place]), sigma)
+        return ClockEstimate(float(self.parameters[place]), sigma)
 
 
 def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alignment:
@@ -123,20 +123,23 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     each = _fit(channels, float(shared.parameters[1]), told) if len(told) > 1 else shared
     own_s = [each.estimate(1 + place) for place in range(len(told))]
     lag_s = _lag_s(each) if len(told) > 1 else None
-    lags_s: list[Estimate | None] = [None] * axes
+    lags_s: list[ClockEstimate | None] = [None] * axes
     if lag_s is None or lag_s.sigma > _LAG_SIGMA_MAX_S:
         best = min(range(len(told)), key=lambda place: own_s[place].sigma)
-        lags_s[told[best]] = Estimate(0.0, own_s[best].sigma)
+        lags_s[told[best]] = ClockEstimate(0.0, own_s[best].sigma)
         offset_s, reference, common_s = shared.estimate(1), shared, None
     else:
         first = int(own_s[1].value < own_s[0].value)
-        lags_s[told[first]] = Estimate(0.0, lag_s.sigma)
+        lags_s[told[first]] = ClockEstimate(0.0, lag_s.sigma)
         lags_s[told[1 - first]] = lag_s
         if lag_s.value > LATE_SIGMA * lag_s.sigma:
             offset_s, reference, common_s = own_s[first], each, None
         else:
             common_s = shared.estimate(1)
-            offset_s, reference = Estimate(common_s.value, _earlier_sigma(each, common_s)), shared
+            offset_s, reference = (
+                ClockEstimate(common_s.value, _earlier_sigma(each, common_s)),
+                shared,
+            )
     return Alignment(
         offset_s=offset_s,
         drift=each.estimate(0),
@@ -147,14 +150,14 @@ def align(channels: Sequence[Channel], start_offset_s: float, axes: int) -> Alig
     )
 
 
-def _lag_s(each: _Fit) -> Estimate:
+def _lag_s(each: _Fit) -> ClockEstimate:
     """By how much the offsets of two axes differ."""
     ends = np.array([1.0, -1.0])
     variance_s2 = float(ends @ each.covariance_parameters[1:3, 1:3] @ ends)
-    return Estimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
+    return ClockEstimate(abs(float(ends @ each.parameters[1:3])), math.sqrt(variance_s2))
 
 
-def _earlier_sigma(each: _Fit, told: Estimate) -> float:
+def _earlier_sigma(each: _Fit, told: ClockEstimate) -> float:
     """Rms error of an offset that is told for the earlier of two axes, of which each is known as
     the fit has it.  Source: moments of the least of two normal variables, Clark 1961, eqs. 2-4."""
     apart_s = _LAG_ROOM * _lag_s(each).sigma

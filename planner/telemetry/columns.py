@@ -48,7 +48,7 @@ class ColumnMeaning:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Column:
+class TelemetryColumn:
     """Values as they were sent, (n,), NaN where there is none; in the meaning's unit."""
 
     name: str

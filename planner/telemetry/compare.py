@@ -10,10 +10,10 @@ from planner.arrays import Array
 from planner.errors import InvalidInput
 from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
-from planner.telemetry.alignment import LATE_SIGMA, Alignment, Estimate
+from planner.telemetry.alignment import LATE_SIGMA, Alignment, ClockEstimate
 from planner.telemetry.cleaning import order
 from planner.telemetry.clock import tell_clock
-from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
+from planner.telemetry.columns import RAD_BY_UNIT, Kind, TelemetryColumn
 from planner.telemetry.exceeded import Exceeded, Limit, limits_exceeded
 from planner.telemetry.following import (
     ErrorSize,
@@ -53,7 +53,7 @@ class AxisComparison:
     name: str
     followed: Followed
     error: ErrorSize
-    lag_s: Estimate | None
+    lag_s: ClockEstimate | None
     phases: tuple[PhaseErrors, ...]
     oscillations: tuple[Oscillation, ...]
     oscillations_searched_hz: tuple[float, float] | None
@@ -69,7 +69,7 @@ class Comparison:
 
     plan: FlightPlan
     samples: CleanSamples
-    columns: tuple[Column, ...]
+    columns: tuple[TelemetryColumn, ...]
     ignored: tuple[str, ...]
     alignment: Alignment
     axes: tuple[AxisComparison, ...]
@@ -185,7 +185,7 @@ def _require_enough(kept: int, dropped: Counter[Dropped], plan: FlightPlan) -> N
 
 
 def _in_radians(
-    columns: Sequence[Column], t_s: Array, motions: Sequence[PlannedMotion]
+    columns: Sequence[TelemetryColumn], t_s: Array, motions: Sequence[PlannedMotion]
 ) -> tuple[Array, Array, int]:
     """Angles within half a turn of the plan's, rates, (n, 2) each; how many were brought there."""
     angle_rad = np.full((len(t_s), len(motions)), np.nan)
@@ -285,7 +285,7 @@ def _notes_on_errors(axes: Sequence[AxisComparison]) -> list[str]:
     return notes
 
 
-def _notes_on_units(samples: Samples, columns: Sequence[Column]) -> list[str]:
+def _notes_on_units(samples: Samples, columns: Sequence[TelemetryColumn]) -> list[str]:
     named = {column.name: column.meaning.unit for column in samples.columns}
     return [
         f"{column.name} fits the plan in {column.meaning.unit} and was read so"

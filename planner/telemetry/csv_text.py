@@ -12,8 +12,8 @@ from planner.arrays import Array
 from planner.errors import InvalidInput
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_from_text, utc_text
 from planner.telemetry.columns import (
-    Column,
     ColumnMeaning,
+    TelemetryColumn,
     UnitFrom,
     meaning_of,
     unit_of,
@@ -77,7 +77,7 @@ def read_csv(
     value, texts = _columns(body, cells.delimiter, [time_place, *places], notes)
     t_s, epoch_utc = _times(names[time_place], value[0], texts, epoch_utc, plan_epoch_utc, notes)
     columns = [
-        Column(name=names[place], meaning=meaning, value=column, unit_from=unit_from)
+        TelemetryColumn(name=names[place], meaning=meaning, value=column, unit_from=unit_from)
         for place, (meaning, unit_from), column in zip(places, found, value[1:], strict=True)
     ]
     taken = {time_place, *places}

@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Literal
 
 from planner.arrays import Array
-from planner.telemetry.columns import Column
+from planner.telemetry.columns import TelemetryColumn
 
 SAMPLES_MAX = 400_000  # 15 Hz for seven hours
 SAMPLES_MIN = 8  # fewer tell nothing of a clock
@@ -32,7 +32,7 @@ class Samples:
 
     epoch_utc: datetime
     t_s: Array
-    columns: tuple[Column, ...]
+    columns: tuple[TelemetryColumn, ...]
     ignored: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 

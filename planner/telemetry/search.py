@@ -7,7 +7,7 @@ import numpy as np
 
 from planner.arrays import Array, Mask
 from planner.errors import InvalidInput
-from planner.telemetry.columns import RAD_BY_UNIT, AngleUnit, Column, Kind
+from planner.telemetry.columns import RAD_BY_UNIT, AngleUnit, Kind, TelemetryColumn
 from planner.telemetry.motion import PlannedMotion
 
 OFFSET_MAX_S = 120.0
@@ -38,8 +38,8 @@ def offsets_s() -> Array:
 
 
 def in_units(
-    columns: Sequence[Column], tag_s: Array, motions: Sequence[PlannedMotion]
-) -> tuple[list[Column], float]:
+    columns: Sequence[TelemetryColumn], tag_s: Array, motions: Sequence[PlannedMotion]
+) -> tuple[list[TelemetryColumn], float]:
     """Every column with its unit told, and the offset that suits them all; refuses where not.
 
     tag_s: (n,), the telemetry's clock less the table's epoch.
@@ -61,7 +61,9 @@ def in_units(
     return sure, float(min(offsets_s()[best], key=abs))
 
 
-def _told_by_itself(column: Column, tried: dict[AngleUnit | None, Tried]) -> Column | None:
+def _told_by_itself(
+    column: TelemetryColumn, tried: dict[AngleUnit | None, Tried]
+) -> TelemetryColumn | None:
     named = column.meaning.unit
     ranked = sorted((one.least, unit) for unit, one in tried.items() if unit is not None)
     (least, best), (second, _) = ranked[:2]
@@ -74,7 +76,7 @@ def _told_by_itself(column: Column, tried: dict[AngleUnit | None, Tried]) -> Col
     return _as(column, best) if least < min(_FITS, 0.5 * second) else None
 
 
-def _told_by_others(column: Column, known: list[Column]) -> Column:
+def _told_by_others(column: TelemetryColumn, known: list[TelemetryColumn]) -> TelemetryColumn:
     alike = [other for other in known if other.meaning.kind == column.meaning.kind]
     if not alike:
         raise InvalidInput(
@@ -86,7 +88,7 @@ def _told_by_others(column: Column, known: list[Column]) -> Column:
     return _as(column, alike[0].meaning.unit)
 
 
-def _as(column: Column, unit: AngleUnit | None) -> Column:
+def _as(column: TelemetryColumn, unit: AngleUnit | None) -> TelemetryColumn:
     return replace(column, meaning=replace(column.meaning, unit=unit), unit_from="fit")
 
 
@@ -97,7 +99,7 @@ def misfit_share(value_rad: Array, kind: Kind, tag_s: Array, motion: PlannedMoti
 
 
 def _try_units(
-    column: Column, tag_s: Array, motion: PlannedMotion
+    column: TelemetryColumn, tag_s: Array, motion: PlannedMotion
 ) -> dict[AngleUnit | None, Tried]:
     value, scales_rad = column.value / column.meaning.per_s, tuple(RAD_BY_UNIT.values())
     tried = _tried(value, column.meaning.kind, tag_s, motion, scales_rad)

@@ -8,7 +8,7 @@ from planner.arrays import Array
 from planner.errors import InvalidInput
 from planner.frames.time_scales import utc_text
 from planner.telemetry.alignment import Alignment
-from planner.telemetry.columns import RAD_BY_UNIT, Column, Kind
+from planner.telemetry.columns import RAD_BY_UNIT, Kind, TelemetryColumn
 from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.samples import SAMPLES_MIN
 from planner.telemetry.search import OFFSET_MAX_S, STILL, misfit_share
@@ -23,7 +23,10 @@ _FITS = 0.1  # of the motion: clearly another axis's, or turned the other way
 
 
 def require_followed(
-    columns: Sequence[Column], tag_s: Array, motions: Sequence[PlannedMotion], alignment: Alignment
+    columns: Sequence[TelemetryColumn],
+    tag_s: Array,
+    motions: Sequence[PlannedMotion],
+    alignment: Alignment,
 ) -> None:
     """Raises InvalidInput where no column that the plan moves follows it, or too late to be told.
 
@@ -90,7 +93,7 @@ def _medians(value: Array) -> Array:
     return np.array([np.median(part) for part in parts])
 
 
-def _why(columns: Sequence[Column], tag_s: Array, motions: Sequence[PlannedMotion]) -> str:
+def _why(columns: Sequence[TelemetryColumn], tag_s: Array, motions: Sequence[PlannedMotion]) -> str:
     told = [column.value[np.isfinite(column.value)] for column in columns]
     if all(np.ptp(value) == 0.0 for value in told):
         same = ", ".join(dict.fromkeys(f"{value[0] + 0.0:g}" for value in told))
@@ -115,6 +118,6 @@ def _why(columns: Sequence[Column], tag_s: Array, motions: Sequence[PlannedMotio
     return ""
 
 
-def _in_radians(column: Column) -> Array:
+def _in_radians(column: TelemetryColumn) -> Array:
     assert column.meaning.unit is not None
     return column.value * RAD_BY_UNIT[column.meaning.unit] / column.meaning.per_s

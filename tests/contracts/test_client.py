@@ -12,7 +12,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from urllib.request import urlopen
 
-import httpx
 import numpy as np
 import pytest
 from live_service import live_service
@@ -20,7 +19,6 @@ from relay import Relay
 
 import slewtrack
 from planner.errors import InvalidInput
-from slewtrack.connection import Service
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LAS_VEGAS = json.loads((EXAMPLES / "las_vegas_2015.json").read_text())
@@ -172,6 +170,11 @@ def test_the_callers_own_exception_comes_through(client):
         client.plan(LAS_VEGAS, progress=broken)
 
 
+def test_names_are_completed(client):
+    assert client.places("london, c", limit=1)[0]["name"] == "London, CA"
+    assert [star["name"] for star in client.stars("veg")] == ["Vega"]
+
+
 def test_images_and_imaging(client):
     images = [(EXAMPLES / f"horizon_{side}.png").read_bytes() for side in ("ahead", "right")]
     request = (EXAMPLES / "horizon_estimate.json").read_bytes()
@@ -319,104 +322,6 @@ def test_a_rate_limit_is_waited_out(tmp_path):
         for _ in range(62):
             client.plans()
     assert time.monotonic() - began_s > 0.5  # 60 at once, one more each second
-
-
-def scripted(*answers):
-    """A client whose requests are answered so, and the requests."""
-    left, asked = list(answers), []
-
-    def answer(request):
-        asked.append(request)
-        one = left.pop(0)
-        if isinstance(one, Exception):
-            raise one
-        return one
-
-    return slewtrack.Client("http://service", transport=httpx.MockTransport(answer)), asked
-
-
-def busy(after):
-    problem = {"type": "urn:slewtrack:problem:queue-full", "status": 503, "detail": "full"}
-    return httpx.Response(503, json=problem, headers={"Retry-After": after})
-
-
-def accepted():
-    return httpx.Response(202, json={"id": "1", "state": "queued", "name": ""})
-
-
-@pytest.mark.parametrize("first", [busy("0"), httpx.ReadError("lost"), httpx.ConnectError("no")])
-def test_asking_again_makes_no_second_plan(first):
-    client, asked = scripted(first, accepted())
-    assert client.submit(LAS_VEGAS).is_open
-    one, other = (request.headers["Idempotency-Key"] for request in asked)
-    assert one == other
-    assert asked[0].content == asked[1].content
-
-
-def test_waiting_has_an_end():
-    still = {"id": "1", "state": "running", "name": ""}
-    client, asked = scripted(
-        accepted(),
-        httpx.Response(200, json=still),
-        httpx.ReadTimeout("silent"),
-        httpx.Response(200, json=still),
-        httpx.ReadTimeout("silent"),
-        httpx.Response(200, json=still),
-    )
-    with pytest.raises(slewtrack.NotFinished) as late:
-        client.plan(LAS_VEGAS, progress=lambda _: None, timeout_s=0.6)
-    assert late.value.job_id == "1"
-    assert [request.url.path for request in asked[1:3]] == ["/v1/plans/1", "/v1/plans/1/events"]
-
-
-def test_what_is_cancelled_says_so():
-    ended = {"id": "1", "state": "cancelled", "name": "", "problem": None}
-    client, _ = scripted(accepted(), httpx.Response(200, json=ended))
-    with pytest.raises(slewtrack.Cancelled):
-        client.plan(LAS_VEGAS)
-
-
-def test_patience_ends_with_the_reason():
-    client, asked = scripted(busy("3600"))
-    with pytest.raises(slewtrack.Refused, match="full") as refused:
-        client.submit(LAS_VEGAS)
-    assert refused.value.problem.status == 503
-    assert len(asked) == 1
-
-
-def test_a_service_that_is_not_there():
-    with (
-        slewtrack.Client("http://127.0.0.1:9", patience_s=0.0) as client,
-        pytest.raises(slewtrack.NoAnswer, match="slewtrack serve"),
-    ):
-        client.plans()
-
-
-@pytest.mark.parametrize("answer", [httpx.Response(200, text="<html>"), httpx.Response(200)])
-def test_another_service_at_the_address(answer):
-    client, _ = scripted(answer)
-    with pytest.raises(slewtrack.NoAnswer, match="isn't answered by a slewtrack service"):
-        client.plans()
-
-
-def test_a_proxys_page_of_an_error_is_a_problem():
-    client, _ = scripted(httpx.Response(502, text="<html>Bad gateway"))
-    with pytest.raises(slewtrack.Refused, match="502"):
-        client.plans()
-
-
-@pytest.mark.parametrize("url", ["service", "ftp://service", "http://"])
-def test_an_address_that_is_none(url):
-    with pytest.raises(ValueError, match="http://HOST"):
-        slewtrack.Client(url)
-
-
-def test_address_and_key_of_the_environment(monkeypatch):
-    monkeypatch.setenv("SLEWTRACK_URL", "https://plans.example/")
-    monkeypatch.setenv("SLEWTRACK_KEY", "st_1")
-    service = Service()
-    assert service.url == "https://plans.example"
-    assert service.options["headers"] == {"Authorization": "Bearer st_1"}
 
 
 def test_the_pages_example(service):

@@ -26,7 +26,7 @@ from planner.pointing.frame import frame_axes, places_in_frame
 from planner.pointing.hermite import quintic_motion
 from planner.pointing.line_of_sight import line_of_sight
 from planner.sessions.pipeline import make_plan, session_budget
-from planner.sessions.uncertainty import CLOCK_S, Scene, error_biases
+from planner.sessions.uncertainty import CLOCK_S, PointingScene, error_biases
 from planner.targets import BenchMotionTarget, GroundTarget, StarTarget
 from planner.targets.axis_signals import ConstantRate
 
@@ -143,7 +143,7 @@ def test_small_errors_displace_the_target_as_the_linear_budget_has_it(plan, scen
         ISS_HRC.q_platform_from_body,
         scene.target,
     )
-    told = Scene(los, plan.scenario.attitude, scene.target, ISS_HRC, angle_rad, len(at))
+    told = PointingScene(los, plan.scenario.attitude, scene.target, ISS_HRC, angle_rad, len(at))
     errors = plan.scenario.attitude.errors(told.instants)
     biases = error_biases(told, los, scene.ephemeris, errors, CLOCK_S)
     mine = [bias for bias in biases if bias.cause.cause == cause]

@@ -102,11 +102,11 @@ def test_where_it_comes_to_rest_is_foretold_from_its_present_rate():
 
 
 def test_in_a_manoeuvre_the_stated_sigma_covers_what_happened():
-    """From where the history shows that one began: its further turn is not foretold but told."""
+    """From where the history shows that one began: how it turns on is not foretold but told."""
     squares = []
     for cut in range(120, 450, 10):
         law, lead_s, truth = foretold_from(MANOEUVRE, cut)
-        if law.carried_on.changed_s is None:
+        if not law.carried_on.under_way:
             continue
         row = int(np.argmin(np.abs(lead_s - 900.0)))
         at = Instants(law.segments[0].epoch_utc, law.carried_on.end_s + lead_s[row : row + 1])
@@ -176,7 +176,10 @@ def test_a_manoeuvre_in_the_history_is_found_and_left_out():
     assert "2018-10-13T0" in warning
     assert error_deg(law, lead_s, truth).max() < 0.7  # as far as its swing goes, end to end
     told_deg = np.rad2deg(np.linalg.norm(law.errors(at).sigma_body_rad, axis=1))
-    assert (error_deg(law, lead_s, truth) < 3.0 * told_deg).all()
+    squares = (error_deg(law, lead_s, truth) / told_deg) ** 2
+    # it is over: of what was told, no other. Of one forecast with few errors apart
+    assert not law.carried_on.under_way
+    assert 0.1 < np.mean(squares) < 3.0
 
 
 @pytest.mark.parametrize("phase_rad", np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False))
@@ -186,7 +189,7 @@ def test_a_swing_is_no_manoeuvre(phase_rad):
     noise = np.random.default_rng(3).normal(0.0, 1e-4, (len(t_s), 3))  # 0.006 deg
     swing_rad = np.deg2rad(0.33) * np.cos(2.0 * np.pi / 5560.0 * t_s + phase_rad)
     q = Rotation.from_rotvec(noise + np.outer(swing_rad, [1.0, 0.0, 0.0]))
-    assert last_change(t_s, q) == 0
+    assert last_change(t_s, q) is None
 
 
 def test_a_turn_that_began_is_told_from_the_swing_before_it():
@@ -197,7 +200,9 @@ def test_a_turn_that_began_is_told_from_the_swing_before_it():
     yaw_rad = np.deg2rad(0.03) * np.maximum(t_s - began_s, 0.0)
     q = Rotation.from_rotvec(np.outer(yaw_rad, [0.0, 0.0, 1.0]))
     q *= Rotation.from_rotvec(np.outer(swing_rad, [1.0, 0.0, 0.0]))
-    assert t_s[last_change(t_s, q)] == pytest.approx(began_s, abs=300.0)
+    change = last_change(t_s, q)
+    assert change.is_begin
+    assert t_s[change.row] == pytest.approx(began_s, abs=300.0)
 
 
 def test_the_attitude_carried_on_has_no_kink_between_leads():

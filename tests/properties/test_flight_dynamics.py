@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from planner.simulation.loop import advance, tolerances
 from planner.simulation.plant import AXIS_STATES, MODE_STATES, derivative, jacobian, plant_of
-from planner.simulation.rosenbrock import Torque, step, work_for
+from planner.simulation.rosenbrock import Torque, scratch_for, step
 
 J_OUTER_KG_M2, J_INNER_KG_M2 = 90.0, 60.0
 E = np.array([mode.axis_platform for mode in ROCKING.structural_modes])
@@ -58,7 +58,7 @@ def fly_freely(plant, states, duration_s, torque_rad_s2=LIMP, precision_share=1e
     torque = Torque(torque_rad_s2, torque_rad_s2, np.zeros(2))
     advance(
         plant, states, np.sign(states[[1, 4]]), torque, precision_share * tolerances(modes),
-        np.zeros(2), states[[0, 3]], duration_s, 1e-3, work_for(modes),
+        np.zeros(2), states[[0, 3]], duration_s, 1e-3, scratch_for(modes),
     )  # fmt: skip
     return states
 
@@ -134,10 +134,10 @@ def test_the_integrator_has_order_four():
     signs, duration_s = np.sign(states[[1, 4]]), 0.04
 
     def end(count):
-        y, work = states.copy(), work_for(len(M))
+        y, scratch = states.copy(), scratch_for(len(M))
         for k in range(count):
-            step(plant, y, signs, torque, k * duration_s / count, duration_s / count, work)
-            y[:] = work.end_states
+            step(plant, y, signs, torque, k * duration_s / count, duration_s / count, scratch)
+            y[:] = scratch.end_states
         return y
 
     exact = end(1024)

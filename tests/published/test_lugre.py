@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from planner.platforms import IDEAL_DRIVE, ISS_HRC
 from planner.simulation.loop import advance, tolerances
 from planner.simulation.plant import plant_of
-from planner.simulation.rosenbrock import Torque, work_for
+from planner.simulation.rosenbrock import Torque, scratch_for
 
 SIGMA_0, SIGMA_1, SIGMA_2, COULOMB, BREAKAWAY, STRIBECK = 1e5, math.sqrt(1e5), 0.4, 1.0, 1.5, 1e-3
 SPRING_N_M, PULL_M_S = 2.0, 0.1
@@ -59,7 +59,7 @@ def our_motion(spring_n_m, ramps_n_s, output_s):
         outer_share=np.zeros(0), inner_share=np.zeros(0), mode_rad_s=np.zeros(0),
         mode_damping_per_s=np.zeros(0),
     )  # fmt: skip
-    y, signs, work = np.zeros(6), np.ones(2), work_for(0)
+    y, signs, scratch = np.zeros(6), np.ones(2), scratch_for(0)
     found, force_n, t_s, step_s, tried = [y[:3].copy()], 0.0, 0.0, 1e-4, 0
     for next_s in output_s[1:]:
         rate_n_s = next(rate for rate, until_s in ramps_n_s if next_s <= until_s + 1e-9)
@@ -67,7 +67,7 @@ def our_motion(spring_n_m, ramps_n_s, output_s):
         torque = Torque(start + rate_n_s * LONG_S * one, start, np.full(2, LONG_S))
         step_s, count = advance(
             plant, y, signs, torque, PRECISION_SHARE * tolerances(0), np.zeros(2), np.zeros(2),
-            next_s - t_s, step_s, work,
+            next_s - t_s, step_s, scratch,
         )  # fmt: skip
         force_n += rate_n_s * (next_s - t_s)
         t_s = next_s

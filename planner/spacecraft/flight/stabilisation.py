@@ -74,7 +74,12 @@ class StabilisationReport:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of images that would be blurred."""
+        """Of images that would be blurred, or may be."""
+        if self.runs == 0:
+            return (
+                "the table was not flown in closed loop, so whether the camera is steady enough is "
+                "not known; ask for simulation_runs",
+            )
         if self.share_steady is None or self.share_steady == 1.0:
             return ()
         return (

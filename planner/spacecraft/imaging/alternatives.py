@@ -18,8 +18,15 @@ from planner.frames.geodesy import WGS84_A_M, c_enu_from_itrf, geodetic_from_itr
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.spacecraft.geojson import GeoLineString, GeoPolygon, Position
 from planner.spacecraft.imaging.candidates import PASSING_RAD, Candidate, candidates, middle_of
+from planner.spacecraft.imaging.choice_with_turns import LooksTooClose
+from planner.spacecraft.imaging.request_arcs import least_time_s
 from planner.spacecraft.imaging.session import ImagingSession, make_session
-from planner.spacecraft.requests import SESSION_MAX_S, ImagingPlanRequest, Request
+from planner.spacecraft.requests import (
+    SESSION_MAX_S,
+    ImagingPlanRequest,
+    Request,
+    StereoRequest,
+)
 from planner.spacecraft.table import TICK_S
 
 TRIED_MAX = 4
@@ -27,6 +34,7 @@ BEFORE_S, AFTER_S = 90.0, 60.0  # to turn onto the first look and back after the
 LONGER_S = (0.0, 600.0, 6000.0)  # tried before and after the session: up to an orbit
 MUCH_SHARE = 0.6  # of the sphere: then it is the momentum that makes turns slow
 MOMENTUM_SHARES = (0.9, 0.75, 0.5, 0.25, 0.0)
+GAP_MORE_S = (0.0, 2.0, 4.0, 8.0, 16.0, 32.0)  # a wider gap makes the turn longer
 MOVED_MORE_KM = (5.0, 25.0, 75.0)  # the line's ends stand further out than its middle
 
 
@@ -51,6 +59,8 @@ def refusal_with_alternative(
         alternatives = _less_momentum(request)
     elif isinstance(why, InvalidInput):
         return why
+    elif isinstance(why, LooksTooClose):
+        alternatives = _wider_gaps(request, _number(why), why.gap_s)
     else:
         alternatives = _of_one_request(request, _number(why))
     found = next((one for one in alternatives if works(one.request)), None)
@@ -89,12 +99,25 @@ def _less_momentum(request: ImagingPlanRequest) -> Iterator[Alternative]:
         )
 
 
+def _wider_gaps(request: ImagingPlanRequest, number: int, gap_s: float) -> Iterator[Alternative]:
+    """The number-th request, a stereo pair, by itself with its looks further apart."""
+    asked = request.requests[number]
+    assert isinstance(asked, StereoRequest)
+    for more_s in GAP_MORE_S:
+        wider_s = math.ceil(gap_s) + more_s
+        pair = replace(asked, look_angle_deg=None, gap_s=wider_s)
+        yield Alternative(
+            request=replace(request, requests=(pair,), simulation_runs=0),
+            text=f"{pair.name!r} with a gap_s of {wider_s:g}",
+        )
+
+
 def _of_one_request(request: ImagingPlanRequest, number: int) -> Iterator[Alternative]:
     """The number-th request by itself, at another time or moved."""
     bound = request.requests[number]
     free = replace(bound, start=None, window_start=None, window_stop=None)
     session = make_session(request)
-    if middle_of(free, session)[1] > SESSION_MAX_S:
+    if least_time_s(free, session)[1] > SESSION_MAX_S:
         return
     for longer_s in LONGER_S:
         times = _other_times(request, bound, free, longer_s)
@@ -230,7 +253,7 @@ def _closest_approach(request: Request, session: ImagingSession) -> tuple[float,
 
     None when the track doesn't pass it.
     """
-    middle_itrf_m, _ = middle_of(request, session)
+    middle_itrf_m = middle_of(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
     along_rad, _ = session.look_angles(middle_itrf_m, grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))

@@ -15,7 +15,7 @@ from planner.arrays import Array
 from planner.errors import Unreachable
 from planner.frames.time_scales import elapsed_s, shifted_utc, utc_text
 from planner.spacecraft.imaging.ground_arc import GroundArc, scan_q_body_from_eci
-from planner.spacecraft.imaging.request_arcs import scan_orders
+from planner.spacecraft.imaging.request_arcs import least_time_s, scan_orders
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.requests import (
     LOOK_ANGLE_DEG,
@@ -62,6 +62,15 @@ class Candidate:
 
 def candidates(request: Request, number: int, session: ImagingSession) -> list[Candidate]:
     """Every candidate of the number-th request.  Raises Unreachable when there is none."""
+    scans, least_s = least_time_s(request, session)
+    if least_s > session.duration_s:
+        raise Unreachable(
+            f"{request.name!r} takes {_count(scans)}, which with the turns between last at least "
+            f"{least_s:.1f} s, longer than the session's {session.duration_s:.1f} s; ask for less "
+            "at a time or for a longer session",
+            field=f"requests.{number}",
+            limit="time",
+        )
     if isinstance(request, StereoRequest):
         found = _stereo_pair(request, number, session)
     else:
@@ -222,17 +231,21 @@ def _point_itrf_m(arc: GroundArc, share: float) -> Array:
     return np.asarray(arc.point_itrf(np.array([share]))[0][0])
 
 
-def middle_of(request: Request, session: ImagingSession) -> tuple[Array, float]:
-    """A point in the middle of a request, ITRF, and the time its scans take."""
+def _count(scans: int) -> str:
+    return "one scan" if scans == 1 else f"{scans} scans"
+
+
+def middle_of(request: Request, session: ImagingSession) -> Array:
+    """A point in the middle of a request, ITRF."""
     arcs = scan_orders(request, session)[0]
     ends_itrf_m = np.concatenate([arc.point_itrf(np.array([0.0, 1.0]))[0] for arc in arcs])
-    return ends_itrf_m.mean(axis=0), sum(arc.duration_s for arc in arcs)
+    return np.asarray(ends_itrf_m.mean(axis=0))
 
 
 def _unreachable(request: Request, number: int, session: ImagingSession) -> Unreachable:
     """Say when it would come closest, and at what angles."""
     camera = session.spacecraft.camera
-    middle_itrf_m, scan_s = middle_of(request, session)
+    middle_itrf_m = middle_of(request, session)
     grid_s = np.arange(0.0, session.duration_s, 1.0)
     along_rad, across_rad = session.look_angles(middle_itrf_m, grid_s)
     abeam = int(np.argmin(np.abs(along_rad)))
@@ -246,12 +259,21 @@ def _unreachable(request: Request, number: int, session: ImagingSession) -> Unre
     return Unreachable(
         f"{request.name!r} is never wholly within {camera.along_max_deg:g} deg along and "
         f"{camera.across_max_deg:g} deg across the track, in its window and session, for the "
-        f"{scan_s:.1f} s it takes to scan: {where}; move or widen the window, "
+        f"{_duration(request, session)}: {where}; move or widen the window, "
         f"{_less_asked(request)} or use another pass",
         field=f"requests.{number}",
         limit="camera angles",
         at_utc=at_utc,
     )
+
+
+def _duration(request: Request, session: ImagingSession) -> str:
+    if isinstance(request, StereoRequest):
+        return f"{scan_orders(request, session)[0][0].duration_s:.1f} s that each look takes"
+    scans, least_s = least_time_s(request, session)
+    if scans == 1:
+        return f"{least_s:.1f} s it takes to scan"
+    return f"{least_s:.1f} s that {scans} scans, with the turns between, take at least"
 
 
 def _less_asked(request: Request) -> str:

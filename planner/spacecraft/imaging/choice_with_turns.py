@@ -4,16 +4,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from planner import effort
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew, Refusal, Unreachable
+from planner.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.imaging.timeline import (
     PROFILE_MARGIN_S,
+    REST_BEFORE_S,
     Misfit,
     Outcomes,
     Timeline,
@@ -22,13 +25,13 @@ from planner.spacecraft.imaging.timeline import (
     scans_of,
 )
 from planner.spacecraft.table import TICK_S
+from planner.spacecraft.turns.turn_problem import EndState
 from planner.spacecraft.turns.turn_time import MovingEnds
 
 LONGER_BY_S = (3.0, 1.5, 0.6)  # tried in this order, added to every turn
 LONGER_ROUNDS = 2
 ROUNDS = 12  # choices revised when a turn needs more time than estimated
 HOPELESS_S = 10.0  # missing: no other moment to image the same will do
-REST_BEFORE_S = 20.0  # a turn onto a scan leaves orbital orientation about so long before
 REQUEST = 1_000.0  # of `planner.effort`
 GENTLER_SHARE = 0.6  # of what work is left, for gentler turns
 
@@ -43,6 +46,21 @@ class LeftOut:
 
     name: str
     reason: str
+
+
+class LooksTooClose(InfeasibleSlew):
+    """The looks of a stereo pair leave no time for the turn between; gap_s: how far apart they had
+    to begin if the turn were no longer for it."""
+
+    def __init__(self, number: int, gap_s: float, scan_s: float, turn_s: float) -> None:
+        self.gap_s = scan_s + turn_s
+        super().__init__(
+            f"the looks of requests.{number} begin {gap_s:.1f} s apart; a scan takes "
+            f"{scan_s:.1f} s and the turn between about {turn_s:.1f} s: ask for a larger gap_s "
+            "or look_angle_deg, a faster scan or a shorter line",
+            field=f"requests.{number}",
+            limit="time",
+        )
 
 
 def options_of(session: ImagingSession) -> tuple[list[Candidate], tuple[LeftOut, ...]]:
@@ -83,6 +101,10 @@ def _within_session(
     entries = MovingEnds.concatenate([option.entry for option in options])
     exits = MovingEnds.concatenate([option.exit for option in options])
     there_s = session.turn_time.ticks(ends[:count], entries) * TICK_S
+    initial_xyzw = session.request.initial_q_body_from_eci_xyzw
+    if initial_xyzw is not None:
+        initial = MovingEnds.of(EndState.at_rest(Rotation.from_quat(initial_xyzw)))
+        there_s += session.turn_time.ticks(initial, ends[:count]) * TICK_S
     back_s = session.turn_time.ticks(exits, ends[count:]) * TICK_S
     fits = (there_s <= starts_s) & (stops_s + back_s <= session.duration_s)
     parts = np.array([option.part for option in options])
@@ -90,34 +112,61 @@ def _within_session(
     if lacking.size:
         k = int(lacking[0])
         raise InfeasibleSlew(
-            f"the turn onto requests.{number} and back to orbital orientation needs about "
+            f"turning onto requests.{number} and back to orbital orientation needs about "
             f"{there_s[k]:.1f} s before its start and {back_s[k]:.1f} s after its end, more than "
             f"the session leaves (it could be imaged {starts_s[k]:.1f} to {stops_s[k]:.1f} s "
             "after the start); start earlier or stop later by as much",
             field=f"requests.{number}",
             limit="time",
         )
-    return [option for option, fit in zip(options, fits, strict=True) if fit]
+    kept = [option for option, fit in zip(options, fits, strict=True) if fit]
+    _refuse_looks_too_close(kept, number, session)
+    return kept
 
 
-def choose_and_turn(
-    session: ImagingSession, options: list[Candidate]
-) -> tuple[Choice, Timeline, tuple[str, ...]]:
-    """The choice and its timeline, with warnings.  Where all that can be seen fits, the turns
-    share the time left over: a slower turn shakes the structure less."""
+def _refuse_looks_too_close(options: list[Candidate], number: int, session: ImagingSession) -> None:
+    """A stereo pair none of whose second looks can be turned to from a first one."""
+    firsts = [option for option in options if option.part == OPENS]
+    seconds = [option for option in options if option.part == COMPLETES]
+    if not firsts:
+        return
+    exits = MovingEnds.concatenate([first.exit for first in firsts])
+    between_s = np.array([second.start_s for second in seconds])[:, None] - [
+        first.stop_s for first in firsts
+    ]
+    needed_s = TICK_S * np.array([session.turn_time.ticks(exits, one.entry) for one in seconds])
+    i, k = np.unravel_index(np.argmax(between_s - needed_s), needed_s.shape)
+    if needed_s[i, k] > between_s[i, k] + 0.5 * TICK_S:
+        gap_s = seconds[i].start_s - firsts[k].start_s
+        raise LooksTooClose(number, gap_s, gap_s - between_s[i, k], needed_s[i, k])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chosen:
+    """What is imaged, with its turns, and why the rest of what could be seen is not."""
+
+    choice: Choice
+    timeline: Timeline
+    left_out: tuple[LeftOut, ...]
+    warnings: tuple[str, ...] = ()
+
+
+def choose_and_turn(session: ImagingSession, options: list[Candidate], *, gentler: bool) -> Chosen:
+    """The choice and its timeline.  Where all that can be seen fits, the turns share the time left
+    over (if gentler): a slower turn shakes the structure less."""
     first = _Revision().choice(session, options)
     warnings: tuple[str, ...] = ()
-    if set(first.requests) == {option.request for option in options}:
+    if gentler and set(first.requests) == {option.request for option in options}:
         with at_most(GENTLER_SHARE * effort.remaining()) as search:
-            gentler = _gentler(session, first)
-            if gentler is not None:
-                return (*gentler, ())
+            found = _gentler(session, first)
+            if found is not None:
+                return found
         if search.is_spent:
             warnings = ("gentler turns weren't looked for to the end: it takes too much work",)
-    return (*_with_turns(session, options, first, ROUNDS), warnings)
+    return replace(_with_turns(session, options, first, ROUNDS), warnings=warnings)
 
 
-def _gentler(session: ImagingSession, first: Choice) -> tuple[Choice, Timeline] | None:
+def _gentler(session: ImagingSession, first: Choice) -> Chosen | None:
     """Everything imaged with the gentlest turns tried, or None.
 
     What the choice is measured by stays.
@@ -132,17 +181,18 @@ def _gentler(session: ImagingSession, first: Choice) -> tuple[Choice, Timeline] 
         if choice.value < first.value:
             continue
         try:
-            choice, timeline = _with_turns(longer, options, choice, LONGER_ROUNDS)
+            found = _with_turns(longer, options, choice, LONGER_ROUNDS)
         except InfeasibleSlew:  # the turns are as short as they can be already
             return None
-        if choice.value >= first.value:
-            return replace(choice, bound=first.bound, greedy_value=first.greedy_value), timeline
+        if found.choice.value >= first.value:
+            choice = replace(found.choice, bound=first.bound, greedy_value=first.greedy_value)
+            return replace(found, choice=choice)
     return None
 
 
 def _with_turns(
     session: ImagingSession, options: list[Candidate], choice: Choice, rounds: int
-) -> tuple[Choice, Timeline]:
+) -> Chosen:
     """The choice with its turns; where a turn doesn't fit, another choice that allows for it.
 
     Raises InfeasibleSlew when no turns fit in so many rounds.
@@ -151,28 +201,48 @@ def _with_turns(
     outcomes: Outcomes = {}
     misfits: tuple[Misfit, ...] = ()
     for revised in range(rounds):
-        if len(revision.barred) == len(options):
-            break
         if revised:
+            if len(revision.barred) == len(options):
+                break
             choice = revision.choice(session, options)
+            if not choice.chosen:  # of pairs, the first looks are left
+                break
         try:
-            return choice, build_timeline(session, scans_of(options, choice.chosen), outcomes)
+            timeline = build_timeline(session, scans_of(options, choice.chosen), outcomes)
         except TurnsDoNotFit as why:
             misfits = why.misfits
             revision.learn(misfits, options)
+        else:
+            left_out = _left_out(session, options, choice, revision)
+            return Chosen(choice=choice, timeline=timeline, left_out=left_out)
     why_not = misfits[0].why
     raise InfeasibleSlew(why_not.detail, field="requests", limit=why_not.limit)
+
+
+def _left_out(
+    session: ImagingSession, options: list[Candidate], choice: Choice, revision: "_Revision"
+) -> tuple[LeftOut, ...]:
+    """Requests with candidates that aren't chosen: none of a look can be turned to, or others are
+    worth more."""
+    gap = "no better choice exists" if choice.proven_optimal else "the choice is not proven best"
+    beside = f"no time beside requests worth more ({gap})"
+    barred = revision.barred_requests(options)
+    return tuple(
+        LeftOut(name=session.request.requests[number].name, reason=barred.get(number, beside))
+        for number in sorted({option.request for option in options} - set(choice.requests))
+    )
 
 
 @dataclass(eq=False)
 class _Revision:
     """What the turns tried have shown of the candidates, by their numbers among all options.
 
-    extra_ticks: pairs that must stand so far apart.  barred: those that can't be turned to.
+    extra_ticks: pairs that must stand so far apart.  barred: those that can't be turned to, and
+    why not.
     """
 
     extra_ticks: dict[tuple[int, int], int] = field(default_factory=dict)
-    barred: set[int] = field(default_factory=set)
+    barred: dict[int, str] = field(default_factory=dict)
 
     def choice(self, session: ImagingSession, options: list[Candidate]) -> Choice:
         """The best choice that allows for it."""
@@ -196,10 +266,22 @@ class _Revision:
         for misfit in misfits:
             if misfit.before is None or misfit.after is None or misfit.before == misfit.after:
                 culprit = next(k for k in (misfit.after, misfit.before) if k is not None)
-                self.barred.add(culprit)
+                same = [culprit]
                 if misfit.why.missing_s > HOPELESS_S:
                     request = options[culprit].request
-                    self.barred |= {k for k, o in enumerate(options) if o.request == request}
+                    same = [k for k, option in enumerate(options) if option.request == request]
+                self.barred |= dict.fromkeys(same, misfit.why.detail)
             else:
                 pair = (misfit.before, misfit.after)
                 self.extra_ticks[pair] = max(misfit.ticks, self.extra_ticks.get(pair, 0))
+
+    def barred_requests(self, options: Sequence[Candidate]) -> dict[int, str]:
+        """Those of which every candidate of a look is barred, and why the last one is."""
+        looks: dict[tuple[int, int], list[int]] = {}
+        for k, option in enumerate(options):
+            looks.setdefault((option.request, option.part), []).append(k)
+        return {
+            request: self.barred[looked[-1]]
+            for (request, _), looked in looks.items()
+            if all(k in self.barred for k in looked)
+        }

@@ -1,7 +1,7 @@
 """The ground arcs that the scans of a request follow, in every order they may be scanned."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,10 +16,10 @@ from planner.spacecraft.requests import (
     CorridorRequest,
     ImagingRequest,
     Request,
+    StereoRequest,
 )
+from planner.spacecraft.table import TICK_S
 
-# How closely the satellite's path is looked at for the azimuth of its track, and for its sense.
-AZIMUTH_STEP_S, SENSE_STEP_S = 5.0, 20.0
 BESIDE_TRACK_RAD = math.radians(10.0)  # a side of a polygon that near the track's azimuth is taken
 
 
@@ -53,8 +53,40 @@ def _arc(start: Position, end: Position, request: ImagingRequest) -> GroundArc:
     return replace(arc, duration_s=arc.length_m() / request.scan_speed_m_s)
 
 
-def _strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
-    """Parallel strips over the polygon's bounding box in scan direction."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _StripPattern:
+    """Parallel strips over a polygon's bounding box in scan direction, in the plane that touches
+    the ground at its middle.
+
+    along_enu, across_enu: unit vectors.  from_m, to_m: every strip's ends along; first_aside_m:
+    the first one's place across.
+    """
+
+    r_middle_itrf_m: Array
+    c_enu_from_itrf: Array
+    along_enu: Array
+    across_enu: Array
+    from_m: float
+    to_m: float
+    first_aside_m: float
+    swath_m: float
+    count: int
+
+
+def least_time_s(request: Request, session: ImagingSession) -> tuple[int, float]:
+    """How many scans a request is, and no less than the time they and the turns between take."""
+    if isinstance(request, AreaRequest):
+        pattern = _strip_pattern(request, session)
+        scans = pattern.count
+        scan_s = scans * (pattern.to_m - pattern.from_m) / request.scan_speed_m_s
+    else:
+        arcs = [_arc(start, end, request) for start, end in pairwise(request.geometry.coordinates)]
+        looks = 2 if isinstance(request, StereoRequest) else 1
+        scans, scan_s = looks * len(arcs), looks * sum(arc.duration_s for arc in arcs)
+    return scans, scan_s + (scans - 1) * max(session.spacecraft.slew.settle_s, TICK_S)
+
+
+def _strip_pattern(request: AreaRequest, session: ImagingSession) -> _StripPattern:
     longitude_rad, latitude_rad = np.deg2rad(
         [p[:2] for p in request.geometry.coordinates[0][:-1]]
     ).T
@@ -64,7 +96,7 @@ def _strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
     c_enu = c_enu_from_itrf(*middle_rad)
     corners_enu_m = (corners_itrf_m - r_middle_itrf_m) @ c_enu.T
     if request.azimuth_deg is None:
-        east, north, _ = c_enu @ session.velocity_passing(r_middle_itrf_m, AZIMUTH_STEP_S)
+        east, north, _ = c_enu @ session.velocity_passing(r_middle_itrf_m)
         azimuth_rad = _side_azimuth_rad(corners_enu_m, math.atan2(east, north))
     else:
         azimuth_rad = math.radians(request.azimuth_deg)
@@ -74,12 +106,29 @@ def _strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
     left_m, right_m = across_m.min(), across_m.max()
     swath_m = session.spacecraft.camera.swath_m
     count = max(1, math.ceil((right_m - left_m) / swath_m - 1e-3))
+    return _StripPattern(
+        r_middle_itrf_m=r_middle_itrf_m,
+        c_enu_from_itrf=c_enu,
+        along_enu=along_enu,
+        across_enu=across_enu,
+        from_m=float(along_m.min()),
+        to_m=float(along_m.max()),
+        first_aside_m=float(0.5 * (left_m + right_m) - 0.5 * (count - 1) * swath_m),
+        swath_m=swath_m,
+        count=count,
+    )
+
+
+def _strips(request: AreaRequest, session: ImagingSession) -> list[GroundArc]:
+    """Parallel strips over the polygon's bounding box in scan direction."""
+    pattern = _strip_pattern(request, session)
     arcs = []
-    for k in range(count):
-        aside_m = 0.5 * (left_m + right_m) + (k - 0.5 * (count - 1)) * swath_m
+    for k in range(pattern.count):
+        aside_m = pattern.first_aside_m + k * pattern.swath_m
         ends_itrf_m = [
-            r_middle_itrf_m + (end_m * along_enu + aside_m * across_enu) @ c_enu
-            for end_m in (along_m.min(), along_m.max())
+            pattern.r_middle_itrf_m
+            + (end_m * pattern.along_enu + aside_m * pattern.across_enu) @ pattern.c_enu_from_itrf
+            for end_m in (pattern.from_m, pattern.to_m)
         ]
         latitude_rad, longitude_rad, _ = geodetic_from_itrf(np.array(ends_itrf_m))
         start, end = np.rad2deg([longitude_rad, latitude_rad]).T.tolist()
@@ -102,5 +151,5 @@ def _side_azimuth_rad(corners_enu_m: Array, track_rad: float) -> float:
 def _along_flight(arc: GroundArc, session: ImagingSession) -> GroundArc:
     """The arc in the sense of the flight."""
     (start_itrf_m, end_itrf_m), _ = arc.point_itrf(np.array([0.0, 1.0]))
-    v_itrf_m_s = session.velocity_passing(start_itrf_m, SENSE_STEP_S)
+    v_itrf_m_s = session.velocity_passing(start_itrf_m)
     return arc if (end_itrf_m - start_itrf_m) @ v_itrf_m_s >= 0.0 else arc.turned_round()

@@ -1,7 +1,9 @@
 """What all requests of a session share: orbit, clock, spacecraft, and where a point is seen."""
 
+import math
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import cached_property
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from planner.errors import InvalidInput
 from planner.frames.earth_orientation import c_itrf_from_eci, itrf_from_eci_state
 from planner.frames.geodesy import WGS84_A_M
 from planner.frames.local_orbital import q_lvlh_from_eci
-from planner.frames.time_scales import Instants, elapsed_s
+from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.orbits import Ephemeris
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile, GroundArc, fitted_profile
 from planner.spacecraft.requests import ImagingPlanRequest
@@ -19,6 +21,8 @@ from planner.spacecraft.turns.turn_time import TurnTime, turn_time
 from planner.spacecraft.vehicle.definition import AgileSpacecraft
 
 HEIGHT_MAX_M = 2000e3  # a low orbit: from higher the camera's angles and the turns mean little
+HEIGHT_STEP_S = 30.0
+TRACK_STEP_S = 5.0  # how closely the path over the ground is looked at
 _ORBIT_MARGIN = timedelta(seconds=200)  # scans are continued backwards, turns forwards
 
 
@@ -64,30 +68,25 @@ class ImagingSession:
         hidden = np.sum((r_sat_itrf_m - r_target_itrf_m) * r_target_itrf_m, axis=1) < 0.0
         return np.where(hidden, np.pi, np.arctan2(x, z)), np.where(hidden, np.pi, np.arctan2(y, z))
 
-    def velocity_passing(self, r_itrf_m: Array, step_s: float) -> Array:
-        """The satellite's velocity in ITRF, m/s, (3,), where it is nearest to a point.
-
-        step_s: of the instants looked at.
-        """
-        instants = self.instants(np.arange(0.0, self.duration_s + 1.0, step_s))
+    @cached_property
+    def _track_itrf(self) -> tuple[Array, Array]:
+        """The satellite's position, m, and velocity, m/s, (n, 3) each."""
+        instants = self.instants(np.arange(0.0, self.duration_s + 1.0, TRACK_STEP_S))
         states = self.ephemeris.states(instants)
-        r, v = itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
-        return np.asarray(v[np.argmin(np.linalg.norm(r - r_itrf_m, axis=1))])
+        return itrf_from_eci_state(states.r_sat_eci_m, states.v_sat_eci_m_s, instants)
+
+    def velocity_passing(self, r_itrf_m: Array) -> Array:
+        """The satellite's velocity in ITRF, m/s, (3,), where it is nearest to a point."""
+        r_track_itrf_m, v_track_itrf_m_s = self._track_itrf
+        nearest = np.argmin(np.linalg.norm(r_track_itrf_m - r_itrf_m, axis=1))
+        return np.asarray(v_track_itrf_m_s[nearest])
 
 
 def make_session(request: ImagingPlanRequest) -> ImagingSession:
     """The orbit and the spacecraft of a request, made ready.  Raises InvalidInput."""
     spacecraft = request.definition()
     ephemeris = request.orbit.ephemeris(request.start - _ORBIT_MARGIN, request.stop + _ORBIT_MARGIN)
-    states = ephemeris.states(Instants(request.start, np.zeros(1)))
-    height_m = float(np.linalg.norm(states.r_sat_eci_m[0])) - WGS84_A_M
-    if height_m > HEIGHT_MAX_M:
-        raise InvalidInput(
-            f"the orbit is {height_m / 1e3:.0f} km high at the session's start; this spacecraft "
-            f"images from low orbits, up to {HEIGHT_MAX_M / 1e3:.0f} km: give the orbit of such a "
-            "one",
-            field="orbit",
-        )
+    _refuse_height(request, ephemeris)
     return ImagingSession(
         request=request,
         ephemeris=ephemeris,
@@ -95,3 +94,21 @@ def make_session(request: ImagingPlanRequest) -> ImagingSession:
         spacecraft=spacecraft,
         turn_time=turn_time(spacecraft),
     )
+
+
+def _refuse_height(request: ImagingPlanRequest, ephemeris: Ephemeris) -> None:
+    """Looked at where the session begins and ends, and so closely between that no apogee is
+    missed by 1 km (an acceleration of 9 m/s^2)."""
+    seconds = elapsed_s(request.stop, request.start)
+    t_s = np.linspace(0.0, seconds, math.ceil(seconds / HEIGHT_STEP_S) + 1)
+    states = ephemeris.states(Instants(request.start, t_s))
+    heights_m = np.linalg.norm(states.r_sat_eci_m, axis=1) - WGS84_A_M
+    highest = int(np.argmax(heights_m))
+    if heights_m[highest] > HEIGHT_MAX_M:
+        at_utc = shifted_utc(request.start, float(t_s[highest]))
+        raise InvalidInput(
+            f"the orbit is {heights_m[highest] / 1e3:.0f} km high at {utc_text(at_utc)}, in the "
+            f"session; this spacecraft images from low orbits, up to {HEIGHT_MAX_M / 1e3:.0f} km: "
+            "give the orbit of such a one, or a session while it is low",
+            field="orbit",
+        )

@@ -20,8 +20,10 @@ from planner.spacecraft.mrp import BodyMotion
 from planner.spacecraft.table import TICK_S, ImagingWindow
 from planner.spacecraft.turns.turn_choice import TurnComparison, TurnNeedsTime, compare, turn_onto
 from planner.spacecraft.turns.turn_problem import EndState, Turn, TurnProblem
+from planner.spacecraft.turns.turn_time import MovingEnds
 
 MORE_TICKS_MIN = 3  # asked for between two scans whose turn doesn't fit
+REST_BEFORE_S = 20.0  # a turn onto a scan leaves orbital orientation about so long before
 REST_AFTER_S = 150.0  # longer pauses are spent in orbital orientation
 PROFILE_MARGIN_S = 1.0  # around the rows it is used for
 START_SPAN_S = 30.0  # of the profile that the rate at row 0 is taken from
@@ -176,14 +178,27 @@ class _Builder:
         self.row = until_row
 
     def leave_initial_attitude(self, first: Scan | None) -> None:
-        """Turn to orbital orientation, in half the time to the first scan, if not in it."""
+        """Turn to orbital orientation, if not in it: in half the time to the first scan, or as much
+        more as the turn onto that leaves."""
         last = self.session.last_row
         orbital = self.span(None, 0, last)
         if self.session.request.initial_q_body_from_eci_xyzw is None:
             self.profile = orbital
             return
-        until = last if first is None else first.first_row // 2
+        until = last
+        if first is not None:
+            until = max(first.first_row // 2, first.first_row - self.ticks_onto(first, orbital))
         self.turn(orbital, TurnSlot(before=None, after=first, first_row=0, last_row=until))
+
+    def ticks_onto(self, scan: Scan, orbital: AttitudeAt) -> int:
+        """Estimate of the turn onto a scan from orbital orientation."""
+        profile = self.span(scan.arc, scan.first_row, scan.last_row)
+        leaving = max(scan.first_row - round(REST_BEFORE_S / TICK_S), 0)
+        [ticks] = self.session.turn_time.ticks(
+            MovingEnds.of(_end_state(orbital, leaving)),
+            MovingEnds.of(_end_state(profile, scan.first_row)),
+        )
+        return int(ticks)
 
     def turn_onto_scan(self, before: Scan | None, scan: Scan, window: int) -> None:
         """By way of orbital orientation after a long pause."""

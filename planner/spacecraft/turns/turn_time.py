@@ -34,6 +34,15 @@ class MovingEnds:
     rate_eci_rad_s: Array
 
     @classmethod
+    def of(cls, end: EndState) -> "MovingEnds":
+        """One, n = 1."""
+        rate_eci_rad_s = end.q_body_from_eci.inv().apply(end.omega_body_rad_s)
+        return cls(
+            q_body_from_eci_xyzw=end.q_body_from_eci.as_quat()[None],
+            rate_eci_rad_s=rate_eci_rad_s[None],
+        )
+
+    @classmethod
     def concatenate(cls, parts: "Sequence[MovingEnds]") -> "MovingEnds":
         """All of them in one."""
         return cls(

@@ -1,0 +1,127 @@
+"""Is there room for the turns: between two looks, from the start's attitude, in the session?"""
+
+import dataclasses
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
+from spacecraft_cases import ORBIT, four_modes, line, session
+
+from planner import effort
+from planner.errors import InfeasibleSlew, InvalidInput, SearchEnded, Unreachable
+from planner.spacecraft.plan import plan_imaging
+from planner.spacecraft.requests import (
+    AreaRequest,
+    CorridorRequest,
+    GeoLineString,
+    GeoPolygon,
+    SpacecraftSettings,
+    StripRequest,
+)
+
+STRIP, STEREO, *_ = four_modes()
+
+
+@pytest.mark.parametrize(
+    "closer",
+    [
+        {"gap_s": 1.0},  # less than a scan
+        {"gap_s": 20.0},
+        {"look_angle_deg": 4.0},
+        {"look_angle_deg": 15.0, "geometry": line(230.0, half_km=130.0)},  # 48 s a look
+    ],
+)
+def test_looks_too_close_for_the_turn_between_are_refused_with_the_gap_that_works(closer):
+    """Once a plan without an interval, which said that other requests were worth more."""
+    pair = dataclasses.replace(STEREO, **closer)
+    with pytest.raises(InfeasibleSlew, match="the turn between about") as why:
+        plan_imaging(session([pair], 460.0, simulation_runs=0))
+    assert why.value.field == "requests.0"
+    gap_s = float(re.search(r"works: 'stereo' with a gap_s of (\d+)", why.value.detail)[1])
+    wider = dataclasses.replace(pair, look_angle_deg=None, gap_s=gap_s)
+    plan = plan_imaging(session([wider], 460.0, simulation_runs=0))
+    assert [window.look for window in plan.table.windows] == [0, 1]
+
+
+def test_what_has_no_room_for_its_own_turn_is_left_out_for_that_reason():
+    pair = dataclasses.replace(STEREO, gap_s=12.0, priority=9.0)
+    plan = plan_imaging(session([STRIP, pair], 460.0, simulation_runs=0))
+    assert [window.request for window in plan.table.windows] == ["strip"]
+    [left_out] = plan.left_out
+    assert "the turn between" in left_out.reason
+
+
+@pytest.mark.parametrize("q", [(0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)])
+def test_a_far_initial_attitude_delays_the_first_scan_rather_than_bar_it(q):
+    """Half the time to the scan nearest overhead, 45 s, is too little for 100 deg and more."""
+    plan = plan_imaging(session([STRIP], 300.0, initial_q_body_from_eci_xyzw=q, simulation_runs=0))
+    assert [window.request for window in plan.table.windows] == ["strip"]
+    leaving, onto, _ = plan.turns
+    assert leaving.window is None
+    assert leaving.last_row <= onto.first_row
+
+
+@pytest.mark.parametrize(("side_deg", "swath_m"), [(0.3, 100.0), (20.0, 12e3), (170.0, 100.0)])
+def test_more_scans_than_a_session_holds_are_counted_not_tried(side_deg, swath_m):
+    """Up to 120,000 strips, each of which was laid before anything was refused."""
+    east, north = line(90.0).coordinates[0]
+    x, y = side_deg / 2.0, min(side_deg, 20.0) / 2.0
+    ring = ((-x, -y), (x, -y), (x, y), (-x, y), (-x, -y))
+    geometry = GeoPolygon(coordinates=(tuple((east + a, north + b) for a, b in ring),))
+    settings = SpacecraftSettings(swath_m=swath_m)
+    with pytest.raises(Unreachable, match=r"takes \d+ scans, .* longer than the session's") as why:
+        plan_imaging(
+            session([AreaRequest(name="wide", geometry=geometry)], 3600.0, settings=settings)
+        )
+    least_s = float(re.search(r"at least ([\d.]+) s", why.value.detail)[1])
+    assert least_s > 3600.0
+
+
+def test_a_refusal_of_many_legs_counts_the_turns_between():
+    east, north = line(90.0).coordinates[0]
+    legs = tuple((east + 0.012 * (k % 2), north + 0.012 * k) for k in range(64))
+    corridor = CorridorRequest(name="zigzag", geometry=GeoLineString(coordinates=legs))
+    with pytest.raises(Unreachable, match="63 scans, with the turns between, take at least"):
+        plan_imaging(session([corridor], 300.0))
+
+
+def test_an_orbit_that_climbs_out_of_reach_within_the_session_is_refused():
+    """1,300 km high where the session begins, 2,200 where it ends."""
+    speed = 1.21
+    x, y, z = ORBIT.velocity_km_s
+    climbing = dataclasses.replace(ORBIT, velocity_km_s=(speed * x, speed * y, speed * z))
+    request = session([StripRequest(name="strip", geometry=line(90.0))], 1200.0)
+    with pytest.raises(
+        InvalidInput, match=r"km high at 2024-06-01T10:20:00.*in the session"
+    ) as why:
+        plan_imaging(dataclasses.replace(request, orbit=climbing))
+    assert why.value.field == "orbit"
+
+
+def test_a_session_too_much_work_says_what_is_less(monkeypatch):
+    monkeypatch.setattr(effort, "PLAN", 6_000)
+    asked = session([STRIP], 300.0, objective="minimum_time", simulation_runs=0)
+    settings = SpacecraftSettings(momentum_n_m_s=(10.0, 0.0, 0.0))
+    with pytest.raises(SearchEnded, match='for the objective "smooth", or for less momentum'):
+        plan_imaging(dataclasses.replace(asked, settings=settings))
+
+
+def test_a_full_sphere_is_refused_with_the_momentum_that_works():
+    """What was tried at 0.9 of the sphere took all the work there was, and nothing was named."""
+    settings = SpacecraftSettings(momentum_n_m_s=(0.0, 0.0, 59.9))
+    with pytest.raises(InfeasibleSlew, match=r"works: (\d+) N m s in the same direction") as why:
+        plan_imaging(session(four_modes(), 640.0, settings=settings))
+    works = float(re.search(r"works: (\d+) N m s", why.value.detail)[1])
+    settings = SpacecraftSettings(momentum_n_m_s=(0.0, 0.0, works))
+    plan = plan_imaging(session(four_modes(), 640.0, settings=settings, simulation_runs=0))
+    assert plan.verification.passed
+
+
+def test_a_table_that_was_not_flown_says_so():
+    plan = plan_imaging(session([STRIP], 300.0, simulation_runs=0))
+    assert plan.stabilisation.share_steady is None
+    [warning] = plan.warnings
+    assert "not flown in closed loop" in warning
