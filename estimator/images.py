@@ -8,6 +8,7 @@ sensor's pixels as they were read out, whichever way up somebody wants to look a
 
 import struct
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -66,7 +67,7 @@ class Frame:
         own = level.max(axis=-1) if self.channel is None else level[..., self.channel]
         return self.is_full(own)
 
-    def is_full(self, level: Pixels) -> NDArray[np.bool_]:
+    def is_full(self, level: NDArray[Any]) -> NDArray[np.bool_]:
         """Whether stored levels (...) are the largest there is."""
         return np.asarray(level >= _FULL * full_scale(self.pixels))
 
