@@ -36,7 +36,7 @@ SEED = 1
 class Condition:
     """sun_deg: its elevation at the craft.  width_px: of two cameras' frames, 60 deg wide.
 
-    ideal: no clouds, no noise, and a limb as smooth as the air itself.
+    ideal: no clouds, no noise, nothing overexposed, and a limb as smooth as the air itself.
     """
 
     sun_deg: tuple[float, float] = (35.0, 90.0)
@@ -107,7 +107,8 @@ def _case(air: str, condition: Condition, rng: np.random.Generator) -> tuple[Cas
         bits=8 if rng.uniform() < 0.7 else 16,
     )
     if condition.ideal:
-        electronics = replace(electronics, full_well_e=1e9, read_noise_e=0.0)
+        # Over a dark sea the limb is the brightest there is: nothing of it is to be full.
+        electronics = replace(electronics, full_well_e=1e9, read_noise_e=0.0, percentile=100.0)
     request = _request(epoch, r_m, cameras, body_from_itrf, rng)
     truth = body_from_itrf.apply(-up), body_from_itrf.apply(-geodetic_up(r_m[None])[0][0])
     colour = tuple(expose(light, electronics, rng) for light in lights)

@@ -86,11 +86,14 @@ class Weather:
 
 @dataclass(frozen=True)
 class Electronics:
-    exposure: float  # brightness of the frame's 98th percentile against saturation
+    """exposure: brightness of the frame's `percentile` against saturation."""
+
+    exposure: float
     full_well_e: float
     read_noise_e: float
     blur_px: float
     bits: int
+    percentile: float = 98.0
 
 
 def sun_itrf(epoch: datetime) -> Floats:
@@ -259,7 +262,7 @@ def expose(
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """The file of a frame (h, w) or (h, w, 3)."""
     seen = cv2.GaussianBlur(light, (0, 0), electronics.blur_px)
-    seen = seen * (electronics.exposure / np.percentile(seen, 98.0))
+    seen = seen * (electronics.exposure / np.percentile(seen, electronics.percentile))
     noise_e = rng.normal(size=seen.shape) * np.sqrt(
         seen * electronics.full_well_e + electronics.read_noise_e**2
     )

@@ -29,6 +29,12 @@ def rows(frames: int) -> Iterator[Row]:
         blind = row.name == "other air, colour, no prediction"
         yield from _accuracy(row, BLIND_GOAL_DEG if blind else None)
         yield _measured(row)
+    ideal = sasktran2_rows(SHOWN, CONDITIONS["day, ideal"], max(frames // 10, 1), SEED)
+    for row in (row for row in ideal if row.name.endswith("pair")):
+        goal_deg = IDEAL_GOAL_DEG if row.name.startswith("colour") else None
+        row.name = f"SASKTRAN2's air, ideal limb, {row.name}"
+        yield from _accuracy(row, goal_deg)
+        yield _measured(row)
     for row in sasktran2_rows(SHOWN, CONDITIONS["day"], max(frames // 10, 1), SEED):
         row.name = f"SASKTRAN2's air, {row.name}"
         yield from _accuracy(row, None)

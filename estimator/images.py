@@ -8,6 +8,7 @@ sensor's pixels as they were read out, whichever way up somebody wants to look a
 
 import struct
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -24,8 +25,11 @@ Grey = NDArray[np.float32]
 Pixels = NDArray[np.uint8] | NDArray[np.uint16]
 
 _KINDS = "PNG, JPEG or TIFF of 8 or 16 bit"
-# Independent noise in two channels differs by 1.4 times that of one; in a JPEG by 0.3-0.9.
-_SHARP_COLOUR = 1.1
+# Independent noise in two channels differs by 1.4 times that of one and more; in a JPEG by
+# 0.3-1.3.  Clouds and coasts, alike in all channels, are left out: noise tells where it is quiet.
+_SHARP_COLOUR = 1.38
+_QUIET_SHARE = 0.5
+_QUIET_PX = 15
 _FULL = 0.975  # of the largest value: noise and JPEG move it
 # Start-of-frame markers; C4, C8, CC are tables.
 _JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
@@ -36,25 +40,35 @@ class Frame:
     """grey: brightness 0..1, (h, w).  usable: False where masked or transparent.
 
     step: the smallest difference of brightness that tells.  pixels: the image itself.
-    blue: grey is its blue channel, not the mean of all.  table: brightness of each stored level.
-    decoded: it undoes a tone curve.
+    channel: of blue, green, red, that which grey is; None for the mean of all.
+    table: brightness of each stored level.  decoded: it undoes a tone curve.
     """
 
     grey: Grey
     usable: NDArray[np.bool_]
     step: float
     pixels: Pixels
-    blue: bool
+    channel: int | None
     table: Grey
     decoded: bool = False
 
+    @property
+    def blue(self) -> bool:
+        return self.channel == 0
+
     def is_saturated(self, xy_px: Array) -> NDArray[np.bool_]:
-        """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
+        """Whether what grey is made of is full at pixels (..., 2), those beyond the edge on it;
+        (...)."""
         height, width = self.grey.shape
         inside = np.nan_to_num(np.rint(xy_px))
         x = np.clip(inside[..., 0], 0, width - 1).astype(int)
         y = np.clip(inside[..., 1], 0, height - 1).astype(int)
-        level = self.pixels[y, x].reshape(*x.shape, -1)[..., :3].max(axis=-1)
+        level = self.pixels[y, x].reshape(*x.shape, -1)[..., :3]
+        own = level.max(axis=-1) if self.channel is None else level[..., self.channel]
+        return self.is_full(own)
+
+    def is_full(self, level: NDArray[Any]) -> NDArray[np.bool_]:
+        """Whether stored levels (...) are the largest there is."""
         return np.asarray(level >= _FULL * full_scale(self.pixels))
 
 
@@ -62,11 +76,11 @@ def full_scale(pixels: Pixels) -> float:
     return 65535.0 if pixels.dtype == np.uint16 else 255.0
 
 
-def brightness(levels: NDArray[np.float32], blue: bool) -> Grey:
-    """Grey (h, w) of levels (h, w) or (h, w, channels), alpha left out."""
+def brightness(levels: NDArray[np.float32], channel: int | None) -> Grey:
+    """Grey (h, w) of levels (h, w) or (h, w, channels): a channel, or the mean without alpha."""
     if levels.ndim == 3 and levels.shape[2] > 2:
-        weights = [[1.0, 0.0, 0.0]] if blue else [[1.0 / 3.0] * 3]
-        return np.asarray(cv2.transform(np.ascontiguousarray(levels[..., :3]), np.array(weights)))
+        weights = np.full((1, 3), 1.0 / 3.0) if channel is None else np.eye(3)[[channel]]
+        return np.asarray(cv2.transform(np.ascontiguousarray(levels[..., :3]), weights))
     return levels.reshape(levels.shape[:2])
 
 
@@ -101,10 +115,10 @@ def decode_image(
     return pixels.astype(np.uint16) if pixels.dtype == np.uint16 else pixels.astype(np.uint8)
 
 
-def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Frame:
+def prepare(pixels: Pixels, camera: HorizonCamera, field: str, channel: int | None) -> Frame:
     """Brightness of an image for a camera.  Raises InvalidImage when sizes differ.
 
-    blue: take the blue channel of a colour image, else the mean of all.
+    channel: which to take of a colour image; None for the mean of all.
     """
     height, width = pixels.shape[:2]
     _require_size(width, height, camera, field)
@@ -115,11 +129,11 @@ def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Fr
     for polygon in camera.mask:
         cv2.fillPoly(usable, [np.rint(np.array(polygon)).astype(np.int32)], 0)
     return Frame(
-        grey=brightness(pixels.astype(np.float32), blue) / np.float32(full),
+        grey=brightness(pixels.astype(np.float32), channel) / np.float32(full),
         usable=usable.astype(bool),
         step=1.0 / full,
         pixels=pixels,
-        blue=blue,
+        channel=channel,
         table=np.arange(full + 1.0, dtype=np.float32) / np.float32(full),
     )
 
@@ -143,8 +157,13 @@ def blue_is_sharp(pixels: Pixels) -> bool:
         return False
     rows = pixels[4::9, :, :2].astype(np.int32)
     fine = np.diff(rows, n=2, axis=1)
-    colour = float(np.mean(np.abs(fine[..., 0] - fine[..., 1])))
-    return colour > _SHARP_COLOUR * float(np.mean(np.abs(fine[..., 1]))) > 0.0
+    unrest = cv2.blur(np.abs(fine.sum(axis=2)).astype(np.float32), (_QUIET_PX, 1))
+    varied = unrest > 0.0
+    if not varied.any():
+        return False
+    quiet = varied & (unrest <= np.quantile(unrest[varied], _QUIET_SHARE))
+    colour = float(np.mean(np.abs(fine[..., 0] - fine[..., 1])[quiet]))
+    return colour > _SHARP_COLOUR * float(np.mean(np.abs(fine[..., 1][quiet]))) > 0.0
 
 
 def _header_size(content: bytes, field: str) -> tuple[int, int]:

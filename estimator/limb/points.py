@@ -4,6 +4,9 @@ The frame is unwrapped into columns across the projected limb; in each the outer
 significant rise of brightness inwards is taken to a fraction of a pixel.  The profile of an
 exponential atmosphere, 1 - exp(-exp(-(h - h0)/H)), rises fastest at h0, but blurred its peak
 moves outwards, towards the mean of the Gumbel distribution; that shift is taken off.
+Where air is clean, clouds behind it are seen down to the ground and their edge may be steeper
+than the air's: there the limb is where brightness grows, for its own size, as fast as at the
+peaks of the columns free of clouds.
 """
 
 from dataclasses import dataclass, replace
@@ -30,7 +33,14 @@ _SHOULDER_M = np.arange(2.5e3, 21e3, 2.5e3)  # within the edge, where the limb g
 _BEHIND_M = 45e3
 _STEP_OF_NOISE = 0.3  # a file's smallest step, as noise: 1/sqrt(12)
 _IDEAL_EDGE_PX = 0.1
+_SKY_STEPS = 8
 _OVEREXPOSED_SHARE = 0.3
+# Growth of brightness for its size against that of columns free of clouds: 0.97 to 1.03 with the
+# noise and the air's own changes along the limb, 0.6 to 0.9 at clouds.
+_CLOUDLESS_QUANTILE, _CLOUDLESS_SHARE = 0.9, 0.86
+_SURE_SIGMA = 3.0
+_CLEAR_OF_CLOUDS_M = 6e3
+_SEPARATE_M = 6e3  # smoothed by more, clouds and the air above them are one edge
 
 
 @dataclass(frozen=True)
@@ -42,7 +52,8 @@ class LimbPoints:
     step_rad: azimuth per column.
     Of the edge: xy_px (n, 2), ray_body (n, 3), and lens_shift_body (n, 3, 2), how the ray changes
     with 1-sigma of the lens's focal length and distortion.
-    sigma_rad (n,): noise of the edge alone.  slope_per_px (n,): of brightness, inwards.
+    sigma_rad (n,): noise of the edge alone.  drawn_m (n,): how much lower clouds had drawn
+    it before it was moved back.  slope_per_px (n,): of brightness, inwards.
     width_m (n,): 1-sigma width at the limb, which holds smooth_m, what the profile was smoothed
     by.  contrast (n,): (within - beyond) / (within + beyond).  behind_ratio (n,): brightness
     45 km further in, or at the window's end, against the brightest on the way.
@@ -57,6 +68,7 @@ class LimbPoints:
     ray_body: Array
     lens_shift_body: Array
     sigma_rad: Array
+    drawn_m: Array
     slope_per_px: Array
     width_m: Array
     smooth_m: float
@@ -114,6 +126,7 @@ def ideal_points(
         ray_body=ray_body,
         lens_shift_body=camera.lens_shift_body(ray_body, photographed=False),
         sigma_rad=_IDEAL_EDGE_PX * camera.rad_per_px * one,
+        drawn_m=0.0 * one,
         slope_per_px=one,
         width_m=one,
         smooth_m=0.0,
@@ -143,6 +156,8 @@ def find_limb(
         return no_points(camera)
     strip = _unwrap(frame, low_px[good], high_px[good], half_m, window_rad * reach_m)
     edge = _find_edge(strip, frame.step)
+    if air_scale_m > 0.0:
+        edge = _above_clouds(edge, strip)
     from_middle_px = edge.from_middle_px
     if air_scale_m > 0.0:
         blur_m = strip.typical_m_per_px * np.hypot(strip.smooth_px, LENS_BLUR_PX)
@@ -162,6 +177,7 @@ def find_limb(
         ray_body=ray_body,
         lens_shift_body=camera.lens_shift_body(ray_body, frame.decoded),
         sigma_rad=edge.sigma_px * strip.m_per_px / reach_m,
+        drawn_m=edge.drawn_px * strip.m_per_px,
         slope_per_px=edge.slope_per_px,
         width_m=edge.width_px * strip.m_per_px,
         smooth_m=strip.smooth_px * strip.typical_m_per_px,
@@ -193,7 +209,11 @@ class _Strip:
 
 @dataclass(frozen=True)
 class _Edge:
-    """Each column's outermost significant edge; peak (n,): its index along the strip."""
+    """Each column's outermost significant edge; peak (n,): its index along the strip.
+
+    rise_per_px (n, m): of brightness inwards, along the strip.  noise_per_px: its 1-sigma.
+    drawn_px (n,): how far inwards clouds had drawn it.
+    """
 
     peak: NDArray[np.intp]
     significant: NDArray[np.bool_]
@@ -201,6 +221,9 @@ class _Edge:
     sigma_px: Array
     slope_per_px: Array
     width_px: Array
+    rise_per_px: Grey
+    noise_per_px: float
+    drawn_px: Array
 
 
 def _unwrap(frame: Frame, low_px: Array, high_px: Array, half_m: float, window_m: float) -> _Strip:
@@ -261,6 +284,50 @@ def _find_edge(strip: _Strip, step: float) -> _Edge:
         sigma_px=np.hypot(noise_per_px / strip.smooth_px / curvature, 0.03),
         slope_per_px=at,
         width_px=np.sqrt(np.maximum(at, 0.0) / curvature),
+        rise_per_px=rise,
+        noise_per_px=noise_per_px,
+        drawn_px=np.zeros(len(peak)),
+    )
+
+
+def _above_clouds(edge: _Edge, strip: _Strip) -> _Edge:
+    """The edges, those that clouds have drawn inwards back where the air's is.
+
+    Brightness grows by the same share of itself a metre where air is as deep, however bright.
+    """
+    if not edge.significant.any() or strip.smooth_px * strip.typical_m_per_px > _SEPARATE_M:
+        return edge
+    row, last = np.arange(len(edge.peak)), strip.level.shape[1] - 1
+    sky = np.median(strip.level[:, -_SKY_STEPS:], axis=1, keepdims=True)
+    light = strip.level - sky
+    growth_per_px = edge.rise_per_px / np.maximum(light, edge.noise_per_px)
+    at_peak = growth_per_px[row, edge.peak]
+    usual = np.quantile(at_peak[edge.significant], _CLOUDLESS_QUANTILE)
+    at_edge = np.maximum(light[row, edge.peak], edge.noise_per_px)
+    surely = at_peak + _SURE_SIGMA * edge.noise_per_px / at_edge
+    drawn = edge.significant & (surely < _CLOUDLESS_SHARE * usual)
+    free = edge.significant & ~drawn
+    # Further in, and so brighter; dark structure may grow as slowly.
+    drawn &= at_edge > np.median(at_edge[free])
+    # As far out that blurred clouds no longer add to the air's light.
+    steps = round(_CLEAR_OF_CLOUDS_M / strip.typical_m_per_px / strip.pitch_px)
+    least = np.median(growth_per_px[row, np.minimum(edge.peak + steps, last)][free])
+    beyond = np.arange(last + 1) > edge.peak[:, None]
+    reaches = beyond & (growth_per_px >= least) & strip.inside
+    index = np.argmax(reaches, axis=1)
+    above, below = growth_per_px[row, index], growth_per_px[row, index - 1]
+    part = np.clip((above - least) / np.maximum(above - below, 1e-9), 0.0, 1.0)
+    from_middle_px = strip.offset_px[index] - strip.pitch_px * (part + steps)
+    # Clouds only draw inwards.
+    drawn &= reaches.any(axis=1) & (from_middle_px > edge.from_middle_px)
+    peak = np.where(drawn, np.maximum(index - steps, 0), edge.peak)
+    by_px = np.where(drawn, from_middle_px - edge.from_middle_px, 0.0)
+    return replace(
+        edge,
+        peak=peak,
+        from_middle_px=edge.from_middle_px + by_px,
+        drawn_px=by_px,
+        slope_per_px=edge.rise_per_px[row, peak].astype(float),
     )
 
 

@@ -3,8 +3,9 @@
 Gauss-Newton on the angles between limb rays and the cone of an ellipsoid's limb, with
 Tukey's weights; unknowns are two tilts, the heading (held by its prior, since a round limb
 hardly shows it), the limb's height, how strongly it rises under a low Sun, how it leans along
-the Sun's azimuth and bends across it, the same of each overexposed camera by itself, and each
-camera's focal length and distortion where nobody measured them.
+the Sun's azimuth and bends across it, how much clouds draw it inwards, the lift, lean and bend of
+each overexposed camera by itself, and each camera's focal length and distortion where nobody
+measured them.
 The limb's roughness is common to neighbouring columns: n columns within 5 deg of azimuth
 carry the information of one.
 Source: Christian 2017 for the cone; Beaton and Tukey 1974 for the weights.
@@ -31,6 +32,10 @@ _STILL_RAD = 1e-3  # a step that moves no lift by more than a few metres
 # images themselves can tell, and from place to place.
 _RISE_SIGMA = 0.7
 _RISE_SCATTER = 0.2
+
+# Of how far clouds had drawn the limb's edge, what is left once it is moved back: as a whole, and
+# from place to place.
+_DRAWN_SIGMA, _DRAWN_SCATTER = 0.3, 0.1
 
 # Overexposed, the limb is where its light saturates the camera: twice the light moves it up by
 # ln 2 scale heights, 5 km, in every camera by its own exposure; and along the limb's arc as the
@@ -61,9 +66,9 @@ class Fit:
     """c_body_from_itrf (3, 3) and height_m of the limb, with the covariance of all unknowns.
 
     Those are: tilt about the limb's east and north axes, turn about nadir (rad); height (m), the
-    rise under a low Sun over its model, the limb's lean and bend by the Sun's azimuth (m); by how
-    much overexposed cameras' limbs are higher, lean and bend (m); and unmeasured lenses' focal
-    lengths and distortions.
+    rise under a low Sun over its model, the limb's lean and bend by the Sun's azimuth (m); the
+    share left of what clouds drew it by; by how much overexposed cameras' limbs are higher, lean
+    and bend (m); and unmeasured lenses' focal lengths and distortions.
     residual_rad: per camera, over its columns, NaN where nothing was found.
     tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood.
     weight: probability against the fits at other headings; 1 where the heading is known.
@@ -120,6 +125,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         return Fit(c_body_from_itrf, prior.height_m, covariance, nothing, nothing, cost=np.inf)
     ray_body = np.concatenate([p.ray_body[p.found] for p in used])
     edge_rad = np.concatenate([p.sigma_rad[p.found] for p in used])
+    drawn_m = np.concatenate([p.drawn_m[p.found] for p in used])
     per_patch = np.concatenate([p.columns_per_patch()[p.found] for p in used])
     clipped_mask = _clipped_mask(used, by_daylight=prior.sun_itrf is not None)
     lens_shift_body = _lens_shift_body(used)
@@ -138,7 +144,7 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         ray_itrf = ray_body @ c
         height_m = float(unknowns[1])
         if turned_rad > _STILL_RAD:
-            lifts, rough_m = _lifts(ray_itrf, clipped_mask, limb, prior, height_m)
+            lifts, rough_m = _lifts(ray_itrf, clipped_mask, drawn_m, limb, prior, height_m)
         inside_rad, by_ray, by_height = _inside(limb, cone_per_m, ray_itrf, height_m)
         by_lens = np.einsum("ni,nik->nk", by_ray @ c.T, lens_shift_body)
         by_lift = np.column_stack([by_height[:, None] * lifts, by_lens])
@@ -202,7 +208,7 @@ def possible_fits(result: Fit, limb: Limb) -> list[Fit]:
 
 def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Array, Array]:
     """All unknowns but the tilts beforehand, and their 1-sigma; lenses' in units of theirs."""
-    expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
+    expected = [0.0, prior.height_m, 1.0, 0.0, 0.0, 0.0, *[_CLIPPED_M, 0.0, 0.0] * overexposed]
     expected += [0.0] * bends
     sigma = [
         prior.heading_sigma_rad,
@@ -210,6 +216,7 @@ def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Arra
         _RISE_SIGMA,
         prior.lean_sigma_m,
         prior.bend_sigma_m,
+        _DRAWN_SIGMA,
         *[_CLIPPED_M, _CLIPPED_LEAN_M, _CLIPPED_BEND_M] * overexposed,
         *[1.0] * bends,
     ]
@@ -217,9 +224,14 @@ def _expected_unknowns(prior: Prior, overexposed: int, bends: int) -> tuple[Arra
 
 
 def _lifts(
-    ray_itrf: Array, clipped_mask: Array, limb: Limb, prior: Prior, height_m: float
+    ray_itrf: Array,
+    clipped_mask: Array,
+    drawn_m: Array,
+    limb: Limb,
+    prior: Prior,
+    height_m: float,
 ) -> tuple[Array, Array]:
-    """What lifts the limb along rays (n, 3) per unit of each unknown, (n, 3 + 3 k), and its
+    """What lifts the limb along rays (n, 3) per unit of each unknown, (n, 4 + 3 k), and its
     roughness in m, (n,)."""
     shape = np.zeros((len(ray_itrf), 3))
     shape[:, 0] = 1.0
@@ -232,7 +244,8 @@ def _lifts(
     own = (clipped_mask[:, :, None] * shape[:, None, :]).reshape(len(ray_itrf), -1)
     rough_m = np.hypot(prior.roughness_m, _RISE_SCATTER * rise_m)
     rough_m *= 1.0 + clipped_mask.sum(axis=1)
-    return np.column_stack([rise_m, shape[:, 1:], own]), rough_m
+    rough_m = np.hypot(rough_m, _DRAWN_SCATTER * drawn_m)
+    return np.column_stack([rise_m, shape[:, 1:], drawn_m, own]), rough_m
 
 
 def _clipped_mask(used: list[LimbPoints], *, by_daylight: bool) -> Array:

@@ -10,8 +10,9 @@ fit the limb's shape alike, for when no attitude was predicted.
 Dust scatters sunlight of all colours forwards, so the limb reddens towards the Sun: where the
 file kept its colours sharp, that tells the Sun's side from its opposite.
 
-The bounds are what twelve airs give of SASKTRAN2's light and the renderer's, from none with dust
-to that after an eruption (bench/limb_tables.py).
+What one unknown is tells of the others: air without dust neither reddens nor brightens towards the
+Sun, and its light is clearest from behind.  Together their bounds are what airs of two models give,
+from none with dust to that after an eruption (air_light.py).
 """
 
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ from scipy.linalg import block_diag
 from estimator.camera import HorizonCamera
 from estimator.images import Frame
 from estimator.limb.points import LimbPoints
+from estimator.search.air_light import AIRS
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
 
@@ -34,34 +36,9 @@ _DECODED_SHARE = 0.05  # the curve that is undone is rarely the whole of what a 
 _FREE_EXPOSURE = 3.0
 _OUTLIER = 3.0
 _FEWEST = 16
-# Of the logarithm of red over blue: its rise from across the Sun's direction to along it, its rise
-# to both sides, and its scatter from one 5 deg of limb to the next.
-_REDDENED, _REDDENED_SIGMA = 0.15, 0.13
-_REDDER_ALONG, _REDDER_ALONG_SIGMA = 0.02, 0.03
-_COLOUR_SCATTER = 0.015
+_COLOUR_SCATTER = 0.015  # of the logarithm of red over blue, likewise
+_OF_BLUE, _OF_COLOUR, _OF_GREY = [0, 1, 2], [3, 4], [5, 6, 7]  # of the air's unknowns
 _WITHIN_M, _BEYOND_M = (6e3, 10e3, 14e3), (-30e3, -36e3)
-
-
-@dataclass(frozen=True)
-class _Air:
-    """What is expected of a kind of air, and its 1-sigma.
-
-    share: how often it is met.  evened_ratio: contrast left of single scattering.
-    dust_ratio: its light against the air's, if it scattered evenly.  dimmed_ratio: sunlight's
-    loss, by its path's length against that straight down.
-    """
-
-    share: float
-    evened_ratio: tuple[float, float]
-    dust_ratio: tuple[float, float]
-    dimmed_ratio: tuple[float, float]
-
-
-_AIRS = (
-    _Air(share=0.88, evened_ratio=(0.75, 0.25), dust_ratio=(0.15, 0.15), dimmed_ratio=(0.04, 0.03)),
-    # Laden with dust, or with the haze of an eruption.
-    _Air(share=0.12, evened_ratio=(0.3, 0.25), dust_ratio=(0.7, 0.35), dimmed_ratio=(0.08, 0.05)),
-)
 
 
 @dataclass(frozen=True)
@@ -70,34 +47,16 @@ class _LimbLight:
 
     log_level (n,): its logarithm, less each camera's mean.  ray_body (n, 3): towards the limb.
     share (n,): of the information of 5 deg of limb.  camera_basis (n, k): the columns of each
-    camera's own unknowns, its exposure first, zero in the other cameras' rows.
+    camera's own unknowns, zero in the other cameras' rows; own_mean and own_sigma (k,): what is
+    expected of them.
     """
 
     log_level: Array
     ray_body: Array
     share: Array
     camera_basis: Array
-
-    def misfit(
-        self,
-        basis: list[Array],
-        expected_coefficients: list[float],
-        sigma: list[float],
-        scatter_sigma: float,
-    ) -> float:
-        """Chi-square of the best robust linear fit, its unknowns' own departures included."""
-        design = np.column_stack([*basis, self.camera_basis])
-        off = self.log_level - design @ np.array(expected_coefficients)
-        information = np.array(sigma) ** -2
-        weight = self.share / scatter_sigma**2
-        robust = weight
-        for _ in range(2):
-            normal = (design.T * robust) @ design + np.diag(information)
-            free = np.linalg.solve(normal, design.T @ (robust * off))
-            rest = (off - design @ free) / scatter_sigma
-            robust = weight / np.maximum(np.abs(rest) / _OUTLIER, 1.0)
-        loss = np.sum(self.share * np.minimum(rest**2, _OUTLIER**2))
-        return float(loss + np.sum(information * free**2))
+    own_mean: Array
+    own_sigma: Array
 
 
 @dataclass(frozen=True)
@@ -106,51 +65,79 @@ class Sunlight:
 
     brightness: the limb's; each camera's unknowns are its exposure and its lens's darkening.
     colour: red over blue; each camera's unknown is its balance.  None where too little is seen.
+    blue: brightness is that of blue.
     """
 
     around: Surroundings
     brightness: _LimbLight | None
     colour: _LimbLight | None
+    blue: bool
 
     def cost(self, c_body_from_itrf: Array, height_m: float) -> float:
         """Minus twice the log likelihood of an attitude; 0 where nothing was seen."""
-        cost, sun_itrf = 0.0, self.around.sun_itrf
+        lights: list[_LimbLight] = []
+        bases: list[Array] = []
+        sigmas: list[float] = []
+        known: list[int] = []
         if self.brightness is not None:
-            cost += self._brightness_cost(self.brightness, c_body_from_itrf, height_m)
+            lights.append(self.brightness)
+            bases.append(self._brightness_basis(self.brightness, c_body_from_itrf, height_m))
+            sigmas.append(_SCATTER)
+            known += _OF_BLUE
         if self.colour is not None:
-            cameras = self.colour.camera_basis.shape[1]
-            cosine = self.colour.ray_body @ c_body_from_itrf @ sun_itrf
-            cost += self.colour.misfit(
-                basis=[cosine, cosine**2],
-                expected_coefficients=[_REDDENED, _REDDER_ALONG, *[0.0] * cameras],
-                sigma=[_REDDENED_SIGMA, _REDDER_ALONG_SIGMA, *[_FREE_EXPOSURE] * cameras],
-                scatter_sigma=_COLOUR_SCATTER,
-            )
-        return cost
+            cosine = self.colour.ray_body @ c_body_from_itrf @ self.around.sun_itrf
+            lights.append(self.colour)
+            bases.append(np.column_stack([cosine, cosine**2]))
+            sigmas.append(_COLOUR_SCATTER)
+            known += _OF_COLOUR
+        if not lights:
+            return 0.0
+        own = [light.camera_basis for light in lights]
+        design = np.hstack([block_diag(*bases), block_diag(*own)])
+        own_mean = [light.own_mean for light in lights]
+        own_sigma = np.concatenate([light.own_sigma for light in lights])
+        level = np.concatenate([light.log_level for light in lights])
+        share = np.concatenate([light.share for light in lights])
+        sigma = np.repeat(sigmas, [len(light.share) for light in lights])
+        if not self.blue:
+            known = _OF_GREY
+        costs = []
+        for air in AIRS:
+            off = level - design @ np.concatenate([air.mean[known], *own_mean])
+            covariance = block_diag(air.covariance[np.ix_(known, known)], np.diag(own_sigma**2))
+            misfit = _misfit(design, off, share, sigma, covariance)
+            costs.append(misfit - 2.0 * float(np.log(air.share)))
+        return float(-2.0 * np.logaddexp.reduce(-0.5 * np.array(costs)))
 
-    def _brightness_cost(
+    def _brightness_basis(
         self, light: _LimbLight, c_body_from_itrf: Array, height_m: float
-    ) -> float:
+    ) -> Array:
         sun_itrf = self.around.sun_itrf
         ray_itrf = light.ray_body @ c_body_from_itrf
         elevation_rad = self.around.limb.sun_elevation_rad(ray_itrf, height_m, sun_itrf)
         cosine = ray_itrf @ sun_itrf
         path = 1.0 / np.maximum(np.sin(elevation_rad), 0.02)
-        cameras = light.camera_basis.shape[1] // 2
-        own = [(0.0, _FREE_EXPOSURE), (_DARKENED, _DARKENED_SIGMA)] * cameras
-        costs = []
-        for air in _AIRS:
-            expected, sigma = zip(
-                air.evened_ratio, air.dust_ratio, air.dimmed_ratio, *own, strict=True
-            )
-            misfit = light.misfit(
-                basis=[np.log(1.0 + cosine**2), _dust_over_air(cosine), -path],
-                expected_coefficients=list(expected),
-                sigma=list(sigma),
-                scatter_sigma=_SCATTER,
-            )
-            costs.append(misfit - 2.0 * float(np.log(air.share)))
-        return float(-2.0 * np.logaddexp.reduce(-0.5 * np.array(costs)))
+        return np.column_stack([np.log(1.0 + cosine**2), _dust_over_air(cosine), -path])
+
+
+def _misfit(design: Array, off: Array, share: Array, sigma: Array, covariance: Array) -> float:
+    """Minus twice the log likelihood of rows (n,) under a robust linear fit of unknowns (k,).
+
+    share, sigma (n,): each row's part of a patch of limb, and a patch's scatter.
+    covariance (k, k): of the unknowns beforehand, about 0.
+    """
+    information = np.linalg.inv(covariance)
+    weight = share / sigma**2
+    robust = weight
+    for _ in range(2):
+        normal = (design.T * robust) @ design + information
+        free = np.linalg.solve(normal, design.T @ (robust * off))
+        rest = (off - design @ free) / sigma
+        robust = weight / np.maximum(np.abs(rest) / _OUTLIER, 1.0)
+    loss = np.sum(share * np.minimum(rest**2, _OUTLIER**2)) + free @ information @ free
+    # What the unknowns could have been, against what is left of that.
+    left = np.linalg.slogdet(normal)[1] + np.linalg.slogdet(covariance)[1]
+    return float(loss + left)
 
 
 def sunlight_along(
@@ -166,13 +153,14 @@ def sunlight_along(
     nadir_body, height_m: roughly, to look within the limb and beyond it.
     """
     if not around.daylight:
-        return Sunlight(around, None, None)
+        return Sunlight(around, None, None, blue=False)
     seen = list(zip(points, frames, cameras, strict=True))
     reach_m = around.limb.touch_range_m(height_m)
     return Sunlight(
         around,
         brightness=_together([_brightness(*one) for one in seen]),
         colour=_together([_colour(*one, nadir_body, reach_m) for one in seen]),
+        blue=all(frame.blue for frame in frames),
     )
 
 
@@ -186,6 +174,8 @@ def _together(per_camera: list[_LimbLight | None]) -> _LimbLight | None:
         ray_body=np.concatenate([one.ray_body for one in lights]),
         share=np.concatenate([one.share for one in lights]),
         camera_basis=block_diag(*[one.camera_basis for one in lights]),
+        own_mean=np.concatenate([one.own_mean for one in lights]),
+        own_sigma=np.concatenate([one.own_sigma for one in lights]),
     )
 
 
@@ -200,6 +190,8 @@ def _brightness(p: LimbPoints, frame: Frame, camera: HorizonCamera) -> _LimbLigh
         ray_body=ray_body,
         share=(_DECODED_SHARE if frame.decoded else 1.0) / p.columns_per_patch()[good],
         camera_basis=np.column_stack([np.ones(len(axial)), 4.0 * np.log(axial)]),
+        own_mean=np.array([0.0, _DARKENED]),
+        own_sigma=np.array([_FREE_EXPOSURE, _DARKENED_SIGMA]),
     )
 
 
@@ -211,6 +203,7 @@ def _colour(
     if not frame.blue or len(good) < _FEWEST:
         return None
     light = _light(p.ray_body[good], frame, camera, nadir_body, reach_m)
+    # Full ones are not a number.
     positive = np.all(light > 0.0, axis=1)
     good, light = good[positive], light[positive]
     if len(good) < _FEWEST:
@@ -220,6 +213,8 @@ def _colour(
         ray_body=p.ray_body[good],
         share=1.0 / p.columns_per_patch()[good],
         camera_basis=np.ones((len(good), 1)),
+        own_mean=np.zeros(1),
+        own_sigma=np.array([_FREE_EXPOSURE]),
     )
 
 
@@ -234,6 +229,7 @@ def _light(
     x, y = camera.pixels(look_body.reshape(-1, 3)).astype(np.float32).T.copy()
     picked = cv2.remap(frame.pixels, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     level = frame.table[picked].reshape(len(lower_rad), len(ray_body), -1)[..., :3].astype(float)
+    level[frame.is_full(picked).reshape(*level.shape[:2], -1)[..., :3]] = np.nan
     within = len(_WITHIN_M)
     return np.asarray(level[:within].mean(axis=0) - level[within:].mean(axis=0))
 

@@ -49,7 +49,7 @@ def linear(frame: Frame) -> Frame:
     table = light.astype(np.float32)
     return replace(
         frame,
-        grey=brightness(table[frame.pixels], frame.blue),
+        grey=brightness(table[frame.pixels], frame.channel),
         step=frame.step / _DARK_SLOPE,
         table=table,
         decoded=True,
@@ -60,7 +60,9 @@ def _fade_m(
     frame: Frame, points: LimbPoints, projection: LimbProjection
 ) -> tuple[float, float] | None:
     """How far the median limb's slope takes to fall to 1/e outwards, and the lens's blur."""
-    ray_body = points.ray_body[points.found]
+    # Clouds seen down to the ground brighten as slowly as an sRGB limb fades.
+    clear = points.found & (points.drawn_m == 0.0)
+    ray_body = points.ray_body[clear]
     ray_itrf = ray_body[:: max(1, len(ray_body) // _COLUMNS)] @ projection.c_body_from_itrf
     azimuth_rad = projection.limb.azimuth_rad(ray_itrf)
     low_px, high_px, good = projection.span_px(azimuth_rad, _HALF_SPAN_M)

@@ -92,7 +92,7 @@ def test_an_arc_too_short_to_be_trusted_without_a_prediction(pair, alone):
 
 def test_a_broken_arc(pair, alone):
     broken = pair.images[0].copy()
-    broken[:, np.arange(640) % 160 > 40] = 2
+    broken[:, np.arange(640) % 160 > 40] = 1
     assert estimate_vertical([broken], alone).reason is Reason.BROKEN_ARC
 
 
