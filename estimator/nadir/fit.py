@@ -70,7 +70,8 @@ class Fit:
     share left of what clouds drew it by; by how much overexposed cameras' limbs are higher, lean
     and bend (m); and unmeasured lenses' focal lengths and distortions.
     residual_rad: per camera, over its columns, NaN where nothing was found.
-    tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood.
+    tolerance_rad: their expected 1-sigma.  cost: minus twice the log likelihood, for residuals
+    on their own scale where that is beyond the expected one.
     weight: probability against the fits at other headings; 1 where the heading is known.
     """
 
@@ -168,7 +169,9 @@ def fit(points: list[LimbPoints], limb: Limb, c_body_from_itrf: Array, prior: Pr
         if settled and np.max(np.abs(step[:2])) < _CONVERGED_RAD:
             break
     share2 = np.minimum((residual_rad / (_TUKEY * (sigma_rad * scale))) ** 2, 1.0)
-    loss = (_TUKEY**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) * sigma_rad**2 / variance_rad2
+    own_share = sigma_rad**2 / variance_rad2
+    # The logarithm keeps a fit from being likelier the larger its residuals' own scale.
+    loss = own_share * ((_TUKEY**2 / 3.0) * (1.0 - (1.0 - share2) ** 3) + 2.0 * np.log(scale))
     # A fit worse than its model says is less certain than its model says.
     misfit2 = _misfit2(residual_rad, weight, sigma_rad, variance_rad2)
     return Fit(
