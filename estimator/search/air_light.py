@@ -26,8 +26,8 @@ class AirLight:
     """
 
     share: float
-    mean: Array
-    covariance: Array
+    mean_parameters: Array
+    covariance_parameters: Array
 
 
 def brightness_basis(cosine: Array, sun_elevation_sine: Array) -> Array:
@@ -50,12 +50,12 @@ def _dust_over_air(cosine: Array) -> Array:
     return np.asarray(dust / (0.75 * (1.0 + cosine**2)))
 
 
-def _kind(share: float, mean: str, covariance: str, widened: float = 1.0) -> AirLight:
+def _kind(share: float, mean: str, covariance: str, scale: float = 1.0) -> AirLight:
     """covariance: its lower triangle by rows, in 1e-5."""
     lower = np.zeros((8, 8))
     lower[np.tril_indices(8)] = 1e-5 * np.array(covariance.split(), dtype=float)
     full = lower + np.tril(lower, -1).T
-    return AirLight(share, np.array(mean.split(), dtype=float), widened**2 * full)
+    return AirLight(share, np.array(mean.split(), dtype=float), scale**2 * full)
 
 
 _SCATTERED_OFTEN = (
@@ -89,5 +89,5 @@ AIRS = (
     # As our renderer has it, where little is scattered more than once.
     _kind(0.35, *_SCATTERED_ONCE),
     # Laden with dust, or with the haze of an eruption.
-    _kind(0.15, *_SCATTERED_OFTEN, widened=2.5),
+    _kind(0.15, *_SCATTERED_OFTEN, scale=2.5),
 )

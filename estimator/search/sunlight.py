@@ -102,8 +102,10 @@ class Sunlight:
             known = _OF_GREY
         costs = []
         for air in AIRS:
-            off = level - design @ np.concatenate([air.mean[known], *own_mean])
-            covariance = block_diag(air.covariance[np.ix_(known, known)], np.diag(own_sigma**2))
+            off = level - design @ np.concatenate([air.mean_parameters[known], *own_mean])
+            covariance = block_diag(
+                air.covariance_parameters[np.ix_(known, known)], np.diag(own_sigma**2)
+            )
             misfit = _misfit(design, off, share, sigma, covariance)
             costs.append(misfit - 2.0 * float(np.log(air.share)))
         return float(-2.0 * np.logaddexp.reduce(-0.5 * np.array(costs)))
@@ -117,23 +119,25 @@ class Sunlight:
         return brightness_basis(ray_itrf @ sun_itrf, np.sin(elevation_rad))
 
 
-def _misfit(design: Array, off: Array, share: Array, sigma: Array, covariance: Array) -> float:
+def _misfit(
+    basis: Array, off_level: Array, share: Array, sigma: Array, covariance_parameters: Array
+) -> float:
     """Minus twice the log likelihood of rows (n,) under a robust linear fit of unknowns (k,).
 
     share, sigma (n,): each row's part of a patch of limb, and a patch's scatter.
-    covariance (k, k): of the unknowns beforehand, about 0.
+    covariance_parameters (k, k): of the unknowns beforehand, about 0.
     """
-    information = np.linalg.inv(covariance)
+    information = np.linalg.inv(covariance_parameters)
     weight = share / sigma**2
     robust = weight
     for _ in range(2):
-        normal = (design.T * robust) @ design + information
-        free = np.linalg.solve(normal, design.T @ (robust * off))
-        rest = (off - design @ free) / sigma
+        normal = (basis.T * robust) @ basis + information
+        free = np.linalg.solve(normal, basis.T @ (robust * off_level))
+        rest = (off_level - basis @ free) / sigma
         robust = weight / np.maximum(np.abs(rest) / _OUTLIER, 1.0)
     loss = np.sum(share * np.minimum(rest**2, _OUTLIER**2)) + free @ information @ free
     # What the unknowns could have been, against what is left of that.
-    left = np.linalg.slogdet(normal)[1] + np.linalg.slogdet(covariance)[1]
+    left = np.linalg.slogdet(normal)[1] + np.linalg.slogdet(covariance_parameters)[1]
     return float(loss + left)
 
 
