@@ -39,8 +39,8 @@ class LimbTable:
 
 
 @cache
-def limb_table(air: str) -> LimbTable:
-    with np.load(TABLES / f"{air}.npz") as held:
+def limb_table(air: str, folder: Path = TABLES) -> LimbTable:
+    with np.load(folder / f"{air}.npz") as held:
         sun, azimuth, tangent_m = (
             held[name] for name in ("sun_zenith_deg", "azimuth_deg", "tangent_m")
         )

@@ -1,7 +1,8 @@
 """Radiance of the Earth's limb by SASKTRAN2, under airs named below, for bench/horizon_air.py.
 
 Run, in an environment of its own (pip install sasktran2==2026.10.1; MIT licence), no network:
-    python bench/limb_tables.py tests/data/horizon/air [NAME ...]
+    python bench/limb_tables.py tests/data/horizon/air [NAME ...] [--suns N]
+Any drawn_N may be named.  --suns: only the N highest of SUN_ZENITH_DEG.
 Spherical shells, all orders of scattering (scalar), Lambertian ground; none of the project's code.
 Neglects polarisation (some per cent of radiance) and refraction (0.2 km at 17 km).
 Sources: Zawada et al. 2015 for the method; U.S. Standard Atmosphere 1976 and Anderson et al. 1986
@@ -9,7 +10,7 @@ Sources: Zawada et al. 2015 for the method; U.S. Standard Atmosphere 1976 and An
 Leckner 1978 for ozone.
 """
 
-import sys
+import argparse
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -158,7 +159,7 @@ def drawn(seed: int) -> Air:
     )
 
 
-AIRS = NAMED | {f"drawn_{seed}": drawn(seed) for seed in range(1, 7)}
+NAMES = (*NAMED, *(f"drawn_{seed}" for seed in range(1, 7)))
 
 
 def density_per_m3(air: Air) -> np.ndarray:
@@ -245,11 +246,11 @@ def radiance(air: Air, sun_deg: float, albedo: float, highest_m: float) -> np.nd
     return np.pi * np.moveaxis(bands, 0, -1)
 
 
-def table(air: Air) -> dict[str, np.ndarray]:
-    light = [radiance(air, sun_deg, air.albedo, TOP_M) for sun_deg in SUN_ZENITH_DEG]
+def table(air: Air, sun_zenith_deg: np.ndarray) -> dict[str, np.ndarray]:
+    light = [radiance(air, sun_deg, air.albedo, TOP_M) for sun_deg in sun_zenith_deg]
     # Of rays to the ground; discrete ordinates are fast, and enough for this.
     brighter, as_is = (
-        np.array([radiance(air, sun_deg, air.albedo + more, 0.0) for sun_deg in SUN_ZENITH_DEG])
+        np.array([radiance(air, sun_deg, air.albedo + more, 0.0) for sun_deg in sun_zenith_deg])
         for more in (0.1, 0.0)
     )
     coded = {
@@ -260,17 +261,23 @@ def table(air: Air) -> dict[str, np.ndarray]:
 
 
 def main() -> None:
-    folder = Path(sys.argv[1])
-    for name in sys.argv[2:] or AIRS:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("names", nargs="*", default=NAMES)
+    parser.add_argument("--suns", type=int, default=len(SUN_ZENITH_DEG))
+    asked = parser.parse_args()
+    sun_zenith_deg = SUN_ZENITH_DEG[: asked.suns]
+    for name in asked.names:
         start = time.monotonic()
+        air = NAMED[name] if name in NAMED else drawn(int(name.removeprefix("drawn_")))
         np.savez_compressed(
-            folder / f"{name}.npz",
-            **table(AIRS[name]),
+            asked.folder / f"{name}.npz",
+            **table(air, sun_zenith_deg),
             step=STEP,
             tangent_m=TANGENT_M,
-            sun_zenith_deg=SUN_ZENITH_DEG,
+            sun_zenith_deg=sun_zenith_deg,
             azimuth_deg=AZIMUTH_DEG,
-            albedo=AIRS[name].albedo,
+            albedo=air.albedo,
         )
         print(f"{name}: {time.monotonic() - start:.0f} s", flush=True)
 

@@ -40,32 +40,25 @@ class Frame:
     """grey: brightness 0..1, (h, w).  usable: False where masked or transparent.
 
     step: the smallest difference of brightness that tells.  pixels: the image itself.
-    channel: of blue, green, red, that which grey is; None for the mean of all.
-    table: brightness of each stored level.  decoded: it undoes a tone curve.
+    blue: grey is its blue channel, not the mean of all.  table: brightness of each stored level.
+    decoded: it undoes a tone curve.
     """
 
     grey: Grey
     usable: NDArray[np.bool_]
     step: float
     pixels: Pixels
-    channel: int | None
+    blue: bool
     table: Grey
     decoded: bool = False
 
-    @property
-    def blue(self) -> bool:
-        return self.channel == 0
-
     def is_saturated(self, xy_px: Array) -> NDArray[np.bool_]:
-        """Whether what grey is made of is full at pixels (..., 2), those beyond the edge on it;
-        (...)."""
+        """Whether any channel is full at pixels (..., 2), those beyond the edge on it; (...)."""
         height, width = self.grey.shape
         inside = np.nan_to_num(np.rint(xy_px))
         x = np.clip(inside[..., 0], 0, width - 1).astype(int)
         y = np.clip(inside[..., 1], 0, height - 1).astype(int)
-        level = self.pixels[y, x].reshape(*x.shape, -1)[..., :3]
-        own = level.max(axis=-1) if self.channel is None else level[..., self.channel]
-        return self.is_full(own)
+        return self.is_full(self.pixels[y, x].reshape(*x.shape, -1)[..., :3].max(axis=-1))
 
     def is_full(self, level: NDArray[Any]) -> NDArray[np.bool_]:
         """Whether stored levels (...) are the largest there is."""
@@ -76,11 +69,11 @@ def full_scale(pixels: Pixels) -> float:
     return 65535.0 if pixels.dtype == np.uint16 else 255.0
 
 
-def brightness(levels: NDArray[np.float32], channel: int | None) -> Grey:
-    """Grey (h, w) of levels (h, w) or (h, w, channels): a channel, or the mean without alpha."""
+def brightness(levels: NDArray[np.float32], blue: bool) -> Grey:
+    """Grey (h, w) of levels (h, w) or (h, w, channels), alpha left out."""
     if levels.ndim == 3 and levels.shape[2] > 2:
-        weights = np.full((1, 3), 1.0 / 3.0) if channel is None else np.eye(3)[[channel]]
-        return np.asarray(cv2.transform(np.ascontiguousarray(levels[..., :3]), weights))
+        weights = [[1.0, 0.0, 0.0]] if blue else [[1.0 / 3.0] * 3]
+        return np.asarray(cv2.transform(np.ascontiguousarray(levels[..., :3]), np.array(weights)))
     return levels.reshape(levels.shape[:2])
 
 
@@ -115,10 +108,10 @@ def decode_image(
     return pixels.astype(np.uint16) if pixels.dtype == np.uint16 else pixels.astype(np.uint8)
 
 
-def prepare(pixels: Pixels, camera: HorizonCamera, field: str, channel: int | None) -> Frame:
+def prepare(pixels: Pixels, camera: HorizonCamera, field: str, blue: bool) -> Frame:
     """Brightness of an image for a camera.  Raises InvalidImage when sizes differ.
 
-    channel: which to take of a colour image; None for the mean of all.
+    blue: take the blue channel of a colour image, else the mean of all.
     """
     height, width = pixels.shape[:2]
     _require_size(width, height, camera, field)
@@ -129,11 +122,11 @@ def prepare(pixels: Pixels, camera: HorizonCamera, field: str, channel: int | No
     for polygon in camera.mask:
         cv2.fillPoly(usable, [np.rint(np.array(polygon)).astype(np.int32)], 0)
     return Frame(
-        grey=brightness(pixels.astype(np.float32), channel) / np.float32(full),
+        grey=brightness(pixels.astype(np.float32), blue) / np.float32(full),
         usable=usable.astype(bool),
         step=1.0 / full,
         pixels=pixels,
-        channel=channel,
+        blue=blue,
         table=np.arange(full + 1.0, dtype=np.float32) / np.float32(full),
     )
 

@@ -19,8 +19,6 @@ from planner.arrays import Array
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
 
-_BLUE, _OTHER_COLOURS = 0, (1, 2)
-
 
 @dataclass(frozen=True)
 class CameraReport:
@@ -83,41 +81,21 @@ def estimate_vertical(images: Sequence[Pixels], request: HorizonRequest) -> Vert
             f"{len(images)} images for {len(request.cameras)} cameras; send one per camera",
             field="images",
         )
-    around = Surroundings(request.epoch, request.position, request.body)
-    if not (around.daylight and all(map(blue_is_sharp, images))):
-        return _answer(*_find(images, request, around, None))
-    found = horizon, _, _ = _find(images, request, around, _BLUE)
-    if request.predicted is not None and _is_overexposed(horizon):
-        # The limb is brightest in blue: another colour may show it whole, if not its heading.
-        for channel in _OTHER_COLOURS:
-            instead = _find(images, request, around, channel)
-            if instead[0].reason is None and not _is_overexposed(instead[0]):
-                return _answer(*instead)
-    return _answer(*found)
-
-
-def _find(
-    images: Sequence[Pixels], request: HorizonRequest, around: Surroundings, channel: int | None
-) -> tuple[SearchResult, HorizonRequest, Search]:
-    """The horizon in one channel of the images, or the mean of all, and what it was found for."""
+    blue = request.body.limb_height_km is None and all(map(blue_is_sharp, images))
     frames = [
-        prepare(image, camera, f"images.{k}", channel)
+        prepare(image, camera, f"images.{k}", blue=blue)
         for k, (image, camera) in enumerate(zip(images, request.cameras, strict=True))
     ]
+    around = Surroundings(request.epoch, request.position, request.body)
     predicted = request.predicted
-    sigma_deg = None if predicted is None else predicted.sigma_deg
     search = Search(
         around=around,
-        prior=prior_of(around, sigma_deg, blue=channel == _BLUE),
+        prior=prior_of(around, None if predicted is None else predicted.sigma_deg, blue),
         c_body_from_itrf_predicted=(
             None if predicted is None else around.c_body_from_itrf(predicted)
         ),
     )
-    return find_horizon(frames, request.cameras, search), request, search
-
-
-def _is_overexposed(horizon: SearchResult) -> bool:
-    return any(part.points.is_overexposed for part in horizon.parts)
+    return _answer(find_horizon(frames, request.cameras, search), request, search)
 
 
 def _answer(horizon: SearchResult, request: HorizonRequest, search: Search) -> VerticalEstimate:

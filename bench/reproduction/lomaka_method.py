@@ -51,7 +51,7 @@ def paper_nadir(
 
 def horizon_arc_px(image: Pixels, camera: HorizonCamera) -> tuple[Array, Array] | None:
     """The ends (2, 2) of the circle arc most edge pixels lie on, and the circle's centre."""
-    edges = find_edges(prepare(image, camera, "images", channel=None), camera, seed=0)
+    edges = find_edges(prepare(image, camera, "images", blue=False), camera, seed=0)
     point = camera.pixels(edges.ray_body)
     if len(point) < 30:
         return None

@@ -5,8 +5,8 @@ significant rise of brightness inwards is taken to a fraction of a pixel.  The p
 exponential atmosphere, 1 - exp(-exp(-(h - h0)/H)), rises fastest at h0, but blurred its peak
 moves outwards, towards the mean of the Gumbel distribution; that shift is taken off.
 Where air is clean, clouds behind it are seen down to the ground and their edge may be steeper
-than the air's: there the limb is where brightness grows, for its own size, as fast as at the
-peaks of the columns free of clouds.
+than the air's, but in blue: there the limb is where brightness grows, for its own size, as fast as
+at the peaks of the columns free of clouds.
 """
 
 from dataclasses import dataclass, replace
@@ -156,7 +156,7 @@ def find_limb(
         return no_points(camera)
     strip = _unwrap(frame, low_px[good], high_px[good], half_m, window_rad * reach_m)
     edge = _find_edge(strip, frame.step)
-    if air_scale_m > 0.0:
+    if air_scale_m > 0.0 and not frame.blue:
         edge = _above_clouds(edge, strip)
     from_middle_px = edge.from_middle_px
     if air_scale_m > 0.0:

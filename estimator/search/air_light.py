@@ -3,6 +3,7 @@
 Linear fits to the limbs of SASKTRAN2 (the twelve chosen airs of bench/limb_tables.py and sixty
 drawn as its `drawn` draws, seeds 101 to 160; drawn_1 to drawn_6 are not among them) and of 40 airs
 of our own renderer, with the Sun 25 to 85 deg high.  Each limb is fitted to 0.02.
+bench/air_light.py makes the numbers anew.
 """
 
 from dataclasses import dataclass
@@ -11,20 +12,42 @@ import numpy as np
 
 from planner.arrays import Array
 
+_FORWARD = 0.65  # mean cosine of dust's scattering
+
 
 @dataclass(frozen=True)
 class AirLight:
     """How often a kind of air is met, and the mean (8,) and covariance (8, 8) of its light.
 
-    Of blue brightness: contrast left of single scattering, dust's light against the air's if it
-    scattered evenly, and sunlight's loss by its path's length against that straight down.  Of the
-    logarithm of red over blue: its slope and bend by the cosine of the angle to the Sun.  Of grey
-    brightness: the first three again.
+    Of blue brightness, by the columns of `brightness_basis`: contrast left of single scattering,
+    dust's light against the air's if it scattered evenly, and sunlight's loss by its path's length
+    against that straight down.  Of the logarithm of red over blue, by those of `colour_basis`: its
+    slope and bend by the cosine of the angle to the Sun.  Of grey brightness: the first three.
     """
 
     share: float
     mean: Array
     covariance: Array
+
+
+def brightness_basis(cosine: Array, sun_elevation_sine: Array) -> Array:
+    """What the logarithm of the limb's brightness is made of, (n, 3).
+
+    cosine (n,): of the ray and the Sun's direction.  sun_elevation_sine (n,): at the limb.
+    """
+    path = 1.0 / np.maximum(sun_elevation_sine, 0.02)
+    return np.column_stack([np.log(1.0 + cosine**2), _dust_over_air(cosine), -path])
+
+
+def colour_basis(cosine: Array) -> Array:
+    """What the logarithm of red over blue is made of, (n, 2)."""
+    return np.column_stack([cosine, cosine**2])
+
+
+def _dust_over_air(cosine: Array) -> Array:
+    """What dust scatters at an angle to the Sun, against air (Henyey and Greenstein 1941)."""
+    dust = (1.0 - _FORWARD**2) / (1.0 + _FORWARD**2 - 2.0 * _FORWARD * cosine) ** 1.5
+    return np.asarray(dust / (0.75 * (1.0 + cosine**2)))
 
 
 def _kind(share: float, mean: str, covariance: str, widened: float = 1.0) -> AirLight:
@@ -36,16 +59,16 @@ def _kind(share: float, mean: str, covariance: str, widened: float = 1.0) -> Air
 
 
 _SCATTERED_OFTEN = (
-    "0.491 0.299 0.014 0.107 0.059 0.494 0.362 0.017",
+    "0.491 0.299 0.014 0.106 0.059 0.494 0.362 0.017",
     """
-    1452
+    1451
     -1703 3256
     -35 104 14
-    -145 515 11 726
-    240 -179 -4 111 99
-    1547 -1875 -36 -273 272 1911
-    -1729 3269 94 1034 -85 -2020 3993
-    -46 121 13 27 -5 -53 115 20
+    -146 519 11 725
+    239 -177 -4 109 98
+    1546 -1875 -36 -275 271 1910
+    -1730 3271 94 1037 -84 -2021 3994
+    -46 121 13 27 -4 -53 115 20
     """,
 )
 _SCATTERED_ONCE = (
@@ -54,9 +77,9 @@ _SCATTERED_ONCE = (
     676
     -521 629
     8 -5 3
-    -399 403 -3 523
-    25 -18 0 57 47
-    725 -648 9 -503 33 994
+    -400 404 -3 522
+    24 -17 0 57 47
+    724 -647 9 -504 32 994
     -684 657 -9 676 47 -864 1152
     -50 58 0 44 -5 -66 63 12
     """,

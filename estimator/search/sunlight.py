@@ -25,13 +25,12 @@ from scipy.linalg import block_diag
 from estimator.camera import HorizonCamera
 from estimator.images import Frame
 from estimator.limb.points import LimbPoints
-from estimator.search.air_light import AIRS
+from estimator.search.air_light import AIRS, brightness_basis, colour_basis
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
 
 _SCATTER = 0.025  # of brightness from one 5 deg of limb to the next: dust, thin cloud
 _DARKENED, _DARKENED_SIGMA = 0.25, 0.3  # of cos^4: lenses are flat-fielded, or nearly, or not
-_FORWARD = 0.65  # mean cosine of dust's scattering
 _DECODED_SHARE = 0.05  # the curve that is undone is rarely the whole of what a camera did
 _FREE_EXPOSURE = 3.0
 _OUTLIER = 3.0
@@ -87,7 +86,7 @@ class Sunlight:
         if self.colour is not None:
             cosine = self.colour.ray_body @ c_body_from_itrf @ self.around.sun_itrf
             lights.append(self.colour)
-            bases.append(np.column_stack([cosine, cosine**2]))
+            bases.append(colour_basis(cosine))
             sigmas.append(_COLOUR_SCATTER)
             known += _OF_COLOUR
         if not lights:
@@ -115,9 +114,7 @@ class Sunlight:
         sun_itrf = self.around.sun_itrf
         ray_itrf = light.ray_body @ c_body_from_itrf
         elevation_rad = self.around.limb.sun_elevation_rad(ray_itrf, height_m, sun_itrf)
-        cosine = ray_itrf @ sun_itrf
-        path = 1.0 / np.maximum(np.sin(elevation_rad), 0.02)
-        return np.column_stack([np.log(1.0 + cosine**2), _dust_over_air(cosine), -path])
+        return brightness_basis(ray_itrf @ sun_itrf, np.sin(elevation_rad))
 
 
 def _misfit(design: Array, off: Array, share: Array, sigma: Array, covariance: Array) -> float:
@@ -232,9 +229,3 @@ def _light(
     level[frame.is_full(picked).reshape(*level.shape[:2], -1)[..., :3]] = np.nan
     within = len(_WITHIN_M)
     return np.asarray(level[:within].mean(axis=0) - level[within:].mean(axis=0))
-
-
-def _dust_over_air(cosine: Array) -> Array:
-    """What dust scatters at an angle to the Sun, against air (Henyey and Greenstein 1941)."""
-    dust = (1.0 - _FORWARD**2) / (1.0 + _FORWARD**2 - 2.0 * _FORWARD * cosine) ** 1.5
-    return np.asarray(dust / (0.75 * (1.0 + cosine**2)))

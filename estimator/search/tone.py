@@ -49,7 +49,7 @@ def linear(frame: Frame) -> Frame:
     table = light.astype(np.float32)
     return replace(
         frame,
-        grey=brightness(table[frame.pixels], frame.channel),
+        grey=brightness(table[frame.pixels], frame.blue),
         step=frame.step / _DARK_SLOPE,
         table=table,
         decoded=True,

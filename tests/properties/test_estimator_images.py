@@ -78,7 +78,7 @@ def test_alpha_masks():
         q_camera_from_body_xyzw=(0.0, 0.0, 0.0, 1.0),
         mask=(((0.0, 40.0), (63.0, 40.0), (63.0, 47.0), (0.0, 47.0)),),
     )
-    usable = prepare(decode_image(coded(".png", picture)), camera, "images.0", channel=None).usable
+    usable = prepare(decode_image(coded(".png", picture)), camera, "images.0", blue=False).usable
     assert not usable[:10].any()
     assert not usable[40:].any()
     assert usable[10:40].all()

@@ -49,6 +49,18 @@ def test_heading_from_light_is_as_good_as_told(pair):
         assert normalised2(answer.geodetic, one.geodetic_body) < FOUR_SIGMA
 
 
+def test_clouds_in_clean_air_do_not_draw_the_limb_down():
+    """Clouds beyond the horizon, seen through air without dust, put this frame 11 sigma off."""
+    _, (_, grey) = cases("exponential", CONDITIONS["day"], 2, seed=1)
+    alone = replace(grey.request, cameras=grey.request.cameras[:1])
+    for answer in (
+        estimate_vertical(grey.images[:1], alone),
+        estimate_vertical(grey.images, grey.request),
+    ):
+        assert answer.geocentric is not None
+        assert normalised2(answer.geocentric, grey.geocentric_body) < FOUR_SIGMA
+
+
 def test_frames_have_the_ellipsoids_limb():
     """Seen from 500 km over the equator, rays that touch the ellipsoid: in the equator's plane, at
     cos = a / r; due north, by the tangent to the meridian's ellipse."""

@@ -19,8 +19,10 @@ from reproduction.lomaka_method import paper_nadir
 
 from estimator.check import Verdict, across_axes, check_attitude
 from estimator.errors import InvalidCamera, InvalidImage, Reason
+from estimator.images import blue_is_sharp
 from estimator.pipeline import estimate_vertical
 from estimator.prediction import predict_horizon
+from estimator.rendering.atmosphere import Atmosphere
 from estimator.rendering.scene import Scene
 from estimator.rendering.sensor import Sensor
 from estimator.request import PredictedAttitude
@@ -28,6 +30,7 @@ from estimator.series import summarise_series
 from estimator.surroundings import Surroundings
 
 FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
+DUSTLESS = Atmosphere(air_scale_m=7.5e3, dust_optical_depth=0.0, haze_optical_depth=0.0, ozone=0.0)
 
 
 def off_deg(measured, true):
@@ -187,6 +190,44 @@ def test_what_is_hard_to_measure_says_so(options):
     one = case(np.random.default_rng(3060), ring(2), **options)
     answer = estimate_vertical(one.images, one.request)
     assert answer.geodetic is None or (normalised2(answer.geodetic, one.geodetic_body) < FOUR_SIGMA)
+
+
+@pytest.mark.parametrize("seed", [5000, 5001])
+def test_clouds_seen_down_to_the_ground_are_not_the_limb(seed):
+    thin = Scene(atmosphere=replace(DUSTLESS, air_density=0.6), cloud_cover=0.5, roughness_m=500.0)
+    one = case(np.random.default_rng(seed), ring(2), scene=thin, sensor=Sensor())
+    answer = estimate_vertical(one.images, one.request)
+    assert [camera.used for camera in answer.cameras] == [True, True]
+    assert normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
+
+
+@pytest.mark.parametrize("seed", [5000, 5005])
+def test_a_limb_full_in_blue_is_measured_in_another_colour(seed):
+    scene = Scene(cloud_cover=0.1, roughness_m=500.0)
+    good, bright = (
+        case(
+            np.random.default_rng(seed),
+            ring(2),
+            scene=scene,
+            sensor=Sensor(colour=True, exposure=exposure),
+        )
+        for exposure in (0.7, 1.1)
+    )
+    shown, answer = (estimate_vertical(one.images, one.request) for one in (good, bright))
+    assert normalised2(answer.geocentric, bright.geocentric_body) < FOUR_SIGMA
+    # Where blue becomes full tells the limb four to six times less surely.
+    assert answer.geocentric.sigma_rad < 2.0 * shown.geocentric.sigma_rad
+    # Air scatters less of the longer waves.
+    assert answer.limb_height_m < shown.limb_height_m
+
+
+@pytest.mark.parametrize("seed", [5001, 5002])
+def test_colours_are_sharp_under_clouds_and_blurred_by_a_jpeg(seed):
+    scene = Scene(atmosphere=DUSTLESS, cloud_cover=0.5, roughness_m=500.0)
+    little_noise = Sensor(colour=True, full_well_e=100e3, read_noise_e=6.0)
+    for sensor, sharp in ((little_noise, True), (replace(little_noise, jpeg_quality=90), False)):
+        one = case(np.random.default_rng(seed), ring(2), scene=scene, sensor=sensor)
+        assert [blue_is_sharp(image) for image in one.images] == [sharp, sharp]
 
 
 def test_an_overexposed_camera_weighs_less():
