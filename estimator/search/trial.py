@@ -38,8 +38,9 @@ from planner.arrays import Array
 _FIRST_WINDOW_RAD = np.deg2rad(1.4)
 _WINDOWS_RAD = (np.deg2rad(0.7), np.deg2rad(0.6))
 _PROMISING = 0.25
-# Headings tried, and by how much the brightness may speak against one, in chi-square.
-_FIRST_HEADINGS, _HEADINGS = (8, 4.0), (16, 14.0)
+# Headings tried, and by how much the brightness may speak against one, in chi-square: between
+# two of the first, 45 deg apart, it changes by as much.
+_FIRST_HEADINGS, _HEADINGS, _UNLIKELY = 8, 16, 14.0
 _THINNED = 8
 # Airglow lies at 80 to 100 km; a limb's height is then as good as unknown before its fit.
 _LAYER_LEAST_M, _ANY_HEIGHT_M, _ANY_HEIGHT_SIGMA_M, _SURE_SIGMA = 70e3, 50e3, 50e3, 2.0
@@ -150,7 +151,7 @@ def try_attitude(views: Sequence[View], search: Search, c_body_from_itrf: Array)
     parts = [
         part if part.used else replace(part, points=part.points.without_edges()) for part in parts
     ]
-    fits = _fits_all_round(parts, search, result.c_body_from_itrf, *_HEADINGS)
+    fits = _fits_all_round(parts, search, result.c_body_from_itrf, _HEADINGS)
     result = _fit(parts, search, _likeliest(fits).c_body_from_itrf)
     horizon = SearchResult(None, fits, tuple(_judge(parts, result, search)))
     return replace(horizon, reason=_common_reason(horizon, search))
@@ -173,7 +174,7 @@ def _first_fit(
         for view in views
     ]
     if not search.heading_known:
-        fits = _fits_all_round(parts, search, c_body_from_itrf, *_FIRST_HEADINGS)
+        fits = _fits_all_round(parts, search, c_body_from_itrf, _FIRST_HEADINGS)
         c_body_from_itrf = _likeliest(fits).c_body_from_itrf
     return parts, _fit(parts, search, c_body_from_itrf)
 
@@ -219,7 +220,6 @@ def _fits_all_round(
     search: Search,
     c_body_from_itrf: Array,
     headings: int,
-    cost_limit: float,
 ) -> tuple[Fit, ...]:
     """The fit, or without a known heading those from headings all round, with their weights."""
     if search.heading_known:
@@ -233,7 +233,7 @@ def _fits_all_round(
     turns_rad = np.arange(headings) * (2.0 * np.pi / headings)
     facing = [attitude_facing(nadir_body, limb, turn_rad) for turn_rad in turns_rad]
     costs = np.array([light.cost(c, prior.height_m) for c in facing])
-    likely = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < cost_limit]
+    likely = [c for c, cost in zip(facing, costs - costs.min(), strict=True) if cost < _UNLIKELY]
     fits = [one for c in likely for one in possible_fits(fit(points, limb, c, prior), limb)]
     cost = np.array([min(f.cost, _UNFITTED_COST) for f in fits])
     cost = cost + [light.cost(f.c_body_from_itrf, f.height_m) for f in fits]
