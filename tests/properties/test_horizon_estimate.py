@@ -201,26 +201,6 @@ def test_clouds_seen_down_to_the_ground_are_not_the_limb(seed):
     assert normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
 
 
-@pytest.mark.parametrize("seed", [5000, 5005])
-def test_a_limb_full_in_blue_is_measured_in_another_colour(seed):
-    scene = Scene(cloud_cover=0.1, roughness_m=500.0)
-    good, bright = (
-        case(
-            np.random.default_rng(seed),
-            ring(2),
-            scene=scene,
-            sensor=Sensor(colour=True, exposure=exposure),
-        )
-        for exposure in (0.7, 1.1)
-    )
-    shown, answer = (estimate_vertical(one.images, one.request) for one in (good, bright))
-    assert normalised2(answer.geocentric, bright.geocentric_body) < FOUR_SIGMA
-    # Where blue becomes full tells the limb four to six times less surely.
-    assert answer.geocentric.sigma_rad < 2.0 * shown.geocentric.sigma_rad
-    # Air scatters less of the longer waves.
-    assert answer.limb_height_m < shown.limb_height_m
-
-
 @pytest.mark.parametrize("seed", [5001, 5002])
 def test_colours_are_sharp_under_clouds_and_blurred_by_a_jpeg(seed):
     scene = Scene(atmosphere=DUSTLESS, cloud_cover=0.5, roughness_m=500.0)
