@@ -5,7 +5,8 @@ then their fits (half a minute), together with those of the chosen airs and of o
     python bench/limb_tables.py FOLDER drawn_{101..160} --suns 6
     OMP_NUM_THREADS=1 python bench/air_light.py FOLDER
 Seen from 500 km above a sphere, all around the horizon where the Sun is 6 deg high and more.  With
-six Suns, those lower than 15 deg are extrapolated in the drawn airs.
+six Suns, those lower than 15 deg are extrapolated in the drawn airs: on the chosen ones that takes
+0.02 off sunlight's loss and 0.015 off the contrast, and adds 0.03 to dust.  Eight leave none out.
 """
 
 import argparse
