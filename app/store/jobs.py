@@ -119,8 +119,11 @@ _COLUMNS = tuple(
 )
 # Statements of every plan, built once: that takes longer than SQLite needs to answer them.
 _JOBS = select(*_COLUMNS)
+# Rows are locked but for their keys: on PostgreSQL rows that refer to one hold that against loss.
 _JOB = _JOBS.where(JobRow.id == bindparam("of_job"))
-_JOB_OF_LEASE = _JOBS.where(JobRow.lease_token == bindparam("of_token")).with_for_update()
+_JOB_OF_LEASE = _JOBS.where(JobRow.lease_token == bindparam("of_token")).with_for_update(
+    key_share=True
+)
 _JOB_OF_KEY = _JOBS.where(JobRow.idempotency == bindparam("of_key"))
 _NEW = insert(JobRow).values(
     lease_until_s=database_now_s() + bindparam("lease_s", type_=Float())  # null without a lease
@@ -247,7 +250,7 @@ def claim(connection: Connection, kinds: Collection[str], lease_s: float) -> Cla
             .where(*conditions)
             .order_by(JobRow.rank, JobRow.id)
             .limit(1)
-            .with_for_update(skip_locked=True)
+            .with_for_update(skip_locked=True, key_share=True)
         ).one_or_none()
         if row is not None:
             return _claim_row(connection, row, lease_s)
@@ -332,7 +335,8 @@ def parts_of(connection: Connection, job_id: str) -> list[Job]:
 
 def _record_end_of_part(connection: Connection, whole_id: str) -> None:
     # Locked before its parts are counted: of two that end together one sees the other.
-    row = connection.execute(_JOBS.where(JobRow.id == whole_id).with_for_update(of=JobRow)).one()
+    locked = _JOBS.where(JobRow.id == whole_id).with_for_update(of=JobRow, key_share=True)
+    row = connection.execute(locked).one()
     whole = _job(row)
     grouped = connection.execute(
         select(JobRow.state, func.count())
@@ -371,7 +375,7 @@ def _change(
 
 def cancel(connection: Connection, job_id: str) -> Job | None:
     """End a job in the queue; one that runs is marked for whoever works on it."""
-    job = _one(connection, _JOB.with_for_update(), of_job=job_id)
+    job = _one(connection, _JOB.with_for_update(key_share=True), of_job=job_id)
     if job is None:
         return None
     if job.state == "queued":
