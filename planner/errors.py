@@ -8,7 +8,7 @@ facts for programs.  Bugs are not refusals: they are left to crash.
 import re
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -76,6 +76,10 @@ class Refusal(Exception):
         self.earliest_feasible_start_utc = earliest_feasible_start_utc
         self.feasible_stop_utc = feasible_stop_utc
         self.costs_sessions = costs_sessions
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Whole, whatever its class is made from: an exception is else made anew of its text."""
+        return type(self).__new__, (type(self), *self.args), vars(self)
 
 
 class InvalidInput(Refusal):

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import Field
 
@@ -18,6 +18,15 @@ _STATUS = {
     "busy": HTTPStatus.SERVICE_UNAVAILABLE,
     "ours": HTTPStatus.INTERNAL_SERVER_ERROR,
 }
+T = TypeVar("T")
+
+
+def _is_not_told(value: object) -> bool:
+    return value is None or value == ()
+
+
+# Left out of the JSON of a problem, alone or within another answer, where there is nothing to tell.
+IfTold = Annotated[T, Field(exclude_if=_is_not_told)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,15 +56,15 @@ class Problem:
     status: Annotated[int, Field(ge=400, le=599)]
     detail: str
     instance: str
-    field: str | None = None
-    axis: str | None = None
-    limit: str | None = None
-    at: str | None = None
-    earliest_feasible_start: str | None = None
-    feasible_stop: str | None = None
-    costs_sessions: tuple[Count, ...] = ()
-    give_up: tuple[GiveUp, ...] = ()
-    errors: tuple[FieldError, ...] = ()
+    field: IfTold[str | None] = None
+    axis: IfTold[str | None] = None
+    limit: IfTold[str | None] = None
+    at: IfTold[str | None] = None
+    earliest_feasible_start: IfTold[str | None] = None
+    feasible_stop: IfTold[str | None] = None
+    costs_sessions: IfTold[tuple[Count, ...]] = ()
+    give_up: IfTold[tuple[GiveUp, ...]] = ()
+    errors: IfTold[tuple[FieldError, ...]] = ()
 
 
 def problem_of(refusal: Refusal) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from app.store.packed import NewPlan
 from app.work.progress import Progress, report
-from planner.errors import InvalidInput
+from planner.errors import FieldError, InvalidInput, InvalidRequest
 
 
 @dataclass(frozen=True)
@@ -126,6 +126,15 @@ def repeat(request: bytes, asked: object = None) -> NewPlan:
 
 def refuse(detail):
     raise InvalidInput(detail, field="sessions.0", limit="rate")
+
+
+def refuse_by(refusal, *_):
+    raise refusal
+
+
+def refuse_unread(*_):
+    faults = (FieldError(field="name", detail="is none", value=-0.5), FieldError(field="", detail=""))
+    raise InvalidRequest(*faults)
 
 
 def say_how_far():

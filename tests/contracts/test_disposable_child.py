@@ -57,12 +57,6 @@ def test_much_goes_in_and_out():
     assert run_disposable(BOUNDS, bytes, much) == much
 
 
-def test_a_refusal_comes_through_whole():
-    with pytest.raises(InvalidInput, match="not so") as refused:
-        run_disposable(BOUNDS, refuse, "not so")
-    assert (refused.value.field, refused.value.limit) == ("sessions.0", "rate")
-
-
 def test_progress_comes_through_in_order():
     heard = []
     run_disposable(BOUNDS, say_how_far, on_progress=heard.append)
