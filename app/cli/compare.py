@@ -83,7 +83,10 @@ def compare(
         from app.answers.telemetry import ComparisonResponse
         from app.cli.compare_report import print_comparison
 
-        print_comparison(console, from_store(ComparisonResponse, json_text.loads(answer)))
+        # The platform found is for the next request, which reads it strictly; the report tells what
+        # was found of it.
+        told = json_text.loads(answer) | {"platform": None}
+        print_comparison(console, from_store(ComparisonResponse, told))
         if json:
             write(json, answer)
         if plot and picture is not None:

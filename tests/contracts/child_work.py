@@ -133,7 +133,10 @@ def refuse_by(refusal, *_):
 
 
 def refuse_unread(*_):
-    faults = (FieldError(field="name", detail="is none", value=-0.5), FieldError(field="", detail=""))
+    faults = (
+        FieldError(field="name", detail="is none", value=-0.5),
+        FieldError(field="", detail=""),
+    )
     raise InvalidRequest(*faults)
 
 
