@@ -37,6 +37,10 @@ _TEXT = re.compile(
 )
 
 
+class TimeNotCovered(ValueError):
+    """A time at which the Earth's orientation or the Moon are not known."""
+
+
 @dataclass(frozen=True, eq=False)
 class Instants:
     """Instants given as SI seconds since an epoch; leap seconds are counted.
@@ -127,7 +131,7 @@ def utc_from_text(text: str) -> datetime:
 def require_known(moment: datetime) -> None:
     """Refuse a time at which the Earth's orientation or the Moon are not known."""
     if not KNOWN_FROM_UTC <= moment <= KNOWN_TO_UTC:
-        raise ValueError(
+        raise TimeNotCovered(
             f"{moment.isoformat()} lies outside {KNOWN_FROM_UTC:%Y-%m-%d}.."
             f"{KNOWN_TO_UTC:%Y-%m-%d}, for which the Earth's orientation and the Moon are known; "
             "is the year right?"

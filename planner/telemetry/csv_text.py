@@ -10,7 +10,15 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.errors import InvalidInput
-from planner.frames.time_scales import elapsed_s, shifted_utc, utc_from_text, utc_text
+from planner.frames.time_scales import (
+    KNOWN_FROM_UTC,
+    KNOWN_TO_UTC,
+    TimeNotCovered,
+    elapsed_s,
+    shifted_utc,
+    utc_from_text,
+    utc_text,
+)
 from planner.telemetry.columns import (
     ColumnMeaning,
     TelemetryColumn,
@@ -30,7 +38,12 @@ _SECONDS = {"ms": 1e-3, "us": 1e-6, "min": 60.0}
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+(?:[eE][-+]?\d+)?")
 _JSON = re.compile(r"\s*(?:\{\s*\"|\[\s*[\[{\"\d-])")
 _WITH_POINT = re.compile(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
-_DATE = re.compile(r"(\d{4}-\d\d-\d\d)[ Tt](\d\d:\d\d:\d\d(?:[.,]\d+)?)\s*(?:UTC|[Zz])?")
+_DATE = re.compile(r"(\d{4}-\d\d-\d\d)[ Tt](\d\d:\d\d:\d\d(?:[.,]\d+)?)\s*(?:UTC|[Zz])?", re.ASCII)
+_LIKE_A_DATE = re.compile(r"[-+]?\d{4,}-\d\d-\d\d[ Tt]\d")
+_TO_THE_NANOSECOND = len("2015-02-27T17:34:00.000000000")
+_KNOWN_FROM, _KNOWN_TO = (
+    np.datetime64(moment_utc.replace(tzinfo=None)) for moment_utc in (KNOWN_FROM_UTC, KNOWN_TO_UTC)
+)
 _UNIX_MIN_S, _UNIX_MAX_S = 1e8, 1e10  # 1973 to 2286
 _UNIX_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _WAY_OUT = "name the columns t_s or utc, and {angles} (or {rates})"
@@ -258,7 +271,7 @@ def _times(
 ) -> tuple[Array, datetime]:
     if np.isfinite(value).mean() < 0.5 and texts:
         since_utc = epoch_utc or plan_epoch_utc
-        t_s, told = utc_seconds(texts, since_utc)
+        t_s, told = utc_seconds(texts, since_utc, name)
         notes += told
         return t_s, since_utc
     words = {*words_of(name)}
@@ -269,7 +282,8 @@ def _times(
         if _UNIX_MIN_S < middle * unix / factor < _UNIX_MAX_S:
             # Unix time counts no leap seconds: those since 1970 come with the date.
             t_s = value * unix
-            first = float(t_s[np.isfinite(t_s)][0])
+            in_range = t_s[(t_s > _UNIX_MIN_S) & (t_s < _UNIX_MAX_S)]
+            first = float(in_range[0]) if len(in_range) else middle * unix / factor
             start_utc = _unix_utc(first)
             notes.append(f"{name} was read as Unix time; its first row is {utc_text(start_utc)}")
             return t_s - first, start_utc
@@ -284,37 +298,48 @@ def _unix_utc(unix_s: float) -> datetime:
     return shifted_utc(moment, rest_s)
 
 
-def utc_seconds(texts: Sequence[str], since_utc: datetime) -> tuple[Array, tuple[str, ...]]:
-    """Seconds of texts such as 2015-02-27T17:34:00.2Z, (n,), NaN of those that are none; notes."""
+def utc_seconds(
+    texts: Sequence[str], since_utc: datetime, column: str | None = None
+) -> tuple[Array, tuple[str, ...]]:
+    """Seconds of texts such as 2015-02-27T17:34:00.2Z, (n,), NaN of those that are none; notes.
+
+    column: of a CSV, None for a list in JSON.  Raises InvalidInput for a date that there is not.
+    """
     notes: tuple[str, ...] = ()
     plain = [_DATE.fullmatch(text.strip().replace(",", ".")) for text in texts]
     if any(match and not re.search(r"(?:UTC|[Zz])\s*$", match[0]) for match in plain):
         notes = ("times without an offset were read as UTC",)
     t_s = np.full(len(texts), np.nan)
-    clear = [(k, f"{match[1]}T{match[2]}") for k, match in enumerate(plain) if match is not None]
-    if clear:
-        rows, moments = zip(*clear, strict=True)
-        try:
-            stamps = np.array(moments, dtype="datetime64[us]")
-        except ValueError:  # a leap second, or no such day: one by one
-            pass
-        else:
-            first_utc = stamps[0].item().replace(tzinfo=UTC)
-            last_utc = stamps[-1].item().replace(tzinfo=UTC)
-            since_first_s = (stamps - stamps[0]) / np.timedelta64(1, "s")
-            if elapsed_s(last_utc, first_utc) == since_first_s[-1]:  # no leap second between
-                t_s[list(rows)] = elapsed_s(first_utc, since_utc) + since_first_s
+    clear = {k: f"{match[1]}T{match[2]}" for k, match in enumerate(plain) if match is not None}
+    try:
+        stamps = np.array([*clear.values()], dtype="datetime64[us]")
+    except ValueError:  # a leap second, or no such day: one by one
+        stamps = np.array([], dtype="datetime64[us]")
+    if len(stamps) and stamps.min() >= _KNOWN_FROM and stamps.max() <= _KNOWN_TO:
+        first_utc = stamps[0].item().replace(tzinfo=UTC)
+        last_utc = stamps[-1].item().replace(tzinfo=UTC)
+        since_first_s = (stamps - stamps[0]) / np.timedelta64(1, "s")
+        if elapsed_s(last_utc, first_utc) == since_first_s[-1]:  # no leap second between
+            t_s[[*clear]] = elapsed_s(first_utc, since_utc) + since_first_s
     for row in np.flatnonzero(np.isnan(t_s)).tolist():
-        t_s[row] = _one_utc_s(texts[row], since_utc)
+        text = texts[row].strip().replace(" ", "T", 1)
+        if row in clear:
+            text = clear[row][:_TO_THE_NANOSECOND] + "Z"
+        try:
+            t_s[row] = elapsed_s(utc_from_text(text), since_utc)
+        except TimeNotCovered:
+            continue
+        except ValueError as error:
+            if _LIKE_A_DATE.match(text):
+                raise _no_such_time(str(error), row, column) from None
     return t_s, notes
 
 
-def _one_utc_s(text: str, since_utc: datetime) -> float:
-    text = text.strip().replace(" ", "T", 1)
-    try:
-        return elapsed_s(utc_from_text(text), since_utc)
-    except ValueError:
-        return float("nan")
+def _no_such_time(detail: str, row: int, column: str | None) -> InvalidInput:
+    """The row as a spreadsheet counts rows under those that name the columns, from 1."""
+    if column is None:
+        return InvalidInput(detail, field=f"samples.utc.{row}")
+    return InvalidInput(f"row {row + 1}, column {column[:40]}: {detail}", field="samples")
 
 
 def _refusal(detail: str, names: list[str]) -> InvalidInput:

@@ -234,6 +234,67 @@ def test_requests_are_refused_by_field(client, plan, name):
     assert answer.json().get("field") == field, answer.json()
 
 
+# What NumPy reads and no calendar has, what neither reads, and years that no text has room for.
+NO_TIMES = (
+    *("0000-01-01T00:00:00Z", "0000-02-29 17:34:00", "-0001-01-01T00:00:00Z"),
+    *("+12015-02-27T17:34:00Z", "10000-01-01T00:00:00Z", "2015-02-29T17:34:00Z"),
+    *("2015-13-01T17:34:00Z", "2015-02-27T24:00:00Z", "2015-02-27T17:34:60Z"),
+)
+
+
+def in_utc(rows, texts):
+    """Rows of CSV with UTC; texts: instead of that of a row, by its number from 0."""
+    tags = [utc_text(shifted_utc(EPOCH_UTC, row[0]), 6) for row in rows]
+    lines = [
+        f"{texts.get(k, tag)},{row[1]},{row[2]}"
+        for k, (tag, row) in enumerate(zip(tags, rows, strict=True))
+    ]
+    return "\n".join(["utc,alpha_deg,beta_deg", *lines]).encode()
+
+
+@pytest.mark.parametrize("every", [False, True], ids=["one row", "all rows"])
+@pytest.mark.parametrize("text", NO_TIMES)
+def test_a_time_that_there_is_not_is_refused_by_row_column_and_value(
+    client, plan, rows, text, every
+):
+    first = 0 if every else 2
+    texts = dict.fromkeys(range(len(rows)), text) if every else {2: text}
+    answer = upload(client, plan, in_utc(rows, texts))
+    assert answer.status_code == 422, answer.text
+    problem = answer.json()
+    assert problem["field"] == "samples"
+    assert f"row {first + 1}, column utc: " in problem["detail"]
+    assert text[:10] in problem["detail"]
+    sent = json_samples(rows)
+    tags = [utc_text(shifted_utc(EPOCH_UTC, t_s), 6) for t_s in sent.pop("t_s")]
+    sent["utc"] = [texts.get(k, tag) for k, tag in enumerate(tags)]
+    answer = client.post(COMPARISONS, json={"plan": plan["id"], "samples": sent})
+    assert answer.status_code == 422, answer.text
+    assert answer.json()["field"] == f"samples.utc.{first}"
+
+
+def test_times_before_all_that_is_known_are_left_out(client, plan, rows):
+    """As of a receiver that has no time yet; the rest may go without an offset."""
+    texts = {k: f"{year:04}-01-01 00:00:00" for k, year in enumerate((1, 1969, 1970, 9999))}
+    tags = [utc_text(shifted_utc(EPOCH_UTC, row[0]), 6)[:-1] for row in rows]
+    answer = upload(client, plan, in_utc(rows, dict(enumerate(tags)) | texts))
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert found["samples"]["dropped"]["no_time"] == len(texts)
+    assert found["time_offset_s"]["value"] == pytest.approx(0.37, abs=0.005)
+
+
+@pytest.mark.parametrize("first", ["1e300", "-1e300", "1e18", "0", "253402300800", "-62135596801"])
+def test_a_wild_tag_among_unix_times_is_left_out(client, plan, rows, first):
+    unix_s = EPOCH_UTC.timestamp()
+    lines = [f"{unix_s + t:.6f},{alpha},{beta}" for t, alpha, beta in rows]
+    lines[0] = f"{first},{rows[0][1]},{rows[0][2]}"
+    content = "\n".join(["t_s,alpha_deg,beta_deg", *lines]).encode()
+    answer = upload(client, plan, content)
+    assert answer.status_code == 200, answer.text
+    assert answer.json()["time_offset_s"]["value"] == pytest.approx(0.37, abs=0.005)
+
+
 def test_uploads_are_refused_by_part(client, plan):
     csv = ("t.csv", b"t_s,alpha_deg\n1,1\n", "text/csv")
     request = json.dumps({"plan": plan["id"]})
