@@ -135,9 +135,15 @@ oracles: setup
 	$(BIN)/python tests/oracles/exports_by_orekit.py
 	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
 
+# With DATA=FOLDER also what bench/truth.py holds against data that nothing was made with.
+BENCHES := slew slew_optimum vibration keep_out plan plausible service view opportunities campaign horizon horizon_air spacecraft
+
 bench: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
-	for script in slew slew_optimum plan service view opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+	for script in $(BENCHES); do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+ifdef DATA
+	PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/truth.py $(DATA)
+endif
 
 # Every figure and number the papers state: docs/reproduction.md, its pictures and kept numbers.
 REPRODUCE := PYTHONPATH=.:bench OMP_NUM_THREADS=1 $(BIN)/python -m reproduction

@@ -6,7 +6,7 @@ machine's supervisor would start again is started again.  Then the database is a
 campaign is done; every pass has one last plan, every plan that is done is stored once and
 ended once; no look is lost: each is in a last plan or told as left out.
 
-    OMP_NUM_THREADS=1 python bench/resilience.py [--rounds 20] [--targets 200] [--days 0.5]
+    OMP_NUM_THREADS=1 python tests/end_to_end/resilience.py [--rounds 20] [--targets 200] [--days 0.5]
         [--kills 3] [--cluster] [--database postgresql+psycopg://USER@HOST/NAME] [--seed 1]
 
 The database must be this script's own.
@@ -33,7 +33,7 @@ from typing import Any
 from app.store import events, jobs, plans
 from app.store.database import Database, open_database
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
 PATIENCE_S = 240.0
 
