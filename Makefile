@@ -152,6 +152,7 @@ MUTANTS := *__mutmut_5
 
 mutants: setup $(KERNELS)
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[mutants]
+	mkdir -p mutants
 	OMP_NUM_THREADS=1 PYTHONPATH=$(CURDIR)/mutants $(BIN)/mutmut run --max-children 2 "$(MUTANTS)"
 	$(BIN)/mutmut results | grep -v "not checked"
 
