@@ -119,6 +119,7 @@ def paper_timeline() -> tuple[Timeline, ImagingSession]:
 
 def bench_timeline() -> None:
     print("The paper's timeline (8 areas x 4 strips, 32 turns), 600 km:")
+    paper_timeline()  # compiles
     timeline, session = paper_timeline()
     table = make_table(session, timeline)
     states = session.ephemeris.states(session.instants(table.t_s))
