@@ -50,7 +50,16 @@ def differences(rows: Sequence[Row], kept: Sequence[Row]) -> list[str]:
             )
         found += [
             f"{label}: {name} is {getattr(one, name)}, kept {getattr(was, name)}"
-            for name in ("place", "says", "stated", "unit", "tolerance", "verdict", "result")
+            for name in (
+                "place",
+                "says",
+                "sense",
+                "stated",
+                "unit",
+                "tolerance",
+                "verdict",
+                "result",
+            )
             if getattr(one, name) != getattr(was, name)
         ]
     return [*found, *(f"{paper}, {name}: kept, no longer stated" for paper, name in before)]
@@ -89,8 +98,8 @@ def _table(rows: Sequence[Row]) -> str:
     lines = ["| where | the paper says | paper | ours | |", "|---|---|---|---|---|"]
     for one in (one for one in rows if one.verdict == "reproduced"):
         bound = f"**differs**: {one.why}" if one.result == "differs" else "agrees"
-        shown = (_shown(one.stated, 0.0, one.unit), _shown(one.ours, one.tolerance, one.unit))
-        cells = (one.place, one.says, *shown, bound)
+        stated = f"{one.sense} {_shown(one.stated, 0.0, one.unit)}".lstrip()
+        cells = (one.place, one.says, stated, _shown(one.ours, one.tolerance, one.unit), bound)
         lines.append(
             "| " + " | ".join(" ".join(c.split()).replace("|", "\\|") for c in cells) + " |"
         )

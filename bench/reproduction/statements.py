@@ -64,6 +64,7 @@ class Row:
     place: str
     name: str
     says: str
+    sense: str
     stated: float | None
     ours: float | None
     unit: str
@@ -94,6 +95,7 @@ def row(one: Statement, numbers: Mapping[str, float | str]) -> Row:
         place=one.place,
         name=one.name,
         says=one.says,
+        sense=one.sense or "",
         stated=one.stated,
         ours=ours,
         unit=one.unit,
