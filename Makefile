@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_plans.py tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench reproduce reproduce-check requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
 
 setup: .venv/installed
 
@@ -135,11 +135,28 @@ oracles: setup
 	$(BIN)/python tests/oracles/exports_by_orekit.py
 	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
 
+# With DATA=FOLDER also what bench/truth.py holds against data that nothing was made with.
+BENCHES := slew slew_optimum vibration keep_out plan plausible service view opportunities campaign horizon horizon_air spacecraft
+
 bench: setup
 	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
-	for script in slew slew_optimum plan service view opportunities horizon spacecraft; do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+	for script in $(BENCHES); do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
+ifdef DATA
+	PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/truth.py $(DATA)
+endif
 
-# Every figure and number the papers state: docs/reproduction.md, its pictures and kept numbers.
+# Which small faults of the judges, slews, requests and jobs do their tests miss?  A sample: the fifth
+# mutant of each function; MUTANTS="planner.slew.*" tries all of a room.  Services under test, too,
+# import what is mutated.
+MUTANTS := *__mutmut_5
+
+mutants: setup $(KERNELS)
+	$(BIN)/pip install --quiet --disable-pip-version-check -e .[mutants]
+	mkdir -p mutants
+	OMP_NUM_THREADS=1 PYTHONPATH=$(CURDIR)/mutants $(BIN)/mutmut run --max-children 2 "$(MUTANTS)"
+	$(BIN)/mutmut results | grep -v "not checked"
+
+# Every number and figure the papers state: docs/reproduction.csv, .md and the pictures.
 REPRODUCE := PYTHONPATH=.:bench OMP_NUM_THREADS=1 $(BIN)/python -m reproduction
 
 reproduce: setup

@@ -3,7 +3,8 @@
     OMP_NUM_THREADS=1 python bench/horizon_air.py [--pairs N] [--seed N] [--airs NAME ... [--each]]
         [--conditions NAME ...]
 Frames by bench/limb_frames.py.  On the airs of TUNED the estimator was tuned; those of SHOWN were
-drawn by chance and looked at afterwards.  Their makings are in bench/limb_tables.py.
+drawn by chance and looked at afterwards.  What they hold:
+tests/data/horizon/README.md.
 """
 
 import argparse

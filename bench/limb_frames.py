@@ -1,6 +1,6 @@
 """Frames of horizon cameras whose limbs another model of the air gave, with their truth.
 
-Radiance comes from tables that bench/limb_tables.py made with SASKTRAN2, by the height of each
+Radiance comes from tables made with SASKTRAN2 (tests/data/horizon/README.md), by the height of each
 ray's lowest point above the WGS84 ellipsoid and the Sun's place there.  With the estimator and
 its own renderer this shares the camera model alone: ellipsoid, Sun, ground, lens and electronics
 are this file's.

@@ -1,10 +1,10 @@
 """Does what slewtrack tells hold on data it wasn't made with?  One table: goal and seen.
 
-    OMP_NUM_THREADS=1 python bench/truth.py DATA_FOLDER [--only 1 4 ...] [--quick]
+    OMP_NUM_THREADS=1 python bench/truth.py DATA_FOLDER [--only 1 3 ...] [--quick]
 
-DATA_FOLDER holds `attitude` (telemetry as bench/attitude.py reads it), `tle` and `oem` (NASA's
+DATA_FOLDER holds `attitude` (telemetry as bench/truth_laws.py reads it), `tle` and `oem` (NASA's
 ephemerides).  Point 1: told probabilities and sigmas.  2: warnings of likely misses.  3: the law
-harmonic.  4: corrections and the closed loop.  5: windows.  6, 7: campaigns.  8, 9: the horizon.
+harmonic.  5: windows.  6, 7: campaigns.  8, 9: the horizon.
 What was tuned on which data each truth_*.py says.  About 12 minutes of a core; --quick takes
 fewer samples.
 """
@@ -15,7 +15,6 @@ from pathlib import Path
 
 import truth_attitude
 import truth_choices
-import truth_corrections
 import truth_horizon
 import truth_orbits
 import truth_pointing
@@ -52,9 +51,6 @@ def rows(data: Path, points: set[int], quick: bool) -> Iterator[Row]:
         yield from truth_orbits.rows(data)
     if 3 in points:
         yield from truth_attitude.law_rows(attitude, data / "tle" / "iss_tles.txt")
-    if 4 in points:
-        yield from truth_corrections.corrected_rows(attitude, data / "tle" / "iss_tles.txt")
-        yield from truth_corrections.loop_rows(truths=3 if quick else 20)
     if points & {2, 5}:
         yield from truth_choices.window_rows(data, windows=10 if quick else 60)
     if points & {6, 7}:

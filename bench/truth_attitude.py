@@ -1,7 +1,7 @@
 """Is the attitude off by as much as told?  Points 1 and 3 of bench/truth.py.
 
 The law lvlh's mean is of the telemetry's first half, tried on its second; the law harmonic's
-constants were chosen on the parts that bench/attitude.py says.
+constants were chosen on the parts that bench/truth_laws.py says.
 """
 
 from collections.abc import Iterator
@@ -9,7 +9,17 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from attitude import BLEND, CUT_EVERY_S, GOAL, PERIOD_S, TUNED, Errors, Told, forecasts, of_the_best
+from truth_laws import (
+    BLEND,
+    CUT_EVERY_S,
+    GOAL,
+    PERIOD_S,
+    TUNED,
+    Errors,
+    Told,
+    forecasts,
+    of_the_best,
+)
 from truth_pointing import telemetry
 from truth_rows import Row, nees_row
 

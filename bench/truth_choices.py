@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from campaign import campaign_request, single_looks
-from orbit_age import read_tles
+from truth_elements import read_tles
 from truth_rows import Row
 
 from planner.attitude import LvlhAttitude

@@ -13,9 +13,17 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from orbit_age import created, differences, read_oem_file, read_tles, ric_m
-from orbit_growth import BEYOND_SIGMA, WEEK_DAYS, pairs
 from scipy.optimize import brentq
+from truth_elements import (
+    BEYOND_SIGMA,
+    WEEK_DAYS,
+    created,
+    differences,
+    pairs,
+    read_oem_file,
+    read_tles,
+    ric_m,
+)
 from truth_rows import GAUSS, LAPLACE, Row, nees_row
 
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, shifted_utc

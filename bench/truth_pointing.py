@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from attitude import channel, held
-from orbit_age import created, read_oem_file, read_tles
-from orbit_growth import REBOOST_REV_DAY
 from scipy.spatial.transform import Rotation, Slerp
+from truth_elements import REBOOST_REV_DAY, created, read_oem_file, read_tles
+from truth_laws import channel, held
 from truth_orbits import ARCHIVE, HELD_OUT_MONTH
 from truth_rows import Row, share_row
 

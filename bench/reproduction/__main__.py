@@ -2,8 +2,9 @@
 
     PYTHONPATH=.:bench python -m reproduction [--check | --only PART...]
 
-Without options: docs/reproduction.md, docs/images/reproduction_*.png and the kept numbers.
---check: nothing is written; exit 1 when a number has moved by more than its tolerance.
+Without options: docs/reproduction.csv, docs/reproduction.md and docs/images/reproduction_*.png.
+--check: nothing is written; exit 1 when a number has moved by more than its tolerance, a verdict
+has changed or the document isn't that of the kept rows.
 --only: the parts named, printed; their pictures into out/.
 """
 
@@ -12,13 +13,7 @@ import sys
 from pathlib import Path
 
 from reproduction import kept
-from reproduction.build import build
-from reproduction.parts import PARTS
-from reproduction.report import document
-
-ROOT = Path(__file__).parents[2]
-DOCUMENT = ROOT / "docs/reproduction.md"
-IMAGES = ROOT / "docs/images"
+from reproduction.build import PARTS, rows_of
 
 
 def main() -> int:
@@ -27,20 +22,23 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", choices=PARTS)
     asked = parser.parse_args()
     if asked.only:
-        images = ROOT / "out"
+        images = Path("out")
         images.mkdir(exist_ok=True)
-        print(document(build(asked.only, images)))
+        for one in rows_of(asked.only, images):
+            print(f"{one.name}: {one.stated} | {one.ours} {one.unit} | {one.verdict} {one.result}")
+            print(f"    {one.why}")
         return 0
     if asked.check:
-        stated = [one for section in build(PARTS, None) for one in section.statements]
-        found = kept.differences(stated, kept.read(), DOCUMENT.read_text(encoding="utf-8"))
-        print("\n".join(found) or f"{len(stated)} statements as kept")
+        before = kept.read()
+        found = kept.differences(rows_of(PARTS, None), before)
+        if kept.DOCUMENT.read_text(encoding="utf-8") != kept.document(before):
+            found.append("docs/reproduction.md isn't what docs/reproduction.csv makes")
+        print("\n".join(found) or f"{len(before)} statements as kept")
         return 1 if found else 0
-    for old in IMAGES.glob("reproduction_*.png"):
+    for old in kept.IMAGES.glob("reproduction_*.png"):
         old.unlink()
-    sections = build(PARTS, IMAGES)
-    kept.write(one for section in sections for one in section.statements)
-    DOCUMENT.write_text(document(sections), encoding="utf-8")
+    kept.write(rows_of(PARTS, kept.IMAGES))
+    kept.DOCUMENT.write_text(kept.document(kept.read()), encoding="utf-8")
     return 0
 
 

@@ -1,6 +1,7 @@
 """Where the paper's method stops: tilt, altitude, length of the arc; and what sets its errors."""
 
 import numpy as np
+from scipy.optimize import linprog
 
 from estimator.camera import HorizonCamera
 from planner.arrays import Array
@@ -9,6 +10,7 @@ from reproduction.lomaka_geometry import (
     arc_px,
     dip_rad,
     lens,
+    limb_rays,
     nadir_error_deg,
     roll_error_deg,
     tilted_nadir,
@@ -84,16 +86,23 @@ def edge_deg(width_deg: float, down_deg: float, height_m: float) -> float:
     cameras = pair(width_deg, down_deg)
     edges = []
     for sign in (-1.0, 1.0):
-        steps = np.arange(0.0, 60.0, 0.25)
-        lost = next((t for t in steps if not _both_see(cameras, sign * t, height_m)), 60.0)
-        edges.append(float(lost))
+        low, high = 0.0, next(t for t in range(1, 61) if not _both_see(cameras, sign * t, height_m))
+        while high - low > 1e-3:
+            middle = 0.5 * (low + high)
+            seen = _both_see(cameras, sign * middle, height_m)
+            low, high = (middle, high) if seen else (low, middle)
+        edges.append(high)
     return min(edges)
 
 
 def _both_see(cameras: tuple[HorizonCamera, HorizonCamera], pitch: float, height_m: float) -> bool:
-    nadir = tilted_nadir(pitch, 0.0)
-    arcs = [arc_px(one, nadir, height_m) for one in cameras]
-    return all(len(arc) > 1 and np.linalg.norm(arc[-1] - arc[0]) >= 10.0 for arc in arcs)
+    """Is there a point of the horizon on both cameras' pixels, their outer edges included?"""
+    rays = limb_rays(tilted_nadir(pitch, 0.0), height_m)
+    for one in cameras:
+        off_px = np.abs(one.pixels(rays) - [one.cx_px, one.cy_px])
+        if not np.any(np.all(off_px <= [0.5 * one.width_px, 0.5 * one.height_px], axis=1)):
+            return False
+    return True
 
 
 def highest_m(width_deg: float) -> float:
@@ -103,9 +112,22 @@ def highest_m(width_deg: float) -> float:
 
 
 def circle_misfit_px(width_deg: float) -> float:
-    """Most that the horizon's arc in the middle of a frame departs from its best circle."""
+    """Most that the horizon's arc in the middle of a frame departs from the circle nearest to it.
+
+    Gauss-Newton in the largest departure: each step is a linear programme in the circle's changes.
+    """
     one = lens(width_deg, 640, np.rad2deg(dip_rad(PAPERS_HEIGHT_M)), 0.0)
     arc = arc_px(one, np.array([0.0, 0.0, 1.0]), PAPERS_HEIGHT_M)
     design = np.column_stack([2.0 * arc, np.ones(len(arc))])
     x, y, rest = np.linalg.lstsq(design, np.sum(arc**2, axis=1), rcond=None)[0]
-    return float(np.max(np.abs(np.hypot(*(arc - [x, y]).T) - np.sqrt(rest + x * x + y * y))))
+    circle = np.array([x, y, np.sqrt(rest + x * x + y * y)])
+    for _ in range(8):
+        away = arc - circle[:2]
+        distance = np.hypot(*away.T)
+        off = distance - circle[2]
+        slope = np.column_stack([-away / distance[:, None], -np.ones(len(arc))])
+        bound = -np.ones((2 * len(arc), 1))
+        rows = np.hstack([np.vstack([slope, -slope]), bound])
+        step = linprog([0, 0, 0, 1], rows, np.append(-off, off), bounds=(None, None)).x
+        circle += step[:3]
+    return float(np.max(np.abs(np.hypot(*(arc - circle[:2]).T) - circle[2])))

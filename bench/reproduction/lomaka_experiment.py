@@ -1,7 +1,7 @@
 """The experiment of Lomaka, Ustyugov 2016, simulated: what makes 0.752 deg of a model's 0.038."""
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,7 +18,7 @@ from planner.arrays import Array
 from reproduction.lomaka_method import horizon_arc_px
 from reproduction.lomaka_print import TILTS_DEG, Rig, differences_deg, rms_deg
 from reproduction.lomaka_rendered import EPOCH, LEVEL, POSITION, SHARP
-from reproduction.statements import Picture, Statement, judge
+from reproduction.statements import Numbers
 
 EXPERIMENT_DEG = 0.752
 DRAWS = 300
@@ -56,7 +56,6 @@ CAUSES = (
     Cause("lens distortion at the corner", "distortion", 0.03, 0.4, "%", 100.0),
     Cause("noise of the arc's ends", "edge_noise_px", 0.0, 12.0, "px"),
 )
-said = partial(Statement, paper="Lomaka 2016")
 
 
 def rig_with(cause: Cause, size: float) -> Rig:
@@ -148,90 +147,42 @@ def causes_alone() -> tuple[tuple[Cause, float, float, float], ...]:
     )
 
 
-def statements() -> list[Statement]:
+def numbers() -> Numbers:
     noise_px = frame_noise_px()
-    noise_only = rms_deg(Rig(edge_noise_px=noise_px, whole_px=True), unit_rays=True)
-    flat = rms_deg(Rig(), unit_rays=False)
     unit, printed = drawn_rigs(unit_rays=True), drawn_rigs(unit_rays=False)
-    median = float(np.median(unit))
     low, high = np.quantile(unit, [0.05, 0.95])
-    distances = {k: rms_deg(Rig(distance=k), unit_rays=False) for k in (0.5, 2.0)}
     alone = {row[0].field: row for row in causes_alone()}
     told_deg, seen_deg = (
         float(np.sqrt(sum(row[1] ** 2 for field, row in alone.items() if (field in TOLD) is told)))
         for told in (True, False)
     )
-    return [
-        said(
-            place="Figs. 4 to 6",
-            name="experiment's error",
-            says="standard deviation of the video vertical against the accelerometer",
-            stated=EXPERIMENT_DEG,
-            ours=median,
-            unit="deg",
-            tolerance=0.05,
-            verdict=judge(EXPERIMENT_DEG, median, float(high) - median),
-            why=f"median of {DRAWS} simulated rigs with the usual imperfections below, unit rays "
-            f"(5 to 95 %: {low:.2f} to {high:.2f}; as printed {np.median(printed):.2f}); "
-            f"{100.0 * np.mean(unit >= EXPERIMENT_DEG):.0f} % of the rigs are as bad as the "
-            "paper's. It states neither rig nor print, so this says only that a usual rig is bad "
-            "enough",
-        ),
-        said(
-            place="conclusion",
-            name="noise of the frames",
-            says="the difference of model and experiment comes from noise in the frames",
-            stated=EXPERIMENT_DEG,
-            ours=noise_only,
-            unit="deg",
-            tolerance=0.01,
-            verdict="differs",
-            why="noise and coding of a poor video frame (2,000 electrons, 40 of read-out, JPEG "
-            f"50) move the arc's ends by {noise_px:.2f} px, measured in rendered frames with the "
-            "paper's method; with whole pixels this remains, far from enough",
-        ),
-        said(
-            place="conclusion",
-            name="imperfect rig",
-            says="and from the imperfect rig",
-            stated=EXPERIMENT_DEG,
-            ours=float(np.hypot(told_deg, seen_deg)),
-            unit="deg",
-            tolerance=0.03,
-            verdict="agrees",
-            why=f"of the usual imperfections together: {told_deg:.2f} deg from the accelerometer "
-            f"and its timing, {seen_deg:.2f} from camera, axis and print. By itself "
-            "makes 0.752 deg: " + _sizes_told(),
-        ),
-        said(
-            place="Fig. 4",
-            name="flat picture",
-            says="a test picture of the horizon stands before the camera",
-            ours=flat,
-            unit="deg",
-            tolerance=0.01,
-            verdict="differs",
-            why="a perfect rig, square to the print at the right distance, the chord as printed: "
-            "the print shows what the sky would, the error is the chord's (unit rays: "
-            f"{rms_deg(Rig(), unit_rays=True):.0e}). From half the distance {distances[0.5]:.2f}, "
-            f"from twice {distances[2.0]:.2f} deg, since a print seen from afar is more curved "
-            f"than the frame; {1.0 + alone['distance'][3]:.1f} times the distance makes 0.752. A "
-            "projector's keystone, as the print turned or leaning, hardly matters",
-        ),
-    ]
-
-
-def _sizes_told() -> str:
-    """The sizes that make the experiment's error, chords between unit rays."""
-    told = [
+    sizes = [
         f"{cause.name} {cause.factor * size:.3g} {cause.unit}"
         for cause, _, size, _ in causes_alone()
         if not np.isnan(size)
     ]
-    return "; ".join(told) + ". The others do at no size"
+    return {
+        "experiment's error": float(np.median(unit)),
+        "noise of the frames": rms_deg(Rig(edge_noise_px=noise_px, whole_px=True), unit_rays=True),
+        "imperfect rig": float(np.hypot(told_deg, seen_deg)),
+        "flat picture": rms_deg(Rig(), unit_rays=False),
+        "rigs": DRAWS,
+        "low": float(low),
+        "high": float(high),
+        "median_printed": float(np.median(printed)),
+        "as_bad": 100.0 * float(np.mean(unit >= EXPERIMENT_DEG)),
+        "noise_px": noise_px,
+        "told_deg": told_deg,
+        "seen_deg": seen_deg,
+        "sizes": "; ".join(sizes),
+        "flat_unit_rays": rms_deg(Rig(), unit_rays=True),
+        "from_half": rms_deg(Rig(distance=0.5), unit_rays=False),
+        "from_twice": rms_deg(Rig(distance=2.0), unit_rays=False),
+        "distance": 1.0 + alone["distance"][3],
+    }
 
 
-def pictures(folder: Path) -> list[Picture]:
+def pictures(folder: Path) -> None:
     figure = Figure(figsize=(10.0, 4.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     examples = (
@@ -254,11 +205,3 @@ def pictures(folder: Path) -> list[Picture]:
     right.set_xlabel("rms at its usual size, deg")
     right.annotate("the paper", (0.74, 0.0), ha="right", fontsize="small", color="0.3")
     figure.savefig(folder / "reproduction_vertical_print.png", dpi=90)
-    return [
-        Picture(
-            file="reproduction_vertical_print.png",
-            shows="Differences of camera and accelerometer over tilt, and rms by cause",
-            text="Left: as in Fig. 6, one cause each; shaded: ±0.752 deg. Right: each cause at its "
-            "usual size (assumed, the accelerometer's from a data sheet), chord between unit rays.",
-        )
-    ]

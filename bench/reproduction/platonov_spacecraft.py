@@ -2,7 +2,7 @@
 
 import math
 from datetime import timedelta
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,194 +29,14 @@ from reproduction.platonov_array import (
 from reproduction.platonov_sessions import planned
 from reproduction.platonov_trackers import seen, sigma_arcsec
 from reproduction.platonov_unloading import COIL_A_M2, STEP_S, Unloading, field_eci_t, unload
-from reproduction.statements import Picture, Statement, judge
+from reproduction.statements import Numbers
 
 HEIGHT_KM = 650.0
 START_N_M_S = np.array([20.0, -15.0, math.sqrt(30.0**2 - 25.0**2)])
 SOLAR_AND_AIR_N_M = np.array([1e-4, 0.0, 1e-4])  # assumed, always the same way: the worst kind
 ORBITS = 3.0
+NAMES = ("strip_and_stereo", "eight_areas")
 COILS_A_M2 = (50.0, COIL_A_M2, 300.0)
-said = partial(Statement, paper="Platonov 2019")
-
-
-def statements() -> list[Statement]:
-    return [*_gyros(), *_rates(), *_craft(), *_coils(), *_trackers()]
-
-
-def _gyros() -> list[Statement]:
-    array, inertia = AGILE_CMG.array, np.array(AGILE_CMG.inertia_kg_m2)
-    short, long = (
-        needed(planned(name).table.gimbal_rad, TICK_S)
-        for name in ("strip_and_stereo", "eight_areas")
-    )
-    most = max(short.gyro_n_m_s, long.gyro_n_m_s)
-    held = max(short.held_n_m_s, long.held_n_m_s)
-    least_n_m = array.momentum_n_m_s * array.rate_step_rad_s
-    x, y, z = (math.degrees(least_n_m / j) for j in inertia)
-    torque = least_torque_n_m(60.0)
-    return [
-        said(
-            place="introduction, conclusion",
-            name="four times what is needed",
-            says="each gyro's 60 N m s are about four times what this spacecraft needs",
-            stated=4.0,
-            ours=60.0 / most,
-            unit="times",
-            tolerance=0.2,
-            verdict="differs",
-            why=f"gyros of {most:.1f} N m s would just enclose the momentum of both sessions "
-            f"({held:.1f} N m s at most, {long.by_axis_n_m_s[2]:.1f} in pitch; torque "
-            f"{long.torque_n_m:.1f} N m). Steered in a sphere of one gyro's momentum, as the paper "
-            f"steers them, 60 is {60.0 / held:.1f} times that. Its four lies between; by which "
-            "measure and at what rate it doesn't say",
-        ),
-        *(
-            said(
-                place="control law of the gyros",
-                name=f"envelope along {axis}",
-                says=f"the envelope reaches ±{stated:.0f} N m s along {axis}",
-                stated=stated,
-                ours=reach_n_m_s(np.eye(3)[k]),
-                unit="N m s",
-                tolerance=0.01,
-                verdict=judge(stated, reach_n_m_s(np.eye(3)[k]), 0.1),
-                why="bisection of the array's exact envelope; the third axis, misprinted OX, is OZ",
-            )
-            for k, (axis, stated) in enumerate((("OX", 120.0), ("OY", 120.0), ("OZ", 240.0)))
-        ),
-        said(
-            place="control law of the gyros",
-            name="torque in the sphere",
-            says="at least 30 N m in any direction within the sphere of 60 N m s",
-            stated=30.0,
-            ours=torque,
-            unit="N m",
-            tolerance=0.5,
-            verdict="agrees" if torque >= 30.0 else "differs",
-            why="least over the sphere's surface and all directions, gimbals at 57.3 deg/s in the "
-            f"best angles for the momentum, so none of it is singular; "
-            f"{least_torque_n_m(0.0, 1):.0f} with empty gyros",
-        ),
-        said(
-            place="control law of the gyros",
-            name="momentum at 3.5 deg/s",
-            says="the sphere of 60 N m s is enough, since the rate is 3.5 deg/s at most",
-            stated=60.0,
-            ours=float(inertia.max() * math.radians(3.5)),
-            unit="N m s",
-            tolerance=0.1,
-            verdict="agrees",
-            why="of a body of 800 kg m² turning so; the rest is for what gathers",
-        ),
-        said(
-            place="introduction",
-            name="least torque",
-            says="the least control torque is 0.0072 N m",
-            stated=0.0072,
-            ours=least_n_m,
-            unit="N m",
-            tolerance=1e-5,
-            verdict=judge(0.0072, least_n_m, 5e-5),
-            why="60 N m s at the least gimbal rate of 0.0069 deg/s",
-        ),
-        said(
-            place="introduction",
-            name="least acceleration",
-            says="which accelerates the body by about 0.0007 deg/s²",
-            stated=0.0007,
-            ours=z,
-            unit="deg/s²",
-            tolerance=1e-6,
-            verdict="differs",
-            why=f"about X and Z (800 kg m²), {y:.5f} about Y; 0.0007 is near their mean. In a "
-            f"cycle of 0.2 s it changes the rate by {0.2 * x:.5f} deg/s, a tenth of the 0.001 "
-            "allowed",
-        ),
-        said(
-            place="introduction",
-            name="against wheels",
-            says="an order of magnitude more than the least torque of wheels",
-            ours=None,
-            verdict="can't be reproduced",
-            why="no wheel is named",
-        ),
-    ]
-
-
-def _rates() -> list[Statement]:
-    usual, fast = turned(1.58, 15.4), turned(3.3, 13.0)
-    return [
-        said(
-            place="introduction",
-            name="spin-up",
-            says="a turn's rate is gathered and taken away in 2 to 3 s",
-            stated=2.5,
-            ours=spin_up_s(3.5, 30.0),
-            unit="s",
-            tolerance=0.05,
-            verdict=judge(2.5, spin_up_s(3.5, 30.0), 0.5),
-            why="to 3.5 deg/s about the Euler axis with 30 N m, the torque itself rising within "
-            f"0.75 s; {spin_up_s(1.58, 30.0):.1f} s to 1.58 deg/s. With the 15 N m we plan with, "
-            f"which spare the modes, {spin_up_s(3.5, 15.0):.1f} and {spin_up_s(1.58, 15.0):.1f} s",
-        ),
-        said(
-            place="productivity",
-            name="20 deg by table",
-            says="20 to 22 s are needed for 20 deg",
-            stated=21.0,
-            ours=usual.settled_s,
-            unit="s",
-            tolerance=0.5,
-            verdict="differs",
-            why="from command to within 0.001 deg/s for good, a table with feed-forward, median of "
-            f"dispersed runs: less than the paper's laws need. The turn itself takes "
-            f"{usual.turn_s:.1f} s of at least {quickest_s(20.0):.1f}",
-        ),
-        said(
-            place="introduction",
-            name="3.5 deg/s against 1.6",
-            says="the body turns at up to 3.5 deg/s, its gyro reads ±1.6 (ref. 6 widens it)",
-            stated=3.5,
-            ours=gyro_reach_deg_s(),
-            unit="deg/s",
-            tolerance=0.001,
-            verdict="differs",
-            why="about one axis the four channels give the rate up to this: the diagonal channel "
-            "(sqrt 3 of 1.6) stands in for one that is full. Beyond, ours takes it from the gyros' "
-            "momentum: 20 deg "
-            f"in {fast.turn_s:.0f} s at up to 3.3 deg/s are settled after {fast.settled_s:.1f} s "
-            f"(at 1.58 deg/s {usual.settled_s:.1f})",
-        ),
-    ]
-
-
-def _craft() -> list[Statement]:
-    drift = node_drift_deg_day(HEIGHT_KM)
-    pixel_m = [AGILE_CMG.camera.pixel_rad * km * 1e3 for km in (600.0, 650.0, 700.0)]
-    return [
-        said(
-            place="introduction",
-            name="Sun-synchronous",
-            says="the orbit is circular and Sun-synchronous, 600 to 700 km high",
-            ours=drift,
-            unit="deg/day",
-            tolerance=0.002,
-            verdict=judge(0.9856, drift, 0.02),
-            why=f"drift of the node of our orbit at {HEIGHT_KM:.0f} km over a day; the Sun's mean "
-            "motion is 0.9856",
-        ),
-        said(
-            place="introduction",
-            name="resolution",
-            says="1.0 m at nadir",
-            stated=1.0,
-            ours=pixel_m[1],
-            unit="m",
-            tolerance=0.001,
-            verdict="agrees",
-            why=f"set for 650 km; {pixel_m[0]:.2f} m from 600 km, {pixel_m[2]:.2f} from 700",
-        ),
-    ]
 
 
 class Gathered(NamedTuple):
@@ -257,46 +77,6 @@ def _gathered() -> Gathered:
     )
 
 
-def _coils() -> list[Statement]:
-    found = _gathered()
-    usual = found.runs[COILS_A_M2.index(COIL_A_M2)]
-    h = np.linalg.norm(usual.h_eci_n_m_s, axis=1)
-    down_min = float(usual.t_s[np.argmax(h < 0.1 * h[0])]) / 60.0
-    left = ", ".join(
-        f"{np.linalg.norm(run.h_eci_n_m_s[-1]):.2g} with {coil:.0f}"
-        for coil, run in zip(COILS_A_M2, found.runs, strict=True)
-    )
-    last = len(h) // 3
-    return [
-        said(
-            place="introduction",
-            name="unloading coils",
-            says="three electromagnetic devices unload the gyros",
-            ours=down_min,
-            unit="min",
-            tolerance=3.0,
-            verdict="can't be reproduced",
-            why=f"the paper gives no numbers. Ours: three coils of {COIL_A_M2:.0f} A m² in a "
-            f"dipole field of {1e6 * found.field_t[0]:.0f} to {1e6 * found.field_t[1]:.0f} uT "
-            f"bring 30 N m s down to 3 in this time; after {ORBITS:.0f} orbits N m s are left: "
-            f"{left} A m². Against a lasting 1.4e-4 N m they keep {h[-last:].max():.2f} N m s",
-        ),
-        said(
-            place="introduction",
-            name="what a session gathers",
-            says="momentum gathers and must be unloaded",
-            ours=found.session_n_m_s,
-            unit="N m s",
-            tolerance=0.005,
-            verdict="agrees",
-            why="most that the gravity gradient adds in the session of eight areas; with 1.4e-4 "
-            f"N m of sunlight and air {1.4e-4 * 1590.0:.2f} more: a session needs no unloading, "
-            f"days do (12 N m s a day). The coils' torque, {1e3 * usual.torque_n_m.max():.1f} mN m "
-            "at most, is about the gyros' least, so it need not be off while imaging",
-        ),
-    ]
-
-
 class Trackers(NamedTuple):
     """Of a session: rows' times, trackers usable (n, 3), and which rows image (n,)."""
 
@@ -313,47 +93,102 @@ def _trackers_of(name: str) -> Trackers:
     return Trackers(table.t_s, found.usable, np.append(table.imaging(), False))
 
 
-def _trackers() -> list[Statement]:
-    shares = {}
-    for name in ("strip_and_stereo", "eight_areas"):
-        one = _trackers_of(name)
+def numbers() -> Numbers:
+    return {**_gyros(), **_rates(), **_craft(), **_coils(), **_trackers()}
+
+
+def _gyros() -> Numbers:
+    array, inertia = AGILE_CMG.array, np.array(AGILE_CMG.inertia_kg_m2)
+    short, long = (needed(planned(name).table.gimbal_rad, TICK_S) for name in NAMES)
+    most = max(short.gyro_n_m_s, long.gyro_n_m_s)
+    held = max(short.held_n_m_s, long.held_n_m_s)
+    least_n_m = array.momentum_n_m_s * array.rate_step_rad_s
+    x, y, z = (math.degrees(least_n_m / j) for j in inertia)
+    envelope = {
+        f"envelope along {axis}": reach_n_m_s(np.eye(3)[k])
+        for k, axis in enumerate(("OX", "OY", "OZ"))
+    }
+    return {
+        **envelope,
+        "four times what is needed": 60.0 / most,
+        "torque in the sphere": least_torque_n_m(60.0),
+        "momentum at 3.5 deg/s": float(inertia.max() * math.radians(3.5)),
+        "least torque": least_n_m,
+        "least acceleration": z,
+        "most": most,
+        "held": held,
+        "in_pitch": float(long.by_axis_n_m_s[2]),
+        "long_torque": long.torque_n_m,
+        "times_held": 60.0 / held,
+        "empty_torque": least_torque_n_m(0.0, 1),
+        "about_y": y,
+        "in_a_cycle": 0.2 * x,
+    }
+
+
+def _rates() -> Numbers:
+    usual, fast = turned(1.58, 15.4), turned(3.3, 13.0)
+    return {
+        "spin-up": spin_up_s(3.5, 30.0),
+        "20 deg by table": usual.settled_s,
+        "3.5 deg/s against 1.6": gyro_reach_deg_s(),
+        "spin_up_1_58": spin_up_s(1.58, 30.0),
+        "spin_up_15_n_m": spin_up_s(3.5, 15.0),
+        "spin_up_1_58_15_n_m": spin_up_s(1.58, 15.0),
+        "turn_s": usual.turn_s,
+        "quickest_s": quickest_s(20.0),
+        "fast_s": fast.turn_s,
+        "fast_settled_s": fast.settled_s,
+    }
+
+
+def _craft() -> Numbers:
+    low_m, middle_m, high_m = (AGILE_CMG.camera.pixel_rad * km * 1e3 for km in (600, 650, 700))
+    return {
+        "Sun-synchronous": node_drift_deg_day(HEIGHT_KM),
+        "resolution": middle_m,
+        "low_m": low_m,
+        "high_m": high_m,
+    }
+
+
+def _coils() -> Numbers:
+    found = _gathered()
+    usual = found.runs[COILS_A_M2.index(COIL_A_M2)]
+    h = np.linalg.norm(usual.h_eci_n_m_s, axis=1)
+    left = ", ".join(
+        f"{np.linalg.norm(run.h_eci_n_m_s[-1]):.2g} with {coil:.0f}"
+        for coil, run in zip(COILS_A_M2, found.runs, strict=True)
+    )
+    return {
+        "unloading coils": float(usual.t_s[np.argmax(h < 0.1 * h[0])]) / 60.0,
+        "what a session gathers": found.session_n_m_s,
+        "least_ut": 1e6 * found.field_t[0],
+        "most_ut": 1e6 * found.field_t[1],
+        "left": left,
+        "kept_n_m_s": float(h[-(len(h) // 3) :].max()),
+        "coil_mn_m": 1e3 * float(usual.torque_n_m.max()),
+    }
+
+
+def _trackers() -> Numbers:
+    shares = []
+    for one in map(_trackers_of, NAMES):
         two = one.usable.sum(axis=1) >= 2
-        shares[name] = (100.0 * two[one.imaging].mean(), 100.0 * two[~one.imaging].mean())
-    long = shares["eight_areas"]
+        shares.append((100.0 * two[one.imaging].mean(), 100.0 * two[~one.imaging].mean()))
     single, pair, three = (float(sigma_arcsec(k)[-1]) for k in ((0,), (0, 1), (0, 1, 2)))
-    assumed = math.degrees(AGILE_CMG.sensors.star_tracker_noise_rad) * 3600.0
-    return [
-        said(
-            place="introduction",
-            name="two of three trackers",
-            says="of three star trackers two work at the same time while imaging",
-            ours=long[0],
-            unit="%",
-            tolerance=1.0,
-            verdict="differs",
-            why="of the imaging time of the long session two of three trackers (45 deg from the "
-            "zenith, 120 deg apart, blind within 35 deg of the Sun, 20 of the limb, 12 of the "
-            f"Moon) see stars; of the strip and stereo pair "
-            f"{shares['strip_and_stereo'][0]:.0f} %, between strips, turning fast, {long[1]:.0f} "
-            "%. Most of the time the Sun blinds one; where the Moon blinds another, one is left. "
-            "The paper gives no arrangement; our control uses none while imaging",
-        ),
-        said(
-            place="introduction",
-            name="why two trackers",
-            says="two are used together",
-            ours=pair,
-            unit="arcsec",
-            tolerance=0.05,
-            verdict="agrees",
-            why="worst axis of a fix of two (5 arcsec across each boresight, 40 about it); one "
-            f"alone {single:.0f}, all three {three:.1f}. Our simulation takes {assumed:.0f} "
-            "arcsec an axis for two together",
-        ),
-    ]
+    return {
+        "two of three trackers": float(shares[1][0]),
+        "why two trackers": pair,
+        "strip_percent": float(shares[0][0]),
+        "turning_percent": float(shares[1][1]),
+        "single": single,
+        "three": three,
+        "assumed": math.degrees(AGILE_CMG.sensors.star_tracker_noise_rad) * 3600.0,
+    }
 
 
-def pictures(folder: Path) -> list[Picture]:
+def pictures(folder: Path) -> None:
     figure = Figure(figsize=(10.0, 3.8), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.2))
     for coil, run in zip(COILS_A_M2, _gathered().runs, strict=True):
@@ -376,12 +211,3 @@ def pictures(folder: Path) -> list[Picture]:
         title="when each tracker sees stars, eight areas",
     )
     figure.savefig(folder / "reproduction_spacecraft_coils_and_trackers.png", dpi=90)
-    return [
-        Picture(
-            file="reproduction_spacecraft_coils_and_trackers.png",
-            shows="Momentum while coils of three sizes unload; trackers that see stars",
-            text="Left: from 30 N m s in orbital orientation at 650 km; the torque is square to "
-            "the field, so the rest waits until the field has turned. Right: the Sun blinds one "
-            "tracker, fast turns all, the Moon one for a while.",
-        )
-    ]

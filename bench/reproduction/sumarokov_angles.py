@@ -15,9 +15,8 @@ from planner.platforms import ISS_HRC
 from planner.pointing.angles import axis_angles, boresight_platform
 from planner.pointing.line_of_sight import line_of_sight
 from reproduction.example_plans import plan_of
-from reproduction.statements import Picture, Statement, holds, judge
+from reproduction.statements import Numbers
 
-PAPER = "Sumarokov 2016"
 TILT_RAD = np.radians(5.0)
 ZERO = np.array([0.0, 0.0, 1.0])  # the paper leaves its V open
 OUTER, INNER = ISS_HRC.axes_platform
@@ -85,76 +84,35 @@ def quaternion_line_of_sight() -> tuple[NDArray, NDArray, NDArray]:
     return platform / range_m[:, None], seen.los_platform, range_m
 
 
-def statements() -> list[Statement]:
-    return [*_target(), *_axes(), *_misread_angles()]
+def numbers() -> Numbers:
+    return {**_chain(), **_intersections(), **_misread_angles()}
 
 
-def _target() -> list[Statement]:
+def _chain() -> Numbers:
     rng = np.random.default_rng(8)
     latitude, longitude = rng.uniform(-1.57, 1.57, 1000), rng.uniform(-3.14, 3.14, 1000)
     height_m = rng.uniform(-400.0, 9000.0, 1000)
     difference_m = printed_target_m(latitude, longitude, height_m) - itrf_from_geodetic(
         latitude, longitude, height_m
     )
-    worst_mm = float(np.abs(difference_m).max()) * 1e3
     printed, ours, range_m = quaternion_line_of_sight()
     apart_rad = np.linalg.norm(printed - ours, axis=1)
-    return [
-        Statement(
-            paper=PAPER,
-            place="eq. 8",
-            name="target",
-            says="the target's place from latitude, longitude and height",
-            stated=0.0,
-            ours=worst_mm,
-            unit="mm",
-            tolerance=0.01,
-            verdict=judge(0.0, worst_mm, 0.01),
-            why="at 1,000 places of all latitudes, beside ours",
-        ),
-        Statement(
-            paper=PAPER,
-            place="eq. 9",
-            name="line of sight",
-            says="V = T - X, the target's place less the carrier's state",
-            stated=6.0,
-            ours=float(ours.shape[1]),
-            unit="components",
-            verdict="differs",
-            why="X in (6) and (7) holds the velocity, too, of which a place can't be subtracted: "
-            "meant are its first three components",
-        ),
-        Statement(
-            paper=PAPER,
-            place="eq. 10",
-            name="rotations",
-            says="T = D~ A~ G~ V G A D: the line of sight in the platform's frame",
-            stated=0.0,
-            ours=float(np.rad2deg(apart_rad.max())) * 3600.0,
-            unit="arcsec at most",
-            tolerance=0.1,
-            verdict="differs",
-            why="over Las Vegas, the mount being turned about all axes: the order of rotations is "
-            "right, but the paper looks at where the target is; light comes from where it seems to "
-            "be (aberration, light time, refraction), "
-            f"{float((apart_rad * range_m).max()):.0f} m on the ground, "
-            f"{float((apart_rad * range_m).max()) / 1.15:.0f} pixels, too little to lose it",
-        ),
-    ]
+    off_m = float((apart_rad * range_m).max())
+    return {
+        "target": float(np.abs(difference_m).max()) * 1e3,
+        "line of sight": float(ours.shape[1]),
+        "rotations": float(np.rad2deg(apart_rad.max())) * 3600.0,
+        "off_m": off_m,
+        "off_px": off_m / 1.15,
+    }
 
 
-def _axes() -> list[Statement]:
-    rng = np.random.default_rng(11)
-    target = rng.normal(size=(20000, 3))
+def _intersections() -> Numbers:
+    target = np.random.default_rng(11).normal(size=(20000, 3))
     target /= np.linalg.norm(target, axis=1, keepdims=True)
     printed = printed_intersections(target)
     branches = axis_angles(ISS_HRC, target)
-    turned = np.stack(
-        [
-            boresight_platform(ISS_HRC, branches.angle_rad[k] * [0.0, 1.0])
-            for k in range(len(branches.angle_rad))
-        ]
-    )
+    turned = np.stack([boresight_platform(ISS_HRC, one * [0.0, 1.0]) for one in branches.angle_rad])
     known = branches.reachable
     # The two solutions come in no order.
     apart = np.minimum(
@@ -162,105 +120,29 @@ def _axes() -> list[Statement]:
         np.linalg.norm(printed - turned[::-1], axis=2).max(axis=0),
     )
     found = np.isfinite(printed[..., 2]).all(axis=0)
-    lost = float(np.mean(printed[:, known, 2] < 0.0))
-    kept_one = float(np.mean((printed[:, known, 2] >= 0.0).any(axis=0)))
-    square_deg = float(np.rad2deg(np.arccos(OUTER @ INNER)))
-    return [
-        Statement(
-            paper=PAPER,
-            place="eq. 11",
-            name="axes",
-            says="A_beta = [1, 0, 0], A_alpha = [0, -cos 5°, sin 5°]",
-            stated=90.0,
-            ours=square_deg,
-            unit="deg apart",
-            verdict=judge(90.0, square_deg, 1e-9),
-            why="the platform `iss-hrc`; alpha's axis leans 5 deg out of the base. The paper "
-            "leaves the zero direction V open, ours is +Z",
-        ),
-        Statement(
-            paper=PAPER,
-            place="eq. 11",
-            name="intersections",
-            says="two lines in which the cones meet",
-            stated=0.0,
-            ours=float(np.rad2deg(apart[known].max())) * 3600.0,
-            unit="arcsec at most",
-            tolerance=0.01,
-            verdict=holds(np.array_equal(found, known)),
-            why="in 20,000 directions over the whole sphere the printed y and z = a + b y give "
-            "both of our solutions",
-        ),
-        Statement(
-            paper=PAPER,
-            place="p. 90",
-            name="z as a root",
-            says="z = +sqrt(1 - x² - y²), before (11): the solutions that it has",
-            stated=100.0,
-            ours=100.0 * (1.0 - lost),
-            unit="% of the solutions",
-            tolerance=1.0,
-            verdict="differs",
-            why="of two solutions in each direction that can be reached, the positive root has but "
-            f"this share; {kept_one:.0%} of the directions keep one. The squared equation, and so "
-            "(11), has them all",
-        ),
-    ]
+    return {
+        "axes": float(np.rad2deg(np.arccos(OUTER @ INNER))),
+        "intersections": float(np.rad2deg(apart[known].max())) * 3600.0,
+        "z as a root": 100.0 * float(np.mean(printed[:, known, 2] >= 0.0)),
+        "missed": int(np.sum(found != known)),
+        "keep_one": float(np.mean((printed[:, known, 2] >= 0.0).any(axis=0))),
+    }
 
 
-def _misread_angles() -> list[Statement]:
+def _misread_angles() -> Numbers:
     angle_rad, error_rad = grid()
-    alpha_deg = float(np.rad2deg(np.sqrt(np.mean(error_rad**2))))
     turned = boresight_platform(ISS_HRC, angle_rad * [0.0, 1.0])
     beta_error_rad = np.arccos(np.clip(turned @ ZERO, -1.0, 1.0)) - np.abs(angle_rad[:, 1])
-    beta_deg = float(np.rad2deg(np.abs(beta_error_rad).max()))
-    return [
-        Statement(
-            paper=PAPER,
-            place="p. 90",
-            name="alpha as told",
-            says="alpha is the angle between T and L",
-            stated=0.0,
-            ours=alpha_deg,
-            unit="deg rms off",
-            tolerance=0.02,
-            verdict=judge(0.0, alpha_deg, 0.01),
-            why=f"over |alpha| < {ALPHA_DEG:.0f}, |beta| < {BETA_DEG:.0f} deg, at most "
-            f"{float(np.rad2deg(np.abs(error_rad).max())):.1f} deg, and the sign is lost, too. "
-            "Meant is the signed angle about the axis",
-        ),
-        Statement(
-            paper=PAPER,
-            place="p. 90",
-            name="beta as told",
-            says="beta is the angle between V and L",
-            stated=0.0,
-            ours=beta_deg,
-            unit="deg off at most",
-            tolerance=1e-3,
-            verdict=judge(0.0, beta_deg, 1e-3),
-            why="V stands square to beta's axis, so that only the sign is lost; for another V it "
-            "would go as alpha does",
-        ),
-    ]
+    return {
+        "alpha as told": float(np.rad2deg(np.sqrt(np.mean(error_rad**2)))),
+        "beta as told": float(np.rad2deg(np.abs(beta_error_rad).max())),
+        "worst_deg": float(np.rad2deg(np.abs(error_rad).max())),
+    }
 
 
-def pictures(folder: Path) -> list[Picture]:
+def pictures(folder: Path) -> None:
     _draw_cones(folder / "reproduction_cones.png")
     _draw_error(folder / "reproduction_angles.png")
-    return [
-        Picture(
-            file="reproduction_cones.png",
-            shows="The two cones and both lines in which they meet",
-            text="As Fig. 1, for alpha 40°, beta 25°: the zero direction V turns about beta's axis "
-            "(blue), the target T about alpha's (red). They meet in two lines L; the one with the "
-            "smaller turn of beta is taken (solid).",
-        ),
-        Picture(
-            file="reproduction_angles.png",
-            shows="How far the angle between T and L is from the angle alpha has to turn",
-        ),
-    ]
 
 
 def _draw_cones(file: Path) -> None:

@@ -15,9 +15,8 @@ from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import OrbitStates, TleOrbit
 from planner.platforms.two_axis import HRC_FRAME_HALF_RAD
-from reproduction.statements import Picture, Statement, holds, judge
+from reproduction.statements import Numbers
 
-PAPER = "Sumarokov 2016"
 TELEMETRY = Path(__file__).parents[2] / "tests/data/iss_attitude_rates_2018-285.csv"
 CLOCK_UTC = datetime(2017, 12, 31, tzinfo=UTC)
 TLE = TleOrbit(
@@ -114,74 +113,20 @@ def rms(values: NDArray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def statements() -> list[Statement]:
-    at_900_deg, at_60_deg = (rms(constant_rate_errors_deg(s)) for s in (900.0, 60.0))
-    frame_deg = float(np.rad2deg(min(HRC_FRAME_HALF_RAD)))
-    squared, printed = (float(steps_to_unit_norm(power)) for power in (2, 1))
-    recursion_arcsec = recursion_error_arcsec(900.0)
-    return [
-        Statement(
-            paper=PAPER,
-            place="eqs. 1, 2",
-            name="recursion",
-            says="the attitude is predicted in steps of 0.1 s, the norm corrected at each: as good "
-            "as the kinematic equation itself",
-            stated=0.0,
-            ours=recursion_arcsec,
-            unit="arcsec after 900 s",
-            tolerance=0.01,
-            verdict=judge(0.0, recursion_arcsec, 0.7),
-            why="beside the closed form that the law `inertial` uses, at the ISS's rate and with "
-            "the squared norm; a pixel sees 0.7 arcsec. In (2) only the commas between the four "
-            "components are lost in print",
-        ),
-        Statement(
-            paper=PAPER,
-            place="eq. 1",
-            name="norm correction",
-            says="q_N holds |q|: a length 1 % off is mended to 1e-9 in as many steps as by the "
-            "squared one",
-            stated=squared,
-            ours=printed,
-            unit="steps",
-            verdict=judge(squared, printed, 0.5),
-            why=f"the squared norm takes {squared:.0f} steps, a length taken literally "
-            f'{printed:.0f}: each then mends only half of the error. "Norm" in the paper\'s source '
-            "[6] is the squared one, the bars mislead",
-        ),
-        Statement(
-            paper=PAPER,
-            place="p. 87, eqs. 1, 2",
-            name="constant rate, 900 s",
-            says="the body rate stays what it is; no error is told, our first study found 0.22 deg "
-            "after 900 s",
-            stated=0.22,
-            ours=at_900_deg,
-            unit="deg rms",
-            tolerance=0.005,
-            verdict=judge(0.22, at_900_deg, 0.03),
-            why=f"{len(constant_rate_errors_deg(900.0))} predictions over half a day of "
-            "telemetry (12 October 2018, in torque equilibrium). Half the frame's height is "
-            f"{frame_deg:.2f} deg: after 900 s the target is about to leave it",
-        ),
-        Statement(
-            paper=PAPER,
-            place="p. 87, eqs. 1, 2",
-            name="constant rate, 60 s",
-            says="the prediction bridges the delay with which data come: the target stays in the "
-            "frame",
-            stated=round(frame_deg, 2),
-            ours=at_60_deg,
-            unit="deg rms",
-            tolerance=0.001,
-            verdict=holds(at_60_deg < frame_deg / 3.0),
-            why="the paper doesn't tell the delay; after a minute the error is far below half the "
-            "frame's height, the number beside it",
-        ),
-    ]
+def numbers() -> Numbers:
+    at_900_deg = constant_rate_errors_deg(900.0)
+    return {
+        "recursion": recursion_error_arcsec(900.0),
+        "norm correction": float(steps_to_unit_norm(2)),
+        "constant rate, 900 s": rms(at_900_deg),
+        "constant rate, 60 s": rms(constant_rate_errors_deg(60.0)),
+        "as_printed": steps_to_unit_norm(1),
+        "count": len(at_900_deg),
+        "frame_deg": float(np.rad2deg(min(HRC_FRAME_HALF_RAD))),
+    }
 
 
-def pictures(folder: Path) -> list[Picture]:
+def pictures(folder: Path) -> None:
     figure = Figure(figsize=(7.2, 3.6), layout="constrained")
     panel = figure.add_subplot()
     leads_s = np.array([60.0, 120.0, 300.0, 600.0, 900.0, 1200.0, 1800.0])
@@ -197,9 +142,3 @@ def pictures(folder: Path) -> list[Picture]:
     panel.grid(alpha=0.3)
     panel.legend()
     figure.savefig(folder / "reproduction_attitude.png", dpi=100)
-    return [
-        Picture(
-            file="reproduction_attitude.png",
-            shows="Error of an attitude predicted with a constant body rate, over the time ahead",
-        )
-    ]

@@ -13,7 +13,7 @@ KNOWLEDGE_RAD = np.deg2rad(138.0 / 3600.0) / np.sqrt(6.0)
 MEAN_SIGMA_DEG = 0.05
 # What is left of the ISS's motion about body x, y, z beside mean and swing, and how long it stays
 # `alike`: by how much telemetry differs from what it was an orbit, and some minutes, before
-# (bench/attitude_figures.py).
+# (bench/attitude_figures.py of commit 54f03d3).
 REST_RAD = np.deg2rad([0.0095, 0.0165, 0.0045])
 REST_MEMORY_S = 500.0
 _TurnDeg = Annotated[float, Within(0.0, 180.0)]

@@ -24,7 +24,7 @@ HISTORY_ORBITS = 5.0
 ROW_STEP_S = 10.0
 LEAD_MAX_S = 6.0 * 3600.0
 # Errors of one forecast, 900 and 1,800 s apart, have a correlation of 0.6 and 0.4 about x and y
-# (bench/attitude_figures.py).
+# (bench/attitude_figures.py of commit 54f03d3).
 ERROR_MEMORY_S = 1250.0
 _TURN = ", and its manoeuvre's turn, which nothing foretells"
 

@@ -17,7 +17,8 @@ from planner.spec import UnitPart, Within, spec
 
 QUATERNION_NORM_TOLERANCE = 1e-4  # four printed decimals
 # Rms sizes (deg) about body x, y, z of the shapes over time that the error of a constant body rate
-# is made of, fitted to ISS telemetry in torque equilibrium (bench/attitude_figures.py):
+# is made of, fitted to ISS telemetry in torque equilibrium (bench/attitude_figures.py of commit
+# 54f03d3):
 # the swing and the rate's own error, which a turning frame brings back each orbit, the orbital
 # plane's drift, an eccentric orbit's uneven pace, and the pitch rate's error, which adds up.
 _SIZES_BODY_DEG = (

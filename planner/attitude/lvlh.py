@@ -18,7 +18,7 @@ from planner.orbits import OrbitStates
 from planner.spec import Within, spec
 
 # Rms of the sinusoid at the orbital rate in which the ISS swings about its mean in torque
-# equilibrium on 2018-10-12, about body x, y, z (bench/attitude_figures.py).
+# equilibrium on 2018-10-12, about body x, y, z (bench/attitude_figures.py of commit 54f03d3).
 SWING_RMS_BODY_RAD = np.deg2rad([0.234, 0.0126, 0.0065])
 
 

@@ -13,7 +13,7 @@ from planner.orbits.paper_model import PaperEphemeris
 MEASURED_TLE = (
     "measured: ISS TLEs against NASA ephemerides near their epoch, 2,300 of 1998-2004, 2017 and "
     "2024-25 against later ones for the growth, by the drag in the elements; reboosts excluded "
-    "(bench/truth.py, bench/orbit_growth.py)"
+    "(bench/truth.py, docs/decisions/orbit_growth.md)"
 )
 MEASURED_OEM = (
     "growth measured on ISS ephemerides of 2021 to 2025 by the drag in each (bench/truth.py); "

@@ -9,11 +9,11 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_kill_9_in_the_middle_of_a_campaign_loses_and_doubles_nothing():
-    """One round of bench/resilience.py, which audits the database and fails where it is wrong."""
+    """One round of resilience.py, which audits the database and fails where it is wrong."""
     small = ["--rounds", "1", "--kills", "2", "--targets", "40", "--days", "0.1"]
     database = ["--database", os.environ["SLEWTRACK_DATABASE_URL"]]
     done = subprocess.run(
-        [sys.executable, str(ROOT / "bench" / "resilience.py"), *small, *database],
+        [sys.executable, str(Path(__file__).with_name("resilience.py")), *small, *database],
         cwd=ROOT,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,

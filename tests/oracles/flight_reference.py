@@ -1,4 +1,4 @@
-"""A table flown slowly, by SciPy, from what docs/simulation.md says; for tests and bench/flight.py.
+"""A table flown slowly, by SciPy, from what docs/simulation.md says.
 
 Mechanics in another form than the simulator's: coordinates are the turns of both axes relative to
 the base and the modes' turns q, with the mass matrix of the rates and the energy's own

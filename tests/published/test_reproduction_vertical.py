@@ -5,13 +5,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "bench"))
 
-from reproduction.lomaka_edge import highest_m, model_rms_deg, pair
+from reproduction.lomaka_edge import (
+    circle_misfit_px,
+    edge_deg,
+    highest_m,
+    model_rms_deg,
+    pair,
+)
 from reproduction.lomaka_geometry import (
     RADIUS_M,
     arc_px,
+    dip_rad,
+    lens,
     nadir_error_deg,
     printed_circle,
     tilted_nadir,
@@ -79,3 +88,21 @@ def test_the_corrected_circle_is_one_about_its_axis():
     points = printed_circle(axis, corrected=True)
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), 1.0, atol=1e-12)
     np.testing.assert_allclose(points @ axis, 0.0, atol=1e-12)
+
+
+def test_the_horizon_is_lost_where_it_leaves_the_pixels():
+    """Half the height of a 4:3 frame 60 deg wide, less how far down the horizon is."""
+    half_height, dip = np.rad2deg([np.arctan(0.75 / 3**0.5), dip_rad(500e3)])
+    assert edge_deg(60.0, 0.0, 500e3) == pytest.approx(half_height - dip, abs=2e-3)
+    assert edge_deg(60.0, dip, 500e3) == pytest.approx(half_height, abs=2e-3)
+
+
+def test_no_circle_is_nearer_to_the_arc_than_the_nearest():
+    """The nearest departs equally far to either side (Chebyshev): by 0.55 of what the best one in
+    least squares does at its ends, the departure going with the fourth power."""
+    arc = arc_px(lens(60.0, 640, np.rad2deg(dip_rad(500e3)), 0.0), tilted_nadir(0.0, 0.0), 500e3)
+    x = np.linspace(*arc[[0, -1], 0], 641)
+    y = np.interp(x, *arc[np.argsort(arc[:, 0])].T)
+    start = np.array([319.5, 1700.0, 1460.0])
+    fit = least_squares(lambda c: np.hypot(x - c[0], y - c[1]) - c[2], start, x_scale=1e3)
+    assert circle_misfit_px(60.0) == pytest.approx(0.55 * np.abs(fit.fun).max(), rel=0.05)

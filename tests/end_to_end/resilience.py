@@ -6,8 +6,9 @@ machine's supervisor would start again is started again.  Then the database is a
 campaign is done; every pass has one last plan, every plan that is done is stored once and
 ended once; no look is lost: each is in a last plan or told as left out.
 
-    OMP_NUM_THREADS=1 python bench/resilience.py [--rounds 20] [--targets 200] [--days 0.5]
-        [--kills 3] [--cluster] [--database postgresql+psycopg://USER@HOST/NAME] [--seed 1]
+    OMP_NUM_THREADS=1 python tests/end_to_end/resilience.py [--rounds 20] [--targets 200]
+        [--days 0.5] [--kills 3] [--cluster] [--seed 1]
+        [--database postgresql+psycopg://USER@HOST/NAME]
 
 The database must be this script's own.
 """
@@ -33,7 +34,7 @@ from typing import Any
 from app.store import events, jobs, plans
 from app.store.database import Database, open_database
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 BIN = Path(sys.executable).parent
 PATIENCE_S = 240.0
 
@@ -151,7 +152,7 @@ class House:
         for process in self.running.values():
             process.wait(timeout=30)
 
-    def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Any:  # noqa: ANN401
+    def ask(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Any:
         """The answer's JSON; tried again while the service is down."""
         until_s = time.monotonic() + PATIENCE_S
         while True:
@@ -168,7 +169,7 @@ class House:
                 time.sleep(0.2)
 
     @contextlib.contextmanager
-    def database(self) -> Any:  # noqa: ANN401 (a generator)
+    def database(self) -> Any:
         database: Database = open_database(self.database_url, self.folder)
         try:
             yield database

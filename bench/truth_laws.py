@@ -1,15 +1,12 @@
-"""How well is the ISS's attitude foretold?  Rms error by lead, for each law, on telemetry.
+"""How well is the ISS's attitude foretold?  Errors by lead, for each law, for bench/truth.py.
 
-    python bench/attitude.py TELEMETRY_FOLDER TLE_FILE
-
-TELEMETRY_FOLDER holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body rates,
-deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
+The telemetry's folder holds USLAB000018..21 (LVLH quaternion, 18 its scalar) and 25..27 (body
+rates, deg/s) of 2018-10-12, .txt or .txt.gz, from ISS-Mimic/Mimic, Pi/RecordedData/Data/Archive.
 Every 5 minutes the history so far is cut off and what came after is foretold.  Parts of the day
 apart: the constants of `planner.attitude.blend`, `.extrapolation` and `.manoeuvre` were chosen on
 those that say so.
 """
 
-import argparse
 import gzip
 from collections import defaultdict
 from collections.abc import Iterator
@@ -22,7 +19,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from planner.attitude.blend import Blend, blend
-from planner.attitude.errors import KNOWLEDGE_RAD
 from planner.attitude.extrapolation import DESCRIPTIONS, TAIL_S, Extrapolation, fit_extrapolation
 from planner.attitude.harmonic import HISTORY_ORBITS
 from planner.frames.local_orbital import q_lvlh_from_eci
@@ -66,15 +62,6 @@ def held(number_of: dict[int, tuple[NDArray, NDArray]], number: int, t_s: NDArra
     """The last value recorded: only changes are."""
     at_s, values = number_of[number]
     return values[np.clip(np.searchsorted(at_s, t_s + 1e-3, side="right") - 1, 0, None)]
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("telemetry", type=Path)
-    parser.add_argument("tles", type=Path)
-    arguments = parser.parse_args()
-    for part, errors, told, _ in forecasts(arguments.telemetry, arguments.tles):
-        _print_part(part, errors, told)
 
 
 Errors = dict[str, dict[int, list]]  # rotation vectors, rad, by law and lead
@@ -141,12 +128,6 @@ def of_the_best(errors: Errors, told: Told, lead_s: int) -> float:
     return _rms(errors[BLEND][lead_s]) / min(others)
 
 
-def nees(errors: Errors, told: Told, lead_s: int, knowledge_rad: float = 0.0) -> float:
-    """Of BLEND: mean squared error over the told variance, about the three axes together."""
-    sigma_rad = np.hypot(told[lead_s], knowledge_rad)
-    return float(np.mean((np.array(errors[BLEND][lead_s]) / sigma_rad) ** 2))
-
-
 class ConstantRate(NamedTuple):
     """Relative to LVLH, fitted to the last minute."""
 
@@ -182,36 +163,6 @@ def _laws(
     return {BLEND: blend(t_s, q_body_from_lvlh, PERIOD_S), **known}
 
 
-def _print_part(part: str, errors: Errors, told: Told) -> None:
-    print(f"\n{part}: rms error (deg) by lead (s)\n{'':48}", end="")
-    leads_s = sorted(told)
-    print("".join(f"{lead_s:>9}" for lead_s in leads_s), "  forecasts")
-    rms = {
-        name: {lead_s: np.rad2deg(_rms(found)) for lead_s, found in by_lead.items()}
-        for name, by_lead in errors.items()
-    }
-    for name, by_lead in rms.items():
-        # where a law had history enough for most of the forecasts
-        full = [len(errors[name][k]) > 0.7 * len(told[k]) for k in leads_s]
-        line = [
-            f"{by_lead[k]:9.4f}" if ok else " " * 9 for k, ok in zip(leads_s, full, strict=True)
-        ]
-        print(f"{name:48}{''.join(line)}", len(errors[name][leads_s[0]]))
-    rows = {f"of the best law below: goal <= {GOAL:g}": [], "seen of told": [], "NEES": []}
-    rows["NEES, the vehicle's knowledge told, too"] = []
-    for k in leads_s:
-        values = (
-            of_the_best(errors, told, k),
-            _rms(errors[BLEND][k]) / _rms(told[k]),
-            nees(errors, told, k),
-            nees(errors, told, k, KNOWLEDGE_RAD),
-        )
-        for row, value in zip(rows.values(), values, strict=True):
-            row.append(f"{value:9.2f}")
-    for name, row in rows.items():
-        print(f"{name:48}{''.join(row)}")
-
-
 def _rms(turns: list) -> float:
     return float(np.sqrt(np.mean(np.sum(np.square(turns), axis=1))))
 
@@ -230,7 +181,3 @@ def lvlh(tles: Path, t_s: NDArray[np.float64]) -> Rotation:
     stop_utc = shifted_utc(YEAR_UTC, float(t_s[-1]))
     states = nearest.ephemeris(start_utc, stop_utc).states(instants)
     return q_lvlh_from_eci(states.r_sat_eci_m, states.v_sat_eci_m_s)
-
-
-if __name__ == "__main__":
-    main()
