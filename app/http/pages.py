@@ -7,13 +7,16 @@ from pathlib import Path
 from fastapi import APIRouter, FastAPI, Request, Response
 from starlette.staticfiles import StaticFiles
 
-from app.http.door.access import PAGE_FILES
+from app.http import planners_page
+from app.http.door.access import BUILT_FILES, PAGE_FILES
 from app.http.door.headers import PAGE_CONTENT_POLICY
 from app.http.negotiation import JSON
 
 router = APIRouter(include_in_schema=False)
 
 _OURS = Path(__file__).parent / "static"
+# Swagger UI and ReDoc, which `make web` puts among the planner's page's files.
+_PUBLISHED = f"{BUILT_FILES.lstrip('/')}documentation/"
 # Addresses are relative, so that the pages also work under a proxy's path.
 _PAGE = """\
 <!doctype html>
@@ -22,20 +25,21 @@ _PAGE = """\
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>slewtrack: the API</title>
-<link rel="icon" href="page-files/favicon.png">
-{styles}<link rel="stylesheet" href="page-files/pages.css">
+<link rel="icon" href="{published}icon.svg" type="image/svg+xml">
+{style}<link rel="stylesheet" href="page-files/pages.css">
 </head>
 <body>
 <div id="page"></div>
-{scripts}</body>
+<script src="{published}{script}"></script>
+<script src="page-files/{start}"></script>
+</body>
 </html>
 """
 
 
 def serve_files(app: FastAPI) -> None:
-    """What the pages load: Swagger UI and ReDoc as fastapi-offline packs them, and our own."""
-    files = StaticFiles(directory=_OURS, packages=[("fastapi_offline", "static")])
-    app.mount(PAGE_FILES.rstrip("/"), files, name="page-files")
+    """What the pages load beside Swagger UI and ReDoc."""
+    app.mount(PAGE_FILES.rstrip("/"), StaticFiles(directory=_OURS), name="page-files")
 
 
 @router.get("/openapi.json")
@@ -52,19 +56,19 @@ def _openapi_json(app: FastAPI) -> bytes:
 @router.get("/docs")
 async def get_docs() -> Response:
     """To read and try out."""
-    return _page(("swagger-ui-bundle.js", "docs.js"), ("swagger-ui.css",))
+    style = f'<link rel="stylesheet" href="{_PUBLISHED}swagger-ui.css">\n'
+    return _page("swagger-ui-bundle.js", "docs.js", style)
 
 
 @router.get("/redoc")
 async def get_redoc() -> Response:
     """To read and print."""
-    return _page(("redoc.standalone.js", "redoc.js"))
+    return _page("redoc.standalone.js", "redoc.js")
 
 
-def _page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> Response:
-    html = _PAGE.format(
-        styles="".join(f'<link rel="stylesheet" href="page-files/{name}">\n' for name in styles),
-        scripts="".join(f'<script src="page-files/{name}"></script>\n' for name in scripts),
-    )
+def _page(script: str, start: str, style: str = "") -> Response:
+    if not planners_page.is_built():
+        return planners_page.not_built()
+    html = _PAGE.format(published=_PUBLISHED, script=script, start=start, style=style)
     headers = {"Content-Security-Policy": PAGE_CONTENT_POLICY, "Cache-Control": "no-cache"}
     return Response(html, headers=headers, media_type="text/html")

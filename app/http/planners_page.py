@@ -23,7 +23,7 @@ _NAMED_AFTER_CONTENT = re.compile(r"-[\w-]{8}\.\w+$", re.ASCII)
 _FOR_GOOD = "public, max-age=31536000, immutable"
 _ASK_AGAIN = "no-cache"
 _HOW_TO_BUILD = (
-    "the planner's page isn't built here: `make web` builds it (a wheel and the image bring it)"
+    "the pages aren't built here: `make web` builds them (a wheel and the image bring them)"
 )
 _NOT_BUILT = f"""\
 <!doctype html>
@@ -37,7 +37,7 @@ _NOT_BUILT = f"""\
 <body>
 <h1>slewtrack</h1>
 <p>{_HOW_TO_BUILD.replace("`make web`", "<code>make web</code>").capitalize()}.</p>
-<p><a href="docs">The API's documentation</a></p>
+<p>For programs: <a href="openapi.json">the API's schema</a></p>
 </body>
 </html>
 """
@@ -54,14 +54,23 @@ def serve_page(app: FastAPI) -> None:
 
 def _root(request: Request) -> Response:
     if preferred_type(request, (_HTML, JSON)) == JSON:
-        is_built = (BUILT / "index.html").exists()
-        told = {"page": "built" if is_built else _HOW_TO_BUILD}
+        told = {"page": "built" if is_built() else _HOW_TO_BUILD}
         told |= {"documentation": "docs", "openapi": "openapi.json"}
         return Response(json.dumps(told), media_type=JSON)
     document = _document(request)
     if document is None:
-        return Response(_NOT_BUILT, headers=_page_headers(), media_type=_HTML)
+        return not_built()
     return document
+
+
+def is_built() -> bool:
+    """Whether there is more than the schema to look at."""
+    return (BUILT / "index.html").exists()
+
+
+def not_built() -> Response:
+    """Says how to build the pages."""
+    return Response(_NOT_BUILT, headers=_page_headers(), media_type=_HTML)
 
 
 def _room(request: Request) -> Response:

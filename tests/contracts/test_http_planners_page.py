@@ -1,6 +1,7 @@
 """Does the service answer with the planner's page where, how and to whom it should?"""
 
 import re
+from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
@@ -10,6 +11,10 @@ from app.http.app import create_app
 from app.http.door.access import PAGE_ROOMS
 from app.settings import Settings
 
+_PUBLISHED = re.findall(
+    r'"(?:node_modules|src)/\S+/(\S+)"',
+    (Path(__file__).parents[2] / "web/vite.documentation.ts").read_text(),
+)
 _INDEX = '<!doctype html><base href="./"><title>slewtrack</title><div id="page"></div>'
 
 
@@ -21,6 +26,9 @@ def built(tmp_path, monkeypatch):
     (tmp_path / "page/index.html").write_text(_INDEX)
     (assets / "index-09TdYzx8.js").write_text("1;" * 1000)
     (assets / "worker.js").write_text("2")
+    (assets / "documentation").mkdir()
+    for name in _PUBLISHED:
+        (assets / "documentation" / name).write_text("3")
 
 
 @pytest.fixture
@@ -87,10 +95,25 @@ def test_where_it_is_not_built_it_says_how(not_built):
     there = client()
     page = there.get("/")
     assert "make web" in page.text
-    assert 'href="docs"' in page.text
+    assert 'href="openapi.json"' in page.text
     assert "make web" in there.get("/", headers={"Accept": "application/json"}).json()["page"]
     room = there.get("/plans/7")
     assert room.status_code == 404
     assert room.headers["content-type"] == "application/problem+json"
     assert "make web" in room.json()["detail"]
     assert there.get("/plans/7/x").json()["status"] == 404
+    for path in ("/docs", "/redoc"):
+        assert there.get(path).text == page.text
+
+
+@pytest.mark.parametrize("path", ["/docs", "/redoc"])
+def test_the_pages_of_the_api_need_no_other_machine(built, path):
+    there = client(require_keys=True)
+    page = there.get(path)
+    named = re.findall(r"""(?:src|href)=["']([^"']+)["']""", page.text)
+    assert len(named) >= 4
+    for address in named:
+        assert ":" not in address, f"{path} would fetch {address}"
+        assert there.get(f"/{address}").status_code == 200
+    assert not re.search(r"https?://", page.text), f"{path} names another machine"
+    assert "script-src 'self';" in page.headers["content-security-policy"]

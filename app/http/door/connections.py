@@ -70,9 +70,15 @@ def state_of(connection: OpenConnection) -> dict[str, OpenConnection]:
     return {_STATE: connection}
 
 
+def connection_of(scope: Scope) -> OpenConnection | None:
+    """Of a request; None is served without a server, in tests."""
+    connection: OpenConnection | None = scope["state"].get(_STATE)
+    return connection
+
+
 def remember(scope: Scope, *, has_key: bool, is_let_in: bool) -> None:
     """What the request showed, for its connection."""
-    connection: OpenConnection | None = scope["state"].get(_STATE)
-    if connection is not None:  # none is served without a server, in tests
+    connection = connection_of(scope)
+    if connection is not None:
         connection.has_key = has_key
         connection.is_let_in = is_let_in

@@ -5,7 +5,7 @@ import { waiting } from "../api/client";
 import { part } from "../api/part";
 import { words } from "../i18n";
 import { Link } from "../parts/Link";
-import { match, place } from "../router";
+import { address, match, place } from "../router";
 import { ROOMS, type Room, type RoomProps } from "../rooms";
 import { Header } from "./Header";
 import { KeyDialog } from "./KeyDialog";
@@ -33,6 +33,9 @@ export function App() {
       <main ref={main} tabIndex={-1}>
         {room ? <Opened key={room.path} room={room} params={params} /> : <NotThere />}
       </main>
+      <footer class="foot">
+        <a href={address("/assets/licences.txt")}>{text.licences}</a>
+      </footer>
       <KeyDialog />
     </>
   );

@@ -15,6 +15,7 @@ export const shell = {
   theme: "Theme",
   themes: { system: "As the system", light: "Light", dark: "Dark" },
   documentation: "API",
+  licences: "Licences of the software in this page",
   loading: "Loading…",
   notThere: "There is nothing at this address.",
   toStart: "To the start",

@@ -17,6 +17,7 @@ export const shell: Words["shell"] = {
   theme: "Тема",
   themes: { system: "Как в системе", light: "Светлая", dark: "Тёмная" },
   documentation: "API",
+  licences: "Лицензии программ на этой странице",
   loading: "Загрузка…",
   notThere: "По этому адресу ничего нет.",
   toStart: "К началу",
