@@ -1,7 +1,5 @@
 """The pass in the target's sky, as pass tables have it: rise, culmination and set."""
 
-import csv
-import io
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -12,6 +10,7 @@ from pydantic import Field
 
 from app.answers.ranges import ElevationDeg, Signed, TurnDeg
 from planner.arrays import Array
+from planner.csv_cells import csv_lines
 from planner.frames.time_scales import Instants
 from planner.opportunities.target_sky import TargetSky
 
@@ -112,11 +111,9 @@ def places_out(sky: TargetSky) -> list[PlaceOut | None]:
 
 def pass_table_csv(windows: Iterable[Mapping[str, Any]]) -> bytes:
     """One line per window, as answered; empty cells for targets in space."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, _COLUMNS, restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(map(_line, windows))
-    return text.getvalue().encode()
+    lines = map(_line, windows)
+    rows = ([line.get(name) for name in _COLUMNS] for line in lines)
+    return csv_lines([_COLUMNS, *rows]).encode()
 
 
 _OF_EVENT = ("azimuth_deg", "elevation_deg")

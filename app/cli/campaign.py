@@ -1,7 +1,5 @@
 """Campaigns on the command line: chosen, planned pass by pass, reported."""
 
-import csv
-import io
 import json
 import zlib
 from collections.abc import Iterator
@@ -19,6 +17,7 @@ from app.cli.report_parts import print_assumed, print_table, print_warnings, rep
 from app.store.packed import NewPlan
 from app.work.campaign import NewCampaign, Part, choose, without_refused
 from app.work.plan import plan_and_pack, stored_table_json
+from planner.csv_cells import csv_lines
 from planner.errors import Refusal
 
 SHOWN_MAX = 100
@@ -124,14 +123,13 @@ def _table(passes: list[PlannedPass]) -> Table:
 
 def campaign_csv(passes: list[PlannedPass]) -> str:
     """One line per look of the plans made."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["pass", *_COLUMNS])
-    for one in passes:
-        for look in one.part.facts["looks"] if one.plan else ():
-            columns = (look[name] for name in _COLUMNS)
-            writer.writerow([one.part.facts["pass"], *columns])
-    return text.getvalue()
+    rows = (
+        [one.part.facts["pass"], *(look[name] for name in _COLUMNS)]
+        for one in passes
+        if one.plan
+        for look in one.part.facts["looks"]
+    )
+    return csv_lines([["pass", *_COLUMNS], *rows])
 
 
 def campaign_json(document: bytes, passes: list[PlannedPass]) -> bytes:

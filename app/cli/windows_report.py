@@ -1,7 +1,5 @@
 """The summary of opportunities on the terminal, and their CSV for a spreadsheet."""
 
-import csv
-import io
 from dataclasses import fields
 
 from rich.console import Console
@@ -10,6 +8,7 @@ from rich.text import Text
 
 from app.answers.opportunities import SightingOut, WindowOut
 from app.cli.report_parts import or_dash, print_assumed, print_table, print_warnings, report_table
+from planner.csv_cells import csv_lines
 from planner.opportunities import Opportunities
 
 SHOWN_MAX = 100
@@ -53,17 +52,15 @@ def _table(axis_names: tuple[str, str], windows: list[WindowOut]) -> Table:
 
 def windows_csv(axis_names: tuple[str, str], windows: list[WindowOut]) -> str:
     """One line per window: its edges, then the view at its closest approach."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     edges = ("target", "rise", "set", "duration_s", "opened_by", "closed_by", "highest_deg")
     by_axis = ("angles_deg", "rates_deg_s")
     view = [field.name for field in fields(SightingOut) if field.name not in by_axis]
     angles = [f"{axis}_deg" for axis in axis_names]
     rates = [f"{axis}_rate_deg_s" for axis in axis_names]
-    writer.writerow([*edges, *(f"closest_{name}" for name in (*view, *angles, *rates))])
+    rows: list[list[object]] = [[*edges, *(f"closest_{name}" for name in (*view, *angles, *rates))]]
     for window in windows:
         seen = window.closest
-        writer.writerow(
+        rows.append(
             [
                 *(getattr(window, name) for name in edges),
                 *(getattr(seen, name) for name in view),
@@ -71,4 +68,4 @@ def windows_csv(axis_names: tuple[str, str], windows: list[WindowOut]) -> str:
                 *(seen.rates_deg_s[axis] for axis in axis_names),
             ]
         )
-    return text.getvalue()
+    return csv_lines(rows)

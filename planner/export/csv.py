@@ -7,6 +7,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.commands import CommandTable
+from planner.csv_cells import comment_lines, csv_lines
 from planner.export.description import DECIMALS, columns, notes, one_line
 from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants
@@ -14,8 +15,7 @@ from planner.frames.time_scales import Instants
 
 def write_csv(plan: FlightPlan, created_utc: datetime) -> bytes:
     """`table_csv` under lines that begin with `#` and say what the columns don't."""
-    head = [f"# {note}\n" for note in notes(plan, created_utc)]
-    return ("".join(head) + table_csv(plan.table)).encode()
+    return (comment_lines(notes(plan, created_utc)) + table_csv(plan.table)).encode()
 
 
 def table_csv(table: CommandTable) -> str:
@@ -38,13 +38,8 @@ def rows_csv(
 ) -> str:
     """One row per 0.2 s: `utc`, `t_s`, then columns, (n, k), by their names and decimals."""
     layout = ",".join(f"%.{count}f" for count in decimals)
-    lines = [",".join(["utc", "t_s", *map(_quote, names)])]
+    lines = [csv_lines([["utc", "t_s", *map(one_line, names)]])]
     utc = Instants(epoch_utc, t_s).utc_text(1)
     for moment, t, row in zip(utc, t_s.tolist(), value_by_row.tolist(), strict=True):
-        lines.append(f"{moment},{t:.1f},{layout % tuple(row)}")
-    return "\n".join(lines) + "\n"
-
-
-def _quote(name: str) -> str:
-    """As RFC 4180 has it where a name holds what would part columns or lines."""
-    return name if name.isidentifier() else '"' + one_line(name).replace('"', '""') + '"'
+        lines.append(f"{moment},{t:.1f},{layout % tuple(row)}\n")
+    return "".join(lines)

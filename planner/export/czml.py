@@ -1,11 +1,13 @@
 """A plan for Cesium (CZML): orbit, ground track, boresight, footprint, targets on the globe."""
 
+import math
 from collections.abc import Iterable
 from datetime import datetime
 
 import numpy as np
 
 from planner.arrays import Array, Indices
+from planner.commands import COMMAND_STEP_S
 from planner.export.czml_packets import (
     AREA_RGBA,
     TARGET_RGBA,
@@ -33,6 +35,7 @@ from planner.platforms import TwoAxisPlatform
 from planner.scenario import Session
 from planner.targets import EarthFixedTarget, SkyTarget
 
+ROWS_MAX = 20_000  # as the view has at most; all rows of a day are 129 MB
 SKY_DISTANCE_M = 1e7  # where a star's or planet's mark is drawn: well outside, still in view
 _KIND_RGBA = {
     "wait": [160, 160, 160, 255],
@@ -45,14 +48,17 @@ _KIND_RGBA = {
 def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
     """A CZML 1.0 document; what isn't known at an instant isn't available then.
 
+    Of a table longer than ROWS_MAX every so many rows and the last one, as its text says.
     `carrier` and `payload` carry orientations: unit quaternions x, y, z, w that turn vectors
     from body or payload axes to Earth-fixed axes.
     """
-    rows = table_states(plan)
+    count = len(plan.table.t_s)
+    every = math.ceil(count / ROWS_MAX)
+    rows = table_states(plan, np.unique(np.append(np.arange(0, count, every), count - 1)))
     c_itrf = c_itrf_from_eci(rows.instants)
     boresight = sights(rows, BORESIGHT_PAYLOAD)
     packets = [
-        _document(plan, rows, created_utc),
+        _document(plan, rows, created_utc, every),
         *_spacecraft(plan, rows, c_itrf),
         *_boresight(plan, rows, boresight.end_itrf_m[:, 0]),
         *_footprint(rows, plan.scenario.platform),
@@ -65,7 +71,7 @@ def write_czml(plan: FlightPlan, created_utc: datetime) -> bytes:
     return czml_of(packets)
 
 
-def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Json:
+def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime, every: int) -> Json:
     platform = plan.scenario.platform
     along, across = 2.0 * np.degrees(platform.frame_half_rad)
     turn_deg = np.degrees(platform.frame_turn_rad)
@@ -76,6 +82,11 @@ def _document(plan: FlightPlan, rows: TableStates, created_utc: datetime) -> Jso
         f"{across:.4g} deg, the first along payload +X"
         + (f" turned by {turn_deg:.4g} deg about +Z" if turn_deg else ""),
     ]
+    if every > 1:
+        lines.append(
+            f"a sample every {every * COMMAND_STEP_S:g} s, of each {every} rows one, interpolated "
+            "between: to look at; other formats have all rows"
+        )
     return document_packet(plan.scenario.name or "slewtrack plan", lines, rows.instants)
 
 

@@ -46,6 +46,8 @@ def _day_ns(text: str, time_system: str) -> tuple[int, int]:
     try:
         layout = "%Y-%j" if len(text) == 8 else "%Y-%m-%d"
         day = datetime.strptime(text, layout).replace(tzinfo=UTC)
+        if day.year != int(text[:4]):  # day 366 of a year of 365
+            raise ValueError
     except ValueError:
         raise ValueError(f"{text!r} is no date") from None
     require_known(day)

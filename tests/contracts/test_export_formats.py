@@ -106,6 +106,26 @@ def test_the_same_plan_gives_the_same_bytes(name):
     assert write(name, plan_of()) == write(name, plan_of())
 
 
+def test_a_long_table_is_sampled_in_czml():
+    """A day has 432,001 rows, 129 MB of them all."""
+    plan = plan_of()
+    rows = 432_001
+    plan.table = dataclasses.replace(
+        plan.table, angle_rad=np.zeros((rows, 2)), rate_rad_s=np.zeros((rows, 2))
+    )
+    document = write("czml", plan)
+    assert len(document) < 10_000_000
+    packets = {packet["id"]: packet for packet in json.loads(document)}
+    told = packets["document"]["description"]
+    assert "a sample every 4.4 s, of each 22 rows one" in told
+    t_s = packets["carrier"]["position"]["cartesian"][::4]
+    assert t_s[:2] == [0.0, 4.4]
+    assert t_s[-1] == 86_400.0  # the last row is there, too
+    short = {packet["id"]: packet for packet in json.loads(write("czml", plan_of()))}
+    assert "a sample every" not in short["document"]["description"]
+    assert len(short["carrier"]["position"]["cartesian"]) == 4 * 51
+
+
 @EVERY
 def test_a_leap_second_is_counted(name):
     """Rows before, inside and after 2016-12-31T23:59:60."""

@@ -5,6 +5,7 @@ import uuid
 
 import pytest
 from fastapi.testclient import TestClient
+from waiting import eventually
 
 from app.http.app import create_app
 from app.http.routes import stored_plans
@@ -42,9 +43,18 @@ def test_unknown_method(client):
 
 
 @pytest.mark.parametrize("accept", ["text/csv", "application/json;q=0", "text/*, image/png"])
-@pytest.mark.parametrize("path", ["/v1/platforms", "/healthz"])
-def test_answers_only_json(client, accept, path):
-    assert_problem(client.get(path, headers={"Accept": accept}), 406)
+def test_answers_only_json(client, accept):
+    assert_problem(client.get("/v1/platforms", headers={"Accept": accept}), 406)
+
+
+@pytest.mark.parametrize("accept", ["text/html", "image/*", "application/json;q=0", "", "*/*"])
+@pytest.mark.parametrize("path", ["/healthz", "/readyz", "/metrics"])
+def test_probes_and_metrics_answer_whatever_is_accepted(client, accept, path):
+    """As monitors and load balancers ask, which look at the status only."""
+    plain = eventually(lambda: (told := client.get(path)).status_code == 200 and told)
+    answer = client.get(path, headers={"Accept": accept})
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == plain.headers["content-type"]
 
 
 @pytest.mark.parametrize(

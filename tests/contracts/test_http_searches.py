@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 
 import pytest
 from databases import own_settings
@@ -37,6 +38,9 @@ def cities(posted):
 
 def rows(answer):
     assert answer.headers["content-type"].startswith("text/csv")
+    assert re.fullmatch(
+        r'attachment; filename="[\w-]+\.csv"', answer.headers["content-disposition"]
+    )
     return list(csv.DictReader(io.StringIO(answer.text)))
 
 
@@ -105,6 +109,7 @@ def test_a_page_that_is_known_is_not_sent_again(client, cities):
         again = client.get(address + query, headers={"If-None-Match": page.headers["etag"]})
         assert (again.status_code, again.content) == (304, b"")
     csv = client.get(address + "?limit=1", headers={"Accept": "text/csv"})
+    assert csv.headers["content-disposition"].startswith("attachment; ")
     assert len({*tags, csv.headers["etag"].removeprefix("W/")}) == 5
     gone = f"{PATH}/{new_id()}/windows"
     assert client.get(gone, headers={"If-None-Match": "*"}).status_code == 404
@@ -165,6 +170,7 @@ def test_as_geojson(client, cities):
     answer = client.post(PATH, json=CITIES, headers=GEOJSON)
     assert answer.status_code == 200
     assert answer.headers["content-type"] == "application/geo+json"
+    assert answer.headers["content-disposition"].endswith('.geojson"')
     assert answer.headers["vary"] == "Accept, Accept-Encoding"
     collection = answer.json()
     kept = client.get(answer.headers["Location"], headers=GEOJSON).json()

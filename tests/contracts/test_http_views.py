@@ -355,7 +355,8 @@ def test_every_format_by_name_and_media_type(client, plan, name):
     if name != "json":
         suffix = plan_routes.PLANS.view_exporters[name].suffix
         disposition = answer.headers["content-disposition"]
-        assert disposition == f'inline; filename="Las-Vegas{suffix}"'
+        how = "inline" if media_type.startswith("image/") else "attachment"
+        assert disposition == f'{how}; filename="Las-Vegas{suffix}"'
     if name in DRAWN:
         assert client.get(f"/v1/plans/{plan['id']}/table?format={name}").content == answer.content
 

@@ -130,6 +130,7 @@ def test_elements_made_after_a_reboost_are_read():
         (as_json(MEAN_ELEMENT_THEORY="SGP"), "MEAN_ELEMENT_THEORY 'SGP' is not supported"),
         (as_json(ECCENTRICITY=1.5), r"ECCENTRICITY must lie in 0\.\.0\.999, not 1\.5"),
         (as_json(EPOCH="2022-13-01T00:00:00"), "is no date"),
+        (as_json(EPOCH="2022-366T00:00:00"), "is no date"),
         (as_kvn(MEAN_ELEMENT_THEORY="DSST"), "MEAN_ELEMENT_THEORY 'DSST' is not supported"),
         (as_kvn(REF_FRAME="EME2000"), "REF_FRAME 'EME2000' is not supported"),
         (as_kvn(CENTER_NAME="MARS"), "only orbits about EARTH"),

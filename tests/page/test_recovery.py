@@ -3,6 +3,7 @@
 import os
 from contextlib import closing
 
+import pytest
 from browsing import violations
 from live_service import live_service
 from playwright.sync_api import expect
@@ -32,6 +33,13 @@ def test_a_short_break_is_bridged_without_a_second_plan(open_page):
     expect(page.get_by_test_id("verdict")).to_contain_text("Passed")
     assert len(asked) == 2
     assert len(set(asked)) == 1
+
+
+@pytest.mark.parametrize("path", ["/plans/%", "/plans/%ff", "/campaigns/%e0%a4"])
+def test_an_address_that_is_no_text_is_told(open_page, path):
+    page = open_page(path)
+    expect(page.get_by_role("heading", name="There is nothing at this address.")).to_be_visible()
+    assert violations(page) == []
 
 
 def test_a_plan_that_is_gone(open_page):

@@ -23,7 +23,7 @@ export function go(path: string, { replace = false } = {}): void {
   window.scrollTo(0, 0);
 }
 
-/** The parts of a path that a pattern names: ("/plans/:id", "/plans/7") is {id: "7"}. */
+/** The parts of a path that a pattern names: ("/plans/:id", "/plans/7") is {id: "7"}; null where it doesn't fit. */
 export function match(pattern: string, path: string): Record<string, string> | null {
   const wanted = pattern.split("/");
   const given = path.replace(/(.)\/$/, "$1").split("/");
@@ -31,10 +31,22 @@ export function match(pattern: string, path: string): Record<string, string> | n
   const found: Record<string, string> = {};
   for (const [index, word] of wanted.entries()) {
     const text = given[index] ?? "";
-    if (word.startsWith(":")) found[word.slice(1)] = decodeURIComponent(text);
-    else if (word !== text) return null;
+    if (word.startsWith(":")) {
+      const part = decoded(text);
+      if (part === null) return null;
+      found[word.slice(1)] = part;
+    } else if (word !== text) return null;
   }
   return found;
+}
+
+/** Null for what is no text in UTF-8, such as a lone "%". */
+function decoded(text: string): string | null {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return null;
+  }
 }
 
 function here(): Place {

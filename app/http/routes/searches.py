@@ -34,7 +34,7 @@ from app.http.routes.jobs import (
 )
 from app.http.routes.plan_queries import ListQuery, PathId
 from app.http.routes.resources import JobResource
-from app.http.routes.stored_plans import EXPORT_BOUNDS
+from app.http.routes.stored_plans import EXPORT_BOUNDS, saved_as
 from app.jobs.child import Bounds
 from app.store import audit, jobs, searches
 from app.store.database import Database
@@ -45,7 +45,8 @@ from app.versions import VERSION
 from app.work.searches import CSV, GEOJSON, windows_in_form
 
 PAGE_MAX = 1000
-FORMS = (JSON, GEOJSON, CSV)
+_SUFFIXES = {GEOJSON: ".geojson", CSV: ".csv"}
+FORMS = (JSON, *_SUFFIXES)
 # Turning more than this of packed windows into another form would hold the interpreter for long.
 _PACKED_MAX_BYTES = 100_000
 _UNCHANGED = {"description": "If-None-Match names it: it never changes"}
@@ -138,7 +139,14 @@ def _add_post(router: APIRouter, resource: SearchResource) -> None:
         await anyio.to_thread.run_sync(_keep, request, new, begun_utc, found)
         headers = {"Location": f"{resource.path}/{new.id}", "Vary": "Accept"}
         answer = await _whole(request, new.id, found, form)
-        return Response(answer, HTTPStatus.OK, headers, form)
+        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, form), form)
+
+
+def _saved(head: bytes, form: str) -> dict[str, str]:
+    """The header that names a file after its search."""
+    if form == JSON:
+        return {}
+    return saved_as(json.loads(head)["name"], "opportunities", _SUFFIXES[form])
 
 
 def _keep(request: Request, new: NewJob, begun_utc: datetime, found: FoundWindows) -> None:
@@ -200,7 +208,7 @@ def _add_one(router: APIRouter, resource: SearchResource) -> None:
         search = await _find(request, resource, search_id)
         found = FoundWindows(search.head, search.windows)
         answer = await _whole(request, search_id, found, form)
-        return Response(answer, HTTPStatus.OK, headers, form)
+        return Response(answer, HTTPStatus.OK, headers | _saved(found.head, form), form)
 
 
 def _add_windows(router: APIRouter, resource: SearchResource) -> None:
@@ -237,8 +245,8 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
             shown, count = search.windows, search.window_count
         else:
             begins = b'{"target":' + to_json(query.target) + b","
-            every = (await _find(request, resource, search_id)).windows
-            windows = [window for window in every if window.startswith(begins)]
+            search = await _find(request, resource, search_id)
+            windows = [window for window in search.windows if window.startswith(begins)]
             shown, count = windows[query.cursor : stop], len(windows)
         after = stop if stop < count else None
         if after is not None:
@@ -247,6 +255,7 @@ def _add_windows(router: APIRouter, resource: SearchResource) -> None:
         if form == JSON:
             body = b"".join([b'{"windows":[', b",".join(shown), b'],"next":', to_json(after), b"}"])
             return Response(body, HTTPStatus.OK, headers, form)
+        headers |= _saved(search.head, form)
         answer = await _in_form(request, form, shown, {"next": after})
         return Response(answer, HTTPStatus.OK, headers, form)
 

@@ -86,12 +86,16 @@ async def table_answer(
         format_name,
         plan.planned_utc,
     )
-    name = file_name(plan.name, resource.file_stem, exporter.suffix)
-    headers |= {"Content-Disposition": f'attachment; filename="{name}"'}
+    headers |= saved_as(plan.name, resource.file_stem, exporter.suffix)
     return Response(content, status, headers, exporter.media_type)
 
 
-def file_name(name: str, otherwise: str, suffix: str) -> str:
-    """From a plan's name, in letters, digits and hyphens."""
+def saved_as(name: str, otherwise: str, suffix: str, shown_as: str | None = None) -> dict[str, str]:
+    """The header of a file to save, named in letters, digits and hyphens after what it is of.
+
+    shown_as: its media type, where a browser may show it: pictures are.
+    """
     words = re.findall(r"[A-Za-z0-9]+", name)
-    return ("-".join(words)[:_NAME_MAX] or otherwise) + suffix
+    file = ("-".join(words)[:_NAME_MAX] or otherwise) + suffix
+    how = "inline" if shown_as is not None and shown_as.startswith("image/") else "attachment"
+    return {"Content-Disposition": f'{how}; filename="{file}"'}

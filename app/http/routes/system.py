@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, HTTPException, Query, Request, Response
 from pydantic import Field
 
 from app.http.metrics import CONTENT_TYPE
-from app.http.negotiation import accepts_json, preferred_type
+from app.http.negotiation import accepts_json
 from app.http.query import Parameters
 from app.http.readiness import ReadinessCheckOut
 from app.store.audit import AuditEntry, entries
@@ -51,22 +51,22 @@ class ReadinessResponse:
     checks: list[ReadinessCheckOut]
 
 
-@router.get("/healthz", summary="Is the service alive?", dependencies=[Depends(accepts_json)])
+@router.get("/healthz", summary="Is the service alive?")
 async def get_health() -> Health:
-    """Answers as long as the process does; says nothing of what it depends on."""
+    """Answers as long as the process does, whatever Accept asks for; says nothing of what it
+    depends on."""
     return Health(status="ok", version=VERSION)
 
 
 @router.get(
     "/readyz",
     summary="Can the service do its work?",
-    dependencies=[Depends(accepts_json)],
     responses=_NOT_READY,
 )
 async def get_readiness(request: Request) -> ReadinessResponse:
     """Database, solver (a child process really solves something) and Earth orientation data.
 
-    Asked as often as you like, looked at every 5 s.
+    Asked as often as you like, looked at every 5 s; answered whatever Accept asks for.
     """
     checks = await request.app.state.readiness.now()
     failed = [check for check in checks if check.state == "failed"]
@@ -86,8 +86,10 @@ async def get_readiness(request: Request) -> ReadinessResponse:
     responses=_METRICS,
 )
 async def get_metrics(request: Request) -> Response:
-    """Requests by route, refusals by type, solve times, iterations, jobs by state."""
-    preferred_type(request, (_TEXT,))
+    """Requests by route, refusals by type, solve times, iterations, jobs by state.
+
+    Whatever Accept asks for.
+    """
     text = await to_thread.run_sync(request.app.state.metrics.text)
     return Response(text, headers={"Content-Type": CONTENT_TYPE})
 

@@ -14,10 +14,10 @@ from app.http.routes.stored_plans import (
     EXPORT_BOUNDS,
     REVALIDATE,
     UNCHANGED,
-    file_name,
     find,
     immutable_tag,
     not_modified,
+    saved_as,
 )
 from app.http.view_cache import ViewCache
 from app.jobs.refusals import Conflict
@@ -78,9 +78,9 @@ def add_view(router: APIRouter, resource: PlanResource) -> None:
             cache.keep(tag, content)
         headers = REVALIDATE | {"ETag": tag}
         if form != _JSON_FORMAT:
-            suffix = resource.view_exporters[form].suffix
-            name = file_name(plan.name, resource.file_stem, suffix)
-            headers |= {"Content-Disposition": f'inline; filename="{name}"'}
+            exporter = resource.view_exporters[form]
+            stem = resource.file_stem
+            headers |= saved_as(plan.name, stem, exporter.suffix, exporter.media_type)
         return Response(content, HTTPStatus.OK, headers, media_type_by_format[form])
 
     get_view.__annotations__["query"] = Annotated[query_model, Query()]

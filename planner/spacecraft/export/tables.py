@@ -8,6 +8,7 @@ import numpy as np
 from scipy.io import netcdf_file
 
 from planner.arrays import Array
+from planner.csv_cells import comment_lines
 from planner.export.ccsds import QUATERNION_DECIMALS, attitude_message
 from planner.export.csv import rows_csv
 from planner.export.description import DECIMALS, QUATERNION, TIME_SCALE, one_line
@@ -78,7 +79,7 @@ def session_notes(plan: SessionTable, created_utc: datetime) -> tuple[str, ...]:
 
 def write_csv(plan: SessionTable, created_utc: datetime) -> bytes:
     """One row per 0.2 s under lines that begin with `#` and say what the columns don't."""
-    head = "".join(f"# {note}\n" for note in session_notes(plan, created_utc))
+    head = comment_lines(session_notes(plan, created_utc))
     columns = _columns(plan.table)
     parts = [(column, part) for column in columns for part in _PARTS_BY_SIDE[column.side]]
     names = [f"{column.name}_{part}".rstrip("_") for column, part in parts]

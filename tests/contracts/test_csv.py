@@ -1,0 +1,158 @@
+"""Is no text of a CSV that anything of ours writes taken for a formula by a spreadsheet?"""
+
+import ast
+import csv
+import dataclasses
+import io
+import json
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from test_export_formats import CREATED_UTC, plan_of
+
+from app.answers.campaign import CampaignLookOut
+from app.answers.members import to_json
+from app.answers.opportunities import windows_out
+from app.cli.campaign import PlannedPass, campaign_csv
+from app.cli.windows_report import windows_csv
+from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
+from app.requests.examples.spacecraft import SPACECRAFT_EXAMPLES
+from app.requests.opportunities import read_opportunity_request
+from app.requests.spacecraft import read_spacecraft_request
+from app.work.searches import CSV, windows_in_form
+from planner.csv_cells import comment_lines, csv_lines
+from planner.export import EXPORTERS
+from planner.opportunities import find_opportunities
+from planner.spacecraft.export import IMAGING_EXPORTERS
+from planner.spacecraft.table import AttitudeTable, ImagingWindow
+
+ROOT = Path(__file__).parents[2]
+FOUND = windows_out(
+    find_opportunities(
+        read_opportunity_request(json.dumps(OPPORTUNITY_EXAMPLES["cities"][1]).encode())
+    )
+)
+ASKED = read_spacecraft_request(json.dumps(SPACECRAFT_EXAMPLES["four modes"][1]).encode())
+FORMULAS = (
+    *("=cmd|' /C calc'!A0", "+1+1", "-1+cmd|' /C calc'!A0", "@SUM(1+1)", "\t=1+1", "\r=1+1"),
+    *('=HYPERLINK("http://evil","x")', "a,=1+1", "a;@x", "＝1+1", '"=1', "a\n=1", "-1"),
+)
+STARTS = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
+NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?\]?")
+
+
+def cells_of(content: str):
+    """As a spreadsheet reads them, whichever separator it takes for one."""
+    for line in csv.reader(io.StringIO(content, newline="")):
+        yield from line
+    for delimiter in ",;\t":
+        for line in content.split("\n"):
+            if line.startswith("#"):
+                yield from (cell.strip() for cell in line.split(delimiter))
+
+
+def assert_no_formula(content: str) -> None:
+    cells = [*cells_of(content)]
+    assert cells
+    for cell in cells:
+        assert NUMBER.fullmatch(cell) or not cell.startswith(STARTS), cell
+
+
+def table_csv(text):
+    return EXPORTERS["csv"].write(plan_of(name=text, outer=text), CREATED_UTC).decode()
+
+
+def windows_of(text):
+    return [
+        dataclasses.replace(
+            window,
+            target=text,
+            closest=dataclasses.replace(
+                window.closest, angles_deg={text: -0.5}, rates_deg_s={text: -1e-7}
+            ),
+        )
+        for window in FOUND[:3]
+    ]
+
+
+def opportunities_csv(text):
+    windows = [to_json(window) for window in windows_of(text)]
+    return windows_in_form(CSV, windows, {}).decode()
+
+
+def search_csv(text):
+    return windows_csv((text, text), windows_of(text))
+
+
+def looks_csv(text):
+    look = dict.fromkeys((field.name for field in dataclasses.fields(CampaignLookOut)), -0.5)
+    facts = {"pass": 0, "looks": [look | {"target": text}]}
+    return campaign_csv([PlannedPass(part=SimpleNamespace(facts=facts), plan=True, refusal=None)])
+
+
+def session_csv(text):
+    one = dataclasses.replace(ASKED.requests[0], name=text)
+    table = AttitudeTable(
+        epoch_utc=ASKED.start,
+        eci_from_body_xyzw=np.tile([0.0, 0.0, 0.0, 1.0], (6, 1)),
+        omega_body_rad_s=np.full((6, 3), -1e-3),
+        alpha_body_rad_s2=np.zeros((6, 3)),
+        gimbal_rad=np.zeros((6, 4)),
+        gimbal_rate_rad_s=np.zeros((6, 4)),
+        windows=(ImagingWindow(request=text, look=0, first_row=1, last_row=4),),
+    )
+    session = SimpleNamespace(
+        request=dataclasses.replace(ASKED, name=text, requests=(one,)),
+        table=table,
+        spacecraft=SimpleNamespace(name=text),
+    )
+    return IMAGING_EXPORTERS["csv"].write(session, CREATED_UTC).decode()
+
+
+WRITERS = {
+    "table_csv": table_csv,
+    "write_csv": session_csv,
+    "pass_table_csv": opportunities_csv,
+    "windows_csv": search_csv,
+    "campaign_csv": looks_csv,
+}
+# What these are made with, what only shortens the CSV of a service, and what reads.
+PARTS = {"rows_csv", "table_only_csv", "read_csv", "_csv"}
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+@pytest.mark.parametrize("name", WRITERS)
+def test_no_text_is_a_formula(name, text):
+    content = WRITERS[name](text)
+    assert_no_formula(content)
+    rows = [line for line in csv.reader(io.StringIO(content, newline="")) if len(line) > 3]
+    header, *body = [row for row in rows if not row[0].startswith("#")]
+    assert body
+    assert all(len(row) == len(header) for row in body)
+    if name in ("pass_table_csv", "windows_csv", "campaign_csv"):
+        texts = {cell for row in body for cell in row}
+        assert texts & {text, f"'{text}"}  # nothing of it is lost
+
+
+def test_numbers_stay_numbers():
+    assert csv_lines([["a", -1.5, -1e-7, 3, None, True, "2015-02-27"]]) == (
+        "a,-1.5,-1e-07,3,,True,2015-02-27\n"
+    )
+    assert comment_lines(["zero [0, -1, -0.5e-3], a,-1+x"]) == "# zero [0, -1, -0.5e-3], a,'-1+x\n"
+
+
+def test_every_writer_of_csv_is_one_of_these():
+    """None writes cells by itself, and none goes without the test above."""
+    for package in ("app", "planner", "estimator", "slewtrack"):
+        for file in (ROOT / package).rglob("*.py"):
+            tree = ast.parse(file.read_text())
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Attribute) and node.attr in ("writer", "DictWriter"):
+                    assert not (isinstance(node.value, ast.Name) and node.value.id == "csv"), file
+                if isinstance(node, ast.Attribute):
+                    assert node.attr not in ("savetxt", "to_csv"), file
+                if isinstance(node, ast.FunctionDef) and node.name.endswith("_csv"):
+                    assert node.name in WRITERS.keys() | PARTS, f"{file}: {node.name}"
