@@ -3,8 +3,8 @@
     python prune.py SITE_PACKAGES
 
 Removes CasADi's other solvers and the copies of its libraries under their other names (a
-wheel knows no links), the packages' own tests, headers and static libraries, and data that
-nothing reads.  Prints what each step saved.  The Dockerfile runs try_out.sh afterwards.
+wheel knows no links), the packages' own tests, headers and static libraries, what nothing
+reads, and the symbols that only debuggers read.  Prints what each step saved.  The Dockerfile runs try_out.sh afterwards.
 """
 
 import shutil
@@ -26,7 +26,8 @@ for line in open("/proc/self/maps"):
 """
 _TESTS = ("tests", "tornado/test", "sqlalchemy/testing", "alembic/testing")
 _DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.px?", "*.pyx", "*.lib")
-_DATA = ("skyfield_data/data/finals2000A.all",)  # Earth orientation is astropy_iers_data's
+# The IERS's other series, and what zstandard takes where its own extension is not to be had.
+_UNREAD = ("astropy_iers_data/data/eopc04*", "zstandard/_cffi*")
 
 
 def main(site: Path) -> None:
@@ -35,10 +36,11 @@ def main(site: Path) -> None:
         "CasADi's other solvers": _unmapped(site / "casadi"),
         "tests": _found(site, _TESTS),
         "headers, sources, stubs and static libraries": _found(site, _DEVELOPMENT),
-        "data": _found(site, _DATA),
+        "data and code that nothing reads": _found(site, _UNREAD),
     }
     for name, victims in steps.items():
         print(f"{name}: {_removed(victims) / 1e6:.0f} MB")
+    print(f"symbols: {_stripped(site) / 1e6:.0f} MB")
 
 
 def _unmapped(casadi: Path) -> Iterator[Path]:
@@ -56,6 +58,14 @@ def _unmapped(casadi: Path) -> Iterator[Path]:
 def _found(site: Path, patterns: tuple[str, ...]) -> Iterator[Path]:
     for pattern in patterns:
         yield from site.rglob(pattern)
+
+
+def _stripped(site: Path) -> int:
+    """But of what wheels bring along in *.libs, which was patched and doesn't bear it."""
+    files = [path for path in site.rglob("*.so*") if not path.parent.name.endswith(".libs")]
+    before = sum(path.stat().st_size for path in files)
+    subprocess.run(["strip", "--strip-unneeded", *files], check=True)  # noqa: S603, S607
+    return before - sum(path.stat().st_size for path in files)
 
 
 def _removed(victims: Iterator[Path]) -> int:
