@@ -99,7 +99,11 @@ def test_it_is_flown_and_compared(client, plan):
 def test_a_session_of_the_spacecraft(client):
     path = "/v1/spacecraft/plans"
     made = post(client, path, FOUR_MODES | {"simulation_runs": 1})
-    request = FOUR_MODES | {"name": HIDDEN, "simulation_runs": 10_000, "stop": "2024-06-02T10:10:00Z"}
+    request = FOUR_MODES | {
+        "name": HIDDEN,
+        "simulation_runs": 10_000,
+        "stop": "2024-06-02T10:10:00Z",
+    }
     assert refusal(client, path, request)
     let_in_once(client, made["id"], request)
     where = f"{path}/{made['id']}"
@@ -119,7 +123,7 @@ def test_a_session_of_the_spacecraft(client):
 )
 def test_a_request_in_words_of_another_version_is_told(client, change, kind, says):
     """What needs it is refused; what was answered stays."""
-    made = post(client, "/v1/plans", OWN_PLATFORM )
+    made = post(client, "/v1/plans", OWN_PLATFORM)
     let_in_once(client, made["id"], OWN_PLATFORM | change)
     where = f"/v1/plans/{made['id']}"
     for asked in ("table?format=aem", "view"):
