@@ -120,7 +120,7 @@ def good(ask: Ask, patience_s: float) -> Call[Reply]:
         pause_s = min(2.0 * pause_s, PAUSE_MAX_S)
 
 
-def document(ask: Ask, patience_s: float, read: Callable[[Members], T] = dict) -> Call[T]:
+def document(ask: Ask, patience_s: float, read: Callable[[Members], T]) -> Call[T]:
     """What `read` makes of the JSON object of a good reply; raises BadAnswer where it can't."""
     reply = yield from good(ask, patience_s)
     try:

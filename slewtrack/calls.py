@@ -340,7 +340,7 @@ def estimate_vertical(images: Sequence[bytes], request: Json, patience_s: float)
         for number, image in enumerate(images)
     ]
     ask = Ask(method="POST", path="/v1/horizon/estimates", parts=parts)
-    return (yield from document(ask, patience_s))
+    return (yield from document(ask, patience_s, dict))
 
 
 def compare(request: Json, csv: bytes | None, format_name: str, patience_s: float) -> Call[bytes]:
@@ -350,7 +350,7 @@ def compare(request: Json, csv: bytes | None, format_name: str, patience_s: floa
 
 def comparison(request: Json, csv: bytes | None, patience_s: float) -> Call[Members]:
     """The answer's members."""
-    return (yield from document(_comparison(request, csv, "json"), patience_s))
+    return (yield from document(_comparison(request, csv, "json"), patience_s, dict))
 
 
 def _comparison(request: Json, csv: bytes | None, format_name: str) -> Ask:
@@ -383,7 +383,7 @@ def _list(ask: Ask, member: str, patience_s: float) -> Call[Sequence[Members]]:
 
 def check(path: str, request: Json, patience_s: float) -> Call[Members]:
     """The answer to a dry run; raises Refused when it doesn't fly."""
-    return (yield from document(post(path, request, query={"dry_run": "true"}), patience_s))
+    return (yield from document(post(path, request, query={"dry_run": "true"}), patience_s, dict))
 
 
 def delete(path: str, job_id: str, patience_s: float) -> Call[None]:
