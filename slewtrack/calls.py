@@ -47,10 +47,17 @@ LOOK_S = 1.0
 CATCH_UP_S = 45.0
 
 
-def submit(path: str, request: Json, revises: str | None, patience_s: float) -> Call[Job]:
+def submit(
+    path: str,
+    request: Json,
+    revises: str | None,
+    patience_s: float,
+    until_s: float | None = None,
+) -> Call[Job]:
     """Accepted, not waited for."""
     query = {} if revises is None else {"revises": revises}
     ask = post(path, request, query=query, prefer="respond-async")
+    ask = replace(ask, until_s=_and_a_look(until_s))
     return (yield from document(ask, patience_s, answers.job_of))
 
 
@@ -64,7 +71,7 @@ def plan(
 ) -> Call[Plan]:
     """Submitted and waited for: in one exchange where nobody asks how far it is."""
     wait_s = WAIT_S if timeout_s is None else min(WAIT_S, int(timeout_s))
-    until_s = None if timeout_s is None else time.monotonic() + timeout_s
+    until_s = _until(timeout_s)
     ask = post(
         path,
         request,
@@ -74,9 +81,7 @@ def plan(
     made = yield from document(replace(ask, until_s=_and_a_look(until_s)), patience_s, _made)
     if isinstance(made, Plan):
         return made
-    if until_s is not None:
-        timeout_s = until_s - time.monotonic()
-    return (yield from wait_for_plan(path, made.id, progress, timeout_s, patience_s))
+    return (yield from wait_for_plan(path, made.id, progress, _left_s(until_s), patience_s))
 
 
 def _made(members: Members) -> Plan | Job:
@@ -102,7 +107,9 @@ def campaign(
     request: Json, progress: OnProgress | None, timeout_s: float | None, patience_s: float
 ) -> Call[Campaign]:
     """Submitted and waited for, all passes planned."""
-    job = yield from submit(CAMPAIGNS, request, None, patience_s)
+    until_s = _until(timeout_s)
+    job = yield from submit(CAMPAIGNS, request, None, patience_s, until_s)
+    timeout_s = _left_s(until_s)
     return (yield from wait_for_campaign(job.id, progress, timeout_s, patience_s))
 
 
@@ -130,7 +137,9 @@ def fly(
     patience_s: float,
 ) -> Call[Flights]:
     """Submitted and waited for, all runs flown."""
-    job = yield from submit(flights_path(plan_id), request, None, patience_s)
+    until_s = _until(timeout_s)
+    job = yield from submit(flights_path(plan_id), request, None, patience_s, until_s)
+    timeout_s = _left_s(until_s)
     return (yield from wait_for_flights(job.id, progress, timeout_s, patience_s))
 
 
@@ -173,7 +182,7 @@ def _wait(
     read: Callable[[Members], T | Job],
 ) -> Call[T | Job]:
     """What is at the address when the work on it has ended."""
-    until_s = None if timeout_s is None else time.monotonic() + timeout_s
+    until_s = _until(timeout_s)
     one = Ask(method="GET", path=address(path, job_id))
     events = address(path, job_id, "events")
     heard = Events(progress, until_s)
@@ -195,6 +204,14 @@ def _wait(
             raise NotFinished(job_id, state)
         yield from _listen(events, heard)
         one = replace(one, after_s=0.0 if heard.has_ended else PAUSE_S)
+
+
+def _until(timeout_s: float | None) -> float | None:
+    return None if timeout_s is None else time.monotonic() + timeout_s
+
+
+def _left_s(until_s: float | None) -> float | None:
+    return None if until_s is None else until_s - time.monotonic()
 
 
 def _and_a_look(until_s: float | None) -> float | None:
