@@ -110,7 +110,7 @@ test-of-python: setup $(KERNELS)
 	$(PYTEST) $(STORING) $(OF_PROCESSES)
 	SLEWTRACK_TEST_DATABASE_URL= $(PYTEST) $(OF_COMMANDS) $(OF_PYTHON) \
 		tests/contracts/test_store.py tests/contracts/test_store_failures.py \
-		tests/contracts/test_jobs.py tests/contracts/test_older_stores.py
+		tests/contracts/test_jobs.py
 
 # Both as they ship: Debian trixie's Python, and PostgreSQL.
 test-as-shipped:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, dataclass_transform, get_args
 
@@ -13,6 +15,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+_IS_KEPT = ContextVar("is_kept", default=False)
 _PYDANTIC_CONFIG = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 
@@ -49,32 +52,47 @@ VectorPart = Annotated[float, Within(-1e6, 1e6)]
 LENGTH_MIN = 1e-3  # squares of much smaller ones round to zero, or to few digits
 
 
+@contextmanager
+def as_kept() -> Iterator[None]:
+    """Values made inside were accepted before, maybe by a version that let more in.
+
+    So neither their ranges nor what their classes require is asked again.
+    """
+    token = _IS_KEPT.set(True)
+    try:
+        yield
+    finally:
+        _IS_KEPT.reset(token)
+
+
+def is_kept() -> bool:
+    """Whether what is made now is `as_kept`."""
+    return _IS_KEPT.get()
+
+
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def spec(cls: type[T]) -> type[T]:
     """A frozen, keyword-only dataclass of finite numbers within their ranges and aware times.
 
     The class's `__post_init__`, its own or inherited, runs after these checks and raises
-    `ValueError` with the value and the way out.  `__pydantic_config__` makes pydantic, which only
-    `app` imports, refuse unknown fields, NaN and lax conversions.
+    `ValueError` with the value and the way out; `as_kept` lets it pass what it doesn't.
+    `__pydantic_config__` makes pydantic, which only `app` imports, refuse unknown fields, NaN and
+    lax conversions.
     """
     own_check = getattr(cls, "__post_init__", None)
     ranges: list[tuple[str, Within]] = []
 
     def __post_init__(self: DataclassInstance) -> None:  # noqa: N807 (dataclasses calls it by this name)
-        for field in dataclasses.fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, float) and not math.isfinite(value):
-                raise ValueError(f"{field.name} must be a finite number, not {value}")
-            for moment in value if isinstance(value, tuple) else (value,):
-                if isinstance(moment, datetime) and moment.utcoffset() is None:
-                    raise ValueError(
-                        f"{field.name} ({moment.isoformat()}) has no UTC offset; append Z if it "
-                        "is UTC"
-                    )
-        for name, within in ranges:
-            _require(name, getattr(self, name), within)
+        _require_finite_and_aware(self)
+        if not is_kept():
+            for name, within in ranges:
+                _require(name, getattr(self, name), within)
         if own_check is not None:
-            own_check(self)
+            try:
+                own_check(self)  # which may complete it, too, and does so first
+            except ValueError:
+                if not is_kept():
+                    raise
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
     cls.__pydantic_config__ = _PYDANTIC_CONFIG  # type: ignore[attr-defined]
@@ -94,6 +112,18 @@ def require_within(checked: object, *ranges: tuple[str, float, float]) -> None:
     """
     for name, low, high in ranges:
         _require(name, getattr(checked, name), Within(low, high))
+
+
+def _require_finite_and_aware(checked: DataclassInstance) -> None:
+    for field in dataclasses.fields(checked):
+        value = getattr(checked, field.name)
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ValueError(f"{field.name} must be a finite number, not {value}")
+        for moment in value if isinstance(value, tuple) else (value,):
+            if isinstance(moment, datetime) and moment.utcoffset() is None:
+                raise ValueError(
+                    f"{field.name} ({moment.isoformat()}) has no UTC offset; append Z if it is UTC"
+                )
 
 
 def _ranges(annotation: object) -> set[Within]:

@@ -19,7 +19,15 @@ from slewtrack.asking import Json
 from slewtrack.async_client import AsyncClient
 from slewtrack.client import Client
 from slewtrack.events import OnProgress
-from slewtrack.problems import Cancelled, NoAnswer, NotFinished, Problem, Refused, ServiceError
+from slewtrack.problems import (
+    BadAnswer,
+    Cancelled,
+    NoAnswer,
+    NotFinished,
+    Problem,
+    Refused,
+    ServiceError,
+)
 
 if TYPE_CHECKING:
     from app.requests.plan import PlanRequest
@@ -38,6 +46,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "AsyncClient",
+    "BadAnswer",
     "Cancelled",
     "Client",
     "Columns",

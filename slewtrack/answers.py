@@ -1,9 +1,12 @@
 """What a service answers, as values: plans, tables, windows, campaigns.
 
+What can't be read so raises one of `slewtrack.problems.MISREAD`.
+
 Each names what is needed most and has the rest, under the names of the API's schema, in
 `members`.  Numbers are the doubles that the JSON holds, nothing is rounded or converted.
 """
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -18,6 +21,9 @@ if TYPE_CHECKING:
 
 Members = Mapping[str, Any]
 Column = NDArray[Any]
+OPEN_STATES = ("queued", "running")
+_STATES = frozenset({*OPEN_STATES, "done", "refused", "failed", "cancelled"})
+_ID = re.compile(r"[0-9A-Za-z-]{1,100}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +58,7 @@ class Job:
     @property
     def is_open(self) -> bool:
         """Whether it waits or runs."""
-        return self.state in ("queued", "running")
+        return self.state in OPEN_STATES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,12 +198,40 @@ class Flights:
     members: Members = field(repr=False)
 
 
+def id_of(members: Members) -> str:
+    """Such as is put into an address."""
+    if not _ID.fullmatch(members["id"]):
+        raise ValueError
+    return str(members["id"])
+
+
+def state_of(members: Members) -> str:
+    """One of those there are."""
+    if members["state"] not in _STATES:
+        raise ValueError
+    return str(members["state"])
+
+
+def _text(members: Members, name: str) -> str:
+    if not isinstance(members[name], str):
+        raise TypeError
+    return str(members[name])
+
+
+def objects_of(members: Members, name: str) -> list[Members]:
+    """A list of objects, one after the other."""
+    found = members[name]
+    if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+        raise TypeError
+    return found
+
+
 def job_of(members: Members) -> Job:
     """A JobResponse, an entry of a list."""
     return Job(
-        id=members["id"],
-        state=members["state"],
-        name=members["name"],
+        id=id_of(members),
+        state=state_of(members),
+        name=_text(members, "name"),
         created=members.get("created", ""),
         problem=members.get("problem"),
         members=members,
@@ -210,7 +244,10 @@ def columns_of(members: Members) -> Columns:
     What lies deeper has a name with dots: `carrier.latitude_deg`, `targets.0.azimuth_deg`.
     """
     rows = len(members["t_s"])
+    np.datetime64(_text(members, "epoch").removesuffix("Z"), "ns")  # as `utc` does later
     arrays = {name: _array(values) for name, values in _lists(members, "") if len(values) == rows}
+    if arrays["t_s"].ndim != 1 or arrays["t_s"].dtype.kind != "f":
+        raise TypeError
     facts = {name: value for name, value in members.items() if name not in arrays}
     return Columns(epoch=members["epoch"], arrays=arrays, facts=facts)
 
@@ -247,9 +284,9 @@ def plan_of(members: Members) -> Plan:
     """A PlanResponse, or the spacecraft's."""
     verification = members.get("verification") or {}
     return Plan(
-        id=members["id"],
-        state=members["state"],
-        name=members["name"],
+        id=id_of(members),
+        state=state_of(members),
+        name=_text(members, "name"),
         revision=members["revision"],
         passed=verification.get("passed", members["state"] == "done"),
         warnings=tuple(members["warnings"]),
@@ -261,8 +298,8 @@ def plan_of(members: Members) -> Plan:
 def opportunities_of(members: Members) -> Opportunities:
     """An OpportunitiesResponse."""
     return Opportunities(
-        id=members["id"],
-        windows=tuple(map(window_of, members["windows"])),
+        id=id_of(members),
+        windows=tuple(map(window_of, objects_of(members, "windows"))),
         unseen=tuple(members["unseen"]),
         warnings=tuple(members["warnings"]),
         members=members,
@@ -285,12 +322,12 @@ def campaign_of(members: Members) -> Campaign:
     """A CampaignResponse whose choice is made."""
     choice = members["choice"]
     return Campaign(
-        id=members["id"],
-        state=members["state"],
-        name=members["name"],
+        id=id_of(members),
+        state=state_of(members),
+        name=_text(members, "name"),
         value=choice["value"],
         bound=choice["bound"],
-        passes=tuple(members["passes"]),
+        passes=tuple(objects_of(members, "passes")),
         members=members,
     )
 
@@ -298,13 +335,13 @@ def campaign_of(members: Members) -> Campaign:
 def flights_of(members: Members) -> Flights:
     """A FlightsResponse of runs that are all flown."""
     return Flights(
-        id=members["id"],
-        state=members["state"],
+        id=id_of(members),
+        state=state_of(members),
         flown=members["flown"],
         probability_in_frame=members["probability_in_frame"],
         probability_sharp=members["probability_sharp"],
-        contributors=tuple(members["contributors"]),
+        contributors=tuple(objects_of(members, "contributors")),
         warnings=tuple(members["warnings"]),
-        sessions=tuple(members["sessions"]),
+        sessions=tuple(objects_of(members, "sessions")),
         members=members,
     )

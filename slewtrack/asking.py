@@ -13,16 +13,22 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from email.utils import parsedate_to_datetime
+from http import HTTPStatus
 from typing import Any, TypeVar
+from urllib.parse import quote
 
 from slewtrack.answers import Members
-from slewtrack.problems import NoAnswer, Problem, Refused, problem_of
+from slewtrack.problems import MISREAD, BadAnswer, NoAnswer, Problem, Refused, problem_of
 
 T = TypeVar("T")
 Json = bytes | Mapping[str, Any]
 
 SILENCE_S = 150.0  # a search for opportunities may take 120 s before it answers
 PAUSE_S, PAUSE_MAX_S = 0.5, 8.0
+ANSWER_S = 3600.0  # by a slow network
+ANSWER_MAX_BYTES = 256 * 2**20  # the longest table as CZML takes half of it
+LINE_MAX_BYTES = 2**20
+FOR_GOOD = "urn:slewtrack:problem:store-damaged"  # no use in asking again
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +36,9 @@ class Ask:
     """One HTTP request.
 
     parts: of a multipart body, (name, file's name, bytes, media type).  after_s: to wait before.
-    silence_s: most time without a byte of the answer.  on_line: is given each line of a good
-    answer as it comes; the reply's body is empty then.
+    silence_s: most time without a byte of the answer.  until_s: when the whole of it must be there,
+    by the monotonic clock; ANSWER_S after it is asked unless said.  on_line: is given each line of
+    a good answer as it comes; the reply's body is empty then.
     """
 
     method: str
@@ -42,6 +49,7 @@ class Ask:
     parts: Sequence[tuple[str, str, bytes, str]] = ()
     after_s: float = 0.0
     silence_s: float = SILENCE_S
+    until_s: float | None = None
     on_line: Callable[[str], None] | None = None
 
 
@@ -57,9 +65,39 @@ class Reply:
 Call = Generator[Ask, Reply, T]
 
 
+class Intake:
+    """The body of one answer as it comes; raises NoAnswer when its time is up, BadAnswer."""
+
+    def __init__(self, ask: Ask, status: int) -> None:
+        self._until_s = time.monotonic() + ANSWER_S if ask.until_s is None else ask.until_s
+        self._on_line = ask.on_line if status < HTTPStatus.BAD_REQUEST else None
+        self._most = ANSWER_MAX_BYTES if self._on_line is None else LINE_MAX_BYTES
+        self._held = bytearray()
+
+    def take(self, part: bytes) -> None:
+        """One after the other; whatever `on_line` raises comes through."""
+        if time.monotonic() > self._until_s:
+            raise NoAnswer("the answer took longer than it may")
+        self._held += part
+        if self._on_line is not None:
+            *lines, rest = self._held.split(b"\n")
+            self._held = rest
+            for line in lines:
+                self._on_line(line.removesuffix(b"\r").decode(errors="replace"))
+        if len(self._held) > self._most:
+            raise BadAnswer(f"an answer or a line of it has more than {self._most} bytes")
+
+    @property
+    def body(self) -> bytes:
+        """What wasn't handed on."""
+        return b"" if self._on_line is not None else bytes(self._held)
+
+
 def good(ask: Ask, patience_s: float) -> Call[Reply]:
     """The reply when it is good; raises Refused, or NoAnswer when patience is at its end."""
     until_s = time.monotonic() + patience_s
+    if ask.until_s is not None:
+        until_s = min(until_s, ask.until_s)
     pause_s = PAUSE_S
     while True:
         why: Refused | NoAnswer
@@ -68,10 +106,12 @@ def good(ask: Ask, patience_s: float) -> Call[Reply]:
         except NoAnswer as lost:
             why, after_s = lost, pause_s
         else:
-            if reply.status < 400:
+            if reply.status < HTTPStatus.MULTIPLE_CHOICES:
                 return reply
+            if reply.status < HTTPStatus.BAD_REQUEST:
+                raise _bad(ask)
             why = Refused(refusal_of(reply))
-            if reply.status not in (429, 503):
+            if reply.status not in (429, 503) or why.problem.type == FOR_GOOD:
                 raise why
             after_s = _retry_after_s(reply.headers.get("retry-after", ""), pause_s)
         if time.monotonic() + after_s > until_s:
@@ -80,29 +120,33 @@ def good(ask: Ask, patience_s: float) -> Call[Reply]:
         pause_s = min(2.0 * pause_s, PAUSE_MAX_S)
 
 
-def document(ask: Ask, patience_s: float) -> Call[Members]:
-    """The JSON object of a good reply."""
-    return _members(ask, (yield from good(ask, patience_s)))
-
-
-def _members(ask: Ask, reply: Reply) -> Members:
+def document(ask: Ask, patience_s: float, read: Callable[[Members], T]) -> Call[T]:
+    """What `read` makes of the JSON object of a good reply; raises BadAnswer where it can't."""
+    reply = yield from good(ask, patience_s)
     try:
-        members = json.loads(reply.body)
-    except ValueError:
-        members = None
-    if not isinstance(members, dict):
-        raise NoAnswer(f"{ask.method} {ask.path} isn't answered by a slewtrack service")
-    return members
+        return read(object_of(json.loads(reply.body)))
+    except MISREAD as error:
+        raise _bad(ask) from error
+
+
+def object_of(value: object) -> Members:
+    """Raises TypeError for anything else that JSON holds."""
+    if not isinstance(value, dict):
+        raise TypeError
+    return value
+
+
+def _bad(ask: Ask) -> BadAnswer:
+    return BadAnswer(f"{ask.method} {ask.path} isn't answered as a slewtrack service answers")
 
 
 def refusal_of(reply: Reply) -> Problem:
+    """With the status of the answer, whatever its body says."""
     try:
-        members = json.loads(reply.body)
-    except ValueError:  # of a proxy, perhaps
-        members = None
-    if not isinstance(members, dict):
-        members = {"detail": f"the service answered with the status {reply.status}"}
-    return problem_of({"status": reply.status, **members})
+        return problem_of({**object_of(json.loads(reply.body)), "status": reply.status})
+    except MISREAD:  # of a proxy, perhaps
+        detail = f"the service answered with the status {reply.status}"
+        return problem_of({"detail": detail, "status": reply.status})
 
 
 def _retry_after_s(text: str, else_s: float) -> float:
@@ -111,8 +155,13 @@ def _retry_after_s(text: str, else_s: float) -> float:
         return float(text)
     try:
         return max((parsedate_to_datetime(text) - datetime.now(UTC)).total_seconds(), 0.0)
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, OverflowError):
         return else_s
+
+
+def address(path: str, *parts: str) -> str:
+    """Below a path; no part, wherever it comes from, is more than one step of it."""
+    return "/".join((path, *(quote(part, safe="").replace(".", "%2E") for part in parts)))
 
 
 def body_of(request: Json) -> bytes:

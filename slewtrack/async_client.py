@@ -12,7 +12,7 @@ import httpx
 
 from slewtrack import calls
 from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
-from slewtrack.asking import Ask, Call, Json, Reply
+from slewtrack.asking import Ask, Call, Intake, Json, Reply
 from slewtrack.calls import (
     CAMPAIGNS,
     FLIGHTS,
@@ -144,10 +144,8 @@ class AsyncCarrier:
             while True:
                 try:
                     reply = await self._answer(ask)
-                except httpx.TransportError as error:
-                    ask = call.throw(self._service.lost(error))
                 except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(error)
+                    ask = call.throw(self._service.meaning(error))
                 else:
                     ask = call.send(reply)
         except StopIteration as done:
@@ -157,11 +155,10 @@ class AsyncCarrier:
     async def _answer(self, ask: Ask) -> Reply:
         await anyio.sleep(ask.after_s)
         async with self._http.stream(**request_of(ask)) as answer:
-            if ask.on_line is None or answer.status_code >= 400:
-                return reply_of(answer, await answer.aread())
-            async for line in answer.aiter_lines():
-                ask.on_line(line)
-            return reply_of(answer, b"")
+            intake = Intake(ask, answer.status_code)
+            async for part in answer.aiter_bytes():
+                intake.take(part)
+            return reply_of(answer, intake.body)
 
 
 class AsyncClient(AsyncCarrier):

@@ -16,7 +16,7 @@ import httpx
 
 from slewtrack import calls
 from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
-from slewtrack.asking import Ask, Call, Json, Reply
+from slewtrack.asking import Ask, Call, Intake, Json, Reply
 from slewtrack.calls import (
     CAMPAIGNS,
     FLIGHTS,
@@ -138,10 +138,8 @@ class Carrier:
             while True:
                 try:
                     reply = self._answer(ask)
-                except httpx.TransportError as error:
-                    ask = call.throw(self._service.lost(error))
                 except Exception as error:  # noqa: BLE001 (the call decides what it means)
-                    ask = call.throw(error)
+                    ask = call.throw(self._service.meaning(error))
                 else:
                     ask = call.send(reply)
         except StopIteration as done:
@@ -151,11 +149,10 @@ class Carrier:
     def _answer(self, ask: Ask) -> Reply:
         time.sleep(ask.after_s)
         with self._http.stream(**request_of(ask)) as answer:
-            if ask.on_line is None or answer.status_code >= 400:
-                return reply_of(answer, answer.read())
-            for line in answer.iter_lines():
-                ask.on_line(line)
-            return reply_of(answer, b"")
+            intake = Intake(ask, answer.status_code)
+            for part in answer.iter_bytes():
+                intake.take(part)
+            return reply_of(answer, intake.body)
 
 
 class Client(Carrier):

@@ -1,17 +1,19 @@
 """Where a service is, and one exchange with it as httpx has it."""
 
 import os
+import time
 from typing import Any
 from urllib.parse import urlsplit
 
 import httpx
 
-from slewtrack.asking import Ask, Reply
-from slewtrack.problems import NoAnswer
+from slewtrack.asking import ANSWER_S, Ask, Reply
+from slewtrack.problems import BadAnswer, NoAnswer
 
 URL = "http://127.0.0.1:8000"
 PATIENCE_S = 60.0
 _CONNECT_S = 10.0
+LEAST_S = 0.1  # for an answer that may be there already
 
 
 class Service:
@@ -38,15 +40,22 @@ class Service:
             "trust_env": parts.hostname not in ("localhost", "127.0.0.1", "::1"),
         }
 
-    def lost(self, error: httpx.TransportError) -> NoAnswer:
-        """What a broken connection means to a call."""
+    def meaning(self, error: Exception) -> Exception:
+        """What is thrown into a call for what came out of an exchange."""
         told = str(error) or type(error).__name__
-        return NoAnswer(f"{self.url} gives no answer: {told}; is `slewtrack serve` running there?")
+        if isinstance(error, httpx.TransportError):
+            return NoAnswer(
+                f"{self.url} gives no answer: {told}; is `slewtrack serve` running there?"
+            )
+        if isinstance(error, httpx.RequestError | httpx.InvalidURL):
+            return BadAnswer(f"{self.url} can't be asked so, or answers unreadably: {told}")
+        return error
 
 
 def request_of(ask: Ask) -> dict[str, Any]:
     """The arguments of httpx's `stream`."""
-    timeout = httpx.Timeout(ask.silence_s, connect=_CONNECT_S)
+    left_s = ANSWER_S if ask.until_s is None else max(ask.until_s - time.monotonic(), LEAST_S)
+    timeout = httpx.Timeout(min(ask.silence_s, left_s), connect=min(_CONNECT_S, left_s))
     parts = [(name, (file, body, kind)) for name, file, body, kind in ask.parts]
     return {
         "method": ask.method,
@@ -60,6 +69,6 @@ def request_of(ask: Ask) -> dict[str, Any]:
 
 
 def reply_of(answer: httpx.Response, body: bytes) -> Reply:
-    """What httpx got."""
+    """What httpx got, its body as it was taken in."""
     headers = {name.lower(): value for name, value in answer.headers.items()}
     return Reply(status=answer.status_code, headers=headers, body=body)

@@ -5,10 +5,10 @@ Source: HTML Living Standard, section 9.2.
 
 import json
 import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
-from slewtrack.answers import Progress
+from slewtrack.answers import OPEN_STATES, Progress, state_of
+from slewtrack.problems import MISREAD, BadAnswer
 
 OnProgress = Callable[[Progress], None]
 SILENCE_S = 45.0  # the service says something every 15 s
@@ -23,7 +23,7 @@ class Events:
 
     def __init__(self, progress: OnProgress | None, until_s: float | None) -> None:
         self._progress = progress
-        self._until_s = until_s
+        self.until_s = until_s
         self._event: dict[str, str] = {}
         self._state = "queued"
         self.last_id: str | None = None
@@ -44,28 +44,34 @@ class Events:
     @property
     def silence_s(self) -> float:
         """How long to listen for nothing."""
-        left_s = SILENCE_S if self._until_s is None else self._until_s - time.monotonic()
+        left_s = SILENCE_S if self.until_s is None else self.until_s - time.monotonic()
         return min(max(left_s, 0.1), SILENCE_S)
 
     def take(self, line: str) -> None:
-        """Raises TimeIsUp, or whatever the caller's own function does."""
+        """Raises TimeIsUp, BadAnswer, or whatever the caller's own function does."""
         if line:
             name, _, value = line.partition(":")
-            self._event[name] = value.removeprefix(" ")
+            if name in ("id", "event", "data"):
+                self._event[name] = value.removeprefix(" ")
         else:
             event, self._event = self._event, {}
             if "data" in event:
                 self.last_id = event.get("id", self.last_id)
-                self._tell(event.get("event", ""), json.loads(event["data"]))
-        if self._until_s is not None and time.monotonic() >= self._until_s:
+                now = self._read(event.get("event", ""), event["data"])
+                if self._progress is not None:
+                    self._progress(now)
+        if self.until_s is not None and time.monotonic() >= self.until_s:
             raise TimeIsUp
 
-    def _tell(self, kind: str, data: Mapping[str, Any]) -> None:
-        if kind == "state":
-            self._state = data["state"]
-            self.has_ended = self._state not in ("queued", "running")
-        elif kind == "progress":
-            self._state = "running"
-        if self._progress is not None:
+    def _read(self, kind: str, text: str) -> Progress:
+        try:
+            data = json.loads(text)
+            if kind == "state":
+                self._state = state_of(data)
+                self.has_ended = self._state not in OPEN_STATES
+            elif kind == "progress":
+                self._state = "running"
             told = {name: data.get(name) for name in ("stage", "done", "of", "percent")}
-            self._progress(Progress(state=self._state, **told))
+        except MISREAD as error:
+            raise BadAnswer("an event isn't told as a slewtrack service tells it") from error
+        return Progress(state=self._state, **told)

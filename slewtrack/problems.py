@@ -55,11 +55,19 @@ class Problem:
     members: Mapping[str, Any] = dataclasses.field(repr=False)
 
 
+# What reading JSON of another shape raises: of no JSON, too deep, or with other types in it.
+MISREAD = (LookupError, TypeError, ValueError, AttributeError, OverflowError, RecursionError)
 _TEXTS = ("field", "axis", "limit", "at", "earliest_feasible_start", "feasible_stop")
 
 
 def problem_of(members: Mapping[str, Any]) -> Problem:
-    """A problem of its JSON; members that only newer services know are in `members`."""
+    """A problem of its JSON; members that only newer services know are in `members`.
+
+    Raises one of MISREAD.
+    """
+    texts = {name: members.get(name) for name in _TEXTS}
+    if not all(text is None or isinstance(text, str) for text in texts.values()):
+        raise TypeError
     return Problem(
         type=str(members.get("type", "about:blank")),
         title=str(members.get("title", "")),
@@ -81,7 +89,7 @@ def problem_of(members: Mapping[str, Any]) -> Problem:
             for fault in members.get("errors") or ()
         ),
         members=members,
-        **{name: members.get(name) for name in _TEXTS},
+        **texts,
     )
 
 
@@ -101,6 +109,10 @@ class Refused(ServiceError):
 
 class NoAnswer(ServiceError):
     """The service can't be reached, or the connection to it broke, for longer than we wait."""
+
+
+class BadAnswer(ServiceError):
+    """What came is not what a slewtrack service answers, or more than is taken of an answer."""
 
 
 class NotFinished(ServiceError):

@@ -1,7 +1,6 @@
 """The answer about flights of a plan: probabilities, what is to blame, what the frames show."""
 
 import json
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,6 +11,7 @@ from pydantic import Field
 from app.answers.job import JobResponse, job_out, page
 from app.answers.members import degrees, degrees_of, fill, from_store, to_json
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
+from app.store.packed import unzip
 from planner.arrays import Array
 from planner.flights.contributors import Contributor
 from planner.flights.nominal import NominalSession
@@ -283,7 +283,7 @@ def flights_json(job: "Job", document: bytes | None, parts: Sequence[Any]) -> by
             warnings=[],
         )
     else:
-        head = from_store(FlightsHead, json.loads(zlib.decompress(document)))
+        head = from_store(FlightsHead, json.loads(unzip(document)))
         found = flights_found(head, parts)
     return to_json(fill(FlightsResponse, found, job_out(job)))
 

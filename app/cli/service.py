@@ -12,7 +12,7 @@ from app.answers.plan import PlanDocument
 from app.cli.plan_report import print_report
 from app.cli.progress_bar import progress_bar
 from planner.errors import InvalidInput, Refusal
-from slewtrack import Client, NoAnswer, Progress, Refused, ServiceError
+from slewtrack import BadAnswer, Client, NoAnswer, Progress, Refused, ServiceError
 from slewtrack.problems import Problem
 
 SERVER_ERROR = 500
@@ -39,7 +39,7 @@ def service(url: str | None) -> Iterator[Client]:
             yield client
         except Refused as refused:
             raise RefusedThere(refused.problem) from None
-        except NoAnswer as error:
+        except (NoAnswer, BadAnswer) as error:
             raise InvalidInput(str(error), field="--url") from None
         except ServiceError as error:
             raise Refusal(str(error)) from None

@@ -118,6 +118,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
+    app.state.end_outdated = lambda: None  # how the program ends when its database has moved on
     app.state.views = ViewCache()
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
     for resource in (*_OF_API, pages):
@@ -162,6 +163,7 @@ async def _ready_for_children(app: FastAPI) -> AsyncIterator[None]:
     start_server()
     settings: Settings = app.state.settings
     app.state.database = open_database(settings.database_url, settings.data_dir)
+    app.state.database.when_outdated = app.state.end_outdated
     try:
         await anyio.to_thread.run_sync(upgrade, app.state.database)
         with _dispatching(settings, app.state.database, app.state.metrics) as dispatcher:

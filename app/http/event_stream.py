@@ -7,7 +7,6 @@ import asyncio
 import json
 import time
 from collections.abc import AsyncIterator
-from contextlib import suppress
 
 import anyio
 from fastapi import Request
@@ -18,8 +17,8 @@ from app.http.blocking import read
 from app.jobs.kinds import JOB_KINDS
 from app.store import events, jobs
 from app.store.events import Event
-from app.store.failures import StoreUnavailable
 from app.store.jobs import Job
+from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.frames.time_scales import utc_text
 
 EVENT_STREAM = "text/event-stream"
@@ -35,8 +34,13 @@ async def stream_events(request: Request, job_id: str, seq: int) -> AsyncIterato
     retry_ms: int | None = _RETRY_MS  # told once
     while True:
         is_open = True
-        with suppress(StoreUnavailable):  # the stream has begun: it goes on when that is back
+        try:
             found, job = await _after(request, job_id, seq)
+        except StoreDamaged:
+            return
+        except StoreUnavailable:
+            pass  # the stream has begun: it goes on when that is back
+        else:
             is_open = job is not None and job.is_open
             for event in found:
                 seq, last_s = event.seq, time.monotonic()

@@ -13,13 +13,14 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
-from app.answers.problem import Problem, problem_of
+from app.answers.problem import TYPE_PREFIX, Problem, problem_of
 from app.http.door.headers import instance
 from app.requests.json_reader import field_errors
+from app.store.unavailable import StoreDamaged
 from planner.errors import InvalidRequest, Refusal
 
 PROBLEM_JSON = "application/problem+json"
-RETRY_AFTER_S = 5  # said with every 503
+RETRY_AFTER_S = 5  # said with every 503 that may pass
 
 
 def install(app: FastAPI) -> None:
@@ -91,7 +92,7 @@ def problem_answer(
     members = {**problem, "instance": instance(request.scope)}
     request.scope["state"][_PROBLEM_TYPE] = members["type"]
     status = HTTPStatus(members["status"])
-    if status is HTTPStatus.SERVICE_UNAVAILABLE:
+    if status is HTTPStatus.SERVICE_UNAVAILABLE and members["type"] != _FOR_GOOD:
         headers = {"Retry-After": str(RETRY_AFTER_S), **(headers or {})}
     kept = {name: members[name] for name in _ORDER if name in members}
     # ASCII, so that no text of the request can break the encoding of the answer.
@@ -101,3 +102,4 @@ def problem_answer(
 
 _ORDER = tuple(Problem.__dataclass_fields__)
 _PROBLEM_TYPE = "problem_type"
+_FOR_GOOD = TYPE_PREFIX + StoreDamaged.slug

@@ -13,7 +13,7 @@ from app.jobs.child import Bounds
 from app.jobs.disposable import run_disposable
 from app.log.logs import log
 from app.store.database import Database
-from app.store.failures import StoreUnavailable
+from app.store.unavailable import StoreUnavailable
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.time_scales import DAY_S, elapsed_s
 

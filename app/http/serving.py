@@ -16,6 +16,7 @@ from app.http.door.request_form import HEAD_BYTES_MAX
 from app.jobs.dask_address import check_scheduler
 from app.log.logs import configure_logs
 from app.settings import Settings
+from app.store.database import OUTDATED
 from app.store.keys import KeyStore
 from app.store.migrate import open_migrated
 from planner.errors import Refusal
@@ -42,6 +43,8 @@ def serve_on(host: str, port: int, settings: Settings) -> None:
     service.run()
     if not service.started:
         sys.exit(1)
+    if service.is_outdated:
+        raise Refusal(OUTDATED)
 
 
 def _require_free(host: str, port: int) -> None:
@@ -58,7 +61,7 @@ def _require_free(host: str, port: int) -> None:
         raise Refusal(detail, field="--port") from None
 
 
-def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
+def server(host: str, port: int, settings: Settings) -> "_Server":
     """Ready to run, with limits on what a connection may do."""
 
     class Protocol(GuardedProtocol):
@@ -73,7 +76,7 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
 
     app = create_app(settings)
     app.openapi()  # half a second in which nobody else would be answered
-    return _Server(
+    service = _Server(
         uvicorn.Config(
             guarded,
             host=host,
@@ -90,6 +93,8 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
         ),
         app.state.stopping,
     )
+    app.state.end_outdated = service.end_outdated
+    return service
 
 
 class _Server(uvicorn.Server):
@@ -98,6 +103,11 @@ class _Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, stopping: asyncio.Event) -> None:
         super().__init__(config)
         self._stopping = stopping
+        self.is_outdated = False
+
+    def end_outdated(self) -> None:
+        """As told to stop, when another version has migrated the database."""
+        self.is_outdated = self.should_exit = True
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)

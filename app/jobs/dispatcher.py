@@ -27,9 +27,9 @@ from app.log.logs import log
 from app.settings import Settings
 from app.store import audit, events, jobs
 from app.store.database import Database
-from app.store.failures import StoreUnavailable
 from app.store.ids import OPEN_STATES, JobState
 from app.store.jobs import Claim, Job, NewJob
+from app.store.unavailable import StoreUnavailable
 from app.work.progress import Progress
 
 POLL_S = 0.25  # for work and cancellations that other services on the database wrote

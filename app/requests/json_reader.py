@@ -10,15 +10,16 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from functools import cached_property
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
-from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain
-from planner.errors import FieldError, InvalidRequest, with_short_values
+from app.requests.plain_text import CHARACTERS_MAX, require_message, require_plain, visible
+from planner.errors import Blame, FieldError, InvalidRequest, Refusal, with_short_values
 from planner.frames.time_scales import utc_from_text
+from planner.spec import as_kept
 
 ERRORS_SHOWN = 50
 FIELDS_MAX = 1000  # of one object, and
@@ -31,6 +32,7 @@ _TOO_MANY = f"it has more than {VALUES_MAX} values"
 # A string that never ends runs to the end, so that the search stays linear.
 _STRING = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"?', re.DOTALL)
 _BRACKET = re.compile(rb"[][{}]")
+_BOUNDS = frozenset({"min_length", "max_length", "ge", "gt", "le", "lt"})  # in a core schema
 _MESSAGE = "content"  # the field of orbits and attitudes that holds a whole CCSDS message
 
 T = TypeVar("T")
@@ -59,7 +61,11 @@ class JsonReader(Generic[T]):
     @cached_property
     def _validator(self) -> SchemaValidator:
         """When it is first needed: it takes 10 ms and more."""
-        return SchemaValidator(_with_our_text(self._schema))
+        return SchemaValidator(_with_our_text(self._schema, require_plain))
+
+    @cached_property
+    def _kept_validator(self) -> SchemaValidator:
+        return SchemaValidator(_without_bounds(_with_our_text(self._schema, visible)))
 
     def read(self, body: bytes) -> T:
         """The value; raises InvalidRequest with the fields at fault."""
@@ -75,6 +81,22 @@ class JsonReader(Generic[T]):
             return value
         raise InvalidRequest(*field_errors(found, document))
 
+    def read_kept(self, body: bytes) -> T:
+        """What was accepted before, by whatever bounds held then; hidden characters are left out.
+
+        Raises KeptUnreadable where the fields have changed since.
+        """
+        try:
+            with as_kept():
+                document = json.dumps(self._plain(json.loads(body)))
+                value: T = self._kept_validator.validate_json(document)
+        except ValidationError as error:
+            [first, *_] = field_errors(error.errors(include_url=False), json.loads(body))
+            raise KeptUnreadable(str(first)) from None
+        except Refusal as refusal:
+            raise KeptUnreadable(refusal.detail) from None
+        return value
+
     def json_schema(self, ref_template: str) -> dict[str, Any]:
         """JSON Schema 2020-12; its `$defs` hold what it refers to by `ref_template`."""
         schema = _JsonSchema(ref_template=ref_template).generate(self._schema)
@@ -86,6 +108,21 @@ class JsonReader(Generic[T]):
             for field in kinds.values():
                 field.pop("default", None)
         return schema
+
+
+class KeptUnreadable(Refusal):
+    """What is kept was asked for in words that this version doesn't know."""
+
+    slug: ClassVar[str] = "kept-unreadable"
+    title: ClassVar[str] = "The request of what is kept can't be read by this version"
+    blame: ClassVar[Blame] = "conflict"
+
+    def __init__(self, detail: str) -> None:
+        super().__init__(
+            "what is kept and its table stay as they were answered, in JSON; but this version of "
+            f"slewtrack can't read the request they were made for ({detail}): have this made by "
+            "the version that `provenance` names, or send the request anew"
+        )
 
 
 class _JsonSchema(GenerateJsonSchema):
@@ -165,13 +202,13 @@ def _members(pairs: list[tuple[str, object]]) -> dict[str, object]:
     return members
 
 
-def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (a core schema is nested plain data)
-    """The core schema with our own reading of text, and of times, which knows leap seconds.
+def _with_our_text(node: Any, text: Callable[[str], str], field: str = "") -> Any:  # noqa: ANN401 (a core schema is nested plain data)
+    """The core schema with `text` applied to text, and times read as we do: with leap seconds.
 
     A union's kind, when it is unknown or missing, is answered with those there are.
     """
     if isinstance(node, list | tuple):
-        return type(node)(_with_our_text(item, field) for item in node)
+        return type(node)(_with_our_text(item, text, field) for item in node)
     if not isinstance(node, dict):
         return node
     match node.get("type"):
@@ -180,8 +217,9 @@ def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (a core s
                 _utc, core_schema.str_schema(strict=True)
             )
         case "str":
-            required = require_message if field == _MESSAGE else require_plain
-            return core_schema.no_info_after_validator_function(required, node)
+            if field != _MESSAGE:
+                return core_schema.no_info_after_validator_function(text, node)
+            return core_schema.no_info_after_validator_function(require_message, node)
         case "tagged-union" if isinstance(node["discriminator"], str):
             node = node | {
                 "custom_error_type": "unknown_kind",
@@ -190,7 +228,15 @@ def _with_our_text(node: Any, field: str = "") -> Any:  # noqa: ANN401 (a core s
             }
         case "dataclass-field":
             field = node["name"]
-    return {key: _with_our_text(value, field) for key, value in node.items()}
+    return {key: _with_our_text(value, text, field) for key, value in node.items()}
+
+
+def _without_bounds(node: Any) -> Any:  # noqa: ANN401 (as above)
+    if isinstance(node, list | tuple):
+        return type(node)(_without_bounds(item) for item in node)
+    if not isinstance(node, dict):
+        return node
+    return {key: _without_bounds(value) for key, value in node.items() if key not in _BOUNDS}
 
 
 def _utc(text: str) -> datetime:

@@ -21,9 +21,18 @@ def require_plain(text: str) -> str:
             f"must have at most {CHARACTERS_MAX} characters, not {len(text)}; shorten it"
         )
     for place, character in enumerate(text):
-        if unicodedata.category(character) in _HIDDEN and character not in _JOINERS:
+        if _is_hidden(character):
             raise ValueError(_hidden_character(character, place))
     return text
+
+
+def visible(text: str) -> str:
+    """The text without what can't be seen, which files of some formats can't hold."""
+    return "".join(character for character in text if not _is_hidden(character))
+
+
+def _is_hidden(character: str) -> bool:
+    return unicodedata.category(character) in _HIDDEN and character not in _JOINERS
 
 
 def require_message(text: str) -> str:

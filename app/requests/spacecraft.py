@@ -28,6 +28,9 @@ def read_spacecraft_request(body: bytes) -> ImagingPlanRequest:
     return _READER.read(body)
 
 
+read_kept_spacecraft_request = _READER.read_kept
+
+
 def read_imaging_opportunity_request(body: bytes) -> ImagingOpportunityRequest:
     """What is to be imaged, and when it is searched for; raises as above."""
     return _SEARCH_READER.read(body)

@@ -11,7 +11,7 @@ import os
 import random
 import sqlite3
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -23,7 +23,7 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from app.log.logs import log
 from app.store.failures import (
-    StoreUnavailable,
+    is_damage,
     is_of_the_store,
     keeps_all_waiting,
     may_leave_stale_pages,
@@ -31,6 +31,7 @@ from app.store.failures import (
 from app.store.ids import new_id
 from app.store.models import ProbeRow
 from app.store.turns import PATIENCE_S, Outage, Turns
+from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.errors import InvalidInput
 
 FILE = "slewtrack.sqlite3"
@@ -41,6 +42,11 @@ _WRITES = "slewtrack_writes"  # how, as SQLite's `synchronous` has it
 # another busy service; so often it does.
 _LOOK_S = 0.004
 _OWNER_ONLY = 0o600
+MIGRATION_LOCK = 0x736C6577  # "slew": any number that nobody else locks
+OUTDATED = (
+    "the database has been migrated by another version of slewtrack; this service writes nothing "
+    "more and ends"
+)
 _PROBE_BYTES = 32 * 1024  # what a plan takes
 _PROBE_FORGOTTEN = timedelta(minutes=1)  # by a service that died in between
 
@@ -50,10 +56,15 @@ class Database:
 
     Where the database itself is at fault, full, locked or away, either way raises
     StoreUnavailable, within two seconds.
+
+    revision: of the tables this program knows, once they are up to date: then it writes to no
+    others.  when_outdated: called when it would have, from any thread and more than once.
     """
 
     def __init__(self, url: URL) -> None:
         self.url = url
+        self.revision: str | None = None
+        self.when_outdated: Callable[[], None] = lambda: None
         self._engine = _engine(url)
         self._readers, self._writers = Outage(), Outage()
         self._turns: Turns | None = None
@@ -79,7 +90,18 @@ class Database:
         lasting: whether it outlives a power failure; one of the service it does either way.
         """
         with self._writer(lasting) as connection, connection.begin():
+            if self.revision is not None:
+                self._require_revision(connection)
             yield connection
+
+    def _require_revision(self, connection: Connection) -> None:
+        """Nobody migrates the tables until the transaction ends; raises StoreUnavailable."""
+        if connection.dialect.name == "postgresql":  # SQLite lets one write at a time
+            connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock_shared({MIGRATION_LOCK})")
+        found = connection.exec_driver_sql("SELECT version_num FROM alembic_version").scalar()
+        if found != self.revision:
+            self.when_outdated()
+            raise StoreUnavailable(OUTDATED)
 
     @contextmanager
     def migrating(self) -> Iterator[Connection]:
@@ -138,6 +160,9 @@ class Database:
             if keeps_all_waiting(error):
                 outage.begin()
             self._damages += may_leave_stale_pages(error)
+            if is_damage(error):
+                log.error("the database is damaged", error=error)
+                raise StoreDamaged from error
             log.warning("the database can't be used", error=error)
             raise StoreUnavailable(
                 "the database can't be read or written now; ask again later"

@@ -1,12 +1,9 @@
 """Failures of a database that are of its state, full, locked or away, and no bugs of ours."""
 
 import sqlite3
-from typing import ClassVar
 
 from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 from sqlalchemy.exc import TimeoutError as NoConnectionFree
-
-from planner.errors import Blame, Refusal
 
 # Primary result codes, https://sqlite.org/rescode.html; SQLITE_ERROR is faulty SQL.
 _SQLITE = frozenset(
@@ -25,21 +22,14 @@ _SQLITE = frozenset(
         sqlite3.SQLITE_NOTADB,
     }
 )
-# Classes and codes of SQLSTATE, PostgreSQL's appendix A: connection, authorization, rollbacks that
-# may be tried again, resources, operator, system, corruption; no such database, no right to
-# write, a standby or read-only server, a lock that didn't come.
+# Classes and codes of SQLSTATE, PostgreSQL's appendix A: data or an index corrupted;
+_CORRUPTED = ("XX001", "XX002")
+# connection, authorization, rollbacks that may be tried again, resources, operator, system; no such
+# database, no right to write, a standby or read-only server, a lock that didn't come.
 _SQLSTATES = (
-    *("08", "28", "40", "53", "57", "58", "XX001", "XX002"),
+    *("08", "28", "40", "53", "57", "58", *_CORRUPTED),
     *("3D000", "42501", "25006", "55P03"),
 )
-
-
-class StoreUnavailable(Refusal):
-    """The database can't be read or written as it is now; what for is the same later."""
-
-    slug: ClassVar[str] = "store-unavailable"
-    title: ClassVar[str] = "The database can't be used now"
-    blame: ClassVar[Blame] = "busy"
 
 
 def is_of_the_store(error: Exception) -> bool:
@@ -68,11 +58,18 @@ def keeps_all_waiting(error: Exception) -> bool:
     return isinstance(error, SQLAlchemyError) and getattr(cause, "sqlstate", None) is None
 
 
-def may_leave_stale_pages(error: Exception) -> bool:
-    """Whether a connection may go on seeing what the file held when it was damaged."""
+def is_damage(error: Exception) -> bool:
+    """Whether what is stored is no longer what was stored, so that waiting doesn't help."""
     cause = _cause(error)
     code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
-    return code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_IOERR)
+    sqlstate = getattr(cause, "sqlstate", None)
+    return code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT) or sqlstate in _CORRUPTED
+
+
+def may_leave_stale_pages(error: Exception) -> bool:
+    """Whether a connection may go on seeing what the file held when it was damaged."""
+    code = getattr(_cause(error), "sqlite_errorcode", 0) & 0xFF
+    return is_damage(error) or code == sqlite3.SQLITE_IOERR
 
 
 def _cause(error: Exception) -> BaseException | None:

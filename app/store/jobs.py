@@ -34,6 +34,7 @@ from app.store.columns import database_now_s
 from app.store.ids import OPEN_STATES, JobState
 from app.store.listing import Listing
 from app.store.models import JobRow, PlanRow
+from app.store.packed import unzip
 from app.store.sought import EVERYTHING, Sought
 
 
@@ -185,7 +186,7 @@ def find_idempotent(connection: Connection, idempotency: str) -> Job | None:
 def request_of(connection: Connection, job_id: str) -> bytes | None:
     """The body a job was asked for by."""
     found = connection.scalar(select(JobRow.request).where(JobRow.id == job_id))
-    return None if found is None else zlib.decompress(found)
+    return None if found is None else unzip(found)
 
 
 def latest(
@@ -268,7 +269,7 @@ def _claimable(kinds: Collection[str]) -> tuple[tuple[ColumnElement[bool], ...],
 def _claim_row(connection: Connection, row: Row[*tuple[Any, ...]], lease_s: float) -> Claim:
     token = secrets.token_hex(16)
     members = dict(row._mapping)
-    request = zlib.decompress(members.pop("request"))
+    request = unzip(members.pop("request"))
     job = Job(**members)
     connection.execute(
         update(JobRow)

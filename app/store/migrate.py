@@ -13,12 +13,11 @@ from sqlalchemy import Connection, text
 from sqlalchemy.exc import ProgrammingError
 
 from app.log.exceptions import reason
-from app.store.database import Database, open_database
-from app.store.failures import StoreUnavailable
+from app.store.database import MIGRATION_LOCK, Database, open_database
+from app.store.unavailable import StoreUnavailable
 from planner.errors import InvalidInput
 
 _FOLDER = Path(__file__).parent / "migrations"
-_LOCK = 0x736C6577  # "slew": any number that nobody else locks
 _OTHERS_S = 30.0  # how long others that start may take to migrate
 _PAUSE_S = 0.2
 
@@ -37,7 +36,7 @@ def open_migrated(database_url: str, data_dir: Path) -> Iterator[Database]:
 def upgrade(database: Database) -> None:
     """Bring it up to date; services that start together do so one after the other.
 
-    Raises InvalidInput for a database of a later version, or that doesn't answer.
+    Raises InvalidInput for a database of another version, or that doesn't answer.
     """
     until_s = time.monotonic() + _OTHERS_S
     while True:
@@ -45,8 +44,10 @@ def upgrade(database: Database) -> None:
             with database.migrating() as connection:
                 if connection.dialect.name == "postgresql":
                     connection.execute(text(f"SET LOCAL lock_timeout = '{_OTHERS_S:.0f}s'"))
-                    connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": _LOCK})
-                _upgrade(connection)
+                    connection.execute(
+                        text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": MIGRATION_LOCK}
+                    )
+                database.revision = _upgrade(connection)
         except StoreUnavailable as error:
             if not _is_locked(error) or time.monotonic() > until_s:
                 raise _unusable(database, error.__cause__ or error) from error
@@ -70,17 +71,21 @@ def _is_locked(error: StoreUnavailable) -> bool:
     return error.__cause__ is None or reason(error.__cause__).startswith("SQLITE_BUSY")
 
 
-def _upgrade(connection: Connection) -> None:
+def _upgrade(connection: Connection) -> str | None:
+    """The revision it is of then; raises InvalidInput for one that isn't known here."""
     config = Config(attributes={"connection": connection})
     config.set_main_option("script_location", str(_FOLDER).replace("%", "%%"))
     scripts = ScriptDirectory.from_config(config)
     known = {script.revision for script in scripts.walk_revisions()}
+    head = scripts.get_current_head()
     present = MigrationContext.configure(connection).get_current_revision()
     if present is not None and present not in known:
         raise InvalidInput(
-            f"the database was written by a later version of slewtrack (its state is {present!r}); "
-            "install that one, or use another database",
+            f"the database is of revision {present!r}, which this version of slewtrack doesn't "
+            f"know: it knows up to {head!r}. A later version wrote it, or one from before the "
+            "first release; install that one, or use another database",
             field="SLEWTRACK_DATABASE_URL",
         )
-    if present != scripts.get_current_head():
+    if present != head:
         command.upgrade(config, "head")
+    return head

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.store.listing import Listing
+from app.store.unavailable import StoreDamaged
 from planner.arrays import Array
 
 _LEVEL = 3  # 3 % larger than 6 in a third of the time
@@ -54,6 +55,14 @@ class PackedColumns:
     facts: Mapping[str, Any]
 
 
+def unzip(packed: bytes) -> bytes:
+    """What the database kept, as it was given; raises StoreDamaged."""
+    try:
+        return zlib.decompress(packed)
+    except zlib.error as error:
+        raise StoreDamaged from error
+
+
 def pack(table: PackedColumns) -> bytes:
     """Columns and facts in one piece."""
     shapes = {name: list(values.shape) for name, values in table.columns.items()}
@@ -63,8 +72,8 @@ def pack(table: PackedColumns) -> bytes:
 
 
 def unpack(packed: bytes) -> PackedColumns:
-    """The same table, bit for bit."""
-    data = zlib.decompress(packed)
+    """The same table, bit for bit; raises StoreDamaged."""
+    data = unzip(packed)
     (length,) = _HEAD.unpack_from(data)
     at, columns = _HEAD.size + length, {}
     head = json.loads(data[_HEAD.size : at])

@@ -11,7 +11,7 @@ from sqlalchemy import Connection, bindparam, func, insert, select
 
 from app.store.ids import JobState
 from app.store.models import CampaignRow, PlanRow
-from app.store.packed import NewPlan
+from app.store.packed import NewPlan, unzip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ def get(connection: Connection, plan_id: str) -> StoredPlan | None:
     if row is None:
         return None
     members = dict(row._mapping)
-    return StoredPlan(**members | {"document": zlib.decompress(members["document"])})
+    return StoredPlan(**members | {"document": unzip(members["document"])})
 
 
 def store_choice(connection: Connection, job_id: str, document: bytes) -> None:
@@ -74,5 +74,5 @@ def choice_of(connection: Connection, job_id: str) -> Mapping[str, Any] | None:
     found = connection.scalar(select(CampaignRow.document).where(CampaignRow.id == job_id))
     if found is None:
         return None
-    choice: Mapping[str, Any] = json.loads(zlib.decompress(found))
+    choice: Mapping[str, Any] = json.loads(unzip(found))
     return choice

@@ -5,7 +5,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from app.store.failures import StoreUnavailable
+from app.store.unavailable import StoreUnavailable
 
 # Long enough for what another process may write at once, short enough to be told in two seconds.
 PATIENCE_S = 1.2

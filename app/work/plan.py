@@ -16,7 +16,7 @@ from app.answers.plan import (
     verdict_state,
 )
 from app.answers.summary import listing_of_plan
-from app.requests.plan import PlanRequest, read_plan_request
+from app.requests.plan import PlanRequest, read_kept_plan_request, read_plan_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.horizon_views import horizon_checks
 from app.work.progress import Progress, report
@@ -25,6 +25,7 @@ from planner.export import EXPORTERS, FlightPlan, Segment
 from planner.frames.time_scales import shifted_utc, utc_from_text, utc_text
 from planner.sessions.pipeline import make_plan
 from planner.sessions.plan import Plan
+from planner.spec import as_kept
 from planner.verification import Finding
 
 
@@ -95,14 +96,17 @@ def require_verified_table(packed: PackedColumns) -> None:
 
 
 def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
-    """With its sessions as they were left after conflicts."""
-    scenario = read_plan_request(request)
-    sessions = tuple(
-        replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
-        for session, (start, stop) in zip(scenario.sessions, packed.facts["sessions"], strict=True)
-    )
+    """With its sessions as they were left after conflicts; raises KeptUnreadable."""
+    scenario = read_kept_plan_request(request)
+    times = zip(scenario.sessions, packed.facts["sessions"], strict=True)
+    with as_kept():
+        sessions = tuple(
+            replace(session, start=utc_from_text(start), stop=utc_from_text(stop))
+            for session, (start, stop) in times
+        )
+        scenario = replace(scenario, sessions=sessions)
     return FlightPlan(
-        scenario=replace(scenario, sessions=sessions),
+        scenario=scenario,
         segments=tuple(
             Segment(
                 kind=kind,

@@ -13,7 +13,7 @@ from app.answers.spacecraft import (
     spacecraft_dry_run_json,
 )
 from app.requests.listings import listing_of_imaging
-from app.requests.spacecraft import read_spacecraft_request
+from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.progress import Progress, report
 from planner.frames.time_scales import utc_from_text, utc_text
@@ -81,9 +81,9 @@ def stored_session_file(
 
 
 def stored_session(request: bytes, table_columns: bytes) -> SessionTable:
-    """What was asked, and the table as it was stored."""
+    """What was asked, and the table as it was stored; raises KeptUnreadable."""
     return SessionTable(
-        request=read_spacecraft_request(request), table=_table(unpack(table_columns))
+        request=read_kept_spacecraft_request(request), table=_table(unpack(table_columns))
     )
 
 

@@ -224,7 +224,13 @@ def test_preflights_are_not_granted(here):
     assert not [name for name in answer.headers if name.startswith("access-control")]
 
 
-@pytest.mark.parametrize("name", ["X-Forwarded-For", "Forwarded", "Via", "X-Real-IP"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(f"X-Forwarded-{what}" for what in ("For", "Host", "Proto", "Port", "Server", "Any")),
+        *("Forwarded", "Via", "X-Real-IP", "CF-Connecting-IP", "True-Client-IP"),
+    ],
+)
 def test_what_a_proxy_passed_on_needs_a_key(here, secrets, name):
     refused(here.get("/v1/platforms", headers={name: "127.0.0.1"}), 401, "proxy")
     known = bearer(secrets["read"]) | {name: "127.0.0.1", "Host": "plans.example"}

@@ -83,7 +83,7 @@ def test_a_service_that_is_not_there():
 @pytest.mark.parametrize("answer", [httpx.Response(200, text="<html>"), httpx.Response(200)])
 def test_another_service_at_the_address(answer):
     client, _ = scripted(answer)
-    with pytest.raises(slewtrack.NoAnswer, match="isn't answered by a slewtrack service"):
+    with pytest.raises(slewtrack.BadAnswer, match="isn't answered as a slewtrack service"):
         client.plans()
 
 

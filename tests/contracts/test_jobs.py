@@ -20,8 +20,8 @@ from app.jobs.refusals import QueueFull
 from app.settings import Settings
 from app.store import audit, events, jobs, plans
 from app.store.database import Database
-from app.store.failures import StoreUnavailable
 from app.store.models import JobRow
+from app.store.unavailable import StoreUnavailable
 
 RULES = {"lease_s": 120.0, "job_attempts": 3, "queue_max": 100, "retention_days": None}
 

@@ -212,6 +212,48 @@ def test_requests_at_a_time(tmp_path, monkeypatch):
         assert client.get("/v1/platforms").status_code == 200
 
 
+def test_event_streams_keep_no_request_out():
+    """Of the same address, which programs of one machine share; nor a request a stream."""
+    leave = asyncio.Event()
+
+    async def service(scope, _receive, send):
+        await leave.wait()
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+
+    def asked(path):
+        return {
+            "type": "http", "http_version": "1.1", "method": "GET", "path": path,
+            "raw_path": path.encode(), "query_string": b"", "headers": [],
+            "state": {"request_id": "1"},
+        }  # fmt: skip
+
+    async def statuses_of(gate, path, count):
+        told = []
+
+        async def send(message):
+            if message["type"] == "http.response.start":
+                told.append(message["status"])
+
+        asking = [asyncio.create_task(gate(asked(path), None, send)) for _ in range(count)]
+        for _ in range(10 * count):
+            await asyncio.sleep(0)
+        return told, asking
+
+    async def streams_then_requests():
+        settings = Settings(concurrency_per_key=4)
+        gate = Gate(service, AccessWithOneKey(), settings, asyncio.Event())
+        streams, listening = await statuses_of(gate, "/v1/plans/1/events", 6)
+        assert streams == [429] * 4  # 2 are open
+        requests, asking = await statuses_of(gate, "/v1/plans", 5)
+        assert requests == [429]  # 4 are at work
+        leave.set()
+        await asyncio.gather(*listening, *asking)
+        assert sorted(streams) == [200] * 2 + [429] * 4
+        assert sorted(requests) == [200] * 4 + [429]
+
+    asyncio.run(streams_then_requests())
+
+
 class AccessWithOneKey:
     """Whoever sends any has the key."""
 

@@ -7,12 +7,14 @@ import socket
 import threading
 from contextlib import closing
 
+import httpx2 as httpx
 import pytest
 from databases import own_settings
 from fastapi.testclient import TestClient
 from hostile_cases import PLAN, PLANS, head
 from job_cases import KINDS
 from live_service import live_service
+from sqlalchemy import text
 from waiting import eventually
 
 from app.http.app import create_app
@@ -20,6 +22,7 @@ from app.http.routes import searches
 from app.jobs.kinds import JOB_KINDS, JobKind
 from app.requests.examples.opportunities import OPPORTUNITY_EXAMPLES
 from app.requests.examples.plan import LAS_VEGAS
+from app.store.database import open_database
 
 PATIENT = {"Prefer": "wait=60"}
 
@@ -126,3 +129,22 @@ def test_who_still_sends_is_told_in_the_end(tmp_path, number):
     log = service.log.read_text()
     assert "Traceback" not in log
     assert "CancelledError" not in log
+
+
+def test_a_service_whose_database_another_version_migrated_ends(tmp_path):
+    """By itself, at the first thing it would write, in one line and with exit code 2."""
+    settings = own_settings(tmp_path)
+    with live_service(tmp_path, SLEWTRACK_DATABASE_URL=settings.database_url) as service:
+        assert httpx.get(f"{service.address}/v1/plans").status_code == 200
+        database = open_database(settings.database_url, tmp_path)
+        with database.writing() as connection:
+            connection.execute(text("UPDATE alembic_version SET version_num = '2'"))
+        database.close()
+        answer = httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=60.0)
+        assert answer.status_code == 503
+        assert "migrated by another version" in answer.json()["detail"]
+        ended = os.waitid(os.P_PID, service.pid, os.WEXITED | os.WNOWAIT)
+    assert (ended.si_code, ended.si_status) == (os.CLD_EXITED, 2)
+    *log, last = service.log.read_text().splitlines()
+    assert last == f"slewtrack: {answer.json()['detail']}"
+    assert not [line for line in log if "Traceback" in line]

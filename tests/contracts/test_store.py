@@ -1,10 +1,9 @@
 """Is what is stored kept to the bit, never changed, and handed to one worker at a time?"""
 
 import io
-import json
-import zlib
+import shutil
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
@@ -20,16 +19,16 @@ from job_cases import new_job
 from sqlalchemy import String, Text, select, text, update
 from sqlalchemy.exc import DatabaseError
 
-from app.store import audit, events, jobs, models, plans
+from app.store import audit, events, jobs, migrate, models, plans
 from app.store.columns import PlainString
 from app.store.database import open_database
 from app.store.ids import is_id, new_id
 from app.store.keys import KeyStore
-from app.store.listing import Listing
 from app.store.migrate import open_migrated, upgrade
 from app.store.models import JobRow, PlanRow
 from app.store.packed import PackedColumns, pack, unpack
 from app.store.sought import Sought
+from app.store.unavailable import StoreDamaged, StoreUnavailable
 from planner.errors import InvalidInput
 
 KINDS = ("note",)
@@ -56,87 +55,90 @@ def test_migrations_lead_to_the_models(tmp_path):
             assert compare_metadata(context, models.Base.metadata) == []
 
 
-def as_of(database, version):
-    """The tables as a version before 0006 left them."""
+NEXT = """
+import sqlalchemy as sa
+from alembic import op
+
+revision = "2"
+down_revision = "1"
+
+
+def upgrade():
+    op.add_column("jobs", sa.Column("colour", sa.Text()))
+    op.execute("UPDATE jobs SET colour = 'blue'")
+"""
+
+
+@pytest.fixture
+def next_version(tmp_path, monkeypatch):
+    """`upgrade` as the next version has it, whose migration is one more file in the folder."""
+    folder = tmp_path / "migrations"
+    shutil.copytree(migrate._FOLDER, folder)
+    (folder / "versions" / "m0002_colours.py").write_text(NEXT)
+
+    def upgrade_next(database):
+        with monkeypatch.context() as patch:
+            patch.setattr(migrate, "_FOLDER", folder)
+            upgrade(database)
+
+    return upgrade_next
+
+
+def test_the_next_version_migrates_what_is_stored_once(database, tmp_path, next_version):
+    job_id, _ = accepted(database, tmp_path)
+    next_version(database)
     with database.writing() as connection:
-        for table in ("flights", "search_pages", "searches"):
-            connection.execute(text(f"DROP TABLE {table}"))
-        connection.execute(text("DROP INDEX ix_jobs_plan_id_id"))
-        connection.execute(text("ALTER TABLE jobs DROP COLUMN plan_id"))
-        for added in Listing().columns(""):
-            connection.execute(text(f"ALTER TABLE jobs DROP COLUMN {added}"))
-        connection.execute(text(f"UPDATE alembic_version SET version_num = '{version}'"))
-
-
-def test_what_an_older_version_stored_is_rewritten_once(database, tmp_path):
-    """On PostgreSQL too; a whole SQLite database of that version: test_older_stores.py."""
-    harmonic = {"attitude": {"law": "harmonic", "content": "...", "lead_s": 900.0}}
-    job_id, _ = accepted(database, tmp_path, request=json.dumps(harmonic).encode())
-    chosen = {"value": 2.0, "unseen": ["Oslo"], "left_out": [{"target": "Rome", "value": 0.5}]}
-    with database.writing() as connection:
-        plans.store_choice(connection, job_id, zlib.compress(json.dumps(chosen).encode()))
-    for _ in range(2):
-        as_of(database, "0004")
-        upgrade(database)
-        with database.reading() as connection:
-            request = json.loads(jobs.request_of(connection, job_id))
-            assert request == {"attitude": {"law": "harmonic", "content": "..."}}
-            assert plans.choice_of(connection, job_id) == {**chosen, "unseen": [{"target": "Oslo"}]}
-
-
-TARGETS = [
-    {"mode": "ground", "latitude_deg": 1.0, "longitude_deg": -2.25},
-    {"mode": "ground_moving", "latitude_deg": 3.0, "longitude_deg": 4.0},
-    {"mode": "ground_path", "points": [{"latitude_deg": n, "longitude_deg": n} for n in (5, 6)]},
-    {"mode": "star", "hip": 91262},
-    {"mode": "star", "ra_deg": 7.0, "dec_deg": -8.0},
-    {"mode": "body", "name": "moon"},
-    {"mode": "test_motion"},
-]
-LABELS = [
-    "1.0000, -2.2500",
-    "moving from 3.0000, 4.0000",
-    "path from 5.0000, 5.0000 to 6.0000, 6.0000",
-    "HIP 91262",
-    "RA 7.0000, Dec -8.0000",
-    "moon",
-]
-
-
-def test_plans_of_older_versions_say_what_they_are(database, tmp_path):
-    """Though the database refuses to change a plan, before and after; on PostgreSQL too."""
-    sessions = [
-        {
-            "target": target,
-            "start": "2016-12-31T23:59:60.5z",
-            "stop": f"2017-01-01T00:0{n}:00+00:00",
-        }
-        for n, target in enumerate(TARGETS, start=1)
-    ]
-    asked = {"platform": {"name": "own"}, "sessions": sessions}
-    pointing = [{"session": n, "start": "planned", "stop": "planned"} for n in range(1, 6)]
-    budgets = [{"session": n, "probability_in_frame": n / 10.0} for n in (4, 2)]
-    document = {"name": "old", "pointing": pointing, "uncertainty": budgets, "kept": [1.5]}
-    new = new_job("plan", tmp_path, name="o\u202eld", request=json.dumps(asked).encode())
-    made_then = replace(made(), document=zlib.compress(json.dumps(document).encode()))
-    with database.writing() as connection:
-        jobs.accept(connection, new)
-        plans.store(connection, new.id, "plan", None, made_then)
-    as_of(database, "0005")
-    upgrade(database)
+        [row] = connection.execute(text("SELECT id, colour FROM jobs"))
+        assert tuple(row) == (job_id, "blue")
+        connection.execute(text("UPDATE jobs SET colour = 'red'"))
+    next_version(database)
     with database.reading() as connection:
-        [job] = jobs.latest(connection, "plan", 9, sought=Sought(target="HIP", text="OWN"))
-        told = json.loads(plans.get(connection, new.id).document)
-    assert (job.name, job.platform, job.targets, job.target_count) == ("old", "own", LABELS, 6)
-    assert job.start_utc == datetime(2016, 12, 31, 23, 59, 59, 500_000, tzinfo=UTC)
-    assert job.stop_utc == datetime(2017, 1, 1, 0, 7, tzinfo=UTC)
-    assert (job.probability_in_frame, job.revision) == (0.2, 1)
-    summary = told.pop("summary")
-    assert told == document
-    assert [one["target"] for one in summary["sessions"]] == [*LABELS, ""]
-    assert [one["start"] for one in summary["sessions"]][1:6] == ["planned"] * 5
-    with pytest.raises(DatabaseError, match="immutable"), database.writing() as connection:
-        connection.execute(update(PlanRow).values(name="other"))
+        assert connection.scalar(text("SELECT colour FROM jobs")) == "red"
+    with pytest.raises(InvalidInput, match=r"revision '2'.* knows up to '1'"):
+        upgrade(database)
+
+
+def test_what_this_version_left_is_not_written_to_by_it(database, tmp_path, next_version):
+    """It is told once it has read that, and reads on: somebody may still wait for its answers."""
+    with second(database, tmp_path) as newer:
+        told = []
+        database.when_outdated = lambda: told.append("ended")
+        accepted(database, tmp_path)
+        assert told == []
+        next_version(newer)
+        with pytest.raises(StoreUnavailable, match="migrated by another version"):
+            accepted(database, tmp_path)
+        assert told == ["ended"]
+        assert len(latest(database)) == len(latest(newer)) == 1
+        accepted(newer, tmp_path)
+        assert len(latest(database)) == 2
+
+
+def test_nobody_migrates_under_who_writes(database, tmp_path, next_version):
+    """What it writes is among what is migrated, or refused."""
+    with second(database, tmp_path) as newer, ThreadPoolExecutor(1) as threads:
+        with database.writing() as connection:
+            migrated = threads.submit(next_version, newer)
+            with pytest.raises(TimeoutError):
+                migrated.result(timeout=0.5)
+            jobs.accept(connection, new_job("note", tmp_path / "notes"))
+        migrated.result()
+        with newer.reading() as connection:
+            assert connection.scalar(text("SELECT colour FROM jobs")) == "blue"
+
+
+@contextmanager
+def second(database, tmp_path):
+    """Another service's way to it."""
+    url = database.url.render_as_string(hide_password=False)
+    other = open_database(url, tmp_path)
+    yield other
+    other.close()
+
+
+def latest(database):
+    with database.reading() as connection:
+        return jobs.latest(connection, "note", 9)
 
 
 @pytest.mark.usefixtures("patient_store")
@@ -147,10 +149,12 @@ def test_services_that_start_together_migrate_once(tmp_path):
         accepted(database, tmp_path)
 
 
-def test_a_database_of_a_later_version_is_left_alone(database):
+@pytest.mark.parametrize("revision", ["9999", "0007"])
+def test_a_database_of_another_version_is_left_alone(database, revision):
+    """Of a later one, or of one from before the first release, whose numbers had four digits."""
     with database.writing() as connection:
-        connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
-    with pytest.raises(InvalidInput, match="later version"):
+        connection.execute(text(f"UPDATE alembic_version SET version_num = '{revision}'"))
+    with pytest.raises(InvalidInput, match=f"{revision}.* later version .* before the first"):
         upgrade(database)
 
 
@@ -180,6 +184,23 @@ def test_tables_come_back_to_the_bit(values):
     for name, given_values in (("a", values), ("b", values[:, 0])):
         assert back.columns[name].shape == given_values.shape
         assert back.columns[name].tobytes() == np.ascontiguousarray(given_values).tobytes()
+
+
+CUT_OFF = pack(PackedColumns(columns={}, facts={}))[:-9]
+
+
+@pytest.mark.parametrize("kept", [b"", b"\xa5" * 99, CUT_OFF], ids=["none", "other", "cut off"])
+def test_what_can_no_longer_be_unpacked_is_damaged(database, tmp_path, kept):
+    """SQLite doesn't look into what it keeps."""
+    with pytest.raises(StoreDamaged):
+        unpack(kept)
+    job_id, _ = accepted(database, tmp_path, lease_s=60.0)
+    with database.writing() as connection:
+        plans.store_choice(connection, job_id, kept)
+        connection.execute(update(JobRow).values(request=kept))
+        for read in (plans.choice_of, jobs.request_of):
+            with pytest.raises(StoreDamaged):
+                read(connection, job_id)
 
 
 def test_a_smooth_table_takes_less_than_half_of_npz():

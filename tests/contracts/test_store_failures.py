@@ -28,10 +28,11 @@ from app.http.app import create_app
 from app.requests.examples.plan import LAS_VEGAS
 from app.store import jobs
 from app.store.database import FILE, open_database
-from app.store.failures import StoreUnavailable, is_of_the_store, keeps_all_waiting
+from app.store.failures import is_damage, is_of_the_store, keeps_all_waiting
 from app.store.keys import KeyStore
 from app.store.migrate import upgrade
 from app.store.postgresql import SilentServer, bound_silence
+from app.store.unavailable import StoreDamaged, StoreUnavailable
 
 PASSWORD, BODY, QUERY, COOKIE = (f"canary{word}4711" for word in ("pass", "body", "query", "head"))
 ORDER = {**LAS_VEGAS, "name": BODY}
@@ -169,10 +170,13 @@ def assert_told(failure, client, location, between):
         for child in children_of(service.pid):
             with suppress(ProcessLookupError):
                 os.kill(child, signal.SIGKILL)
+    is_damaged = failure is away and not SERVER
     for answer in answers:
         assert answer.headers["content-type"] == "application/problem+json"
-        assert answer.json()["type"].endswith(":store-unavailable")
-        assert int(answer.headers["retry-after"]) > 0
+        kind = "store-damaged" if is_damaged else "store-unavailable"
+        assert answer.json()["type"].endswith(f":{kind}")
+        assert is_damaged or int(answer.headers["retry-after"]) > 0
+        assert is_damaged == ("retry-after" not in answer.headers)
 
 
 def assert_outlived(client, location):
@@ -326,6 +330,48 @@ def test_a_server_that_is_silent_while_a_connection_is_made_is_not_waited_for_as
 
 
 @pytest.mark.skipif(bool(SERVER), reason="of SQLite")
+def test_a_database_damaged_in_the_middle_is_told_as_damaged(tmp_path):
+    """It starts and lists; what meets the damage says so, and doesn't ask to be asked again."""
+    with live_service(tmp_path) as service:
+        httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=SOON_S)
+    file = tmp_path / FILE
+    with sqlite3.connect(file) as other:
+        other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        page_bytes = other.execute("PRAGMA page_size").fetchone()[0]
+        roots = dict(other.execute("SELECT name, rootpage FROM sqlite_master").fetchall())
+    other.close()
+    with file.open("r+b") as opened:
+        for name in ("ix_jobs_state_rank_id", "probes"):
+            opened.seek((roots[name] - 1) * page_bytes)
+            opened.write(b"\xa5" * page_bytes)
+    with live_service(tmp_path) as service:
+        assert httpx.get(f"{service.address}/v1/platforms").status_code == 200
+        answer = httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=SOON_S)
+        assert answer.status_code == 503
+        problem = answer.json()
+        assert problem["type"] == "urn:slewtrack:problem:store-damaged"
+        assert "restore it from a backup" in problem["detail"]
+        assert "again" not in problem["detail"]
+        assert "retry-after" not in answer.headers
+        ready = httpx.get(f"{service.address}/readyz", timeout=SOON_S)
+        assert ready.status_code == 503
+        assert problem["detail"] in ready.json()["detail"]
+    told = service.log.read_text()
+    assert "the database is damaged" in told
+    assert "Traceback" not in told
+    assert "bug" not in told
+
+
+@pytest.mark.parametrize("kind", [psycopg.errors.DataCorrupted, psycopg.errors.IndexCorrupted])
+def test_what_postgresql_finds_corrupted_is_damage(kind):
+    damaged = DBAPIError.instance("", {}, kind("invalid page in block 0"), psycopg.Error)
+    assert is_of_the_store(damaged)
+    assert is_damage(damaged)
+    full = psycopg.errors.DiskFull("could not extend file")
+    assert not is_damage(DBAPIError.instance("", {}, full, psycopg.Error))
+
+
+@pytest.mark.skipif(bool(SERVER), reason="of SQLite")
 def test_a_restored_sqlite_file_is_read_anew(tmp_path):
     """A connection that saw the damage would keep its pages, as nothing was written since."""
     database = open_database("", tmp_path)
@@ -333,7 +379,7 @@ def test_a_restored_sqlite_file_is_read_anew(tmp_path):
     assert count_jobs(database) == 0
     other = sqlite3.connect(tmp_path / FILE)
     other.execute("PRAGMA user_version = 1")  # else what was read before is still known
-    with away(database, None, None), pytest.raises(StoreUnavailable):
+    with away(database, None, None), pytest.raises(StoreDamaged):
         count_jobs(database)
     assert count_jobs(database) == 0
     other.close()

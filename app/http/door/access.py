@@ -28,7 +28,9 @@ PAGE_ROOMS = frozenset(
     {"plans", "opportunities", "horizon", "spacecraft", "campaigns", "flights", "telemetry", "jobs"}
 )
 PROBES = frozenset({"/healthz", "/readyz"})
-_PASSED_ON = ("forwarded", "x-forwarded-for", "x-forwarded-host", "x-real-ip", "via")
+# What proxies add; of X-Forwarded-..., whatever they call it.
+PASSED_ON = ("forwarded", "via", "x-real-ip", "cf-connecting-ip", "true-client-ip")
+PASSED_ON_PREFIX = "x-forwarded-"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +113,7 @@ class Access:
             raise _unauthorized(
                 "send an API key: Authorization: Bearer ...; `slewtrack keys create` makes one"
             )
-        if any(name in headers for name in _PASSED_ON):
+        if any(name in PASSED_ON or name.startswith(PASSED_ON_PREFIX) for name in headers):
             raise _unauthorized(
                 "this request was passed on by a proxy, so it needs an API key: "
                 "Authorization: Bearer ..."

@@ -1,6 +1,7 @@
 """The checks a request must pass before the service looks at what it asks."""
 
 import asyncio
+import math
 from contextlib import AbstractContextManager, nullcontext
 from http import HTTPStatus
 
@@ -17,6 +18,10 @@ from app.http.door.request_form import require_sound_head
 from app.http.problems import http_error, service_stops
 from app.settings import Settings
 
+# Event streams stay open for as long as work takes: they have places of their own, so many for
+# each that requests have, and never keep a request out.
+STREAMS_SHARE = 0.5
+
 
 class Gate:
     """ASGI middleware: shape of the head, who asks, how often, how slowly."""
@@ -31,6 +36,10 @@ class Gate:
         self._held = HeldBytes(settings.max_held_bytes)
         self._rate = RateLimit()
         self._at_once = ConcurrencyLimit()
+        self._streams = ConcurrencyLimit(
+            "{most} event streams at a time are answered; close one, or ask for the work itself, "
+            "which is not counted with them"
+        )
         self._line = asyncio.Lock()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -80,7 +89,14 @@ class Gate:
         per_minute = (key and key.rate_per_minute) or settings.rate_per_minute
         self._rate.spend(caller.name, per_minute)
         most = (key and key.concurrency) or settings.concurrency_per_key
+        if _is_event_stream(scope):
+            return self._streams.one_more(caller.name, math.ceil(most * STREAMS_SHARE))
         return self._at_once.one_more(caller.name, most)
+
+
+def _is_event_stream(scope: Scope) -> bool:
+    path: str = scope["path"]
+    return scope["method"] == "GET" and path.startswith("/v1/") and path.endswith("/events")
 
 
 def _is_too_much_without_key(scope: Scope, refusal: HTTPException) -> bool:

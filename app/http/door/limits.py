@@ -64,9 +64,15 @@ class RateLimit:
 
 
 class ConcurrencyLimit:
-    """Requests of one caller in work at the same time."""
+    """Requests of one caller in work at the same time.
 
-    def __init__(self) -> None:
+    text: what a refusal says, with `most`.
+    """
+
+    def __init__(
+        self, text: str = "{most} requests at a time are answered; wait for one to end"
+    ) -> None:
+        self._text = text
         self._at_work: Counter[str] = Counter()
 
     @contextmanager
@@ -75,7 +81,7 @@ class ConcurrencyLimit:
         if self._at_work[caller] >= most:
             raise HTTPException(
                 HTTPStatus.TOO_MANY_REQUESTS,
-                f"{most} requests at a time are answered; wait for one to end",
+                self._text.format(most=most),
                 {"Retry-After": "1"},
             )
         self._at_work[caller] += 1

@@ -17,7 +17,7 @@ from app.http.door.headers import REQUEST_ID, harden, remember_request_id, reque
 from app.http.metrics import UNMATCHED, Metrics
 from app.http.problems import problem_answer, problem_type
 from app.log.logs import log
-from app.store.failures import StoreUnavailable
+from app.store.unavailable import StoreUnavailable
 
 _PATH_SHOWN = 200
 CLIENT_GONE = 499  # as nginx logs it; never sent

@@ -1,0 +1,185 @@
+"""The tables of the first release, and what the database itself refuses to change in them."""
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "1"
+down_revision = None
+
+_UTC = sa.DateTime(timezone=True)
+_ID = sa.String(36)
+
+
+def upgrade() -> None:
+    """Make them."""
+    _jobs()
+    _plans()
+    _results()
+    _keys_and_audit()
+    op.create_table(
+        "probes",
+        sa.Column("id", _ID, nullable=False),
+        sa.Column("at_utc", _UTC, nullable=False),
+        sa.Column("content", sa.LargeBinary(), nullable=False),
+        sa.PrimaryKeyConstraint("id", name="pk_probes"),
+    )
+    _refuse("UPDATE", "plans", "plans are immutable")
+    _refuse("UPDATE", "audit", "the audit log is only added to")
+    _refuse("DELETE", "audit", "the audit log is only added to")
+
+
+def _jobs() -> None:
+    op.create_table(
+        "jobs",
+        sa.Column("id", _ID, nullable=False),
+        sa.Column("kind", sa.String(32), nullable=False),
+        sa.Column("state", sa.String(16), nullable=False),
+        sa.Column("name", sa.Text(), nullable=False),
+        sa.Column("request", sa.LargeBinary(), nullable=False),
+        sa.Column("request_sha256", sa.String(64), nullable=False),
+        sa.Column("options", sa.JSON(), nullable=False),
+        sa.Column("key_id", sa.String(64), nullable=True),
+        sa.Column("idempotency", sa.String(64), nullable=True),
+        sa.Column("parent_id", _ID, nullable=True),
+        sa.Column("plan_id", _ID, nullable=True),
+        sa.Column("rank", sa.Integer(), nullable=False),
+        sa.Column("attempts", sa.Integer(), nullable=False),
+        sa.Column("lease_token", sa.String(32), nullable=True),
+        sa.Column("lease_until_s", sa.Double(), nullable=True),
+        sa.Column("deadline_s", sa.Double(), nullable=False),
+        sa.Column("created_utc", _UTC, nullable=False),
+        sa.Column("started_utc", _UTC, nullable=True),
+        sa.Column("finished_utc", _UTC, nullable=True),
+        sa.Column("cancel_requested", sa.Boolean(), nullable=False),
+        sa.Column("problem", sa.JSON(), nullable=True),
+        sa.Column("platform", sa.Text(), nullable=True),
+        sa.Column("start_utc", _UTC, nullable=True),
+        sa.Column("stop_utc", _UTC, nullable=True),
+        sa.Column("targets", sa.JSON(), nullable=True),
+        sa.Column("target_count", sa.Integer(), nullable=True),
+        sa.Column("probability_in_frame", sa.Double(), nullable=True),
+        sa.Column("words", sa.Text(), nullable=True),
+        sa.Column("target_words", sa.Text(), nullable=True),
+        sa.CheckConstraint(
+            "state IN ('queued', 'running', 'done', 'refused', 'failed', 'cancelled')",
+            name="ck_jobs_state",
+        ),
+        sa.ForeignKeyConstraint(
+            ["parent_id"], ["jobs.id"], "fk_jobs_parent_id", ondelete="CASCADE"
+        ),
+        sa.PrimaryKeyConstraint("id", name="pk_jobs"),
+        sa.UniqueConstraint("idempotency", name="uq_jobs_idempotency"),
+    )
+    for columns in (
+        ["state", "rank", "id"],
+        ["kind", "id"],
+        ["parent_id", "state"],
+        ["plan_id", "id"],
+        ["lease_token"],
+        ["finished_utc"],
+    ):
+        op.create_index(f"ix_jobs_{'_'.join(columns)}", "jobs", columns)
+    op.create_table(
+        "events",
+        sa.Column("job_id", _ID, nullable=False),
+        sa.Column("seq", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("at_utc", _UTC, nullable=False),
+        sa.Column("kind", sa.String(32), nullable=False),
+        sa.Column("data", sa.JSON(), nullable=False),
+        sa.ForeignKeyConstraint(["job_id"], ["jobs.id"], "fk_events_job_id", ondelete="CASCADE"),
+        sa.PrimaryKeyConstraint("job_id", "seq", name="pk_events"),
+    )
+
+
+def _plans() -> None:
+    op.create_table(
+        "plans",
+        sa.Column("id", _ID, nullable=False),
+        sa.Column("kind", sa.String(32), nullable=False),
+        sa.Column("series", _ID, nullable=False),
+        sa.Column("revision", sa.Integer(), nullable=False),
+        sa.Column("revises", _ID, nullable=True),
+        sa.Column("name", sa.Text(), nullable=False),
+        sa.Column("state", sa.String(16), nullable=False),
+        sa.Column("input_sha256", sa.String(64), nullable=False),
+        sa.Column("versions", sa.JSON(), nullable=False),
+        sa.Column("document", sa.LargeBinary(), nullable=False),
+        sa.Column("table_columns", sa.LargeBinary(), nullable=False),
+        sa.Column("planned_utc", _UTC, nullable=False),
+        sa.ForeignKeyConstraint(["id"], ["jobs.id"], "fk_plans_id", ondelete="CASCADE"),
+        sa.PrimaryKeyConstraint("id", name="pk_plans"),
+        sa.UniqueConstraint("series", "revision", name="uq_plans_series_revision"),
+    )
+
+
+def _results() -> None:
+    """Of the other kinds of job."""
+    for table in ("campaigns", "flights"):
+        op.create_table(
+            table,
+            sa.Column("id", _ID, nullable=False),
+            sa.Column("document", sa.LargeBinary(), nullable=False),
+            sa.ForeignKeyConstraint(["id"], ["jobs.id"], f"fk_{table}_id", ondelete="CASCADE"),
+            sa.PrimaryKeyConstraint("id", name=f"pk_{table}"),
+        )
+    op.create_table(
+        "searches",
+        sa.Column("id", _ID, nullable=False),
+        sa.Column("head", sa.LargeBinary(), nullable=False),
+        sa.Column("window_count", sa.Integer(), nullable=False),
+        sa.ForeignKeyConstraint(["id"], ["jobs.id"], "fk_searches_id", ondelete="CASCADE"),
+        sa.PrimaryKeyConstraint("id", name="pk_searches"),
+    )
+    op.create_table(
+        "search_pages",
+        sa.Column("search_id", _ID, nullable=False),
+        sa.Column("number", sa.Integer(), autoincrement=False, nullable=False),
+        sa.Column("windows", sa.LargeBinary(), nullable=False),
+        sa.ForeignKeyConstraint(
+            ["search_id"], ["searches.id"], "fk_search_pages_search_id", ondelete="CASCADE"
+        ),
+        sa.PrimaryKeyConstraint("search_id", "number", name="pk_search_pages"),
+    )
+
+
+def _keys_and_audit() -> None:
+    op.create_table(
+        "keys",
+        sa.Column("id", sa.String(64), nullable=False),
+        sa.Column("name", sa.Text(), nullable=False),
+        sa.Column("secret_sha256", sa.String(64), nullable=False),
+        sa.Column("scopes", sa.JSON(), nullable=False),
+        sa.Column("created_utc", _UTC, nullable=False),
+        sa.Column("revoked_utc", _UTC, nullable=True),
+        sa.Column("rate_per_minute", sa.Integer(), nullable=True),
+        sa.Column("concurrency", sa.Integer(), nullable=True),
+        sa.PrimaryKeyConstraint("id", name="pk_keys"),
+    )
+    op.create_table(
+        "audit",
+        sa.Column("id", sa.Integer(), autoincrement=True, nullable=False),
+        sa.Column("at_utc", _UTC, nullable=False),
+        sa.Column("key_id", sa.String(64), nullable=True),
+        sa.Column("action", sa.String(32), nullable=False),
+        sa.Column("subject", sa.String(64), nullable=False),
+        sa.Column("detail", sa.Text(), nullable=False),
+        sa.PrimaryKeyConstraint("id", name="pk_audit"),
+    )
+    op.create_index("ix_audit_subject", "audit", ["subject"])
+
+
+def _refuse(deed: str, table: str, why: str) -> None:
+    name = f"{table}_refuses_{deed.lower()}"
+    if op.get_bind().dialect.name == "sqlite":
+        op.execute(
+            f"CREATE TRIGGER {name} BEFORE {deed} ON {table} "
+            f"BEGIN SELECT RAISE(ABORT, '{why}'); END"
+        )
+        return
+    op.execute(
+        f"CREATE FUNCTION {name}() RETURNS trigger LANGUAGE plpgsql AS "
+        f"$$ BEGIN RAISE EXCEPTION '{why}'; END $$"
+    )
+    op.execute(
+        f"CREATE TRIGGER {name} BEFORE {deed} ON {table} FOR EACH ROW EXECUTE FUNCTION {name}()"
+    )
