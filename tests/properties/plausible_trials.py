@@ -29,7 +29,7 @@ OURS = ("internal-error", "verification-failed", "solver-failed")  # never the p
 class Outcome:
     """kind: `planned`, `baseline` for a spline that says it failed, a refusal's, or `bug`.
 
-    faults: all that is wrong with the table or the refusal.  cpu_s: of planning alone.
+    faults: all that is wrong with the table or the refusal.  cpu_s: until the answer is written.
     work_rows: what of it `planner.effort` counted.
     """
 
@@ -46,11 +46,13 @@ class Outcome:
 
 def outcome(request: Fields) -> Outcome:
     """Plan it and look at what comes."""
-    plan, refusal, bug = None, None, None
+    answered, refusal, bug = b"", None, None
+    asked = json.dumps(request).encode()
     begun_s = time.process_time()
     with at_most(math.inf) as work:
         try:
-            plan = make_plan(read_plan_request(json.dumps(request).encode()))
+            plan = make_plan(read_plan_request(asked))
+            answered = plan_json(plan, provenance(datetime.now(UTC)))
         except Refusal as refused:
             refusal = refused
         except Exception as error:  # noqa: BLE001 (counted, and told with its request)
@@ -59,14 +61,14 @@ def outcome(request: Fields) -> Outcome:
     if refusal is not None:
         problem = problem_of(refusal)
         return Outcome(kind=refusal.slug, problem=problem, faults=list(_misshapen(problem)), **seen)
-    if plan is None:
-        return Outcome(kind="bug", faults=[str(bug)], **seen)
-    answered = json.loads(plan_json(plan, provenance(datetime.now(UTC))))
-    if request["slew"]["method"] == "spline" and answered["state"] == "failed":
+    if bug is not None:
+        return Outcome(kind="bug", faults=[bug], **seen)
+    told = json.loads(answered)
+    if request["slew"]["method"] == "spline" and told["state"] == "failed":
         return Outcome(kind="baseline", **seen)
-    wrong = faults(request, answered)
-    if answered["state"] != "done":
-        wrong.append(f"its state is {answered['state']}")
+    wrong = faults(request, told)
+    if told["state"] != "done":
+        wrong.append(f"its state is {told['state']}")
     return Outcome(kind="planned", faults=wrong, **seen)
 
 
