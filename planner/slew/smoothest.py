@@ -50,7 +50,7 @@ SPANS_MAX = 2000  # which no more are cut, whatever the gap: a round takes half 
 # Of `planner.effort`: a solve, an iteration on a span, and more of it for each echo of a mode, and
 # for each pair of them; a span in the proof, and each contact's part of it.
 SOLVE, ITERATION_SPAN, ECHO, ECHO_PAIR = 40, 0.08, 0.006, 0.0007
-PROOF_SPAN, PROOF_CONTACT = 0.5, 0.0003
+PROOF_SPAN, PROOF_CONTACT = 2.0, 0.0015
 # Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
 # place (Greville abscissa).
 _AT = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
