@@ -39,6 +39,7 @@ from planner import effort
 
 LIMIT_S = 10.0  # of a processor: what any answer may take
 SLOWEST = 10
+COMPILES = 3  # a seed that needs all kernels of slews
 KINDS = {"demanding": demanding_request, "plain": plausible_request}
 Record = dict[str, Any]  # one seed, as it is written down
 
@@ -94,6 +95,8 @@ def _tried(kind: str, seeds: list[int], workers: int) -> Iterator[Record]:
 def _warm_up() -> None:
     """What is compiled or loaded at first is no request's work."""
     import app.work.warm  # noqa: F401
+
+    outcome(demanding_request(COMPILES))
 
 
 def _trial(kind_and_seed: tuple[str, int]) -> Record:

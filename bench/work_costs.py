@@ -35,11 +35,6 @@ class Ledger:
         self.costs: dict[str, Cost] = defaultdict(Cost)
         self._last, self._since_s = "before anything is counted", time.process_time()
 
-    def begin(self, what: str) -> None:
-        """From here on the time is its, until something is counted."""
-        self._charge(self._last)
-        self._last = what
-
     def note(self, rows: float, *, done: bool) -> None:
         """Called by `spend` and `count` in place of their own."""
         place = _place(sys._getframe(2))

@@ -10,7 +10,6 @@ from planner.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.scenario import Scenario
 from planner.sessions.joining import Join
 
-
 # Of `planner.effort`, to assemble, judge and write down a row, and more for each cone, each mask
 # and each corner of a mask; and to tell of a session: budget, comparison, report.
 ROW, CONE_ROW, MASK_ROW, CORNER_ROW, SESSION = 0.3, 0.13, 0.03, 0.012, 1_500

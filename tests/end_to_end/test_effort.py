@@ -15,8 +15,8 @@ from app.requests.plan import read_plan_request
 from planner import effort
 from planner.effort import EffortSpent, at_most, spend
 from planner.errors import Refusal, SearchEnded, Unreachable
-from planner.scenario import SlewOptions
 from planner.platforms import AxisLimits, StructuralMode
+from planner.scenario import SlewOptions
 from planner.sessions.assembly import table_work
 from planner.sessions.pipeline import make_plan
 from planner.slew import AxisState, SlewProblem, optimal_slew

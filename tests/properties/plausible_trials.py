@@ -16,6 +16,7 @@ from app.answers.members import provenance
 from app.answers.plan import plan_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
+from planner import effort
 from planner.effort import at_most
 from planner.errors import Refusal
 from planner.sessions.pipeline import make_plan
@@ -48,6 +49,7 @@ def outcome(request: Fields) -> Outcome:
     """Plan it and look at what comes."""
     answered, refusal, bug = b"", None, None
     asked = json.dumps(request).encode()
+    effort.count(0.0)  # what a ledger of `bench/work_costs.py` has seen since is the oracle's
     begun_s = time.process_time()
     with at_most(math.inf) as work:
         try:
@@ -57,6 +59,7 @@ def outcome(request: Fields) -> Outcome:
             refusal = refused
         except Exception as error:  # noqa: BLE001 (counted, and told with its request)
             bug = f"{type(error).__name__}: {error}"
+    effort.count(0.0)  # and since the last thing counted, verdict and answer
     seen = {"cpu_s": time.process_time() - begun_s, "work_rows": work.done_rows}
     if refusal is not None:
         problem = problem_of(refusal)
