@@ -1,7 +1,9 @@
 """Plans plausible requests by the thousand and looks at every answer by other geometry.
 
-    python bench/plausible.py --requests 3000 --log out/plausible.jsonl
-    python bench/plausible.py --requests 60 --costs
+    OPENBLAS_NUM_THREADS=1 python bench/plausible.py --requests 3000 --log out/plausible.jsonl
+    OPENBLAS_NUM_THREADS=1 python bench/plausible.py --requests 60 --costs
+
+(One thread, as in a service's children: others only wait, at the cost of a processor.)
 
 Prints what came of them: planned, refused by kind, bugs, tables the oracle finds at fault,
 advised starts that were followed and planned, processor time until the answer is written, and the
@@ -17,7 +19,6 @@ constants "of `planner.effort`" beside each place.
 import argparse
 import json
 import multiprocessing
-import os
 import sys
 from collections import Counter
 from collections.abc import Iterator
@@ -25,12 +26,11 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as in a service's children
-
 import numpy as np
 
 TESTS = Path(__file__).parents[1] / "tests"
-sys.path += [str(TESTS), str(TESTS / "properties")]
+sys.path.append(str(TESTS))
+sys.path.append(str(TESTS / "properties"))
 from plausible_requests import demanding_request, plausible_request
 from plausible_trials import Outcome, as_advised, outcome
 from work_costs import kept_ledger

@@ -51,7 +51,8 @@ class Ledger:
 
     def lines(self) -> Iterator[str]:
         """A table, the dearest places first; `!` where a row takes more than it may."""
-        yield f"{'place':46} {'calls':>7} {'rows':>10} {'CPU s':>8} {'us a row':>8} {'longest s':>9}"
+        heads = f"{'calls':>7} {'rows':>10} {'CPU s':>8} {'us a row':>8} {'longest s':>9}"
+        yield f"{'place':46} {heads}"
         for place, cost in sorted(self.costs.items(), key=lambda item: -item[1].cpu_s):
             if cost.cpu_s < LEAST_S:
                 continue

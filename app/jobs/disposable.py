@@ -112,8 +112,10 @@ class _Child:
 
     def processor_s(self) -> float:
         """What all its threads have used."""
-        clock = ~self._process.pid << 3 | _CPUCLOCK_SCHED
-        return 0.0 if self._has_ended(0.0) else time.clock_gettime(clock)
+        pid = self._process.pid
+        if pid is None or self._has_ended(0.0):
+            return 0.0
+        return time.clock_gettime(~pid << 3 | _CPUCLOCK_SCHED)
 
     def _has_ended(self, within_s: float) -> bool:
         return bool(connection.wait([self._process.sentinel], within_s))
