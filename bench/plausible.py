@@ -28,9 +28,8 @@ from typing import Any
 
 import numpy as np
 
-TESTS = Path(__file__).parents[1] / "tests"
-sys.path.append(str(TESTS))
-sys.path.append(str(TESTS / "properties"))
+sys.path.append(str(Path(__file__).parents[1] / "tests"))
+sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from plausible_requests import demanding_request, plausible_request
 from plausible_trials import Outcome, as_advised, outcome
 from work_costs import kept_ledger
