@@ -50,7 +50,7 @@ class Settings(BaseSettings):
         default=1000, ge=0, description="Most plans that wait to be worked on; 503 beyond"
     )
     job_deadline_s: float = Field(
-        default=300.0, gt=0.0, description="Time after which a solve is killed; then 422"
+        default=300.0, gt=0.0, description="Processor time after which a solve is killed; then 422"
     )
     job_attempts: int = Field(
         default=3, gt=0, description="How often a job is begun whose process died at it"

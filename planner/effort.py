@@ -2,8 +2,10 @@
 
 What is expensive says what it does by `spend` where it does it: rows looked at, solver
 iterations times the rows of their problem, cells of a flood.  One request so always gets one
-answer, however busy the machine.  The unit is the work on one row of a table, its line of
-sight, angles and limits: about 10 microseconds on a core of 2024.
+answer, however busy the machine.  The unit is 10 microseconds of a core of 2024, about the
+work on one row of a table, its line of sight, angles and limits.  What each thing costs stands
+beside the place that does it, "of `planner.effort`"; `bench/plausible.py --costs` prints how long
+each place's row takes, and none may take longer.
 
 The count is a context variable: solvers lie eight calls below the request, in signatures that
 speak of angles and limits, and none of the callers between has a use for it.  Outside `at_most`

@@ -25,6 +25,7 @@ _GROWN_BYTES = 150 * _MEBIBYTE
 # What RLIMIT_DATA counts, used or not; and what is really held.
 _LIMITED, _HELD = "VmData:", "RssAnon:"
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
+OVERTIME = signal.SIGPROF  # of a child that has used its processor time; nothing handles it
 
 
 class Message(NamedTuple):
@@ -45,8 +46,9 @@ class Message(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Bounds:
-    """Most time a piece of work may take, and most memory beyond what its process has already.
+    """Most a piece of work may take, beyond what its process has taken already.
 
+    deadline_s: of processor time, so that the same work ends alike on a busy machine.
     alone: its process does nothing after, as what it reads may have taken it over.
     """
 
@@ -80,8 +82,12 @@ def work_until_closed(line: Connection) -> None:
         except (EOFError, ConnectionResetError):  # the service has ended
             return
         line.send_bytes(Message("begun").to_bytes())
-        _apply_bounds(bounds)
-        line.send_bytes(_end(bounds, work, arguments, grown_bytes))
+        _limit(resource.RLIMIT_DATA, _bytes(_LIMITED) + bounds.memory_mib * _MEBIBYTE)
+        # However long it may hold the interpreter, the kernel ends it by OVERTIME.
+        signal.setitimer(signal.ITIMER_PROF, bounds.deadline_s)
+        end = _end(bounds, work, arguments, grown_bytes)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        line.send_bytes(end)
 
 
 def _end(
@@ -102,15 +108,6 @@ def _end(
         return Message("refused", too_much).to_bytes()
     except Exception as error:  # noqa: BLE001 (told to the parent, which raises it)
         return Message("failed", traceback_text(error)).to_bytes()
-
-
-def _apply_bounds(bounds: Bounds) -> None:
-    """From here on, beyond what was used and is held already."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    may_use_s = bounds.deadline_s * (os.cpu_count() or 1)
-    # However long it may hold the interpreter.
-    _limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime + may_use_s) + 1)
-    _limit(resource.RLIMIT_DATA, _bytes(_LIMITED) + bounds.memory_mib * _MEBIBYTE)
 
 
 def _die_with_service(server_pid: int) -> None:

@@ -20,7 +20,7 @@ from multiprocessing import connection, forkserver
 from threading import Lock, Timer
 from typing import ClassVar, TypeVar
 
-from app.jobs.child import Bounds, Message, TooDemanding, work_until_closed
+from app.jobs.child import OVERTIME, Bounds, Message, TooDemanding, work_until_closed
 from app.log.logs import log
 from app.work.progress import OnProgress
 
@@ -32,6 +32,10 @@ _IMPORTED = ["app.work.warm"]
 _ANSWER_S = 0.05
 # Most time a child may take to begin: the first of all waits until the server is warm.
 _START_S = 120.0
+_CPUCLOCK_SCHED = 2  # linux/posix-timers_types.h: the clock of a process is ~pid << 3 with it
+# A child that says nothing and uses less than _STILL_S of a processor in so long hangs: on the
+# busiest machine one that works gets more.
+_SILENT_S, _STILL_S = 600.0, 0.01
 # Most time from when a child has closed its line until it has ended by itself.
 _END_S = 1.0
 
@@ -105,6 +109,13 @@ class _Child:
     def kill(self) -> None:
         if not self._has_ended(0.0):  # else its number may be another process's by now
             self._process.kill()
+
+    def processor_s(self) -> float:
+        """What all its threads have used."""
+        pid = self._process.pid
+        if pid is None or self._has_ended(0.0):
+            return 0.0
+        return time.clock_gettime(~pid << 3 | _CPUCLOCK_SCHED)
 
     def _has_ended(self, within_s: float) -> bool:
         return bool(connection.wait([self._process.sentinel], within_s))
@@ -278,15 +289,27 @@ def _end(child: _Child, task: bytes, bounds: Bounds, on_progress: OnProgress | N
         child.line.send_bytes(task)
         if not child.line.poll(_START_S):
             raise ChildDied(f"it didn't begin within {_START_S:g} s")
-        until_s = time.monotonic() + bounds.deadline_s
-        while child.line.poll(max(until_s - time.monotonic(), 0.0)):
+        while True:
+            _wait_for_word(child)
             message: Message = pickle.loads(child.line.recv_bytes())  # noqa: S301 (our child's)
             if message.kind in ("done", "refused", "failed"):
                 return message
             if message.kind == "progress" and on_progress is not None:
                 on_progress(message.value)
     except (EOFError, OSError):  # nothing comes any more, or not the rest of a message
-        raise ChildDied(f"exit code {child.exit_code()}") from None
-    raise TooDemanding(
-        f"this takes more than the {bounds.deadline_s:g} s it may; ask for less at a time"
-    )
+        exit_code = child.exit_code()
+    if exit_code == -OVERTIME:
+        raise TooDemanding(
+            f"this takes more than the {bounds.deadline_s:g} s of a processor that it may; ask for "
+            "less at a time"
+        )
+    raise ChildDied(f"exit code {exit_code}")
+
+
+def _wait_for_word(child: _Child) -> None:
+    """As long as it works; raises ChildDied where it hangs."""
+    used_s = child.processor_s()
+    while not child.line.poll(_SILENT_S):
+        before_s, used_s = used_s, child.processor_s()
+        if used_s - before_s < _STILL_S:
+            raise ChildDied(f"it said and did nothing for {_SILENT_S:g} s")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from planner import effort
 from planner.arrays import Array, Mask
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import Instants
@@ -23,6 +24,7 @@ NODE_STEP_S = 10.0  # a carrier turning at 0.1 deg/s: cubics between nodes err b
 NODES_MIN = 4
 FINER = 20  # instants per row where a cone is near
 MASK_FINER = 20  # instants per such instant beside a mask, whose corners a motion cuts in a moment
+NEAR_ROW = 2.0  # of `planner.effort`: those of a row, beside each region
 CARRIER_RATE_RAD_S = math.radians(1.0)
 ACCELERATION = 0.1  # rad/s2, more than any platform's
 
@@ -132,6 +134,7 @@ def deepest_entry(
     ahead = step_s * (np.abs(rate).sum(axis=1) + CARRIER_RATE_RAD_S) + step_s**2 * ACCELERATION
     near = np.flatnonzero((depth > -ahead).any(axis=0))
     if near.size:
+        effort.spend(NEAR_ROW * near.size * len(view.regions))
         t_s = _instants_beside(t_s[near], step_s, FINER, start_s, stop_s)
         angle, rate = motion(t_s)
         depth = view.depths_rad(t_s, angle)

@@ -10,6 +10,19 @@ from planner.frames.time_scales import elapsed_s, shifted_utc, tai_us
 from planner.scenario import Scenario
 from planner.sessions.joining import Join
 
+# Of `planner.effort`, to assemble, judge and write down a row, and more for each cone, each mask
+# and each corner of a mask; and to tell of a session: budget, comparison, report.
+ROW, CONE_ROW, MASK_ROW, CORNER_ROW, SESSION = 0.3, 0.13, 0.03, 0.012, 1_500
+
+
+def table_work(scenario: Scenario, rows: int) -> float:
+    """What a table of so many rows takes when all is found."""
+    masks = scenario.platform.masks
+    corners = sum(len(mask.corners_platform) for mask in masks)
+    a_row = ROW + CONE_ROW * len(scenario.slew.keep_out)
+    a_row += MASK_ROW * len(masks) + CORNER_ROW * corners
+    return a_row * rows + SESSION * len(scenario.sessions)
+
 
 def assemble_table(
     epoch_utc: datetime, axis_names: tuple[str, ...], joins: list[Join]

@@ -20,7 +20,7 @@ from planner.scenario import Scenario, Session
 from planner.targets import BenchMotionTarget, VisibleTarget
 
 # Of `planner.effort`: any stretch of a target, a row of it, and a row of a track beside a cone.
-HOLD, HOLD_ROW, CONE_ROW = 1000, 2, 0.3
+HOLD, HOLD_ROW, CONE_ROW = 300, 1, 0.3
 GRID_TOLERANCE_S = 1e-6  # a microsecond, the resolution of a time in a request
 EARLY_ROWS = 600 * ROWS_PER_S  # how long before its session a target may be tracked already
 

@@ -7,14 +7,13 @@ from planner.effort import at_most
 from planner.errors import Refusal
 from planner.frames.time_scales import elapsed_s, utc_text
 from planner.scenario import Scenario, Session
-from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
 from planner.sessions.final import with_final_slew
 from planner.sessions.holding import ephemeris_over, session_rows
 from planner.sessions.sequence import RefusedSession, SessionRefused, sequence_sessions
 from planner.verification import verify
 
 SHARE = 0.6  # of the work that is left, for planning the whole request once more
-JUDGED_ROW = 1.0  # of `planner.effort`
 
 
 class Others:
@@ -76,6 +75,6 @@ def _is_planned(scenario: Scenario) -> bool:
     whole = with_final_slew(scenario, ephemeris, joins)
     if not scenario.slew.keeps_limits:
         return True
-    effort.spend(JUDGED_ROW * whole[-1].stop_row)
+    effort.spend(table_work(scenario, whole[-1].stop_row))
     final, _ = sessions_after_conflicts(scenario, joins)
     return verify(assemble_table(epoch_utc, scenario.platform.axis_names, whole), final).passed

@@ -15,7 +15,7 @@ from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc
 from planner.orbits import Ephemeris
 from planner.scenario import Scenario, Session, SlewOptions
-from planner.sessions.assembly import assemble_table, sessions_after_conflicts
+from planner.sessions.assembly import assemble_table, sessions_after_conflicts, table_work
 from planner.sessions.budget import PointingBudget
 from planner.sessions.final import with_final_slew
 from planner.sessions.holding import ephemeris_over, session_rows, sight
@@ -28,7 +28,6 @@ from planner.slew import compare_with_spline
 from planner.targets import BenchMotionTarget
 from planner.verification import VerificationReport, verify
 
-TABLE_ROW = 1.0  # of `planner.effort`: to assemble and judge a row
 BUDGET_INSTANTS = 31  # errors vary over a pass, not from row to row
 
 
@@ -94,11 +93,14 @@ def make_plan(scenario: Scenario, on_stage: Callable[[str], None] = lambda _: No
 def _joins(scenario: Scenario, ephemeris: Ephemeris) -> list[Join]:
     """Found by no more work than one request may make, what its table takes set aside."""
     last_row = session_rows(scenario.sessions[-1], scenario.initial_state.epoch).stop
-    with at_most(effort.PLAN - TABLE_ROW * last_row):
-        return with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris))
+    with at_most(effort.PLAN - table_work(scenario, last_row)):
+        joins = with_final_slew(scenario, ephemeris, plan_sessions(scenario, ephemeris))
+        effort.count(table_work(scenario, joins[-1].stop_row))
+        return joins
     raise SearchEnded(
         "the sessions take more work than one request may make before "
-        "any plan is found; ask for fewer or shorter ones at a time",
+        "any plan is found; ask for fewer or shorter ones at a time, nearer to the epoch, or for "
+        "fewer cones and masks",
         field="sessions",
     )
 

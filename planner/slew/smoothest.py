@@ -46,7 +46,11 @@ WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
 WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
 HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
-SOLVE, ITERATION_SPAN = 20, 0.02  # of `planner.effort`
+SPANS_MAX = 2000  # which no more are cut, whatever the gap: a round takes half a second then
+# Of `planner.effort`: a solve, an iteration on a span, and more of it for each echo of a mode, and
+# for each pair of them; a span in the proof, and each contact's part of it.
+SOLVE, ITERATION_SPAN, ECHO, ECHO_PAIR = 40, 0.08, 0.006, 0.0007
+PROOF_SPAN, PROOF_CONTACT = 2.0, 0.0015
 # Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
 # place (Greville abscissa).
 _AT = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
@@ -182,7 +186,7 @@ def _solve(
         deep = losses > DEEP * GAP_WANTED * cost / len(losses)
         quarters = np.column_stack([(knots[:-1] + cuts) / 2.0, (knots[1:] + cuts) / 2.0])[deep]
         finer = _spaced(np.union1d(knots, np.append(cuts[cut], quarters)), rows)
-        if len(finer) == len(knots):
+        if len(finer) == len(knots) or len(finer) > max(SPANS_MAX, rows or 0):
             break
         guess = _guess(problem, motion, finer)
         knots = finer
@@ -271,7 +275,8 @@ def _on_knots(
         widths, flat, problem.ends, inner, echoes, weights, guess
     )
     effort.spend(SOLVE)
-    effort.count(ITERATION_SPAN * iterations * len(widths))
+    a_span = ITERATION_SPAN + len(echoes) * (ECHO + ECHO_PAIR * len(echoes))
+    effort.count(iterations * len(widths) * a_span)
     if not converged:
         return None
     jerk_max = problem.limits[3, 1]
@@ -320,6 +325,7 @@ def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
     contacts = np.column_stack(
         [motion.knots[span] + after[span, row], ORDERS[row], pushes[span, row]]
     )
+    effort.count(len(widths) * (PROOF_SPAN + PROOF_CONTACT * len(contacts)))
     bound, missed = lower_bound(problem.ends, limits, contacts, motion.knots, motion.jerks)
     held_back = 2.0 * np.where(counted, pushes * (reached - values), 0.0).sum(axis=1)
     return bound, missed + held_back

@@ -69,7 +69,12 @@ class _Path:
     """The boresight's, by cells of the table and seconds into them."""
 
     def __init__(self, table: CommandTable, platform: TwoAxisPlatform) -> None:
-        self._platform, self._cells = platform, np.arange(len(table.angle_rad) - 1)
+        self._platform, self._count = platform, len(table.angle_rad) - 1
+        # Of a wait, in which the boresight stands, one cell says as much as all.
+        stands = (np.diff(table.angle_rad, axis=0) == 0.0).all(axis=1)
+        stands &= (table.rate_rad_s[1:] == 0.0).all(axis=1)
+        stands &= (table.rate_rad_s[:-1] == 0.0).all(axis=1)
+        self._cells = np.flatnonzero(~(stands & np.append(False, stands[:-1])))
         columns = zip(table.angle_rad.T, table.rate_rad_s.T, strict=True)
         self._axes = [AxisHermite(angle_rad, rate_rad_s) for angle_rad, rate_rad_s in columns]
         # In a cell the acceleration changes evenly: it is greatest at an end.
@@ -85,9 +90,10 @@ class _Path:
         cell = self._cells
         middle_s = np.full(len(cell), COMMAND_STEP_S / 2.0)
         half_s = COMMAND_STEP_S / 2.0
-        ends = self._away_rad(region, np.array([0, len(cell) - 1]), np.array([0.0, COMMAND_STEP_S]))
+        last = self._count - 1
+        ends = self._away_rad(region, np.array([0, last]), np.array([0.0, COMMAND_STEP_S]))
         at = int(np.argmin(ends))
-        best_rad, best_s = float(ends[at]), at * len(cell) / ROWS_PER_S
+        best_rad, best_s = float(ends[at]), at * self._count / ROWS_PER_S
         while cell.size:
             away_rad = self._away_rad(region, cell, middle_s)
             at = int(np.argmin(away_rad))

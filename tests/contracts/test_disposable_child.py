@@ -25,6 +25,7 @@ from child_work import (
     keep_much,
     refuse,
     say_how_far,
+    spin,
     used_to_end,
 )
 from waiting import alive, eventually
@@ -76,8 +77,21 @@ def test_ctrl_c_ends_no_child():
 
 
 def test_too_long_a_work_is_killed():
-    with pytest.raises(TooDemanding, match=r"0\.5 s"):
-        run_disposable(Bounds(deadline_s=0.5, memory_mib=200), time.sleep, 3600.0)
+    with pytest.raises(TooDemanding, match=r"0\.5 s of a processor"):
+        run_disposable(Bounds(deadline_s=0.5, memory_mib=200), spin)
+
+
+def test_work_that_gets_no_processor_is_not_late():
+    """A busy machine gives it one later: whether a request is refused must not hang on that."""
+    assert run_disposable(Bounds(deadline_s=0.2, memory_mib=200), time.sleep, 1.0) is None
+
+
+def test_a_child_that_hangs_is_killed_and_the_request_not_blamed(monkeypatch):
+    monkeypatch.setattr(disposable, "_SILENT_S", 0.2)
+    with pytest.raises(ChildDied, match=r"did nothing for 0\.2 s"):
+        run_disposable(BOUNDS, time.sleep, 3600.0)
+    with pytest.raises(TooDemanding):  # this one works all the while
+        run_disposable(Bounds(deadline_s=1.0, memory_mib=200), spin)
 
 
 def test_too_much_memory_is_refused():

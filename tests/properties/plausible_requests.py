@@ -12,6 +12,7 @@ from typing import Any
 
 import erfa
 import numpy as np
+from mask_shapes import star
 from numpy.typing import NDArray
 from sgp4.api import WGS72, Satrec
 from sgp4.exporter import export_tle
@@ -62,6 +63,44 @@ def with_time_to_spare(request: Fields, seed: int) -> Fields:
         earlier = timedelta(seconds=int(_log(rng, 100.0, 6000.0)))
         initial["epoch"] = _text(datetime.fromisoformat(initial["epoch"]) - earlier)
     return changed
+
+
+def demanding_request(seed: int) -> Fields:
+    """Of all that makes a request dear more, and together: up to eight sessions, mostly in least
+    time, cones, masks, modes, short leads, axes whose limits are far from each other."""
+    rng = np.random.default_rng([seed, 1])
+    request = plausible_request(seed, sessions_max=8)
+    if rng.random() < 0.5:
+        request = with_time_to_spare(request, seed)
+    slew, platform = dict(request["slew"]), request["platform"]
+    if rng.random() < 0.6:
+        slew["objective"] = "minimum_time"
+    if rng.random() < 0.3:
+        slew["lead"] = {"max_duration_s": _tenths(rng, 8.0, 60.0)}
+    if rng.random() < 0.35:
+        slew["avoid_modes"] = [
+            {"frequency_hz": _log(rng, 0.05, 4.0)} for _ in range(int(rng.integers(1, 7)))
+        ]
+    if rng.random() < 0.35:
+        slew["keep_out"] = [_cone(rng) for _ in range(int(rng.integers(1, 5)))]
+    if isinstance(platform, dict):
+        platform = dict(platform)
+        for name in ("outer", "inner"):
+            limits = {"acceleration_max_deg_s2": _log(rng, 0.2, 15.0)}
+            limits["jerk_max_deg_s3"] = _log(rng, 0.1, 50.0)
+            platform[name] = platform[name] | limits
+        if rng.random() < 0.5:
+            platform["masks"] = [_mask(rng, number) for number in range(int(rng.integers(1, 4)))]
+    return request | {"slew": slew, "platform": platform}
+
+
+def _mask(rng: np.random.Generator, number: int) -> Fields:
+    size_rad, corners = math.radians(rng.uniform(4.0, 30.0)), int(rng.integers(4, 14))
+    return {
+        "name": f"mask {number}",
+        "corners_platform": star(rng, _direction(rng), size_rad, corners).tolist(),
+        "margin_deg": _one_of(rng, 0.0, 1.0),
+    }
 
 
 @dataclass(frozen=True)

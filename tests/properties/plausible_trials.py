@@ -16,6 +16,7 @@ from app.answers.members import provenance
 from app.answers.plan import plan_json
 from app.answers.problem import problem_of
 from app.requests.plan import read_plan_request
+from planner import effort
 from planner.effort import at_most
 from planner.errors import Refusal
 from planner.sessions.pipeline import make_plan
@@ -29,7 +30,7 @@ OURS = ("internal-error", "verification-failed", "solver-failed")  # never the p
 class Outcome:
     """kind: `planned`, `baseline` for a spline that says it failed, a refusal's, or `bug`.
 
-    faults: all that is wrong with the table or the refusal.  cpu_s: of planning alone.
+    faults: all that is wrong with the table or the refusal.  cpu_s: until the answer is written.
     work_rows: what of it `planner.effort` counted.
     """
 
@@ -46,27 +47,31 @@ class Outcome:
 
 def outcome(request: Fields) -> Outcome:
     """Plan it and look at what comes."""
-    plan, refusal, bug = None, None, None
+    answered, refusal, bug = b"", None, None
+    asked = json.dumps(request).encode()
+    effort.count(0.0)  # what a ledger of `bench/work_costs.py` has seen since is the oracle's
     begun_s = time.process_time()
     with at_most(math.inf) as work:
         try:
-            plan = make_plan(read_plan_request(json.dumps(request).encode()))
+            plan = make_plan(read_plan_request(asked))
+            answered = plan_json(plan, provenance(datetime.now(UTC)))
         except Refusal as refused:
             refusal = refused
         except Exception as error:  # noqa: BLE001 (counted, and told with its request)
             bug = f"{type(error).__name__}: {error}"
+    effort.count(0.0)  # and since the last thing counted, verdict and answer
     seen = {"cpu_s": time.process_time() - begun_s, "work_rows": work.done_rows}
     if refusal is not None:
         problem = problem_of(refusal)
         return Outcome(kind=refusal.slug, problem=problem, faults=list(_misshapen(problem)), **seen)
-    if plan is None:
-        return Outcome(kind="bug", faults=[str(bug)], **seen)
-    answered = json.loads(plan_json(plan, provenance(datetime.now(UTC))))
-    if request["slew"]["method"] == "spline" and answered["state"] == "failed":
+    if bug is not None:
+        return Outcome(kind="bug", faults=[bug], **seen)
+    told = json.loads(answered)
+    if request["slew"]["method"] == "spline" and told["state"] == "failed":
         return Outcome(kind="baseline", **seen)
-    wrong = faults(request, answered)
-    if answered["state"] != "done":
-        wrong.append(f"its state is {answered['state']}")
+    wrong = faults(request, told)
+    if told["state"] != "done":
+        wrong.append(f"its state is {told['state']}")
     return Outcome(kind="planned", faults=wrong, **seen)
 
 
