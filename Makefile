@@ -73,14 +73,15 @@ quick: setup
 	$(PYTEST) $(QUICK)
 
 # What arithmetic decides, once more with another's: without the machine's wide vectors, in BLAS,
-# NumPy, libm and kernels alike, so that nothing hangs on the last digit of a sum.
+# NumPy and libm alike, so that nothing hangs on the last digit of a sum.  (Numba, without fastmath,
+# rounds the same on all.)
 OF_ARITHMETIC := tests/published $(patsubst %,tests/oracles/test_%.py,telemetry telemetry_clock slew_optimum \
 	gimbal_angles uncertainty schedule_brute_force opportunities_exact flight) \
 	$(patsubst %,tests/properties/test_%.py,horizon_estimate slews track opportunities targets_sky) \
 	tests/contracts/test_worked_answers.py
 OTHER_ARITHMETIC := SLEWTRACK_TEST_OTHER_ARITHMETIC=1 OPENBLAS_CORETYPE=Prescott \
 	NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c 'import numpy; print(*numpy.show_config("dicts")["SIMD Extensions"].get("found", ()))')" \
-	GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F NUMBA_CPU_NAME=x86-64-v2 NUMBA_CPU_FEATURES=
+	GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F
 
 test-other-arithmetic: setup $(KERNELS)
 	$(OTHER_ARITHMETIC) $(PYTEST) tests/architecture/test_other_arithmetic.py $(OF_ARITHMETIC)

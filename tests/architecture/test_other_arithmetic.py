@@ -1,12 +1,9 @@
 """`make test-other-arithmetic` does calculate as another processor does."""
 
 import ctypes
-import math
 import os
 from importlib.metadata import distribution
 
-import numba
-import numpy as np
 import pytest
 from numpy._core._multiarray_umath import __cpu_features__
 
@@ -33,15 +30,3 @@ def test_blas_is_of_a_processor_without_wide_vectors(package, function):
 
 def test_numpy_has_no_wide_vectors():
     assert not any(__cpu_features__.get(name, False) for name in WIDE)
-
-
-def test_kernels_are_compiled_for_a_processor_without_fused_multiplication():
-    @numba.njit
-    def dot(a, b):
-        return np.sum(a * b)
-
-    dot(np.ones(8), np.ones(8))
-    [code] = dot.inspect_asm().values()
-    assert "ymm" not in code
-    assert "vfmadd" not in code
-    assert math.isclose(dot(np.ones(8), np.ones(8)), 8.0)
