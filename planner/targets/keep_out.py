@@ -95,5 +95,5 @@ def _unit(vector: Vector3) -> Array:
     return np.asarray(vector) / math.hypot(*vector)
 
 
-def _direction_text(vector: tuple[float, ...]) -> str:
-    return "(" + ", ".join(f"{part:.6g}" for part in vector) + ")"
+def _direction_text(direction_unit: tuple[float, ...]) -> str:
+    return "(" + ", ".join(f"{part:.6g}" for part in direction_unit) + ")"
