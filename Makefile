@@ -9,7 +9,7 @@ STORING := tests/contracts/test_store.py tests/contracts/test_store_failures.py 
 	tests/contracts/test_http_plans.py tests/contracts/test_http_records.py tests/contracts/test_http_searches.py \
 	tests/contracts/test_http_tables.py $(wildcard tests/end_to_end/test_crash*.py)
 
-.PHONY: setup plan web serve quick test test-postgres test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
+.PHONY: setup plan web serve quick test test-postgres test-other-arithmetic test-client test-page test-of-python test-as-shipped lint check format answers notebook oracles bench mutants reproduce reproduce-check requirements clean
 
 # Of what tests, benchmarks and lint need beside the product.
 setup: .venv/complete
@@ -79,6 +79,20 @@ QUICK := tests/architecture tests/published tests/contracts/test_http_refusals.p
 
 quick: setup
 	$(PYTEST) $(QUICK)
+
+# What arithmetic decides, once more with another's: without the machine's wide vectors, in BLAS,
+# NumPy and libm alike, so that nothing hangs on the last digit of a sum.  (Numba, without fastmath,
+# rounds the same on all.)
+OF_ARITHMETIC := tests/published $(patsubst %,tests/oracles/test_%.py,telemetry telemetry_clock slew_optimum \
+	gimbal_angles uncertainty schedule_brute_force opportunities_exact flight) \
+	$(patsubst %,tests/properties/test_%.py,horizon_estimate slews track opportunities targets_sky) \
+	tests/contracts/test_worked_answers.py
+OTHER_ARITHMETIC := SLEWTRACK_TEST_OTHER_ARITHMETIC=1 OPENBLAS_CORETYPE=Prescott \
+	NPY_DISABLE_CPU_FEATURES="$$($(BIN)/python -c 'import numpy; print(*numpy.show_config("dicts")["SIMD Extensions"].get("found", ()))')" \
+	GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F
+
+test-other-arithmetic: setup $(KERNELS)
+	$(OTHER_ARITHMETIC) $(PYTEST) tests/architecture/test_other_arithmetic.py $(OF_ARITHMETIC)
 
 test-postgres: setup
 	.ci/with-postgresql $(PYTEST) $(STORING)

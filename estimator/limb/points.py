@@ -235,7 +235,8 @@ def _unwrap(frame: Frame, low_px: Array, high_px: Array, half_m: float, window_m
     typical_m_per_px = float(np.median(m_per_px))
     smooth_px = max(_SMOOTHING_M / typical_m_per_px, 0.9)
     pitch_px = float(np.clip(smooth_px / 3.0, 0.35, 2.0))
-    steps = int(np.ceil(max(window_m / typical_m_per_px, 5.0 * smooth_px) / pitch_px))
+    # Of a pitch of a third 5 smoothing widths are 15, which rounding must not make 16.
+    steps = int(np.ceil(max(window_m / typical_m_per_px, 5.0 * smooth_px) / pitch_px - 1e-6))
     offset_px = pitch_px * np.arange(-steps, steps + 1.0)
     xy_px = middle_px[:, None] + offset_px[:, None] * outward_unit[:, None]
     x_px, y_px = np.moveaxis(xy_px, 2, 0).astype(np.float32, order="C")

@@ -302,4 +302,5 @@ class Chain:
 
 
 def _cost(steps: Steps) -> tuple[int, float]:
-    return sum(step.lost_rows for step in steps), sum(step.slew_s for step in steps)
+    """Ways that differ in the axis that waits for the other cost the same: the first is taken."""
+    return sum(step.lost_rows for step in steps), round(sum(step.slew_s for step in steps), 6)

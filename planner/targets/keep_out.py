@@ -64,8 +64,9 @@ class KeepOut:
         if self.ra_deg is not None:
             return f"right ascension {self.ra_deg:g}, declination {self.dec_deg:g} deg"
         if self.direction_lvlh is not None:
-            return f"LVLH direction {self.direction_lvlh}"
-        return f"platform direction {self.direction_platform}"
+            return f"LVLH direction {_direction_text(self.direction_lvlh)}"
+        assert self.direction_platform is not None
+        return f"platform direction {_direction_text(self.direction_platform)}"
 
     def axis_platform(
         self, instants: Instants, states: OrbitStates, q_platform_from_eci: Rotation
@@ -92,3 +93,7 @@ class KeepOut:
 
 def _unit(vector: Vector3) -> Array:
     return np.asarray(vector) / math.hypot(*vector)
+
+
+def _direction_text(direction_unit: tuple[float, ...]) -> str:
+    return "(" + ", ".join(f"{part:.6g}" for part in direction_unit) + ")"

@@ -10,11 +10,12 @@ from scipy.ndimage import maximum_filter1d, median_filter
 from planner.arrays import Array, Mask
 from planner.export.exporter import Segment, SegmentKind
 from planner.frames.time_scales import elapsed_s
-from planner.telemetry.motion import PlannedMotion
+from planner.telemetry.motion import EDGE_S, PlannedMotion
 
 Basis = Literal["angles", "rates"]
-GAP_STEPS = 4.0  # of the usual step from row to row: a longer one is a gap
-GAP_MIN_S = 0.5
+# A longer step is a gap, counted in usual ones: half a step more than so many, and a clock's rate.
+GAP_STEPS, GAP_MIN_S = 4.0, 0.5
+_CLOCK_SHARE = 1e-3
 _SPIKE_ROWS, _AROUND_ROWS = 7, 64
 _USUAL_PERCENT, _SPIKE_TIMES = 80.0, 6.0  # of noise: 1.28 sigma, so that spikes are beyond 7.7
 _SPIKE_MIN_RAD, _SPIKE_MIN_RAD_S = np.radians(5.0 / 3600.0), np.radians(20.0 / 3600.0)
@@ -100,8 +101,9 @@ def gap_starts(t_s: Array) -> tuple[int, ...]:
     if len(t_s) < 2:
         return (0,)
     step_s = np.diff(t_s)
-    longest_s = max(GAP_MIN_S, GAP_STEPS * float(np.median(step_s)))
-    return (0, *(int(row) + 1 for row in np.flatnonzero(step_s > longest_s)))
+    usual_s = float(np.median(step_s))
+    most = np.floor(max(GAP_STEPS, GAP_MIN_S / usual_s) * (1.0 + _CLOCK_SHARE)) + 0.5
+    return (0, *(int(row) + 1 for row in np.flatnonzero(step_s > most * usual_s)))
 
 
 def follow(
@@ -159,7 +161,9 @@ def phases(followed: Followed, segments: Sequence[Segment]) -> list[PhaseErrors]
     found = []
     for segment in segments:
         start_s, stop_s = (elapsed_s(at, epoch_utc) for at in (segment.start_utc, segment.stop_utc))
-        rows = slice(*np.searchsorted(followed.t_s, [start_s, stop_s]))
+        # A row where two meet is the later one's, though the clock that was found be a little off.
+        ends_s = [start_s - EDGE_S, stop_s + (EDGE_S if segment is segments[-1] else -EDGE_S)]
+        rows = slice(*np.searchsorted(followed.t_s, ends_s))
         found.append(
             PhaseErrors(
                 kind=segment.kind,

@@ -31,8 +31,22 @@ BY_CHANCE = {
     "/metrics",
     "text/event-stream",
 }
-# Of simulated drives, whose encoders turn another processor's rounding into another count.
-OF_DRIVES = {"error_arcsec", "error_m", "smear_px", "miss_m", "misses", "contributors"}
+# What two processors agree to, relative and absolute, as docs/conventions.md tells.
+AGREED = 1e-4, 1e-6
+# Of flights: an encoder's count that rounding turned is another flight of drives as good.
+SMEAR_SHARE = 0.0, 0.5  # of 20 runs, whose own sigmas are 0.3
+AGREED_OF_FLIGHTS = {
+    "frames_held": (0.0, 0.005),
+    "frames_sharp": (0.0, 0.005),
+    "error_arcsec": (0.0, 0.3),
+    "error_m": (0.0, 1.0),
+    "smear_px": (0.0, 0.1),
+    **dict.fromkeys(("share", "share_sigma", "alone_share", "alone_sigma"), (0.0, 0.001)),
+    "smear_share": SMEAR_SHARE,
+    "smear_share_sigma": SMEAR_SHARE,
+    "smear_alone_share": SMEAR_SHARE,
+    "smear_alone_sigma": SMEAR_SHARE,
+}
 NUMBER = re.compile(r"[-+]?\d+\.\d+(?:[eE][-+]?\d+)?")
 
 
@@ -46,27 +60,27 @@ def answered(tmp_path_factory):
     return all_answers(tmp_path_factory.mktemp("answers"))
 
 
-def differences(shown, given, where="", by_chance=False):
-    """Where two answers differ in more than chance."""
+def differences(shown, given, where="", agreed=AGREED):
+    """Where two answers differ in more than chance; agreed: None where all is chance."""
     if isinstance(shown, dict) and isinstance(given, dict) and list(shown) == list(given):
         for name in shown:
-            chance = by_chance or name in OF_DRIVES
+            of_flights = AGREED_OF_FLIGHTS.get(name, agreed) if "/flights" in where else agreed
             # There it is also of a plan's id.
             names_a_plan = "/flights" in where or "/comparisons" in where
-            chance = chance or (name == "input_sha256" and names_a_plan)
+            chance = agreed is None or (name == "input_sha256" and names_a_plan)
             chance = chance or (name in BY_CHANCE and not isinstance(shown[name], list))
-            yield from differences(shown[name], given[name], f"{where} {name}", chance)
+            inside = None if chance else of_flights
+            yield from differences(shown[name], given[name], f"{where} {name}", inside)
     elif isinstance(shown, list) and isinstance(given, list) and len(shown) == len(given):
         for row, pair in enumerate(zip(shown, given, strict=True)):
-            yield from differences(*pair, f"{where} {row}", by_chance)
-    elif type(shown) is not type(given) or not (by_chance or alike(shown, given)):
+            yield from differences(*pair, f"{where} {row}", agreed)
+    elif type(shown) is not type(given) or not (agreed is None or alike(shown, given, agreed)):
         yield f"{where}: {shown!r} is shown, {given!r} answered"
 
 
-def alike(shown, given):
-    """A thousandth, and a millionth of a degree, arcsecond or metre: much more than another
-    processor's rounding and a solver's last step change, less than any part of the model left
-    out would (aberration alone is 5 arcsec of a slew of 20 deg)."""
+def alike(shown, given, agreed=AGREED):
+    """Numbers as agreed: more than rounding and a solver's last step change, less than any part
+    of the model left out would (aberration alone is 5 arcsec of a slew of 20 deg)."""
     if isinstance(shown, str):
         shown, given = OF_THE_RUN.sub("chance", shown), OF_THE_RUN.sub("chance", given)
         return NUMBER.sub("0", shown) == NUMBER.sub("0", given) and all(
@@ -74,7 +88,8 @@ def alike(shown, given):
             for one, other in zip(NUMBER.findall(shown), NUMBER.findall(given), strict=True)
         )
     if isinstance(shown, float):
-        return math.isclose(shown, given, rel_tol=1e-3, abs_tol=1e-6)
+        relative, absolute = agreed
+        return math.isclose(shown, given, rel_tol=relative, abs_tol=absolute)
     return shown == given
 
 
@@ -95,6 +110,27 @@ def test_a_changed_answer_is_noticed():
     ):
         assert one in text
         assert list(differences(shown, json.loads(text.replace(one, other))))
+
+
+@pytest.mark.parametrize(
+    ("name", "more"),
+    [("frames_sharp", 0.01), ("error_arcsec", 0.5), ("smear_px", 0.2), ("share", 0.01)],
+)
+def test_a_changed_flight_is_noticed(name, more):
+    shown = json.loads(ANSWERS.read_text())["/v1/flights/{id}"]
+    changed = json.loads(json.dumps(shown), object_hook=lambda one: _raised(one, name, more))
+    found = list(differences(shown, changed, " /v1/flights"))
+    assert found
+    assert all(f" {name}" in one for one in found)
+
+
+def _raised(members, name, more):
+    match members.get(name):
+        case float(value):
+            return members | {name: value + more}
+        case [float(), *_] as values:
+            return members | {name: [value + more for value in values]}
+    return members
 
 
 def contents(document):

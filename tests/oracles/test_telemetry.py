@@ -15,6 +15,7 @@ from other_platform import Clock, Drive
 import slewtrack
 from planner.errors import InvalidInput
 from planner.platforms import AxisDrive
+from planner.telemetry.following import Followed, gap_starts, phases
 from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.parameters import platform_found
 
@@ -342,6 +343,37 @@ def test_swings_between_a_tenth_and_two_hertz_are_found(frequency_hz, rate_hz):
     assert low_hz < 0.07
     assert 0.43 * rate_hz < high_hz < 0.5 * rate_hz
     assert axis(found, "alpha").oscillations == beta.limits_exceeded == ()
+
+
+NEAR = [1.0 - 1e-12, 1.0, 1.0 + 1e-12]  # as processors round
+
+
+@pytest.mark.parametrize("rate_hz", [2.0, 5.0, 7.5, 10.0, 15.0, 50.0])
+def test_a_gap_is_one_whichever_way_its_length_is_rounded(rate_hz):
+    rows = np.arange(200)
+    longest = max(4, int(0.5 * rate_hz))  # steps, of which the longer of 4 and of 0.5 s is no gap
+    for steps, starts in ((longest, (0,)), (longest + 1, (0, 101))):
+        t_s = np.concatenate([rows[:101], rows[100 + steps :]]) / rate_hz
+        assert [gap_starts(t_s * near) for near in NEAR] == [starts] * len(NEAR)
+
+
+def test_rows_where_phases_meet_are_counted_whichever_way_they_are_rounded():
+    plan = planned()
+    motion = PlannedMotion(plan.table, 0)
+    seen = []
+    for near in NEAR:
+        followed = Followed(
+            motion=motion,
+            t_s=plan.table.t_s * near,
+            error_rad=np.zeros(len(plan.table.t_s)),
+            rate_rad_s=None,
+            rate_error_rad_s=None,
+            basis="angles",
+            starts=(0,),
+        )
+        seen.append([phase.error.samples for phase in phases(followed, plan.segments)])
+    assert seen[0] == seen[1] == seen[2]
+    assert sum(seen[0]) == len(plan.table.t_s)
 
 
 def test_noise_is_no_swing():

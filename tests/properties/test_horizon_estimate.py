@@ -33,6 +33,12 @@ FOUR_SIGMA = 18.4  # chi-square of two degrees of freedom, one in 10,000
 DUSTLESS = Atmosphere(air_scale_m=7.5e3, dust_optical_depth=0.0, haze_optical_depth=0.0, ozone=0.0)
 
 
+def moved(position, steps):
+    """By so many times 1e-9 km along x."""
+    x_km, *others_km = position.position_km
+    return replace(position, position_km=(x_km + steps * 1e-9, *others_km))
+
+
 def off_deg(measured, true):
     return float(np.rad2deg(np.linalg.norm(np.cross(measured, true))))
 
@@ -66,6 +72,18 @@ def test_real_limb_lies_within_its_stated_error(seed):
     assert normalised2(answer.geocentric, one.geocentric_body) < FOUR_SIGMA
     assert normalised2(answer.geodetic, one.geodetic_body) < FOUR_SIGMA
     assert answer.geodetic.sigma_rad < np.deg2rad(0.05)
+
+
+def test_the_last_digit_of_what_is_known_moves_nothing(pair):
+    """A micrometre of orbit is 1e-13 rad, and all sums are others."""
+    here = pair.request.position
+    found = [
+        estimate_vertical(pair.images, replace(pair.request, position=moved(here, step)))
+        for step in range(8)
+    ]
+    for one in found[1:]:
+        off = one.geocentric.nadir_body - found[0].geocentric.nadir_body
+        assert np.abs(off).max() < 1e-9
 
 
 def test_no_prediction_is_needed(pair):
