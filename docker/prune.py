@@ -4,7 +4,8 @@
 
 Removes CasADi's other solvers and the copies of its libraries under their other names (a
 wheel knows no links), the packages' own tests, headers and static libraries, what nothing
-reads, and the symbols that only debuggers read.  Prints what each step saved.  The Dockerfile runs try_out.sh afterwards.
+reads, and the symbols that only debuggers read.  Prints what each step saved.  The Dockerfile
+runs try_out.sh afterwards.
 """
 
 import shutil
