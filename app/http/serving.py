@@ -66,7 +66,6 @@ def server(host: str, port: int, settings: Settings) -> uvicorn.Server:
         unsent_max_bytes = settings.max_unsent_bytes
 
     app = create_app(settings)
-    app.openapi()  # half a second in which nobody else would be answered
     return _Server(
         uvicorn.Config(
             app,
