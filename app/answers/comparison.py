@@ -2,10 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from app.answers.members import DECIMALS, fill
 from app.answers.ranges import Count, NotNegative, Share, Signed
-from planner.slew.compare import SlewComparison, SlewFigures
+
+if TYPE_CHECKING:
+    from planner.slew.compare import SlewComparison, SlewFigures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +71,7 @@ class SlewComparisonOut:
     residual_vibration: list[ModeResidualOut]
 
 
-def comparison_out(session: int | None, comparison: SlewComparison) -> SlewComparisonOut:
+def comparison_out(session: int | None, comparison: "SlewComparison") -> SlewComparisonOut:
     """In degrees."""
     names = comparison.axis_names
     return SlewComparisonOut(
@@ -90,7 +93,7 @@ def comparison_out(session: int | None, comparison: SlewComparison) -> SlewCompa
     )
 
 
-def _by_axis(names: tuple[str, ...], figures: SlewFigures) -> dict[str, AxisFigures]:
+def _by_axis(names: tuple[str, ...], figures: "SlewFigures") -> dict[str, AxisFigures]:
     deg = math.degrees(1.0)
     return {
         name: AxisFigures(

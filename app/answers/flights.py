@@ -13,14 +13,15 @@ from app.answers.members import degrees, degrees_of, fill, from_store, to_json
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
 from app.store.packed import unzip
 from planner.arrays import Array
-from planner.flights.contributors import Contributor
-from planner.flights.nominal import NominalSession
-from planner.flights.proportion import Proportion
-from planner.flights.runs import RunOutcomes
-from planner.flights.summary import Histogram, PlanFlights, SessionFlights, joined, summarise
+from planner.flights.summary import joined, summarise
 
 if TYPE_CHECKING:  # children answer without a database
     from app.store.jobs import Job
+    from planner.flights.contributors import Contributor
+    from planner.flights.nominal import NominalSession
+    from planner.flights.outcomes import RunOutcomes
+    from planner.flights.proportion import Proportion
+    from planner.flights.summary import Histogram, PlanFlights, SessionFlights
 
 _DECIMALS = 6
 
@@ -224,7 +225,7 @@ class FlightsHead:
     sessions: list[SessionHead]
 
 
-def nominal_out(flown: NominalSession) -> NominalOut:
+def nominal_out(flown: "NominalSession") -> NominalOut:
     """In the answer's units."""
     along_m = flown.ground_sample_along_m
     return NominalOut(
@@ -248,7 +249,7 @@ def nominal_out(flown: NominalSession) -> NominalOut:
 
 
 def flights_found(
-    head: FlightsHead, parts: Sequence[tuple[int, list[RunOutcomes]]]
+    head: FlightsHead, parts: "Sequence[tuple[int, list[RunOutcomes]]]"
 ) -> FlightsFound:
     """parts: each from which run on, and its outcomes by session; in any order."""
     by_part = [sessions for _, sessions in sorted(parts, key=lambda part: part[0])]
@@ -294,7 +295,7 @@ def flights_list_json(jobs: "Sequence[Job]", limit: int) -> bytes:
     return to_json(FlightsList(flights=flights, next=after))
 
 
-def _told_of(found: PlanFlights | SessionFlights | None) -> dict[str, Any]:
+def _told_of(found: "PlanFlights | SessionFlights | None") -> dict[str, Any]:
     if found is None:
         names = ("probability_in_frame", "in_frame_interval", "probability_sharp", "sharp_interval")
         return {**dict.fromkeys(names), "contributors": []}
@@ -307,7 +308,7 @@ def _told_of(found: PlanFlights | SessionFlights | None) -> dict[str, Any]:
     }
 
 
-def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlightsOut:
+def _session_out(told: SessionHead, flown: "SessionFlights | None") -> SessionFlightsOut:
     if flown is None:
         names = ("frames_held", "frames_sharp", "smear_px", "miss_m", "misses")
         return fill(SessionFlightsOut, told, **_told_of(None), **dict.fromkeys(names))
@@ -323,7 +324,7 @@ def _session_out(told: SessionHead, flown: SessionFlights | None) -> SessionFlig
     )
 
 
-def _warnings(head: FlightsHead, found: PlanFlights | None) -> list[str]:
+def _warnings(head: FlightsHead, found: "PlanFlights | None") -> list[str]:
     warnings = [
         f"session {told.session + 1}: flown as planned, the drive of {axis} gives all its torque "
         f"for {saturated_s:.1f} s and falls behind its table; raise its drive's torque_reserve, or "
@@ -346,20 +347,20 @@ def _warnings(head: FlightsHead, found: PlanFlights | None) -> list[str]:
     return warnings
 
 
-def _contributor_out(one: Contributor) -> ContributorOut:
+def _contributor_out(one: "Contributor") -> ContributorOut:
     numbers = {
         name: round(value, _DECIMALS) for name, value in vars(one).items() if name != "cause"
     }
     return ContributorOut(cause=one.cause, **numbers)
 
 
-def _histogram_out(misses: Histogram) -> HistogramOut:
+def _histogram_out(misses: "Histogram") -> HistogramOut:
     return HistogramOut(
         edges_arcsec=_arcsec(misses.edges_rad), counts=misses.counts.tolist(), beyond=misses.beyond
     )
 
 
-def _interval(found: Proportion) -> list[float]:
+def _interval(found: "Proportion") -> list[float]:
     return [round(end, _DECIMALS) for end in found.interval()]
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import zip_longest
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,10 +15,12 @@ from app.answers.members import DECIMALS, ProvenanceOut, degrees, fill
 from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
 from estimator.check import Verdict
 from estimator.errors import Reason
-from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
-from estimator.prediction import HorizonPrediction
 from planner.arrays import Array
 from planner.frames.time_scales import utc_text
+
+if TYPE_CHECKING:
+    from estimator.pipeline import CameraReport, Nadir, VerticalEstimate
+    from estimator.prediction import HorizonPrediction
 
 PIXEL_DECIMALS = 2
 
@@ -139,8 +141,28 @@ class PredictionResponse:
     provenance: ProvenanceOut
 
 
+@dataclass(frozen=True, kw_only=True)
+class PictureOut:
+    """A rendered picture and its truth.
+
+    image_png: the picture, a PNG in base64.
+    at: when it is taken; UTC.
+    position_itrf_km: of the camera, as an estimate's request takes it.
+    q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
+    nadir_body: geocentric, a unit vector.
+    nadir_geodetic_body: normal to the ellipsoid, a unit vector.
+    """
+
+    image_png: str
+    at: str
+    position_itrf_km: list[Signed]
+    q_body_from_eci_xyzw: list[DirectionPart]
+    nadir_body: list[DirectionPart]
+    nadir_geodetic_body: list[DirectionPart]
+
+
 def estimate_out(
-    estimate: VerticalEstimate,
+    estimate: "VerticalEstimate",
     epoch_utc: datetime,
     overlays: Sequence[bytes],
     provenance: ProvenanceOut,
@@ -173,7 +195,7 @@ def estimate_out(
     )
 
 
-def view_out(view: HorizonPrediction, at: str) -> ViewOut:
+def view_out(view: "HorizonPrediction", at: str) -> ViewOut:
     """In degrees."""
     seen = view.limb_px[np.all(np.isfinite(view.limb_px), axis=1)]
     return fill(
@@ -189,7 +211,7 @@ def view_out(view: HorizonPrediction, at: str) -> ViewOut:
     )
 
 
-def _camera(report: CameraReport, overlay_png: str | None) -> CameraOut:
+def _camera(report: "CameraReport", overlay_png: str | None) -> CameraOut:
     return fill(
         CameraOut,
         report,
@@ -200,7 +222,7 @@ def _camera(report: CameraReport, overlay_png: str | None) -> CameraOut:
     )
 
 
-def _on_its_axes(nadir: Nadir | None, kind: str = "") -> dict[str, Any]:
+def _on_its_axes(nadir: "Nadir | None", kind: str = "") -> dict[str, Any]:
     """The members that tell how sure a nadir of one kind is, null without it."""
     return {
         f"{kind}axes_body": nadir and rows_of(nadir.axes_body),

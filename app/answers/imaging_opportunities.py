@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from app.answers.opportunities import (
 )
 from app.answers.ranges import Count
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.spacecraft.opportunities import ImagingOpportunities, ImagingOpportunityRequest
 from planner.spacecraft.table import TICK_S
+
+if TYPE_CHECKING:
+    from planner.spacecraft.opportunities import ImagingOpportunities
+    from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 
 # From orbital orientation to the farthest look and back: 54 deg at 1.58 deg/s about each axis,
 # the build-up of the rate and the settling beside it.
@@ -91,7 +94,7 @@ class ImagingWindowsPage:
 
 
 def found_passes(
-    request: ImagingOpportunityRequest, result: ImagingOpportunities, provenance: ProvenanceOut
+    request: "ImagingOpportunityRequest", result: "ImagingOpportunities", provenance: ProvenanceOut
 ) -> FoundWindows:
     """The answer without its id."""
     requests = [request.requests[row] for row in result.windows.target]
@@ -105,7 +108,7 @@ def found_passes(
     return found_windows(result, request.name, provenance, windows)
 
 
-def _session(result: ImagingOpportunities, row: int) -> SessionTimesOut:
+def _session(result: "ImagingOpportunities", row: int) -> SessionTimesOut:
     """On rows of a table, which begin on multiples of 0.2 s after the second."""
     before_s = result.start_utc.microsecond / 1e6
     rise_s, set_s = float(result.windows.rise_s[row]), float(result.windows.set_s[row])
@@ -118,7 +121,7 @@ def _session(result: ImagingOpportunities, row: int) -> SessionTimesOut:
     return SessionTimesOut(start=start, stop=stop)
 
 
-def _whole(result: ImagingOpportunities, row: int) -> WholeOut | None:
+def _whole(result: "ImagingOpportunities", row: int) -> WholeOut | None:
     if np.isnan(result.whole_s[row, 0]):
         return None
     start, stop = (utc_text(shifted_utc(result.start_utc, t)) for t in result.whole_s[row].tolist())

@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from app.answers.ranges import Count
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.spacecraft.plan import ImagingPlan
 from planner.spacecraft.table import TICK_S, ImagingWindow
+
+if TYPE_CHECKING:
+    from planner.spacecraft.plan import ImagingPlan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +50,7 @@ class ImagingSummaryOut:
     requests: list[ImagingRequestSummaryOut]
 
 
-def imaging_summary_out(plan: ImagingPlan) -> ImagingSummaryOut:
+def imaging_summary_out(plan: "ImagingPlan") -> ImagingSummaryOut:
     """Of a session as it was planned."""
     request = plan.request
 

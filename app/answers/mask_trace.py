@@ -2,11 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from app.answers.columns import columns_of, numbers
 from app.answers.members import degrees
 from app.answers.ranges import Count, HalfTurnDeg, Signed
-from planner.view.masks import MaskTrace
+
+if TYPE_CHECKING:
+    from planner.view.masks import MaskTrace
 
 _DECIMALS = 6  # of a unit vector: 0.2 arcsec
 
@@ -34,7 +37,7 @@ class MaskTraceOut:
     outline_deg: dict[str, list[list[Signed | None]]]
 
 
-def mask_trace_out(axis_names: tuple[str, ...], mask: MaskTrace) -> MaskTraceOut:
+def mask_trace_out(axis_names: tuple[str, ...], mask: "MaskTrace") -> MaskTraceOut:
     """In degrees."""
     return columns_of(
         MaskTraceOut,

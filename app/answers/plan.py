@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -28,9 +28,11 @@ from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.errors import Unverified
 from planner.export import Segment, SegmentKind
 from planner.frames.time_scales import utc_text
-from planner.sessions.plan import Plan
 from planner.verification import Finding, LimitMargin
 from planner.verification.report import KeepOutMargin
+
+if TYPE_CHECKING:
+    from planner.sessions.plan import Plan
 
 _UNITS = {
     "angle_min": "deg",
@@ -236,14 +238,14 @@ class DryRunResponse:
 
 
 def plan_json(
-    plan: Plan, provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
+    plan: "Plan", provenance: ProvenanceOut, checks: Sequence[HorizonCheckOut] = ()
 ) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
     document = plan_document(plan, checks, provenance)
     return whole_answer(new_head(verdict_state(plan)), document, table_json(plan.table))
 
 
-def dry_run_json(plan: Plan, provenance: ProvenanceOut) -> bytes:
+def dry_run_json(plan: "Plan", provenance: ProvenanceOut) -> bytes:
     """A DryRunResponse as UTF-8 JSON."""
     return to_json(
         DryRunResponse(
@@ -273,7 +275,7 @@ def require_verified(findings: Iterable[Finding]) -> None:
             )
 
 
-def verdict_state(plan: Plan) -> Literal["done", "failed"]:
+def verdict_state(plan: "Plan") -> Literal["done", "failed"]:
     """Whether the judge passed it."""
     return "done" if plan.verification.passed else "failed"
 
@@ -284,7 +286,7 @@ def table_json(table: CommandTable) -> bytes:
 
 
 def plan_document(
-    plan: Plan, checks: Sequence[HorizonCheckOut], provenance: ProvenanceOut
+    plan: "Plan", checks: Sequence[HorizonCheckOut], provenance: ProvenanceOut
 ) -> bytes:
     """A PlanDocument as UTF-8 JSON."""
     report = plan.verification

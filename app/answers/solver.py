@@ -2,10 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from app.answers.members import fill
 from app.answers.ranges import Count, NotNegative, Share
-from planner.sessions.plan import Plan, SlewRun
+
+if TYPE_CHECKING:
+    from planner.sessions.plan import Plan, SlewRun
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +63,7 @@ class SolverOut:
     stages_wall_s: dict[str, NotNegative]
 
 
-def _slew_run(run: SlewRun) -> SlewRunOut:
+def _slew_run(run: "SlewRun") -> SlewRunOut:
     squared = math.degrees(1.0) ** 2
     cost, bound = run.cost_rad2_s5, run.lower_bound_rad2_s5
     return fill(
@@ -71,7 +74,7 @@ def _slew_run(run: SlewRun) -> SlewRunOut:
     )
 
 
-def solver_out(plan: Plan) -> SolverOut:
+def solver_out(plan: "Plan") -> SolverOut:
     runs = plan.slews
     return SolverOut(
         backend=" ".join(dict.fromkeys(run.backend for run in runs)),

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,12 +19,14 @@ from app.answers.members import (
 from app.answers.ranges import Count, DirectionPart, HalfTurnDeg, NotNegative, Share, Signed
 from planner.export.table_states import continuous
 from planner.frames.time_scales import shifted_utc, utc_text
-from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
-from planner.spacecraft.imaging.choice_with_turns import LeftOut
-from planner.spacecraft.imaging.timeline import PlannedTurn
-from planner.spacecraft.plan import ImagingPlan
+from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.table import TICK_S, AttitudeTable
-from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
+
+if TYPE_CHECKING:
+    from planner.spacecraft.flight.stabilisation import StabilisationReport, WindowSteadiness
+    from planner.spacecraft.imaging.timeline import PlannedTurn
+    from planner.spacecraft.plan import ImagingPlan
+    from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
 QUATERNION_DECIMALS = 13
 
@@ -283,13 +285,13 @@ class SpacecraftDryRunResponse:
     provenance: ProvenanceOut
 
 
-def spacecraft_plan_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+def spacecraft_plan_json(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes:
     """The whole answer as UTF-8 JSON, under a new id."""
     document = spacecraft_document(plan, provenance)
     return whole_answer(new_head("done"), document, attitude_table_json(plan.table))
 
 
-def spacecraft_dry_run_json(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+def spacecraft_dry_run_json(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes:
     """A SpacecraftDryRunResponse as UTF-8 JSON."""
     return to_json(
         SpacecraftDryRunResponse(
@@ -305,7 +307,7 @@ def spacecraft_dry_run_json(plan: ImagingPlan, provenance: ProvenanceOut) -> byt
     )
 
 
-def spacecraft_document(plan: ImagingPlan, provenance: ProvenanceOut) -> bytes:
+def spacecraft_document(plan: "ImagingPlan", provenance: ProvenanceOut) -> bytes:
     """A SpacecraftPlanDocument as UTF-8 JSON."""
     return to_json(
         SpacecraftPlanDocument(
@@ -347,7 +349,7 @@ def attitude_table_json(table: AttitudeTable) -> bytes:
     )
 
 
-def _window(window: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
+def _window(window: "VerifiedWindow", table: AttitudeTable) -> ImagingWindowOut:
     return fill(
         ImagingWindowOut,
         window,
@@ -357,7 +359,7 @@ def _window(window: VerifiedWindow, table: AttitudeTable) -> ImagingWindowOut:
     )
 
 
-def _turn(turn: PlannedTurn, table: AttitudeTable) -> TurnOut:
+def _turn(turn: "PlannedTurn", table: AttitudeTable) -> TurnOut:
     return fill(
         TurnOut,
         turn.comparison,
@@ -367,7 +369,7 @@ def _turn(turn: PlannedTurn, table: AttitudeTable) -> TurnOut:
     )
 
 
-def _verification(verdict: SpacecraftVerification) -> SpacecraftVerificationOut:
+def _verification(verdict: "SpacecraftVerification") -> SpacecraftVerificationOut:
     return fill(
         SpacecraftVerificationOut,
         verdict,
@@ -378,13 +380,13 @@ def _verification(verdict: SpacecraftVerification) -> SpacecraftVerificationOut:
     )
 
 
-def _stabilisation(report: StabilisationReport) -> StabilisationOut:
+def _stabilisation(report: "StabilisationReport") -> StabilisationOut:
     return fill(
         StabilisationOut, report, windows=[_steadiness(window) for window in report.windows]
     )
 
 
-def _steadiness(worst: WindowSteadiness) -> SteadinessOut:
+def _steadiness(worst: "WindowSteadiness") -> SteadinessOut:
     return fill(
         SteadinessOut,
         worst,

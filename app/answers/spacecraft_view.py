@@ -1,6 +1,7 @@
 """The answer to what there is to see of an imaging session: columns over time."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,10 +19,12 @@ from app.answers.ranges import (
 from app.answers.view import BodyTrackOut, CarrierTrackOut
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.spacecraft.export.map import asked_rad
-from planner.spacecraft.flight.stabilisation import RATE_ERROR_MAX_RAD_S
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
-from planner.view.spacecraft import NO_WINDOW, SessionView
+from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
+from planner.view.spacecraft import NO_WINDOW
+
+if TYPE_CHECKING:
+    from planner.view.spacecraft import SessionView
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +164,7 @@ class SpacecraftViewResponse:
     requests: list[AskedPlacesOut]
 
 
-def spacecraft_view_json(view: SessionView, plan_id: str, *, verified: bool) -> bytes:
+def spacecraft_view_json(view: "SessionView", plan_id: str, *, verified: bool) -> bytes:
     """The whole answer as UTF-8 JSON."""
     request, table = view.plan.request, view.plan.table
     return to_json(
@@ -197,7 +200,7 @@ def _limits(spacecraft: AgileSpacecraft) -> SessionLimitsOut:
     )
 
 
-def _swaths(view: SessionView) -> list[SwathOut]:
+def _swaths(view: "SessionView") -> list[SwathOut]:
     epoch_utc = view.plan.table.epoch_utc
     nowhere = np.zeros(0), np.zeros(0)
     return [
@@ -215,7 +218,7 @@ def _swaths(view: SessionView) -> list[SwathOut]:
     ]
 
 
-def _asked(view: SessionView) -> list[AskedPlacesOut]:
+def _asked(view: "SessionView") -> list[AskedPlacesOut]:
     imaged = {window.request for window in view.plan.table.windows}
     asked = []
     for request in view.plan.request.requests:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,8 +11,10 @@ from app.requests.listings import listing_of_scenario
 from app.store.listing import Listing
 from planner.frames.time_scales import utc_text
 from planner.opportunities.ground_sample import sample_along_m
-from planner.sessions.plan import Plan
 from planner.verification import EarthFixedView
+
+if TYPE_CHECKING:
+    from planner.sessions.plan import Plan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +74,7 @@ class PlanSummaryOut:
     sessions: list[SessionSummaryOut]
 
 
-def summary_out(plan: Plan) -> PlanSummaryOut:
+def summary_out(plan: "Plan") -> PlanSummaryOut:
     """Of a plan as it was made."""
     listing = listing_of_plan(plan)
     sessions = plan.scenario.sessions
@@ -86,7 +89,7 @@ def summary_out(plan: Plan) -> PlanSummaryOut:
     )
 
 
-def _session_out(plan: Plan, number: int) -> SessionSummaryOut:
+def _session_out(plan: "Plan", number: int) -> SessionSummaryOut:
     session, budget = plan.scenario.sessions[number], plan.budgets[number]
     seen = [report.view for report in plan.verification.sessions if report.number == number]
     view = seen[0] if seen and isinstance(seen[0], EarthFixedView) else None
@@ -114,7 +117,7 @@ def _ground_sample_m(view: EarthFixedView, pixel_rad: float) -> float | None:
     return None if math.isnan(sample_m) else sample_m
 
 
-def listing_of_plan(plan: Plan) -> Listing:
+def listing_of_plan(plan: "Plan") -> Listing:
     """Of a plan as it was made."""
     told = [budget.probability_in_frame for budget in plan.budgets if budget is not None]
     listing = listing_of_scenario(plan.scenario)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -12,7 +12,9 @@ from app.answers.ranges import ElevationDeg, Signed, TurnDeg
 from planner.arrays import Array
 from planner.csv_cells import csv_lines
 from planner.frames.time_scales import Instants
-from planner.opportunities.target_sky import TargetSky
+
+if TYPE_CHECKING:
+    from planner.opportunities.target_sky import TargetSky
 
 DECIMALS = 6  # 1e-6 deg is 4 milliarcsec
 LongitudeDeg = Annotated[float, Field(json_schema_extra={"minimum": -180.0, "maximum": 180.0})]
@@ -67,7 +69,7 @@ class PlaceOut:
     height_m: Signed
 
 
-def skies_out(start_utc: datetime, sky: TargetSky) -> list[TargetSkyOut | None]:
+def skies_out(start_utc: datetime, sky: "TargetSky") -> list[TargetSkyOut | None]:
     """One per window, None for targets in space."""
     turns = {
         "azimuth_deg": _turns_deg(sky.azimuth_rad),
@@ -93,7 +95,7 @@ def skies_out(start_utc: datetime, sky: TargetSky) -> list[TargetSkyOut | None]:
     ]
 
 
-def places_out(sky: TargetSky) -> list[PlaceOut | None]:
+def places_out(sky: "TargetSky") -> list[PlaceOut | None]:
     """One per window, None for targets in space."""
     places = zip(
         _degrees(sky.latitude_rad[:, 1]).tolist(),

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from app.answers.horizon import CorrectionOut
 from app.answers.members import ProvenanceOut, to_json
@@ -14,10 +14,12 @@ from planner.arrays import Array
 from planner.attitude.corrections import AttitudeCorrection
 from planner.frames.time_scales import utc_text
 from planner.platforms import PlatformDefinition
-from planner.telemetry.alignment import ClockEstimate
-from planner.telemetry.attitude import PointingParts
-from planner.telemetry.compare import Comparison
-from planner.telemetry.parameters import Parameter, PlatformFound
+
+if TYPE_CHECKING:
+    from planner.telemetry.alignment import ClockEstimate
+    from planner.telemetry.attitude import PointingParts
+    from planner.telemetry.compare import Comparison
+    from planner.telemetry.parameters import Parameter, PlatformFound
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,9 +122,9 @@ class ComparisonResponse:
 
 
 def comparison_json(
-    comparison: Comparison,
-    pointing: Sequence[PointingParts],
-    found: PlatformFound | None,
+    comparison: "Comparison",
+    pointing: "Sequence[PointingParts]",
+    found: "PlatformFound | None",
     plan_id: str,
     provenance: ProvenanceOut,
 ) -> bytes:
@@ -149,7 +151,7 @@ def comparison_json(
     )
 
 
-def _pointing(parts: PointingParts) -> PointingPartsOut:
+def _pointing(parts: "PointingParts") -> PointingPartsOut:
     return PointingPartsOut(
         at=utc_text(parts.epoch_utc),
         session=parts.session,
@@ -161,7 +163,7 @@ def _pointing(parts: PointingParts) -> PointingPartsOut:
     )
 
 
-def _parameter(one: Parameter) -> ParameterOut:
+def _parameter(one: "Parameter") -> ParameterOut:
     return ParameterOut(
         name=one.name, planned=one.planned_value, found=one.found_value, sigma=one.sigma
     )
@@ -175,7 +177,7 @@ def _correction(correction: AttitudeCorrection) -> CorrectionOut:
     )
 
 
-def _estimate(estimate: ClockEstimate, decimals: int) -> EstimateOut:
+def _estimate(estimate: "ClockEstimate", decimals: int) -> EstimateOut:
     return EstimateOut(value=round(estimate.value, decimals), sigma=round(estimate.sigma, decimals))
 
 

@@ -2,15 +2,19 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from app.answers.pointing import ARCSEC_PER_RAD
 from app.answers.ranges import Count, NotNegative, Share, Signed
 from app.answers.telemetry_samples import StretchOut, span
 from planner.export import SegmentKind
-from planner.telemetry.compare import AxisComparison, Comparison
-from planner.telemetry.exceeded import Exceeded, Limit
-from planner.telemetry.following import Basis, PhaseErrors
+from planner.telemetry.exceeded import Limit
+from planner.telemetry.following import Basis
+
+if TYPE_CHECKING:
+    from planner.telemetry.compare import AxisComparison, Comparison
+    from planner.telemetry.exceeded import Exceeded
+    from planner.telemetry.following import PhaseErrors
 
 _LIST_MAX = 1000
 _LimitUnit = Literal["deg", "deg/s", "deg/s2"]
@@ -128,7 +132,7 @@ class AxisComparisonOut:
     limits_checked: list[Limit]
 
 
-def axis_of(comparison: Comparison, axis: AxisComparison) -> AxisComparisonOut:
+def axis_of(comparison: "Comparison", axis: "AxisComparison") -> AxisComparisonOut:
     """Its angles in arcsec."""
     return AxisComparisonOut(
         basis=axis.followed.basis,
@@ -167,7 +171,7 @@ def _rounded(band_hz: tuple[float, float] | None) -> list[float] | None:
     return None if band_hz is None else [round(one, 6) for one in band_hz]
 
 
-def _phase(comparison: Comparison, phase: PhaseErrors) -> PhaseErrorsOut:
+def _phase(comparison: "Comparison", phase: "PhaseErrors") -> PhaseErrorsOut:
     return PhaseErrorsOut(
         kind=phase.kind,
         session=phase.session,
@@ -179,7 +183,7 @@ def _phase(comparison: Comparison, phase: PhaseErrors) -> PhaseErrorsOut:
     )
 
 
-def _exceeded(comparison: Comparison, one: Exceeded) -> ExceededOut:
+def _exceeded(comparison: "Comparison", one: "Exceeded") -> ExceededOut:
     return ExceededOut(
         limit=one.limit,
         value=round(math.degrees(one.value), 6),

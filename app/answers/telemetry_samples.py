@@ -1,13 +1,16 @@
 """What became of the rows of telemetry, in the answer to their comparison."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from app.answers.members import fill
 from app.answers.ranges import Count, NotNegative
 from planner.frames.time_scales import shifted_utc, utc_text
 from planner.telemetry.columns import AngleUnit, Kind, UnitFrom
-from planner.telemetry.compare import Comparison
 from planner.telemetry.samples import Dropped
+
+if TYPE_CHECKING:
+    from planner.telemetry.compare import Comparison
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +78,7 @@ class SamplesOut:
     ignored_columns: list[str]
 
 
-def samples_of(comparison: Comparison) -> SamplesOut:
+def samples_of(comparison: "Comparison") -> SamplesOut:
     """Rows read, used and dropped, and the columns."""
     clean, alignment = comparison.samples, comparison.alignment
     first_s, last_s = alignment.t_s(clean.tag_s[[0, -1]]).tolist()
@@ -102,7 +105,7 @@ def samples_of(comparison: Comparison) -> SamplesOut:
     )
 
 
-def span(comparison: Comparison, start_s: float, stop_s: float) -> dict[str, str]:
+def span(comparison: "Comparison", start_s: float, stop_s: float) -> dict[str, str]:
     """Start and stop in UTC, of seconds after the table's epoch."""
     epoch_utc = comparison.plan.table.epoch_utc
     return {

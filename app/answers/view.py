@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from app.answers.columns import columns_of, numbers
 from app.answers.mask_trace import MaskTraceOut, mask_trace_out
@@ -23,9 +24,11 @@ from planner.export import SegmentKind
 from planner.frames.time_scales import utc_text
 from planner.platforms import AxisLimits
 from planner.pointing.angles import keyholes_rad
-from planner.view import PlanView
-from planner.view.cones import ConeTrace
-from planner.view.motion import AxesMotion, BaselineSlew
+
+if TYPE_CHECKING:
+    from planner.view import PlanView
+    from planner.view.cones import ConeTrace
+    from planner.view.motion import AxesMotion, BaselineSlew
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,7 +287,7 @@ class PlanViewResponse:
     baseline: list[BaselineSlewOut]
 
 
-def view_json(view: PlanView, plan_id: str, pixel_arcsec: float, *, verified: bool) -> bytes:
+def view_json(view: "PlanView", plan_id: str, pixel_arcsec: float, *, verified: bool) -> bytes:
     """The whole answer as UTF-8 JSON."""
     scenario, table = view.plan.scenario, view.plan.table
     segments = [view.plan.segments[number] for number in view.segment.tolist()]
@@ -322,7 +325,7 @@ def view_json(view: PlanView, plan_id: str, pixel_arcsec: float, *, verified: bo
     )
 
 
-def _targets(view: PlanView) -> list[TargetTrackOut]:
+def _targets(view: "PlanView") -> list[TargetTrackOut]:
     sessions = view.plan.scenario.sessions
     return [
         columns_of(
@@ -340,7 +343,7 @@ def _targets(view: PlanView) -> list[TargetTrackOut]:
     ]
 
 
-def _axes(axis_names: tuple[str, ...], motion: AxesMotion) -> dict[str, AxisMotionOut]:
+def _axes(axis_names: tuple[str, ...], motion: "AxesMotion") -> dict[str, AxisMotionOut]:
     """Of each axis by its name."""
     return {
         name: AxisMotionOut(
@@ -369,7 +372,7 @@ def _bounds(limits: AxisLimits) -> AxisBoundsOut:
     )
 
 
-def _cone(axis_names: tuple[str, ...], cone: ConeTrace, unknown_rows: int) -> ConeTraceOut:
+def _cone(axis_names: tuple[str, ...], cone: "ConeTrace", unknown_rows: int) -> ConeTraceOut:
     return columns_of(
         ConeTraceOut,
         cone,
@@ -385,7 +388,7 @@ def _cone(axis_names: tuple[str, ...], cone: ConeTrace, unknown_rows: int) -> Co
     )
 
 
-def _baseline(axis_names: tuple[str, ...], slew: BaselineSlew) -> BaselineSlewOut:
+def _baseline(axis_names: tuple[str, ...], slew: "BaselineSlew") -> BaselineSlewOut:
     return BaselineSlewOut(
         session=slew.session, t_s=slew.t_s.tolist(), axes=_axes(axis_names, slew.motion)
     )

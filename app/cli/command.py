@@ -260,9 +260,6 @@ def serve(
     port: Annotated[int, typer.Option(parser=_port, metavar="PORT", help="0 for any free.")] = 8000,
 ) -> None:
     """Serve the planner's page (/) and the HTTP API (/docs); elsewhere with API keys only."""
-    from app.jobs.disposable import start_server
-
-    start_server()  # what children need is loaded while the service itself is
     gc.disable()  # nothing that is loaded is garbage: looking for some takes a sixth of a start
     from app.http.serving import serve_on
     from app.settings import settings_of_environment

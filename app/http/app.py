@@ -4,6 +4,7 @@ import asyncio
 import os
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from threading import Lock
 from typing import Any
 
 import anyio
@@ -120,6 +121,9 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.stopping = asyncio.Event()  # set as soon as the service is told to
     app.state.end_outdated = lambda: None  # how the program ends when its database has moved on
     app.state.views = ViewCache()
+    app.state.methods = {}
+    for route in _routes():
+        app.state.methods.setdefault(route.path, set()).update(route.methods)
     app.state.children = anyio.CapacityLimiter(os.cpu_count() or 1)
     for resource in (*_OF_API, pages):
         app.include_router(resource.router)
@@ -208,22 +212,27 @@ def _executor(settings: Settings) -> SolveExecutor:
 
 def _describe(app: FastAPI) -> None:
     generate = app.openapi
+    one_at_a_time = Lock()  # who asks meanwhile must not get it half made
 
     def openapi() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            app.openapi_schema = complete(generate(), _answers())
-        return app.openapi_schema
+        with one_at_a_time:
+            if app.openapi_schema is None:
+                app.openapi_schema = complete(generate(), _answers())
+            return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]  # FastAPI's documented way
 
 
 def _answers() -> Iterator[object]:
     """The classes of all answers."""
+    for route in _routes():
+        yield route.response_model
+        yield from (answer.get("model") for answer in route.responses.values())
+
+
+def _routes() -> Iterator[APIRoute]:
     for resource in _OF_API:
-        for route in resource.router.routes:
-            if isinstance(route, APIRoute):
-                yield route.response_model
-                yield from (answer.get("model") for answer in route.responses.values())
+        yield from (route for route in resource.router.routes if isinstance(route, APIRoute))
 
 
 def _operation_id(route: APIRoute) -> str:

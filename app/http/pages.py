@@ -4,6 +4,7 @@ import json
 from functools import lru_cache
 from pathlib import Path
 
+import anyio.to_thread
 from fastapi import APIRouter, FastAPI, Request, Response
 from starlette.staticfiles import StaticFiles
 
@@ -45,7 +46,9 @@ def serve_files(app: FastAPI) -> None:
 @router.get("/openapi.json")
 async def get_openapi(request: Request) -> Response:
     """For programs."""
-    return Response(_openapi_json(request.app), media_type=JSON)
+    # Half a second the first time, in which others are answered.
+    document = await anyio.to_thread.run_sync(_openapi_json, request.app)
+    return Response(document, media_type=JSON)
 
 
 @lru_cache(maxsize=1)

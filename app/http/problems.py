@@ -74,9 +74,8 @@ def service_stops() -> HTTPException:
 def _allowed_methods(request: Request) -> dict[str, str]:
     """All methods of the address; Starlette names those of its first route only."""
     path = getattr(request.scope.get("route"), "path", "")
-    methods = {*request.app.openapi()["paths"].get(path, {"get": {}})}  # else one of our pages
-    methods |= {"head"} if "get" in methods else set()
-    return {"Allow": ", ".join(sorted(method.upper() for method in methods))}
+    methods: set[str] = request.app.state.methods.get(path, {"GET"})  # else one of our pages
+    return {"Allow": ", ".join(sorted(methods | ({"HEAD"} if "GET" in methods else set())))}
 
 
 _WAY_OUT = {

@@ -75,7 +75,6 @@ def server(host: str, port: int, settings: Settings) -> "_Server":
         await answer_guarded(app, scope, receive, send)
 
     app = create_app(settings)
-    app.openapi()  # half a second in which nobody else would be answered
     service = _Server(
         uvicorn.Config(
             guarded,

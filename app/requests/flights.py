@@ -3,8 +3,7 @@
 from typing import Annotated
 
 from app.requests.json_reader import JsonReader
-from planner.flights.draws import SEED_MAX
-from planner.flights.ground_view import Mover
+from planner.flights.request import SEED_MAX, Mover
 from planner.spec import Within, spec
 
 

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from planner.campaigns import CampaignRequest
     from planner.opportunities import OpportunityRequest
     from planner.scenario import Scenario
-    from planner.spacecraft.opportunities import ImagingOpportunityRequest
+    from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
     from planner.spacecraft.requests import ImagingPlanRequest
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from app.requests.json_reader import JsonReader
 from planner.spacecraft.geojson import requests_from_features
-from planner.spacecraft.opportunities import ImagingOpportunityRequest
+from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.vehicle.definition import SPACECRAFT
 

@@ -14,9 +14,12 @@ from planner.arrays import Array
 from planner.attitude.corrections import Corrections
 from planner.errors import FieldError, InvalidRequest
 from planner.spec import Within, spec
-from planner.telemetry.attitude import SECOND_MEASUREMENTS_MAX, ImageOffset
-from planner.telemetry.parameters import PARAMETERS_MAX
-from planner.telemetry.samples import SAMPLES_MAX
+from planner.telemetry.request import (
+    PARAMETERS_MAX,
+    SAMPLES_MAX,
+    SECOND_MEASUREMENTS_MAX,
+    ImageOffset,
+)
 
 _Second = Annotated[float, Within(-1e10, 1e10)] | None
 _COLUMNS_MAX = 20

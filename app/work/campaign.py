@@ -5,7 +5,7 @@ import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.answers.campaign import CampaignChoiceOut, CampaignLookOut, TargetLeftOut, UnseenTarget
 from app.answers.members import ProvenanceOut, fill
@@ -13,18 +13,13 @@ from app.answers.opportunities import FoundWindows, found_windows, windows_out
 from app.requests.campaign import read_campaign_request
 from app.store.listing import Listing
 from app.work.progress import Progress, report
-from planner.campaigns import (
-    Campaign,
-    CampaignRequest,
-    ChosenLook,
-    ChosenPass,
-    UnchosenTarget,
-    choose_campaign,
-    scenario_of,
-)
+from planner.campaigns import CampaignRequest
 from planner.frames.time_scales import utc_from_text, utc_text
-from planner.opportunities import OpportunityRequest, find_opportunities
+from planner.opportunities import OpportunityRequest
 from planner.targets import BenchMotionTarget
+
+if TYPE_CHECKING:
+    from planner.campaigns import Campaign, ChosenLook, ChosenPass, UnchosenTarget
 
 _CARRIED_OVER = ("platform", "orbit", "attitude", "slew")
 _SESSION = re.compile(r"sessions\.(\d+)(\.|$)")
@@ -62,12 +57,16 @@ class NewCampaign:
 
 def answer_opportunities(request: OpportunityRequest, provenance: ProvenanceOut) -> FoundWindows:
     """The answer in parts."""
+    from planner.opportunities import find_opportunities
+
     result = find_opportunities(request)
     return found_windows(result, request.name, provenance, windows_out(result))
 
 
 def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     """Read unless that is done, choose and write down; raises a Refusal."""
+    from planner.campaigns import choose_campaign
+
     request = request or read_campaign_request(body)
     document = json.loads(body)  # passes say orbit, platform and targets in its own words
     campaign = choose_campaign(
@@ -82,7 +81,7 @@ def choose(body: bytes, request: CampaignRequest | None = None) -> NewCampaign:
     )
 
 
-def _choice(request: CampaignRequest, campaign: Campaign) -> CampaignChoiceOut:
+def _choice(request: CampaignRequest, campaign: "Campaign") -> CampaignChoiceOut:
     return fill(
         CampaignChoiceOut,
         campaign,
@@ -103,7 +102,7 @@ def _choice(request: CampaignRequest, campaign: Campaign) -> CampaignChoiceOut:
     )
 
 
-def _left_out(request: CampaignRequest, one: UnchosenTarget) -> TargetLeftOut:
+def _left_out(request: CampaignRequest, one: "UnchosenTarget") -> TargetLeftOut:
     ids = [request.targets[row].id for row in one.displaced_by]
     look = f"a look from {utc_text(one.start_utc, 1)} would be worth {one.value:.4g}"
     if ids:
@@ -120,8 +119,10 @@ def _left_out(request: CampaignRequest, one: UnchosenTarget) -> TargetLeftOut:
 
 
 def _part(
-    document: Mapping[str, Any], request: CampaignRequest, number: int, flight: ChosenPass
+    document: Mapping[str, Any], request: CampaignRequest, number: int, flight: "ChosenPass"
 ) -> Part:
+    from planner.campaigns import scenario_of
+
     scenario = scenario_of(request, flight, number)
     rest = scenario.sessions[-1]
     assert isinstance(rest.target, BenchMotionTarget)
@@ -167,7 +168,7 @@ def _part(
     return Part(request=json.dumps(plan_request).encode(), facts=facts)
 
 
-def _look(request: CampaignRequest, look: ChosenLook) -> dict[str, Any]:
+def _look(request: CampaignRequest, look: "ChosenLook") -> dict[str, Any]:
     target = request.targets[look.target].id
     return asdict(fill(CampaignLookOut, look, look.seen, target=target, decimals=3))
 

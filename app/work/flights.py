@@ -5,7 +5,7 @@ import json
 import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from app.answers.flights import FlightsHead, SessionHead, nominal_out
 from app.requests.flights import read_flights_request
@@ -14,12 +14,11 @@ from app.work.plan import require_verified_table, stored_plan
 from app.work.progress import Progress, report
 from planner.errors import InvalidInput
 from planner.export import FlightPlan
-from planner.flights.drives import flown_by
-from planner.flights.nominal import nominal_session
-from planner.flights.runs import RunOutcomes, fly_runs
-from planner.flights.scene import SessionScene, session_scenes
+from planner.flights.outcomes import RunOutcomes
 from planner.frames.time_scales import utc_text
-from planner.sessions.pipeline import session_budget
+
+if TYPE_CHECKING:
+    from planner.flights.scene import SessionScene
 
 FLOWN_MAX_S = 1e6  # of flight in all runs together: some ten minutes of a core
 _PART_S = 1e4  # of flight in one part: some five seconds
@@ -60,6 +59,8 @@ class NewFlights:
 
 def prepare_flights(body: bytes, _: object = None) -> NewFlights:
     """Fly it once as planned, and split the runs; raises a Refusal."""
+    from planner.flights.scene import session_scenes
+
     report(Progress(stage="as planned"))
     what, _ = _read(body)
     plan = _plan(what)
@@ -77,8 +78,14 @@ def prepare_flights(body: bytes, _: object = None) -> NewFlights:
     )
 
 
-def flights_head(plan: FlightPlan, scenes: Sequence[SessionScene], what: PlanToFly) -> FlightsHead:
+def flights_head(
+    plan: FlightPlan, scenes: Sequence["SessionScene"], what: PlanToFly
+) -> FlightsHead:
     """What there is to tell before any disturbed run."""
+    from planner.flights.drives import flown_by
+    from planner.flights.nominal import nominal_session
+    from planner.sessions.pipeline import session_budget
+
     asked, table = read_flights_request(what.asked), plan.table
     fly = flown_by(plan.scenario.platform)
     sessions = []
@@ -108,6 +115,10 @@ def flights_head(plan: FlightPlan, scenes: Sequence[SessionScene], what: PlanToF
 
 def fly_part(body: bytes, _: object = None) -> bytes:
     """Outcomes of some runs, packed."""
+    from planner.flights.drives import flown_by
+    from planner.flights.runs import fly_runs
+    from planner.flights.scene import session_scenes
+
     what, part = _read(body)
     plan = _plan(what)
     asked = read_flights_request(what.asked)
@@ -166,7 +177,7 @@ def _plan(what: PlanToFly) -> FlightPlan:
     return stored_plan(what.request, packed)
 
 
-def _runs_by_part(scenes: Sequence[SessionScene], runs: int) -> list[int]:
+def _runs_by_part(scenes: Sequence["SessionScene"], runs: int) -> list[int]:
     """Of even numbers but for the last; raises InvalidInput."""
     flown_s = sum(float(scene.table.t_s[-1]) for scene in scenes)
     most = int(FLOWN_MAX_S / flown_s)

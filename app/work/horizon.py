@@ -6,55 +6,34 @@ Bytes in, bytes out: what comes from outside is decoded nowhere else.
 import base64
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.answers.horizon import estimate_out, numbers_of
+from app.answers.horizon import PictureOut, estimate_out, numbers_of
 from app.answers.members import ProvenanceOut, to_json
-from app.answers.ranges import DirectionPart, Signed
 from app.requests.horizon import PictureRequest
 from app.work.horizon_views import attitudes_at, surroundings
 from estimator.camera import HorizonCamera
 from estimator.errors import InvalidCamera
-from estimator.images import Pixels, decode_image
-from estimator.overlay import draw_overlay, encode_png
-from estimator.pipeline import VerticalEstimate, estimate_vertical
-from estimator.prediction import predict_horizon
-from estimator.rendering.scene import HorizonRenderer
 from estimator.request import Body, HorizonRequest
 from estimator.surroundings import Surroundings
 from planner.frames.time_scales import utc_text
+
+if TYPE_CHECKING:
+    from estimator.images import Pixels
+    from estimator.pipeline import VerticalEstimate
 
 # Decoded and measured within a second and 500 MB.
 PIXELS_MAX = 25_000_000
 
 
-@dataclass(frozen=True, kw_only=True)
-class PictureOut:
-    """A rendered picture and its truth.
-
-    image_png: the picture, a PNG in base64.
-    at: when it is taken; UTC.
-    position_itrf_km: of the camera, as an estimate's request takes it.
-    q_body_from_eci_xyzw: attitude, as an estimate's request takes it.
-    nadir_body: geocentric, a unit vector.
-    nadir_geodetic_body: normal to the ellipsoid, a unit vector.
-    """
-
-    image_png: str
-    at: str
-    position_itrf_km: list[Signed]
-    q_body_from_eci_xyzw: list[DirectionPart]
-    nadir_body: list[DirectionPart]
-    nadir_geodetic_body: list[DirectionPart]
-
-
 @contextmanager
 def _report_out_of_memory() -> Iterator[None]:
     """OpenCV has an error of its own for a lack of memory."""
+    import cv2
+
     try:
         yield
     except cv2.error as error:
@@ -66,11 +45,14 @@ def _report_out_of_memory() -> Iterator[None]:
 @_report_out_of_memory()
 def measure(
     request: HorizonRequest, images: Sequence[bytes], *, draw: bool
-) -> tuple[VerticalEstimate, tuple[bytes, ...]]:
+) -> tuple["VerticalEstimate", tuple[bytes, ...]]:
     """The estimate and, if wanted, the annotated frames as PNG files.
 
     Raises InvalidImage, InvalidCamera.
     """
+    from estimator.images import decode_image
+    from estimator.pipeline import estimate_vertical
+
     if len(images) != len(request.cameras):
         raise InvalidCamera(
             f"{len(images)} images for {len(request.cameras)} cameras; send one per camera, in "
@@ -103,6 +85,9 @@ def estimate_json(
 @_report_out_of_memory()
 def picture(request: PictureRequest) -> bytes:
     """The rendered picture as a PNG file."""
+    from estimator.overlay import encode_png
+    from estimator.rendering.scene import HorizonRenderer
+
     around, c_body_from_itrf = _surroundings(request)
     horizon = HorizonRenderer(
         around.limb.r_itrf_m, c_body_from_itrf, around.sun_itrf, request.scene, request.seed
@@ -132,8 +117,10 @@ def _surroundings(request: PictureRequest) -> tuple[Surroundings, np.ndarray]:
 
 
 def _overlays(
-    request: HorizonRequest, images: Sequence[Pixels], estimate: VerticalEstimate
+    request: HorizonRequest, images: Sequence["Pixels"], estimate: "VerticalEstimate"
 ) -> tuple[bytes, ...]:
+    from estimator.overlay import draw_overlay, encode_png
+
     frames = zip(images, request.cameras, estimate.cameras, strict=True)
     return tuple(
         encode_png(draw_overlay(pixels, camera, report, estimate, _expected_px(request, camera)))
@@ -144,6 +131,8 @@ def _overlays(
 def _expected_px(request: HorizonRequest, camera: HorizonCamera) -> np.ndarray | None:
     if request.predicted is None:
         return None
+    from estimator.prediction import predict_horizon
+
     around = Surroundings(request.epoch, request.position, request.body)
     q_body_from_eci = Rotation.from_quat(request.predicted.q_body_from_eci_xyzw)
     return predict_horizon(camera, around, q_body_from_eci).limb_px

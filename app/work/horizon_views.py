@@ -11,7 +11,6 @@ from app.answers.horizon_view import HorizonCheckOut, ViewOut
 from app.answers.members import ProvenanceOut, fill, to_json
 from app.requests.horizon import ATTITUDE_SIGMA_DEG, PredictionRequest
 from estimator.camera import HorizonCamera
-from estimator.prediction import predict_horizon
 from estimator.request import Body, HorizonRequest, Position
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
@@ -64,6 +63,8 @@ def views(
     attitude_sigma_deg: float = ATTITUDE_SIGMA_DEG,
 ) -> tuple[list[ViewOut], tuple[str, ...]]:
     """Moment by moment every camera's view, and what to know of orbit and attitude."""
+    from estimator.prediction import predict_horizon
+
     r_sat_eci_m, q_body_from_eci, warnings = attitudes_at(orbit, attitude, moments)
     found = []
     for moment, r_m, q in zip(moments, r_sat_eci_m, q_body_from_eci, strict=True):

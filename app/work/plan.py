@@ -3,7 +3,7 @@
 import zlib
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,14 +23,17 @@ from app.work.progress import Progress, report
 from planner.commands import COMMAND_STEP_S, CommandTable
 from planner.export import EXPORTERS, FlightPlan, Segment
 from planner.frames.time_scales import shifted_utc, utc_from_text, utc_text
-from planner.sessions.pipeline import make_plan
-from planner.sessions.plan import Plan
 from planner.spec import as_kept
 from planner.verification import Finding
+
+if TYPE_CHECKING:
+    from planner.sessions.plan import Plan
 
 
 def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
     """Read unless that is done, plan, judge and pack; raises a Refusal."""
+    from planner.sessions.pipeline import make_plan
+
     now_utc = datetime.now(UTC)
     request = request or read_plan_request(body)
     plan = make_plan(request, on_stage=lambda stage: report(Progress(stage=stage)))
@@ -51,6 +54,8 @@ def plan_and_pack(body: bytes, request: PlanRequest | None = None) -> NewPlan:
 
 def try_plan(request: PlanRequest, provenance: ProvenanceOut) -> bytes:
     """The answer to a dry run: planned and judged, nothing kept; raises a Refusal."""
+    from planner.sessions.pipeline import make_plan
+
     return dry_run_json(make_plan(request), provenance)
 
 
@@ -120,7 +125,7 @@ def stored_plan(request: bytes, packed: PackedColumns) -> FlightPlan:
     )
 
 
-def _pack(plan: Plan) -> PackedColumns:
+def _pack(plan: "Plan") -> PackedColumns:
     table = plan.table
     return PackedColumns(
         columns={"angle_rad": table.angle_rad, "rate_rad_s": table.rate_rad_s},

@@ -18,11 +18,7 @@ from app.store.packed import NewPlan, PackedColumns, pack, unpack
 from app.work.progress import Progress, report
 from planner.frames.time_scales import utc_from_text, utc_text
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
-from planner.spacecraft.opportunities import (
-    ImagingOpportunityRequest,
-    find_imaging_opportunities,
-)
-from planner.spacecraft.plan import plan_imaging
+from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 from planner.spacecraft.table import AttitudeTable, ImagingWindow
 
@@ -37,6 +33,8 @@ _COLUMNS = (
 
 def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None) -> NewPlan:
     """Read unless that is done, plan, judge, fly and pack; raises a Refusal."""
+    from planner.spacecraft.plan import plan_imaging
+
     now_utc = datetime.now(UTC)
     plan = plan_imaging(
         request or read_spacecraft_request(body),
@@ -57,6 +55,8 @@ def plan_and_pack_session(body: bytes, request: ImagingPlanRequest | None = None
 
 def try_session(request: ImagingPlanRequest, provenance: ProvenanceOut) -> bytes:
     """The answer to a dry run: planned, judged and flown, nothing kept; raises a Refusal."""
+    from planner.spacecraft.plan import plan_imaging
+
     return spacecraft_dry_run_json(plan_imaging(request), provenance)
 
 
@@ -64,6 +64,8 @@ def answer_imaging_opportunities(
     request: ImagingOpportunityRequest, provenance: ProvenanceOut
 ) -> FoundWindows:
     """The answer in parts."""
+    from planner.spacecraft.opportunities import find_imaging_opportunities
+
     return found_passes(request, find_imaging_opportunities(request), provenance)
 
 

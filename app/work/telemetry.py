@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import TYPE_CHECKING
 
 from app.answers.members import ProvenanceOut
 from app.answers.telemetry import comparison_json
@@ -11,15 +12,16 @@ from app.store.packed import unpack
 from app.work.plan import stored_plan
 from planner.errors import InvalidInput
 from planner.export import Exporter, FlightPlan
-from planner.telemetry.attitude import PointingParts, from_image, from_rotation
 from planner.telemetry.columns import ColumnMeaning, TelemetryColumn, meaning_of
-from planner.telemetry.compare import Comparison, compare
 from planner.telemetry.csv_text import read_csv, utc_seconds
 from planner.telemetry.figure import write_comparison_png, write_comparison_svg
-from planner.telemetry.parameters import platform_found
 from planner.telemetry.samples import Samples
 
-PICTURES: dict[str, Exporter[Comparison]] = {
+if TYPE_CHECKING:
+    from planner.telemetry.attitude import PointingParts
+    from planner.telemetry.compare import Comparison
+
+PICTURES: dict[str, "Exporter[Comparison]"] = {
     "png": Exporter("plan and flight, drawn", "image/png", ".png", write_comparison_png),
     "svg": Exporter("the same in vectors", "image/svg+xml", ".svg", write_comparison_svg),
 }
@@ -48,21 +50,27 @@ def compare_stored(
     return answer_json(comparison, sent.request, sent.request.plan, provenance)
 
 
-def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> Comparison:
+def compare_sent(plan: FlightPlan, sent: SentTelemetry) -> "Comparison":
     """Raises Refusals."""
+    from planner.telemetry.compare import compare
+
     return compare(plan, _samples(plan, sent))
 
 
 def answer_json(
-    comparison: Comparison, request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
+    comparison: "Comparison", request: ComparisonRequest, plan_id: str, provenance: ProvenanceOut
 ) -> bytes:
     """With what was measured beside the axes, and the platform found; raises Refusals."""
+    from planner.telemetry.parameters import platform_found
+
     pointing = _pointing(comparison, request)
     found = platform_found(comparison, request.identify)
     return comparison_json(comparison, pointing, found, plan_id, provenance)
 
 
-def _pointing(comparison: Comparison, request: ComparisonRequest) -> list[PointingParts]:
+def _pointing(comparison: "Comparison", request: ComparisonRequest) -> list["PointingParts"]:
+    from planner.telemetry.attitude import from_image, from_rotation
+
     plan = comparison.plan
     followed = [axis.followed for axis in comparison.axes]
     pointing = [

@@ -10,8 +10,7 @@ from app.work.plan import require_verified_table, stored_plan
 from app.work.spacecraft import stored_session
 from planner.export import EXPORTERS, Exporter, FlightPlan
 from planner.spacecraft.export import IMAGING_EXPORTERS, SessionTable
-from planner.view import VIEW_EXPORTERS, view_plan
-from planner.view.spacecraft import view_session
+from planner.view import VIEW_EXPORTERS
 
 DRAWN: dict[str, Exporter[FlightPlan]] = {
     name: exporter for name, exporter in EXPORTERS.items() if exporter.shows
@@ -40,6 +39,8 @@ class AskedView:
 
 def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
     """Raises InvalidInput for the step, OutsideCoverage, and Unverified of all but JSON."""
+    from planner.view import view_plan
+
     packed = unpack(table_columns)
     plan = stored_plan(request, packed)
     pixel_arcsec = asked.pixel_arcsec or plan.scenario.platform.camera.pixel_arcsec
@@ -55,6 +56,8 @@ def stored_plan_view(request: bytes, table_columns: bytes, asked: AskedView) -> 
 
 def stored_session_view(request: bytes, table_columns: bytes, asked: AskedView) -> bytes:
     """Of an imaging session; raises InvalidInput for the step."""
+    from planner.view.spacecraft import view_session
+
     session = stored_session(request, table_columns)
     if asked.format_name is not None:
         return DRAWN_SESSION[asked.format_name].write(session, asked.created_utc)

@@ -1,21 +1,48 @@
 """What children find ready: imported once, by the server they are forked from.
 
-Importing it plans the worked example: solvers are built, ephemerides read and tables of Earth
-orientation interpolated before the first fork, so that no child does it again.
+Importing it loads what work loads when it is done, and plans the worked example: solvers are
+built, ephemerides read and tables of Earth orientation interpolated before the first fork, so that
+no child does it again.
 """
 
 import gc
 import json
 import os
+from importlib import import_module
 
-import app.work.campaign
-import app.work.horizon
-import app.work.spacecraft
-import app.work.telemetry
-import app.work.view  # noqa: F401 (for the children to find)
 from app.requests.examples.plan import LAS_VEGAS
 from app.work.plan import plan_and_pack
 
+# Beyond what a plan needs.
+_LOADED = (
+    "scipy.interpolate",
+    "scipy.io",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "app.work.campaign",
+    "app.work.flights",
+    "app.work.horizon",
+    "app.work.horizon_series",
+    "app.work.spacecraft",
+    "app.work.telemetry",
+    "app.work.view",
+    "estimator.overlay",
+    "estimator.pipeline",
+    "estimator.prediction",
+    "estimator.rendering.scene",
+    "planner.campaigns.campaign",
+    "planner.flights.drives",
+    "planner.flights.nominal",
+    "planner.flights.runs",
+    "planner.opportunities.search",
+    "planner.spacecraft.opportunities",
+    "planner.spacecraft.plan",
+    "planner.telemetry.attitude",
+    "planner.telemetry.compare",
+    "planner.telemetry.parameters",
+    "planner.view.netcdf",
+    "planner.view.spacecraft",
+)
 SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()
 
@@ -25,6 +52,8 @@ def warm_up() -> None:
     plan_and_pack(_REQUEST)
 
 
+for name in _LOADED:
+    import_module(name)
 warm_up()
 gc.collect()
 gc.freeze()  # no collection touches, and so copies, the pages children share

@@ -19,9 +19,10 @@ from planner.spacecraft.flight.stabilisation import settled_after_s
 from planner.spacecraft.turns.eigenaxis import eigenaxis_turn
 from planner.spacecraft.turns.turn_choice import quickest_turn
 from planner.spacecraft.turns.turn_problem import EndState, TurnProblem
-from planner.spacecraft.vehicle.cmg_array import CmgArray, steer
+from planner.spacecraft.vehicle.cmg_array import CmgArray
 from planner.spacecraft.vehicle.definition import AGILE_CMG, SlewLimits
 from planner.spacecraft.vehicle.onboard import TABLE, Estimate, estimate_rate, memory_at
+from planner.spacecraft.vehicle.steering import steer
 
 ARRAY = AGILE_CMG.array
 SETTLE_SEEDS = range(6)

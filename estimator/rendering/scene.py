@@ -8,7 +8,6 @@ but the camera model and the ellipsoid's size.
 
 from typing import Annotated
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -194,6 +193,8 @@ class HorizonRenderer:
             ghost = np.zeros(size, dtype=np.float32)
             radius_px = round(radius * camera.width_px)
             if max(abs(x), abs(y)) < 1e4:
+                import cv2  # no request needs it
+
                 cv2.circle(ghost, (round(x), round(y)), radius_px, 1.0, -1, cv2.LINE_AA)
             radiance_ratio += (self.scene.glare * 10.0 * strength * ghost)[..., None]
 

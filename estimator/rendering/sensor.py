@@ -2,7 +2,6 @@
 
 from typing import Annotated
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,6 +40,8 @@ class Sensor:
 
     def expose(self, radiance_ratio: Array, rng: np.random.Generator) -> Image:
         """A picture (h, w) or, in colour, (h, w, 3) of a scene's radiance (h, w, 3)."""
+        import cv2  # no request needs it
+
         light = radiance_ratio if self.colour else radiance_ratio.mean(axis=2)
         light = cv2.GaussianBlur(light, (0, 0), self.blur_px) if self.blur_px > 0 else light
         brightest = float(np.percentile(light[::4, ::4], 97.0))

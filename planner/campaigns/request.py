@@ -3,17 +3,17 @@
 import math
 from collections.abc import Mapping
 from datetime import datetime
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import FailFast, Field
 
 from planner.attitude import Attitude
 from planner.attitude.lvlh import LvlhAttitude
-from planner.campaigns.view import ViewWeights
 from planner.commands import COMMAND_STEP_S
 from planner.frames.time_scales import DAY_S, elapsed_s
 from planner.opportunities import OpportunityConditions, OpportunityRequest, OpportunityTarget
 from planner.opportunities.request import TARGETS_MAX
+from planner.opportunities.windows import Cause
 from planner.orbits import Orbit
 from planner.platforms import PIXELS_ARCSEC, AngleDeg, Platform
 from planner.scenario import SlewOptions
@@ -25,7 +25,33 @@ LENGTHS = 3  # lengths of a look that are tried, evenly from the least to the wa
 SESSION_MAX_S = 1200.0
 TARGET_DAYS_MAX = 7000.0  # 1,000 places for 7 days: a minute's choice
 STEP_S = 2.0  # finer steps count more
+# What keeps a target from being looked at.
+Closing = Cause | Literal["duration", "rest", "motion"]
 MOVING_COUNTS = 100  # what is not fixed to the Earth is looked at one by one
+
+_Weight = Annotated[float, Within(0.0, 10.0)]
+
+
+@spec
+class ViewWeights:
+    """How much each quality of the view counts in what a look is worth.
+
+    Qualities lie between 0 and 1; a look is worth their product, each to the power of its
+    weight, as a mean over the look.  A weight of 0 leaves one out, 1 counts it in proportion.
+    All but the last are 1 for a target in space.
+
+    ground_sample: weight of the ground sample straight below the carrier over that at the target
+    (longer side of a pixel).
+    off_nadir: weight of the cosine of the angle from the geocentric nadir.
+    sun: weight of the sine of the Sun's elevation at the target, 0 by night.
+    probability: weight of the probability that the target is in the frame at an instant; that it
+    stays there for the whole look, which a plan tells, is less by 0.1 or so.
+    """
+
+    ground_sample: _Weight = 1.0
+    off_nadir: _Weight = 0.0
+    sun: _Weight = 0.0
+    probability: _Weight = 0.0
 
 
 @spec

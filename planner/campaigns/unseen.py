@@ -4,23 +4,20 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.arrays import Array, Indices
 from planner.campaigns.passes import Looks
-from planner.campaigns.request import CampaignRequest
+from planner.campaigns.request import CampaignRequest, Closing
 from planner.frames.time_scales import shifted_utc
 from planner.opportunities import OpportunityConditions, Windows, opportunities_however_many
 from planner.opportunities.carrier import Carrier
-from planner.opportunities.conditions import Cause
 from planner.opportunities.sights import in_sights
 from planner.opportunities.spans import turning_point
 from planner.targets.earth_fixed import EarthFixedTarget
 
-Closing = Cause | Literal["duration", "rest", "motion"]
 BATCH_CELLS = 200_000  # targets times rows of the orbit looked at together: some 50 MB
 SLOW_RAD = 0.03  # between rows of the orbit, of an elevation below the horizon
 SAMPLES = 5  # of a window, at which separations are told

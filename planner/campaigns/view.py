@@ -3,12 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
 from planner.arrays import Array, Indices
 from planner.attitude import AttitudeLaw
+from planner.campaigns.request import ViewWeights
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier
@@ -19,35 +19,11 @@ from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles
 from planner.pointing.line_of_sight import LineOfSight
 from planner.sessions.uncertainty import probabilities_at
-from planner.spec import Within, spec
 from planner.targets import Target, VisibleTarget
 from planner.targets.earth_fixed import EarthFixedTarget
 
-Weight = Annotated[float, Within(0.0, 10.0)]
 PROBABILITY_EVERY = 10  # samples; it changes by less than 0.02 in 20 s of a 400 km pass
 _DELTA_S = 1.0
-
-
-@spec
-class ViewWeights:
-    """How much each quality of the view counts in what a look is worth.
-
-    Qualities lie between 0 and 1; a look is worth their product, each to the power of its
-    weight, as a mean over the look.  A weight of 0 leaves one out, 1 counts it in proportion.
-    All but the last are 1 for a target in space.
-
-    ground_sample: weight of the ground sample straight below the carrier over that at the target
-    (longer side of a pixel).
-    off_nadir: weight of the cosine of the angle from the geocentric nadir.
-    sun: weight of the sine of the Sun's elevation at the target, 0 by night.
-    probability: weight of the probability that the target is in the frame at an instant; that it
-    stays there for the whole look, which a plan tells, is less by 0.1 or so.
-    """
-
-    ground_sample: Weight = 1.0
-    off_nadir: Weight = 0.0
-    sun: Weight = 0.0
-    probability: Weight = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

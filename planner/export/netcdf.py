@@ -1,10 +1,12 @@
 """A plan as NetCDF: classic format, CF conventions."""
 
+from __future__ import annotations
+
 import io
 from datetime import datetime
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.io import netcdf_file, netcdf_variable
 
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S
@@ -30,6 +32,9 @@ from planner.export.table_states import (
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
 
+if TYPE_CHECKING:
+    from scipy.io import netcdf_file, netcdf_variable
+
 FILL = np.float64(9.969209968386869e36)  # NetCDF's own default for doubles
 NO_SESSION = -1
 _TEXT = len("2015-02-27T17:34:00.0Z")
@@ -45,6 +50,8 @@ def write_netcdf(plan: FlightPlan, created_utc: datetime) -> bytes:
     """
     rows = table_states(plan)
     buffer = io.BytesIO()
+    from scipy.io import netcdf_file  # what only names the format needn't load
+
     with netcdf_file(buffer, "w", version=2) as file:
         write_global_attributes(file, plan, created_utc)
         file.createDimension("time", len(plan.table.t_s))

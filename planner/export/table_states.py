@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
@@ -133,6 +132,8 @@ def axes_turn(q_b_from_a_xyzw: Array) -> Array:
 
 def _omega_body_rad_s(t_s: Array, q_body_from_eci_xyzw: Array) -> Array:
     """Angular velocity of the body against ECI, body axes: 2 conj(p) o p' of p = conj(q)."""
+    from scipy.interpolate import make_interp_spline
+
     q_dot_s = make_interp_spline(
         t_s, q_body_from_eci_xyzw, k=min(_DEGREE, len(t_s) - 1)
     ).derivative()(t_s)

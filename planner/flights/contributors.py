@@ -7,7 +7,7 @@ import numpy as np
 
 from planner.arrays import Array
 from planner.flights.draws import CAUSES
-from planner.flights.runs import RunOutcomes
+from planner.flights.outcomes import RunOutcomes
 
 _LEAST = 1e-12  # of a variance: below, nothing varies
 

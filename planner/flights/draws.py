@@ -19,7 +19,6 @@ ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE = (
     "drive",
 )
 CAUSES = (ORBIT, ATTITUDE, EARTH, CLOCK, DRIVE)
-SEED_MAX = 2**32 - 1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -2,36 +2,21 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
 from planner.arrays import Array
+from planner.flights.request import Mover
 from planner.flights.scene import SessionScene
 from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import Instants
 from planner.opportunities.ground_sample import sample_along_m
 from planner.pointing.frame import places_in_frame
-from planner.spec import Within, spec
 from planner.targets import EarthFixedTarget
 
 _STEP_M = 1.0  # 0.5 arcsec from a low orbit, of which a double tells 1e-10
 _STEP_RAD = 1e-6
-
-
-@spec
-class Mover:
-    """Something that moves over the ground at the target, whose shift from frame to frame counts.
-
-    speed_m_s: over the ground.
-    course_deg: clockwise from north.
-    interval_s: from one frame of a series to the next; the paper's series had 10 s.
-    """
-
-    speed_m_s: Annotated[float, Within(0.0, 10e3)]
-    course_deg: Annotated[float, Within(-180.0, 360.0)] = 0.0
-    interval_s: Annotated[float, Within(0.1, 3600.0)] = 10.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

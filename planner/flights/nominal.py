@@ -6,7 +6,8 @@ import numpy as np
 
 from planner.arrays import Array, Mask
 from planner.flights.frames import FARTHEST_RAD
-from planner.flights.ground_view import Mover, ground_view, shift_px
+from planner.flights.ground_view import ground_view, shift_px
+from planner.flights.request import Mover
 from planner.flights.runs import Fly, fly_nominal
 from planner.flights.scene import SessionScene
 from planner.sessions.uncertainty import RANGE_MAX_M

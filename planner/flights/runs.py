@@ -1,6 +1,6 @@
 """Disturbed flights of a plan: each with errors of its own, judged by what its frames hold."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -10,6 +10,7 @@ from planner.arrays import Array, Mask
 from planner.commands import CommandTable
 from planner.flights.draws import CAUSES, DRIVE, Draw, draw_run, undisturbed
 from planner.flights.frames import Frames, frames_of
+from planner.flights.outcomes import RunOutcomes
 from planner.flights.scene import SeenTarget, SessionScene
 from planner.sessions.uncertainty import RANGE_MAX_M
 
@@ -37,36 +38,6 @@ class Motion(Protocol):
 # Flies the table of a session, told by its number, with the drives that a seed makes; None: as
 # they are nominally.
 Fly = Callable[[CommandTable, int, int | None], Motion]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RunOutcomes:
-    """What r runs made of one session, each (r,), and p pairs of them.
-
-    holds, sharp: whether all frames hold the target, and whether all are sharp, too.
-    holds_share, sharp_share: of the frames.  miss_rad: the largest angle between boresight and
-    target; miss_m: that on the ground, across the line of sight, infinite for a target in the sky.
-    smear_px: median of the frames.
-    variance_px2: (p, 2), of the target's places in the image and of the smear, as two independent
-    runs show them.  total_px2, first_px2: (p, 2, causes), half the square by which exchanging a
-    cause moves a run away from itself, and leaves it away from the other.
-    """
-
-    holds: Mask
-    sharp: Mask
-    holds_share: Array
-    sharp_share: Array
-    miss_rad: Array
-    miss_m: Array
-    smear_px: Array
-    variance_px2: Array
-    total_px2: Array
-    first_px2: Array
-
-    @property
-    def columns(self) -> Mapping[str, Array]:
-        """By name."""
-        return vars(self)
 
 
 def fly_runs(

@@ -7,8 +7,8 @@ import numpy as np
 
 from planner.arrays import Array, Indices, Mask
 from planner.flights.contributors import Contributor, contributors
+from planner.flights.outcomes import RunOutcomes
 from planner.flights.proportion import Proportion
-from planner.flights.runs import RunOutcomes
 
 BINS = 24
 QUANTILES = (0.05, 0.5, 0.95)

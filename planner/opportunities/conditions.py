@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -15,22 +14,11 @@ from planner.opportunities.masks import Direction, clear_of, nodes_beside
 from planner.opportunities.request import OpportunityConditions
 from planner.opportunities.sights import EarthSight, Sight
 from planner.opportunities.spans import Margin, Nodes
+from planner.opportunities.windows import Cause
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import axis_angles
 from planner.targets.apparent import aberrate
 from planner.targets.earth_limb import limb_clearance_rad
-
-Cause = Literal[
-    "interval",
-    "elevation",
-    "sun_elevation",
-    "off_nadir",
-    "sun_keep_out",
-    "moon_keep_out",
-    "reach",
-    "across",
-    "mask",
-]
 
 HIDDEN_RAD = math.radians(1.5)  # below the limb: refraction lifts by 1.1 deg, half a disk is 0.3
 SUN_STEP_S = 600.0  # 2.5 deg of the Earth's turn

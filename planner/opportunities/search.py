@@ -15,13 +15,13 @@ from planner.errors import SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.time_scales import Instants
 from planner.opportunities.carrier import Carrier, carrier_over
-from planner.opportunities.conditions import Cause, Condition, conditions_of
+from planner.opportunities.conditions import Condition, conditions_of
 from planner.opportunities.description import describe_windows
 from planner.opportunities.held import held_parts
 from planner.opportunities.request import OpportunityRequest
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight, resting_places, sight_of
 from planner.opportunities.spans import Margin, Nodes, Spans, nodes_over, stretches
-from planner.opportunities.windows import Opportunities, in_order
+from planner.opportunities.windows import Cause, Opportunities, in_order
 from planner.targets import EarthFixedTarget
 
 BATCH_CELLS = 3_000_000  # targets times rows compared at a time: some 50 MB in all

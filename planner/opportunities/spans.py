@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import elementwise
 
 from planner.arrays import Array, Indices
 from planner.opportunities.sights import Sight
@@ -186,6 +185,8 @@ def _root(
     """Bracketed roots, (n,).  Source: Chandrupatla 1997, Adv. Eng. Software 28, 145."""
     if not len(low_s):
         return low_s
+    from scipy.optimize import elementwise  # half a second, for searches only
+
     found = elementwise.find_root(
         function, (low_s, high_s), args=(target,), tolerances={"xatol": tolerance_s, "xrtol": 0.0}
     )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from datetime import datetime
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,17 @@ from planner.commands import ROWS_PER_S
 from planner.opportunities.target_sky import TargetSky
 
 T = TypeVar("T")
+Cause = Literal[
+    "interval",
+    "elevation",
+    "sun_elevation",
+    "off_nadir",
+    "sun_keep_out",
+    "moon_keep_out",
+    "reach",
+    "across",
+    "mask",
+]
 GRID_TOLERANCE_ROWS = 5e-5  # 10 us
 SESSION_MAX_S = 21_600.0  # a plan of twice that takes more work than one request may make
 

@@ -70,16 +70,16 @@ def sessions_after_conflicts(scenario: Scenario, joins: list[Join]) -> tuple[Sce
         )
         start = max(session.start, joined_utc, key=tai_us)
         stop = min(session.stop, left_utc, key=tai_us)
-        sessions.append(replace(session, start=start, stop=stop))
         late_s, early_s = elapsed_s(start, session.start), elapsed_s(session.stop, stop)
         lost = [
             f"{ends} {by_s:.1f} s {how}"
             for ends, by_s, how in (("starts", late_s, "later"), ("stops", early_s, "earlier"))
             if by_s
         ]
+        sessions.append(replace(session, start=start, stop=stop) if lost else session)
         if lost:
             losses.append(
                 f"session {number + 1} {' and '.join(lost)} than asked, so that the slew between "
                 f"sessions fits ({scenario.on_conflict})"
             )
-    return replace(scenario, sessions=tuple(sessions)), losses
+    return replace(scenario, sessions=tuple(sessions)) if losses else scenario, losses

@@ -7,11 +7,9 @@ for a platform of two axes serves, with these angles for its stops.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from datetime import datetime
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from pydantic import FailFast, Field
 
 from planner import effort
 from planner.arrays import Array, Indices
@@ -20,102 +18,24 @@ from planner.effort import at_most
 from planner.errors import InvalidInput, SearchEnded
 from planner.frames.earth_orientation import earth_orientation_warnings
 from planner.frames.geodesy import WGS84_A_M, geodetic_from_itrf, itrf_from_geodetic
-from planner.frames.time_scales import DAY_S, Instants, elapsed_s, utc_text
+from planner.frames.time_scales import Instants, elapsed_s
 from planner.opportunities.carrier import Carrier, carrier_over
 from planner.opportunities.conditions import TURN_MAX_RAD, Condition
 from planner.opportunities.description import describe_windows
-from planner.opportunities.request import (
-    DAYS_MAX,
-    SAMPLES,
-    TARGETS_MAX,
-    WINDOW_COUNTS,
-    WORK_MAX,
-    OpportunityConditions,
-    OpportunityRequest,
-    OpportunityTarget,
-)
+from planner.opportunities.request import OpportunityRequest, OpportunityTarget
 from planner.opportunities.search import RESTING, SHORTEST_S, found_spans, spend_on
 from planner.opportunities.sights import EarthSight, FixedPlaces, Sight
 from planner.opportunities.spans import Spans
 from planner.opportunities.windows import Opportunities, Sightings
-from planner.orbits import Orbit
 from planner.platforms import AxisLimits, TwoAxisPlatform
-from planner.spacecraft.geojson import Position
 from planner.spacecraft.imaging.session import HEIGHT_MAX_M
-from planner.spacecraft.requests import AreaRequest, Request, SpacecraftSettings
-from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft, PushbroomCamera
-from planner.spec import Within, spec
+from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
+from planner.spacecraft.requests import Request
+from planner.spacecraft.vehicle.definition import PushbroomCamera
 from planner.targets import GroundTarget
 
-REQUESTS_MAX = 1000
 # Windows this far apart are of two passes: a low orbit lasts an hour and a half.
 _PASSES_APART_S = 1800.0
-
-
-@spec
-class ImagingOpportunityRequest:
-    """An orbit, the spacecraft on it, and what it may image from `start` to `stop`.
-
-    The camera looks from orbital orientation, by the angles along and across the track that the
-    settings have.
-
-    name: yours, told in lists.
-    spacecraft: by its registered name.
-    requests: what is to be imaged, as in a plan; `window_start`, `window_stop` and `start` count.
-    start: when the search begins; UTC.
-    stop: when it ends; UTC.
-    conditions: to be met for all of a request's positions.
-    samples: instants per window, its edges included, at which the view is told.
-    """
-
-    name: str = ""
-    orbit: Orbit
-    spacecraft: str = "agile-cmg"
-    settings: SpacecraftSettings = SpacecraftSettings()
-    requests: Annotated[tuple[Request, ...], Field(max_length=REQUESTS_MAX), FailFast()]
-    start: datetime
-    stop: datetime
-    conditions: OpportunityConditions = OpportunityConditions()
-    samples: Annotated[int, Within(*SAMPLES)] = 5
-
-    def __post_init__(self) -> None:
-        if self.spacecraft not in SPACECRAFT:
-            raise ValueError(
-                f"spacecraft {self.spacecraft!r} is unknown; there is {', '.join(SPACECRAFT)}"
-            )
-        if elapsed_s(self.stop, self.start) < 1.0:
-            raise ValueError(
-                f"stop ({utc_text(self.stop)}) must come a second or more after start "
-                f"({utc_text(self.start)})"
-            )
-        if not self.requests:
-            raise ValueError("requests must hold at least one request")
-        seen: set[str] = set()
-        for number, request in enumerate(self.requests):
-            if request.name in seen:
-                raise ValueError(
-                    f"requests.{number}.name {request.name!r} is taken already; windows are told "
-                    "by name"
-                )
-            seen.add(request.name)
-        self._require_bounds()
-
-    def _require_bounds(self) -> None:
-        days = elapsed_s(self.stop, self.start) / DAY_S
-        if days > DAYS_MAX:
-            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
-        count = sum(len(positions_of(request)) for request in self.requests)
-        if count > TARGETS_MAX or count * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
-            raise ValueError(
-                f"requests must have at most {TARGETS_MAX} positions together, and positions times "
-                f"days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX}, which these "
-                f"{count} over {days:.1f} days with {self.samples} samples do; ask for fewer at a "
-                "time"
-            )
-
-    def definition(self) -> AgileSpacecraft:
-        """The spacecraft with the settings."""
-        return self.settings.applied_to(SPACECRAFT[self.spacecraft])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -129,13 +49,6 @@ class ImagingOpportunities(Opportunities):
     """
 
     whole_s: Array
-
-
-def positions_of(request: Request) -> tuple[Position, ...]:
-    """Longitude and latitude, deg, of a line's positions or a polygon's corners."""
-    if isinstance(request, AreaRequest):
-        return request.geometry.coordinates[0][:-1]
-    return request.geometry.coordinates
 
 
 def find_imaging_opportunities(request: ImagingOpportunityRequest) -> ImagingOpportunities:

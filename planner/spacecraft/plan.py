@@ -27,8 +27,9 @@ from planner.spacecraft.flight.stabilisation import (
     window_steadiness,
 )
 from planner.spacecraft.imaging.alternatives import refusal_with_alternative
-from planner.spacecraft.imaging.choice_with_turns import LeftOut, choose_and_turn, options_of
+from planner.spacecraft.imaging.choice_with_turns import choose_and_turn, options_of
 from planner.spacecraft.imaging.choose import Choice
+from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.imaging.session import ImagingSession, make_session
 from planner.spacecraft.imaging.timeline import PlannedTurn, Timeline
 from planner.spacecraft.requests import ImagingPlanRequest

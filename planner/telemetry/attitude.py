@@ -10,7 +10,7 @@ the target's own place, which no frame tells apart.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -22,28 +22,12 @@ from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import boresight_platform, carried_axes
-from planner.spec import Within, spec
 from planner.telemetry.following import Followed
 from planner.telemetry.motion import PlannedMotion
+from planner.telemetry.request import ImageOffset
 
 UNMEASURED_DEG2 = 32_400.0  # 180 deg: the turn about the line of sight
-SECOND_MEASUREMENTS_MAX = 100
-_OffsetDeg = Annotated[float, Within(-10.0, 10.0)]
 _NEAR_S = 2.0  # of a sample, for the axes' error to be known
-
-
-@spec
-class ImageOffset:
-    """Where the target was found in a frame, from its centre.
-
-    epoch: when the frame was taken, by the plan's clock; UTC. E.g. `"2015-02-27T17:37:00Z"`.
-    offset_deg: along the frame's first side and along its second. E.g. `[0.12, -0.05]`.
-    sigma_deg: 1-sigma of each.
-    """
-
-    epoch: datetime
-    offset_deg: tuple[_OffsetDeg, _OffsetDeg]
-    sigma_deg: Annotated[float, Within(1e-6, 10.0)] = 0.001
 
 
 @dataclass(frozen=True, kw_only=True)

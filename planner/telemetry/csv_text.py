@@ -27,7 +27,8 @@ from planner.telemetry.columns import (
     unit_of,
     words_of,
 )
-from planner.telemetry.samples import SAMPLES_MAX, Samples
+from planner.telemetry.request import SAMPLES_MAX
+from planner.telemetry.samples import Samples
 
 COLUMNS_MAX = 200
 _DELIMITERS = (";", "\t", "|", ",")

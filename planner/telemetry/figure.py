@@ -26,10 +26,11 @@ from planner.export.figure_parts import (
 )
 from planner.export.map_features import thinned
 from planner.frames.time_scales import elapsed_s
-from planner.telemetry.compare import AxisComparison, Comparison
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from planner.telemetry.compare import AxisComparison, Comparison
 
 _ARCSEC_PER_RAD = math.degrees(1.0) * 3600.0
 _SWING_COLOUR, _STICK_COLOUR = "#7b5aa6", "#b3282d"

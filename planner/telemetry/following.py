@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
 
 from planner.arrays import Array, Mask
 from planner.export.exporter import Segment, SegmentKind
@@ -76,6 +75,8 @@ def spikes(error: Array, least: float) -> Mask:
     count = len(error)
     if count < _SPIKE_ROWS:
         return np.zeros(count, dtype=bool)
+    from scipy.ndimage import maximum_filter1d, median_filter
+
     off = np.abs(error - median_filter(error, _SPIKE_ROWS, mode="nearest"))
     blocks = -(-count // _AROUND_ROWS)
     padded = np.pad(

@@ -22,7 +22,6 @@ from planner.telemetry.motion import PlannedMotion
 
 TABLE_MAX_S = 600.0  # flown about a hundred times, 0.3 s each
 SAMPLES_MAX = 20_000
-PARAMETERS_MAX = 8
 _LEAST_RATE = "rate_min_deg_s"
 _ROOM = 1.1  # above the fastest command at which an axis was seen to stick
 

@@ -8,7 +8,6 @@ from typing import Literal
 from planner.arrays import Array
 from planner.telemetry.columns import TelemetryColumn
 
-SAMPLES_MAX = 400_000  # 15 Hz for seven hours
 SAMPLES_MIN = 8  # fewer tell nothing of a clock
 Dropped = Literal[
     "no_time",

@@ -1,6 +1,8 @@
 """The independent judge of command tables."""
 
-from planner.verification.judge import verify
+from typing import TYPE_CHECKING
+
+from planner.on_first_use import on_first_use
 from planner.verification.report import (
     EarthFixedView,
     Finding,
@@ -9,6 +11,11 @@ from planner.verification.report import (
     SkyView,
     VerificationReport,
 )
+
+if TYPE_CHECKING:
+    from planner.verification.judge import verify
+else:
+    __getattr__ = on_first_use(verify="planner.verification.judge")
 
 __all__ = [
     "EarthFixedView",

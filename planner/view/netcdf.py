@@ -1,12 +1,14 @@
 """A view as NetCDF: the columns of its JSON, classic format, CF conventions."""
 
+from __future__ import annotations
+
 import io
 from collections.abc import Iterator
 from dataclasses import fields
 from datetime import datetime
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.io import netcdf_file
 
 from planner.arrays import Array
 from planner.export.description import one_line
@@ -24,6 +26,9 @@ from planner.frames.time_scales import Instants, elapsed_s
 from planner.view.cones import OUTLINE_POINTS
 from planner.view.motion import AxesMotion
 from planner.view.view import PlanView
+
+if TYPE_CHECKING:
+    from scipy.io import netcdf_file
 
 # By the end of one of our names: what is written instead, the factor to it, its unit.
 _UNITS = (
@@ -56,6 +61,8 @@ def write_view_netcdf(view: PlanView, created_utc: datetime) -> bytes:
     outlines of masks lie end to end along one of their own.  What is null in JSON is filled.
     """
     buffer = io.BytesIO()
+    from scipy.io import netcdf_file
+
     with netcdf_file(buffer, "w", version=2) as file:
         write_global_attributes(file, view.plan, created_utc)
         sizes = {

@@ -8,8 +8,8 @@ from scenarios import LAS_VEGAS, STILL, scenario, session
 
 from planner.attitude import AttitudeUncertainty, LvlhAttitude
 from planner.flights.drives import flown_by
-from planner.flights.ground_view import Mover
 from planner.flights.nominal import nominal_session
+from planner.flights.request import Mover
 from planner.flights.runs import fly_runs
 from planner.flights.scene import session_scenes
 from planner.flights.summary import summarise

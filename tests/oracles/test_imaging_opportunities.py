@@ -11,11 +11,8 @@ from skyfield.framelib import itrs
 from spacecraft_cases import EPOCH, ORBIT, four_modes, line
 
 from planner.frames.time_scales import Instants
-from planner.spacecraft.opportunities import (
-    ImagingOpportunityRequest,
-    find_imaging_opportunities,
-    positions_of,
-)
+from planner.spacecraft.opportunities import find_imaging_opportunities
+from planner.spacecraft.opportunity_request import ImagingOpportunityRequest, positions_of
 from planner.spacecraft.requests import CorridorRequest, SpacecraftSettings, StripRequest
 
 ALONG_DEG, ACROSS_DEG = 30.0, 45.0

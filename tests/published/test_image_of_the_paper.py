@@ -9,10 +9,10 @@ from planner.attitude import LvlhAttitude
 from planner.flights.contributors import contributors
 from planner.flights.draws import CAUSES
 from planner.flights.drives import flown_by
-from planner.flights.ground_view import Mover
 from planner.flights.nominal import nominal_session
+from planner.flights.outcomes import RunOutcomes
 from planner.flights.proportion import Proportion
-from planner.flights.runs import RunOutcomes
+from planner.flights.request import Mover
 from planner.flights.scene import session_scenes
 from planner.orbits import StateVectorOrbit
 from planner.platforms import ISS_HRC

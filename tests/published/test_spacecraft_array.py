@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from planner.spacecraft.vehicle.cmg_array import CmgArray, rotor_momentum, steer
+from planner.spacecraft.vehicle.cmg_array import CmgArray
+from planner.spacecraft.vehicle.steering import rotor_momentum, steer
 
 ARRAY = CmgArray()
 H = 60.0

@@ -31,7 +31,7 @@ from app.requests.telemetry import ComparisonRequest, comparison_request_json_sc
 from estimator.request import HorizonRequest
 from planner.campaigns import CampaignRequest
 from planner.opportunities import OpportunityRequest
-from planner.spacecraft.opportunities import ImagingOpportunityRequest
+from planner.spacecraft.opportunity_request import ImagingOpportunityRequest
 from planner.spacecraft.requests import ImagingPlanRequest
 
 _DATA = Path(__file__).parent / "data"

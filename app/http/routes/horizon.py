@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Request, Response
 
-from app.answers.horizon import EstimateResponse, PredictionResponse
+from app.answers.horizon import EstimateResponse, PictureOut, PredictionResponse
 from app.answers.members import provenance
 from app.http.blocking import answer_in_child, in_child
 from app.http.horizon_upload import MULTIPART, HorizonUpload, horizon_upload
@@ -20,7 +20,7 @@ from app.requests.horizon import (
     read_picture_request,
     read_prediction_request,
 )
-from app.work.horizon import PictureOut, estimate_json, picture, picture_json
+from app.work.horizon import estimate_json, picture, picture_json
 from app.work.horizon_views import prediction_json
 from estimator.errors import InvalidImage
 

@@ -5,7 +5,6 @@ from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
-from scipy.io import netcdf_file
 
 from planner.arrays import Array
 from planner.csv_cells import comment_lines
@@ -92,6 +91,8 @@ def write_netcdf(plan: SessionTable, created_utc: datetime) -> bytes:
     """Classic format, CF: `time` counts SI seconds since row 0, whose UTC is its reference."""
     table = plan.table
     buffer = io.BytesIO()
+    from scipy.io import netcdf_file
+
     with netcdf_file(buffer, "w", version=2) as file:
         describe(
             file,

@@ -9,10 +9,9 @@ import numpy as np
 from planner.arrays import Array
 from planner.spacecraft.flight.closed_loop import Log
 from planner.spacecraft.table import TICK_S, ImagingWindow
-from planner.spacecraft.vehicle.definition import AgileSpacecraft
+from planner.spacecraft.vehicle.definition import RATE_ERROR_MAX_RAD_S, AgileSpacecraft
 from planner.spacecraft.verification import SpacecraftVerification, VerifiedWindow
 
-RATE_ERROR_MAX_RAD_S = math.radians(0.001)  # Platonov, Sumarokov 2019
 ACROSS_AXES = [0, 2]  # of the body, across the optical axis
 WORST_IF_GREAT = ("pointing_error_rad", "settled_s", "smear_px", "gimbal_rate_rad_s")
 WORST_IF_SMALL = ("spare_s", "momentum_margin_n_m_s", "gimbal_margin")

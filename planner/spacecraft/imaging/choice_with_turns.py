@@ -13,6 +13,7 @@ from planner.label_search import COMPLETES, OPENS
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile
+from planner.spacecraft.imaging.left_out import LeftOut
 from planner.spacecraft.imaging.session import ImagingSession
 from planner.spacecraft.imaging.timeline import (
     PROFILE_MARGIN_S,
@@ -34,18 +35,6 @@ ROUNDS = 12  # choices revised when a turn needs more time than estimated
 HOPELESS_S = 10.0  # missing: no other moment to image the same will do
 REQUEST = 1_000.0  # of `planner.effort`
 GENTLER_SHARE = 0.6  # of what work is left, for gentler turns
-
-
-@dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """A request that isn't imaged, and why.
-
-    name: the request's. E.g. `"strip"`.
-    reason: what is in its way. E.g. `"others are worth more"`.
-    """
-
-    name: str
-    reason: str
 
 
 class LooksTooClose(InfeasibleSlew):

@@ -18,6 +18,7 @@ Vector3 = tuple[float, float, float]
 SETTLE_S = (0.0, 60.0)
 SWATH_M = (100.0, 500e3)
 OFF_NADIR_DEG = (0.1, 60.0)
+RATE_ERROR_MAX_RAD_S = math.radians(0.001)  # while imaging; Platonov, Sumarokov 2019
 
 
 @spec

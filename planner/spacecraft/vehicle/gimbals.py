@@ -12,7 +12,8 @@ from planner.arrays import Array
 from planner.compiled import compiled
 from planner.frames.geodesy import MU_EARTH_M3_S2
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.cmg_array import CmgArray, Gyros, rotor_momentum, steer
+from planner.spacecraft.vehicle.cmg_array import CmgArray, Gyros
+from planner.spacecraft.vehicle.steering import rotor_momentum, steer
 
 
 def total_momentum_eci(

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from planner.arrays import Array
 from planner.compiled import compiled
 from planner.spacecraft.table import TICK_S
-from planner.spacecraft.vehicle.cmg_array import Gyros, rotor_momentum, steer
+from planner.spacecraft.vehicle.cmg_array import Gyros
 from planner.spacecraft.vehicle.dynamics import ServoStep, rotate, unrotate
+from planner.spacecraft.vehicle.steering import rotor_momentum, steer
 
 TABLE = 0
 PAPER = 1

@@ -1,0 +1,96 @@
+"""A request for opportunities of the imaging spacecraft: an orbit, what may be imaged, and when."""
+
+from datetime import datetime
+from typing import Annotated
+
+from pydantic import FailFast, Field
+
+from planner.frames.time_scales import DAY_S, elapsed_s, utc_text
+from planner.opportunities.request import (
+    DAYS_MAX,
+    SAMPLES,
+    TARGETS_MAX,
+    WINDOW_COUNTS,
+    WORK_MAX,
+    OpportunityConditions,
+)
+from planner.orbits import Orbit
+from planner.spacecraft.geojson import Position
+from planner.spacecraft.requests import AreaRequest, Request, SpacecraftSettings
+from planner.spacecraft.vehicle.definition import SPACECRAFT, AgileSpacecraft
+from planner.spec import Within, spec
+
+REQUESTS_MAX = 1000
+
+
+@spec
+class ImagingOpportunityRequest:
+    """An orbit, the spacecraft on it, and what it may image from `start` to `stop`.
+
+    The camera looks from orbital orientation, by the angles along and across the track that the
+    settings have.
+
+    name: yours, told in lists.
+    spacecraft: by its registered name.
+    requests: what is to be imaged, as in a plan; `window_start`, `window_stop` and `start` count.
+    start: when the search begins; UTC.
+    stop: when it ends; UTC.
+    conditions: to be met for all of a request's positions.
+    samples: instants per window, its edges included, at which the view is told.
+    """
+
+    name: str = ""
+    orbit: Orbit
+    spacecraft: str = "agile-cmg"
+    settings: SpacecraftSettings = SpacecraftSettings()
+    requests: Annotated[tuple[Request, ...], Field(max_length=REQUESTS_MAX), FailFast()]
+    start: datetime
+    stop: datetime
+    conditions: OpportunityConditions = OpportunityConditions()
+    samples: Annotated[int, Within(*SAMPLES)] = 5
+
+    def __post_init__(self) -> None:
+        if self.spacecraft not in SPACECRAFT:
+            raise ValueError(
+                f"spacecraft {self.spacecraft!r} is unknown; there is {', '.join(SPACECRAFT)}"
+            )
+        if elapsed_s(self.stop, self.start) < 1.0:
+            raise ValueError(
+                f"stop ({utc_text(self.stop)}) must come a second or more after start "
+                f"({utc_text(self.start)})"
+            )
+        if not self.requests:
+            raise ValueError("requests must hold at least one request")
+        seen: set[str] = set()
+        for number, request in enumerate(self.requests):
+            if request.name in seen:
+                raise ValueError(
+                    f"requests.{number}.name {request.name!r} is taken already; windows are told "
+                    "by name"
+                )
+            seen.add(request.name)
+        self._require_bounds()
+
+    def _require_bounds(self) -> None:
+        days = elapsed_s(self.stop, self.start) / DAY_S
+        if days > DAYS_MAX:
+            raise ValueError(f"stop must come within {DAYS_MAX:.0f} days of start, not {days:.1f}")
+        count = sum(len(positions_of(request)) for request in self.requests)
+        if count > TARGETS_MAX or count * days * (WINDOW_COUNTS + self.samples) > WORK_MAX:
+            raise ValueError(
+                f"requests must have at most {TARGETS_MAX} positions together, and positions times "
+                f"days times ({WINDOW_COUNTS} + samples) must not exceed {WORK_MAX}, which these "
+                f"{count} over {days:.1f} days with {self.samples} samples do; ask for fewer at a "
+                "time"
+            )
+
+    def definition(self) -> AgileSpacecraft:
+        """The spacecraft with the settings."""
+        return self.settings.applied_to(SPACECRAFT[self.spacecraft])
+
+
+def positions_of(request: Request) -> tuple[Position, ...]:
+    """Longitude and latitude, deg, of a line's positions or a polygon's corners."""
+    if isinstance(request, AreaRequest):
+        return request.geometry.coordinates[0][:-1]
+    return request.geometry.coordinates

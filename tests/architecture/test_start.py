@@ -1,0 +1,64 @@
+"""Is what only work needs loaded only when work is done?"""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+# Each takes a part of the second in which the service is to listen.
+LOADED_BY_WORK = {
+    "casadi": "solves slews",
+    "numba": "runs kernels",
+    "llvmlite": "compiles kernels",
+    "scipy.optimize": "chooses, and searches for windows",
+    "scipy.interpolate": "interpolates orbits",
+    "scipy.io": "writes NetCDF",
+    "scipy.ndimage": "reads telemetry",
+    "scipy.signal": "reads telemetry",
+    "matplotlib": "draws",
+    "cv2": "reads and draws pictures",
+    "planner.sessions.pipeline": "plans",
+    "planner.slew": "plans",
+    "planner.verification.judge": "judges",
+    "planner.campaigns.campaign": "chooses",
+    "planner.flights.runs": "flies",
+    "planner.spacecraft.plan": "plans",
+    "planner.telemetry.compare": "compares",
+    "planner.view.view": "looks at plans",
+    "estimator.pipeline": "measures",
+    "app.work.warm": "is the children's",
+}
+
+
+@pytest.mark.parametrize(
+    "loading",
+    [
+        "import app.http.serving; app.http.serving.create_app()",
+        "import app.cli",
+        "import slewtrack",
+    ],
+)
+def test_nothing_is_loaded_that_only_work_needs(loading: str) -> None:
+    told = subprocess.run(
+        [sys.executable, "-c", f"{loading}\nimport json, sys; print(json.dumps([*sys.modules]))"],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert not LOADED_BY_WORK.keys() & set(json.loads(told.stdout))
+
+
+def test_all_that_work_needs_is_loaded_before_children_are_forked() -> None:
+    told = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import app.work.warm, json, sys; print(json.dumps([*sys.modules]))",
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    # Pictures are drawn and filters made rarely: these wait until one is asked for.
+    assert LOADED_BY_WORK.keys() - {"matplotlib", "scipy.signal"} <= set(json.loads(told.stdout))
