@@ -33,18 +33,20 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
     began_s = time.perf_counter()
     problem = solution.problem
     rows = rows_in(solution.duration_s)
-    profiles, status, iterations = [], [], solution.iterations
-    for name, slew, profile, found, bound in zip(
+    profiles, status, runs, iterations = [], [], [], solution.iterations
+    for name, slew, profile, found, run, bound in zip(
         problem.axis_names,
         problem.axes,
         solution.profiles,
         solution.status,
+        solution.runs,
         solution.lower_bounds_rad2_s5 or (0.0,) * len(solution.profiles),
         strict=True,
     ):
         if not slew.avoid_modes and reproduces(profile, rows, slew.limits):
             profiles.append(profile)
             status.append(found)
+            runs.append(run)
             continue
         on_rows = _smoothest_on_rows(profile, slew, rows)
         if on_rows is None:
@@ -55,12 +57,14 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
                 limit="duration",
             )
         profiles.append(on_rows.profile)
-        status.append(f"{how_good(on_rows, bound)}, jerk on rows")
+        status.append(f"{how_good(slew, on_rows, bound)}, jerk on rows")
+        runs.append(on_rows.run)
         iterations += on_rows.iterations
     return replace(
         solution,
         profiles=tuple(profiles),
         status=tuple(status),
+        runs=tuple(runs),
         iterations=iterations,
         wall_s=solution.wall_s + time.perf_counter() - began_s,
     )
