@@ -134,7 +134,7 @@ def _version(plugin: Plugin) -> str:
     import casadi
 
     if plugin != "ipopt":
-        return f"CasADi {casadi.__version__}"
+        return f"CasADi {casadi.CasadiMeta.version()}"
     library = min(Path(casadi.__file__).parent.glob("libipopt.so*"))
     numbers = [ctypes.c_int() for _ in range(3)]
     ctypes.CDLL(str(library)).GetIpoptVersion(*map(ctypes.byref, numbers))

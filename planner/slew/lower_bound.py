@@ -33,7 +33,7 @@ def lower_bound(
     positive at the upper limit.  knots (n + 1,), jerks (n, 2): a motion near the optimum; the
     second result (n,) is the squared distance of its jerk from the costate's, span by span.
     """
-    grid = np.unique(np.concatenate([knots, contacts[:, 0]]))
+    grid = np.unique(np.concatenate([knots, contacts[:, 0], [_MIDDLE]]))
     half, middle = np.diff(grid) / 2.0, (grid[1:] + grid[:-1]) / 2.0
     span = np.searchsorted(knots, middle) - 1
     jerk_max, own_width = limits[3, 1], np.diff(knots)[span]
@@ -42,14 +42,15 @@ def lower_bound(
         share = (t - knots[span]) / own_width
         return np.asarray(jerks[span, 0] + share * (jerks[span, 1] - jerks[span, 0]))
 
-    costate, owed = _pushes(ends, limits, contacts, half, middle)
+    costate, owed = _pushes(ends, limits, contacts, grid)
     wanted = _drift(ends[1], np.array(_MIDDLE - 1.0)) - _drift(ends[0], np.array(_MIDDLE))
     t = middle + half * _NODES
     basis = _effects(t)
     rest = own(t) - (costate[0] + _NODES * (costate[1] + _NODES * costate[2]))
     weight = half * _WEIGHTS * np.where(np.abs(own(t)) < 0.99 * jerk_max, 1.0, 1e-6)
     prices = solve_scaled(
-        np.einsum("ign,gn,jgn->ij", basis, weight, basis), np.einsum("ign,gn->i", basis, weight * rest)
+        np.einsum("ign,gn,jgn->ij", basis, weight, basis),
+        np.einsum("ign,gn->i", basis, weight * rest),
     )
     best, missed, kept, step = -np.inf, np.zeros(len(own_width)), prices, np.zeros(3)
     for _ in range(NEWTON_STEPS):
@@ -75,27 +76,50 @@ def lower_bound(
         if not abs(float(step @ slope)) > CONVERGED * abs(best):
             break
         prices = kept + step
-    return 2.0 * best, np.bincount(span, missed, len(knots) - 1)
+    by_span = np.zeros(len(knots) - 1)
+    np.add.at(by_span, span, missed)
+    return 2.0 * best, by_span
 
 
-def _pushes(
-    ends: Array, limits: Array, contacts: Array, half: Array, middle: Array
-) -> tuple[Array, float]:
+def _pushes(ends: Array, limits: Array, contacts: Array, grid: Array) -> tuple[Array, float]:
     """The pushes' part of the costate, quadratics (3, pieces) on [-1, 1], and what they owe.
 
-    A contact is reached from the nearer end, so that a push on a short stretch keeps its digits.
+    A contact is reached from the nearer end, and acts from its instant towards it, so that a push
+    on a short stretch keeps its digits.
     """
     at, order, push = contacts[:, 0], contacts[:, 1].astype(int), contacts[:, 2]
     early = at <= _MIDDLE
     drift = np.where(early, _drift(ends[0], at), _drift(ends[1], at - 1.0))
     limit = limits[order, (push > 0.0).astype(int)]
     owed = float(push @ (drift[order, np.arange(len(at))] - limit))
-    away = at[:, None, None] - (middle + half * np.array([[-1.0], [0.0], [1.0]]))
-    acts = (away[:, 1:2] > 0.0) == early[:, None, None]
-    power = (2 - order)[:, None, None]
-    effect = np.where(early, -push, push)[:, None, None] * away**power / np.maximum(power, 1)
-    first, mid, last = np.where(acts, effect, 0.0).sum(axis=0)
-    return np.array([mid, (last - first) / 2.0, (last + first) / 2.0 - mid]), owed
+    # How the costate's value, slope and curvature away from the middle jump at each contact.
+    sign = np.where(early, -1.0, np.where(order == 1, -1.0, 1.0))
+    jumps = np.zeros((3, len(grid)))
+    np.add.at(jumps, (2 - order, np.searchsorted(grid, at)), sign * push)
+    middle = int(np.searchsorted(grid, _MIDDLE))
+    before = _integrated(_MIDDLE - grid[middle::-1], jumps[:, middle::-1], bool(early.any()))
+    jumps[:, middle] = 0.0  # which acts on what is before
+    after = _integrated(grid[middle:] - _MIDDLE, jumps[:, middle:], not bool(early.all()))
+    return np.hstack([before[:, ::-1] * [[1.0], [-1.0], [1.0]], after]), owed
+
+
+def _integrated(x: Array, jumps: Array, acts: bool) -> Array:
+    """Quadratics on [-1, 1] of each piece between x, of jumps (3, n) of value, slope, curvature."""
+    h = np.diff(x)
+    if not acts:
+        return np.zeros((3, len(h)))
+    curvature = np.cumsum(jumps[2])[:-1]
+    slope = np.cumsum(jumps[1, :-1] + np.append(0.0, (h * curvature)[:-1]))
+    change = h * (slope + h * curvature / 2.0)
+    value = np.cumsum(jumps[0, :-1] + np.append(0.0, change[:-1]))
+    half = h / 2.0
+    return np.array(
+        [
+            value + half * (slope + half * curvature / 2.0),
+            half * (slope + half * curvature),
+            half**2 * curvature / 2.0,
+        ]
+    )
 
 
 def _drift(state: Array, t: Array) -> Array:

@@ -20,6 +20,7 @@ every slew of as many spans is the same programme, and its solver is made once.
 """
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -31,7 +32,9 @@ from planner.solvers import Answer, Options, Plugin, Solver, SolverRun, Work
 if TYPE_CHECKING:
     import casadi
 
-UNITS = np.array([1.0, 2.0, 6.0, 60.0])  # of angle, rate, acceleration, jerk: what a unit move needs
+UNITS = np.array(
+    [1.0, 2.0, 6.0, 60.0]
+)  # of angle, rate, acceleration, jerk: what a unit move needs
 FAR = 1e3  # in UNITS: as good as no bound
 SOLVERS_KEPT = 64  # some MB and 10 to 100 ms to make each; a size of spans has two or three
 Start = Literal["quick", "warm", "cold"]
@@ -119,11 +122,12 @@ def slew_ocp(spans: int, *, on_rows: bool, echoes: int) -> "dict[str, casadi.SX]
 
 def _split(hull: "list[Any]", at: "casadi.SX") -> "list[Any]":
     """Bernstein coefficients of both parts of a polynomial (de Casteljau), the shared one once."""
-    before, after = [], []
+    before: list[Any] = []
+    after: list[Any] = []
     while hull:
         before.append(hull[0])
         after.insert(0, hull[-1])
-        hull = [(1 - at) * x + at * y for x, y in zip(hull[:-1], hull[1:], strict=True)]
+        hull = [(1 - at) * x + at * y for x, y in pairwise(hull)]
     return before + after[1:]
 
 
@@ -171,17 +175,24 @@ class Echoes(NamedTuple):
 
 
 class SpanProgramme(NamedTuple):
-    """What the programme is given: widths (n,) of the spans, ends (2, 3), limits (4, 2)."""
+    """What the programme is given: widths (n,) of the spans, ends (2, 3), limits (4, 2).
+
+    weight: scales the cost, so that it is about 1.
+    """
 
     widths: Array
     ends: Array
     limits: Array
-    rows: Rows | None = None
-    echoes: Echoes | None = None
+    rows: Rows | None
+    echoes: Echoes
+    weight: float
 
 
 class Begin(NamedTuple):
-    """A motion to begin at: states (n + 1, 3), jerks (n, 2); answer: of another solver."""
+    """A motion to begin at: states (n + 1, 3), jerks (n, 2).
+
+    answer: of another solver, for a warm start.
+    """
 
     states: Array
     jerks: Array
@@ -207,11 +218,8 @@ class Solved(NamedTuple):
         return self.answer.run
 
 
-def solve(given: SpanProgramme, begin: Begin, weight: float, start: Start) -> Solved:
-    """The solver's answer, to be judged by what it is.
-
-    weight: scales the cost, so that it is about 1.
-    """
+def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
+    """The solver's answer, to be judged by what it is."""
     n, (low, high) = len(given.widths), (given.limits / UNITS[:, None]).T
     orders, places = BETWEEN if given.rows is None else _between_splits(given.rows.turns)
     places = np.broadcast_to(places, (n, len(orders)))
@@ -222,7 +230,7 @@ def solve(given: SpanProgramme, begin: Begin, weight: float, start: Start) -> So
     for side in (0, -1):
         state_least[side] = state_most[side] = given.ends[side] / UNITS[:3]
     rows = [] if given.rows is None else [given.rows.flat, given.rows.turns.ravel()]
-    maps, calm = given.echoes or Echoes(np.zeros((0, n, 2)), np.zeros(0))
+    maps, calm = given.echoes
     m, dynamics = len(calm), np.zeros(3 * n)
     no_bound = np.full(m, np.inf)
     left = np.einsum("mnu,nu->m", maps, begin.jerks)
@@ -230,14 +238,14 @@ def solve(given: SpanProgramme, begin: Begin, weight: float, start: Start) -> So
     numbers = {
         "x0": np.concatenate([states.ravel(), jerks.ravel(), left]),
         "p": np.concatenate(
-            [given.widths, [weight], *rows, maps.reshape(m, 2 * n).ravel(order="F"), calm]
+            [given.widths, [given.weight], *rows, maps.reshape(m, 2 * n).ravel(order="F"), calm]
         ),
         "lbx": np.concatenate([state_least.ravel(), np.full(2 * n, low[3]), -no_bound]),
         "ubx": np.concatenate([state_most.ravel(), np.full(2 * n, high[3]), no_bound]),
         "lbg": np.concatenate([dynamics, least.ravel(), np.zeros(m)]),
         "ubg": np.concatenate([dynamics, most.ravel(), np.zeros(m)]),
     }
-    if begin.answer is not None:
+    if start == "warm" and begin.answer is not None:
         before = begin.answer
         numbers |= {"x0": before.x, "lam_x0": before.lam_x, "lam_g0": before.lam_g}
     solver = slew_solver(start, n, on_rows=given.rows is not None, echoes=m)
@@ -250,7 +258,7 @@ def solve(given: SpanProgramme, begin: Begin, weight: float, start: Start) -> So
     between = answer.lam_g[3 * n : 3 * n + places.size].reshape(places.shape) / UNITS[orders]
     return Solved(
         jerks=jerks,
-        pushes=np.hstack([at_knots, between]) / (2.0 * weight),
+        pushes=np.hstack([at_knots, between]) / (2.0 * given.weight),
         orders=np.append(np.arange(3), orders),
         places=np.hstack([np.zeros((n, 3)), places]),
         answer=answer,

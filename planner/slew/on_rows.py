@@ -48,7 +48,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
             status.append(found)
             runs.append(run)
             continue
-        on_rows = _smoothest_on_rows(profile, slew, rows)
+        on_rows = _smoothest_on_rows(profile, slew, rows, bound)
         if on_rows is None:
             raise InfeasibleSlew(
                 f"{name} makes the slew in {solution.duration_s:.1f} s only when its jerk may "
@@ -57,7 +57,7 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
                 limit="duration",
             )
         profiles.append(on_rows.profile)
-        status.append(f"{how_good(slew, on_rows, bound)}, jerk on rows")
+        status.append(f"{how_good(on_rows, bound)}, jerk on rows")
         runs.append(on_rows.run)
         iterations += on_rows.iterations
     return replace(
@@ -70,9 +70,12 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
     )
 
 
-def _smoothest_on_rows(profile: AxisProfile, slew: AxisSlew, rows: int) -> Smoothest | None:
+def _smoothest_on_rows(
+    profile: AxisProfile, slew: AxisSlew, rows: int, bound_rad2_s5: float
+) -> Smoothest | None:
     """The smoothest of the motions that rows can carry."""
-    found = smoothest(replace(slew, duration_s=profile.duration_s), profile, rows)
+    slew = replace(slew, duration_s=profile.duration_s)
+    found = smoothest(slew, profile, rows, lower_bound_rad2_s5=bound_rad2_s5)
     if found is None or not reproduces(found.profile, rows, slew.limits):
         return None
     return found

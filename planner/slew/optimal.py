@@ -4,14 +4,9 @@ import time
 from typing import NamedTuple
 
 from planner.slew.closed_forms import least_jerk_profile
-from planner.slew.feasibility import axis_refusal, verdict
+from planner.slew.feasibility import AxisVerdict, axis_refusal, verdict
 from planner.slew.problem import AxisSlew, SlewProblem
-from planner.slew.smoothest import (
-    Smoothest,
-    bound_without_contacts,
-    negligible_cost_rad2_s5,
-    smoothest,
-)
+from planner.slew.smoothest import Smoothest, bound_without_contacts, smoothest
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 from planner.solvers import SolverRun
 
@@ -64,27 +59,28 @@ def optimal_slew(problem: SlewProblem) -> SlewSolution:
 def _solve_axis(name: str, slew: AxisSlew) -> AxisSolution:
     """Raises InfeasibleSlew."""
     start, end, limits = slew.start, slew.end, slew.limits
-    known = least_jerk_profile(start, end, slew.duration_s)
-    if not obeys(known, start, end, limits):
+    quintic = least_jerk_profile(start, end, slew.duration_s)
+    possible = AxisVerdict(profile=quintic)
+    if not obeys(quintic, start, end, limits):
         possible = verdict(start, end, limits, slew.duration_s)
-        if possible.limit is not None:
-            raise axis_refusal(name, slew, possible.limit)
-        known = possible.profile
+    if possible.limit is not None:
+        raise axis_refusal(name, slew, possible.limit)
+    known = possible.profile
     found = smoothest(slew, known, None)
     if found is not None:
         bound = found.lower_bound_rad2_s5
         return AxisSolution(
-            found.profile, how_good(slew, found, bound), bound, found.run, found.iterations
+            found.profile, how_good(found, bound), bound, found.run, found.iterations
         )
     if known is None:
         raise axis_refusal(name, slew, "angle")
     return AxisSolution(known, FEASIBLE, bound_without_contacts(slew), None, 0)
 
 
-def how_good(slew: AxisSlew, found: Smoothest, lower_bound_rad2_s5: float) -> str:
+def how_good(found: Smoothest, lower_bound_rad2_s5: float) -> str:
     """What a motion that was sought as the smoothest may be called."""
     if found.spares_modes:
         return "modes spared"
     cost = found.profile.jerk_squared_integral
-    gap = (cost - lower_bound_rad2_s5) / max(cost, negligible_cost_rad2_s5(slew))
+    gap = (cost - lower_bound_rad2_s5) / max(cost, found.negligible_rad2_s5)
     return "optimal" if gap <= OPTIMAL_GAP else f"smooth, gap {gap:.1%}"

@@ -36,7 +36,7 @@ from planner.slew.spans import (
 from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_residuals
 from planner.solvers import SolverRun, has_piqp
 
-SIZES = (12, 40, 64, 96, 144, 216, 324, 486)  # of spans: each has solvers, made once
+SIZES = (16, 40, 56, 80, 112, 160, 224, 320, 448)  # of spans: each has solvers, made once
 GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
 NOTHING = 1e-6  # of a cost in normalised time, 720 for an ordinary move: of what needn't move
 FIRST_SPANS = 24
@@ -56,32 +56,40 @@ HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain 
 JUDGED, JUDGED_SPAN = 100, 1.0  # of `planner.effort`: extremes and the proof, beside solving
 QUICK: tuple[Start, ...] = ("quick", "cold")
 SURE: tuple[Start, ...] = ("warm", "cold")
+NO_MODES = np.zeros(0)
 
 
 class Smoothest(NamedTuple):
     """lower_bound_rad2_s5: no motion between these states within these limits costs less.
 
-    run: of the solver, how this motion was solved.  iterations: of Ipopt, in all.
+    negligible_rad2_s5: a cost that is rounding.  run: of the solver, how this motion was solved.
+    iterations: of Ipopt, in all.
     spares_modes: whether the slew's modes were spared, as far as its limits allow.
     """
 
     profile: AxisProfile
     lower_bound_rad2_s5: float
+    negligible_rad2_s5: float
     run: SolverRun
     iterations: int
     spares_modes: bool = False
 
 
+class _Grid(NamedTuple):
+    """knots (n + 1,) of spans; flat_rows: those of constant jerk."""
+
+    knots: Array
+    flat_rows: Indices
+
+
 class _Motion(NamedTuple):
     """A solved motion on n spans, accepted on its own extremes.
 
-    given, weight: the programme.  states (n + 1, 3), jerks (n, 2).  iterations: of Ipopt, in all
-    tries.
+    given: the programme.  states (n + 1, 3), jerks (n, 2).  iterations: of Ipopt, in all tries.
     """
 
-    knots: Array
+    grid: _Grid
     given: SpanProgramme
-    weight: float
     states: Array
     jerks: Array
     profile: AxisProfile
@@ -92,6 +100,11 @@ class _Motion(NamedTuple):
     def cost(self) -> float:
         """The integral of squared jerk."""
         return jerk_cost(self.given.widths, self.jerks)
+
+    @property
+    def left_of_modes(self) -> Array:
+        """Of each detuned mode, real parts and then imaginary ones."""
+        return np.asarray(np.einsum("mnu,nu->m", self.given.echoes.maps, self.jerks))
 
     @property
     def is_ipopts(self) -> bool:
@@ -108,19 +121,58 @@ class _Losses(NamedTuple):
     cuts: Array
 
 
+class _Placed(NamedTuple):
+    """The best motion, None where none was found; bound: on the cost of any; iterations: in all."""
+
+    best: _Motion | None
+    bound: float
+    iterations: int
+
+
 def smoothest(
-    slew: AxisSlew, known: AxisProfile | None, rows: int | None, *, may_fly: bool = True
+    slew: AxisSlew,
+    known: AxisProfile | None,
+    rows: int | None,
+    *,
+    may_fly: bool = True,
+    lower_bound_rad2_s5: float = 0.0,
 ) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
     known: a motion with these ends within the limits, to begin at.  rows: in how many equal
     steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: the
-    motion may be flown, and must be Ipopt's.  avoid_modes of the slew are left as calm as the
-    limits allow, see `planner.slew.vibration`.
+    motion may be flown, and must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
+    avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
-    axis = _Axis(slew, rows)
-    iterations, bound, best = 0, 0.0, None
-    begun = axis.quintic if axis.is_unbound or known is None else known
+    axis = _Axis(slew, rows, known)
+    unit = axis.normal.cost_unit_rad2_s5
+    placed = _place_knots(axis, lower_bound_rad2_s5 / unit)
+    best, iterations = placed.best, placed.iterations
+    calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
+    found = calm or best
+    if found is not None and may_fly and not found.is_ipopts:
+        found = axis.solve_to_fly(found)
+        iterations += found.iterations if found is not None else 0
+    if found is None:
+        return _with_braked_ends(slew, rows)
+    return Smoothest(
+        found.profile,
+        placed.bound * unit,
+        NOTHING * unit,
+        found.solved.run,
+        iterations,
+        spares_modes=calm is not None,
+    )
+
+
+def _place_knots(axis: "_Axis", bound: float) -> _Placed:
+    """The best motion on knots that are added to until the gap is closed, and its bound.
+
+    Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
+    come as near to it as is wanted.
+    """
+    best, iterations, bound = None, 0, max(bound, least_cost(axis.ends))
+    begun = axis.known
     starts = SURE if axis.is_unbound or not has_piqp() else QUICK
     flat_rows = axis.rows_astray(begun)
     knots = axis.first_knots(begun, flat_rows)
@@ -128,34 +180,29 @@ def smoothest(
         motion = axis.solve_on(knots, flat_rows, begun, starts)
         if motion is None:
             break
-        begun, losses = motion.profile, axis.losses(motion)
-        iterations, bound = iterations + motion.iterations, max(bound, losses.bound)
+        begun, iterations = motion.profile, iterations + motion.iterations
         allowed = GAP_WANTED * max(motion.cost, NOTHING)
-        is_closed = min(motion.cost - bound, float(losses.by_span.sum())) <= allowed
         astray = np.setdiff1d(axis.rows_astray(begun), flat_rows)
+        if not astray.size and motion.cost - bound <= allowed:
+            best = motion
+            break
+        losses = axis.losses(motion)
+        bound = max(bound, losses.bound)
+        is_closed = min(motion.cost - bound, float(losses.by_span.sum())) <= allowed
         if not astray.size:
-            is_same = best is not None and len(best.knots) == len(knots)
-            is_stuck = is_same and best.cost - motion.cost <= allowed
+            is_stuck = (
+                best is not None
+                and len(best.grid.knots) == len(knots)
+                and best.cost - motion.cost <= allowed
+            )
             best = motion if best is None or motion.cost < best.cost else best
             if is_closed or is_stuck:
                 break
         flat_rows = np.union1d(flat_rows, astray)
         is_fine = is_closed or float(losses.by_span[axis.can_cut(knots)].sum()) <= allowed
-        knots = axis.refined(motion, losses, astray, at_least=len(knots) - is_fine)
-    calm = axis.calmest(best, flat_rows) if best is not None and slew.avoid_modes else None
-    found = calm or best
-    if found is not None and may_fly and not found.is_ipopts:
-        found = axis.solve_again(found)
-        iterations += found.iterations if found is not None else 0
-    if found is None:
-        return _with_braked_ends(slew, rows)
-    return Smoothest(
-        found.profile,
-        bound * axis.normal.cost_unit_rad2_s5,
-        found.solved.run,
-        iterations,
-        spares_modes=calm is not None,
-    )
+        spans = len(motion.jerks) + (not is_fine)
+        knots = axis.refined(motion, losses, astray, at_least=spans)
+    return _Placed(best, bound, iterations)
 
 
 def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
@@ -183,30 +230,29 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
 
 def bound_without_contacts(slew: AxisSlew) -> float:
     """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
-    axis = _Axis(slew, None)
+    axis = _Axis(slew, None, None)
     knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    _, jerks = axis.seen(axis.quintic, knots)
+    _, jerks = axis.seen(axis.known, knots)
     bound, _ = lower_bound(axis.ends, axis.limits, np.zeros((0, 3)), knots, jerks)
     return bound * axis.normal.cost_unit_rad2_s5
-
-
-def negligible_cost_rad2_s5(slew: AxisSlew) -> float:
-    """The cost of a motion too small to matter: that of an axis that needn't move is rounding."""
-    return NOTHING * normalised(slew).cost_unit_rad2_s5
 
 
 class _Axis:
     """One axis's slew on spans, in normalised time; on rows where these are given.
 
-    quintic: the motion of least squared jerk without limits.  is_unbound: it keeps the limits.
+    known: to begin at, else the quintic, the motion of least squared jerk without limits.
+    is_unbound: the quintic itself is known to keep the limits.
     """
 
-    def __init__(self, slew: AxisSlew, rows: int | None) -> None:
+    def __init__(self, slew: AxisSlew, rows: int | None, known: AxisProfile | None) -> None:
         self.slew, self.rows = slew, rows
         self.normal = normalised(slew)
         self.ends, self.limits = self.normal.ends, self.normal.limits
-        self.quintic = least_jerk_profile(slew.start, slew.end, slew.duration_s)
-        self.is_unbound = obeys(self.quintic, slew.start, slew.end, slew.limits)
+        quintic = least_jerk_profile(slew.start, slew.end, slew.duration_s)
+        self.known = known or quintic
+        self.is_unbound = known is not None and np.array_equal(
+            known.coefficients, quintic.coefficients
+        )
 
     def solve_on(
         self,
@@ -214,9 +260,12 @@ class _Axis:
         flat_rows: Indices,
         begun: AxisProfile,
         starts: tuple[Start, ...],
-        echoes: Echoes | None = None,
+        calm: Array = NO_MODES,
     ) -> _Motion | None:
-        """The motion on these knots, by the first solver whose answer obeys its limits."""
+        """The motion on these knots, by the first solver whose answer obeys its limits.
+
+        calm: weights of what is left of the detuned modes.
+        """
         widths = np.diff(knots)
         states, jerks = self.seen(begun, knots)
         rows = None
@@ -226,34 +275,48 @@ class _Axis:
             rows = Rows(flat, _turning(states))
             jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
         inset = INSIDE * np.ptp(self.limits, axis=1)[:, None] * np.array([1.0, -1.0])
-        given = SpanProgramme(widths, self.ends, self.limits + inset, rows, echoes)
+        maps = np.zeros((0, len(widths), 2))
+        if calm.size:
+            left = modal_echoes(knots, self.slew.duration_s, self.slew.avoid_modes)
+            maps = np.concatenate([left.real, left.imag])
+        echoes = Echoes(maps, np.tile(calm, 2))
         rough = min(jerk_cost(widths, jerks), DEAREST * least_cost(self.ends))
-        weight, begin = 1.0 / max(rough, NOTHING), Begin(states, jerks)
-        found = self._by_first(knots, given, begin, weight, starts)
+        weight = 1.0 / max(rough, NOTHING)
+        given = SpanProgramme(widths, self.ends, self.limits + inset, rows, echoes, weight)
+        grid, begin = _Grid(knots, flat_rows), Begin(states, jerks)
+        found = self._by_first(grid, given, begin, starts)
         if found is None and rows is not None:
             halfway = given._replace(rows=rows._replace(turns=np.full_like(rows.turns, 0.5)))
-            found = self._by_first(knots, halfway, begin, weight, starts)
+            found = self._by_first(grid, halfway, begin, starts)
         return found
 
-    def solve_again(self, motion: _Motion) -> _Motion | None:
-        """The same by Ipopt, begun there."""
-        begin = Begin(motion.states, motion.jerks, motion.solved.answer)
-        return self._by_first(motion.knots, motion.given, begin, motion.weight, SURE)
+    def solve_to_fly(self, motion: _Motion) -> _Motion | None:
+        """The same by Ipopt, begun there.
+
+        Solvers differ in the last digits: a row that only now goes astray gets a constant jerk.
+        """
+        given, begin = motion.given, Begin(motion.states, motion.jerks, motion.solved.answer)
+        found = self._by_first(motion.grid, given, begin, SURE)
+        while found is not None:
+            knots, flat_rows = found.grid
+            astray = np.setdiff1d(self.rows_astray(found.profile), flat_rows)
+            if not astray.size:
+                break
+            knots = self._filled(np.union1d(knots, self._edges(astray)))
+            calm = np.split(given.echoes.weights, 2)[0]
+            flat_rows = np.union1d(flat_rows, astray)
+            found = self.solve_on(knots, flat_rows, found.profile, SURE[1:], calm)
+        return found
 
     def _by_first(
-        self,
-        knots: Array,
-        given: SpanProgramme,
-        begin: Begin,
-        weight: float,
-        starts: tuple[Start, ...],
+        self, grid: _Grid, given: SpanProgramme, begin: Begin, starts: tuple[Start, ...]
     ) -> _Motion | None:
         jerk_max, flat = self.limits[3, 1], np.zeros(len(given.widths), dtype=bool)
         if given.rows is not None:
             flat = given.rows.flat
         iterations = 0
         for start in starts:
-            solved = solve(given, begin, weight, start)
+            solved = solve(given, begin, start)
             effort.count(JUDGED + JUDGED_SPAN * len(flat))
             iterations += solved.run.iterations or 0
             if not solved.run.is_promising:
@@ -261,9 +324,9 @@ class _Axis:
             jerks = np.clip(solved.jerks, -jerk_max, jerk_max)
             jerks = meet_end(given.widths, flat, self.ends, jerk_max, jerks)
             states = trajectory(given.widths, self.ends[0], jerks)
-            profile = self.normal.profile(knots, flat, states, jerks)
+            profile = self.normal.profile(grid.knots, flat, states, jerks)
             if obeys(profile, self.slew.start, self.slew.end, self.slew.limits):
-                return _Motion(knots, given, weight, states, jerks, profile, solved, iterations)
+                return _Motion(grid, given, states, jerks, profile, solved, iterations)
         return None
 
     def losses(self, motion: _Motion) -> _Losses:
@@ -275,19 +338,21 @@ class _Axis:
         widths, pushes, orders = motion.given.widths, motion.solved.pushes, motion.solved.orders
         places, limits = motion.solved.places, self.limits[motion.solved.orders]
         counted = np.abs(pushes) * np.ptp(limits, axis=1) / 2.0 > PUSH_SHARE * motion.cost
-        at = motion.knots[:-1, None] + places * widths[:, None]
+        at = motion.grid.knots[:-1, None] + places * widths[:, None]
         of_order = np.broadcast_to(orders, at.shape)
         contacts = np.column_stack([at[counted], of_order[counted], pushes[counted]])
-        bound, missed = lower_bound(self.ends, self.limits, contacts, motion.knots, motion.jerks)
+        bound, missed = lower_bound(
+            self.ends, self.limits, contacts, motion.grid.knots, motion.jerks
+        )
         values = values_at(widths, motion.states, motion.jerks, places, orders)
         reached = np.where(pushes > 0.0, limits[:, 1], limits[:, 0])
         held_back = 2.0 * np.where(counted, pushes * (reached - values), 0.0).sum(axis=1)
-        by_span = np.where(self.can_cut(motion.knots), missed, 0.0) + held_back
+        by_span = np.where(self.can_cut(motion.grid.knots), missed, 0.0) + held_back
         pushed = np.abs(pushes) * (places > 0.0)
         by_order = np.column_stack([pushed[:, orders == order].sum(axis=1) for order in (0, 1)])
         return _Losses(bound, by_span, _cuts(motion.states, by_order > 0.0))
 
-    def calmest(self, motion: _Motion, flat_rows: Indices) -> _Motion | None:
+    def calmest(self, motion: _Motion) -> _Motion | None:
         """What leaves the modes calmest, with weights shifted towards those that ring too much.
 
         None where no motion is found.
@@ -295,16 +360,14 @@ class _Axis:
         """
         slew, rows = self.slew, self.rows
         spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
-        knots = self._filled(np.union1d(motion.knots, np.linspace(0.0, 1.0, spans + 1)))
+        knots = self._filled(np.union1d(motion.grid.knots, np.linspace(0.0, 1.0, spans + 1)))
         wanted = RESIDUAL_SHARE * wanted_residuals(self.ends, slew.duration_s, slew.avoid_modes)
         weights = np.resize(WEIGHTS, len(wanted)) * JERK_COST
         best, least_share, begun = None, math.inf, motion.profile
+        flat_rows = motion.grid.flat_rows
+        starts = QUICK if has_piqp() else SURE
         for _ in range(WEIGHINGS):
-            left = modal_echoes(knots, slew.duration_s, slew.avoid_modes)
-            maps = np.concatenate([left.real, left.imag])
-            starts = QUICK if has_piqp() else SURE
-            echoes = Echoes(maps, np.tile(weights, 2))
-            found = self.solve_on(knots, flat_rows, begun, starts, echoes)
+            found = self.solve_on(knots, flat_rows, begun, starts, weights)
             if found is None:
                 break
             begun = found.profile
@@ -313,7 +376,7 @@ class _Axis:
                 flat_rows = np.union1d(flat_rows, astray)
                 knots = self._filled(np.union1d(knots, self._edges(astray)))
                 continue
-            shares = np.abs(np.einsum("enu,nu->e", left, found.jerks)) / wanted
+            shares = np.hypot(*np.split(found.left_of_modes, 2)) / wanted
             if shares.max() < least_share:
                 best, least_share = found, float(shares.max())
             if not 1.0 < shares.max() < HOPELESS:
@@ -368,12 +431,10 @@ class _Axis:
             knots = np.union1d(knots, cuts[is_cut])
         return self._filled(knots)
 
-    def refined(
-        self, motion: _Motion, losses: _Losses, astray: Indices, *, at_least: int
-    ) -> Array:
+    def refined(self, motion: _Motion, losses: _Losses, astray: Indices, *, at_least: int) -> Array:
         """The motion's knots and those of rows astray, and more where most is lost."""
-        knots = np.union1d(motion.knots, self._edges(astray))
-        owner = np.searchsorted(motion.knots, (knots[1:] + knots[:-1]) / 2.0) - 1
+        knots = np.union1d(motion.grid.knots, self._edges(astray))
+        owner = np.searchsorted(motion.grid.knots, (knots[1:] + knots[:-1]) / 2.0) - 1
         share = np.diff(knots) / motion.given.widths[owner]
         cuts = np.where(share > 0.99, losses.cuts[owner], 0.5)
         least = max(at_least, len(knots) - 1)

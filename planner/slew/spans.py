@@ -4,22 +4,30 @@ All in normalised time: the motion lasts 1.  widths (n,), states (n + 1, 3) of a
 acceleration at the knots, jerks (n, 2) at both ends of each span.
 """
 
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from planner.arrays import Array, Indices, Mask
 
+if TYPE_CHECKING:
+    import casadi
+
+Quantity = TypeVar("Quantity", Array, "casadi.SX")
+
 # What of a span's hulls lies between its knots: orders (0 angle to 2 acceleration), and where each
 # coefficient stands, shares of the span (Greville abscissae).
 BETWEEN = np.array([0, 0, 0, 1, 1, 2]), np.array([1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
-MEETINGS = 3  # of the end: the later ones mend what rounding left of the first
+MEETINGS = 2  # of the end: the second mends what rounding left of the first
 
 
-def hulls(h: Any, begin: Any, end: Any, j0: Any) -> tuple[list[Any], list[Any], list[Any]]:
+def hulls(
+    h: Quantity, begin: Iterable[Quantity], end: Iterable[Quantity], j0: Quantity
+) -> tuple[list[Quantity], list[Quantity], list[Quantity]]:
     """Bernstein coefficients of angle (5), rate (4), acceleration (3) of spans of width h.
 
-    begin, end: angle, rate, acceleration there; j0: jerk at the begin.  Arrays or symbols.
+    begin, end: angle, rate, acceleration there.  j0: jerk at the begin.
     """
     (q0, v0, a0), (q1, v1, a1) = begin, end
     return (
@@ -80,11 +88,11 @@ def meet_end(widths: Array, flat: Mask, ends: Array, jerk_max: float, jerks: Arr
     a, v, q = h * [0.5, 0.5], h**2 * [2.0, 1.0] / 6.0, h**3 * [3.0, 1.0] / 24.0
     moves = np.array([q + left * (v + left / 2.0 * a), v + left * a, a])
     moves[:, flat] = moves[:, flat].mean(axis=2, keepdims=True)
+    moves = moves.reshape(3, -1)
     for _ in range(MEETINGS):
         missed = ends[1] - trajectory(widths, ends[0], jerks)[-1]
-        ease = np.maximum(jerk_max - np.abs(jerks), 0.0) ** 2 / h
-        prices = solve_scaled(np.einsum("inu,nu,jnu->ij", moves, ease, moves), missed)
-        jerks = jerks + ease * np.einsum("i,inu->nu", prices, moves)
+        eased = moves * (np.maximum(jerk_max - np.abs(jerks), 0.0) ** 2 / h).ravel()
+        jerks = jerks + (solve_scaled(eased @ moves.T, missed) @ eased).reshape(-1, 2)
     return jerks
 
 
