@@ -18,8 +18,8 @@ sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from slew_cases import LIMITS, deg_state
 
 from planner.slew import next_duration_s, verdict
-from planner.slew.interior_point import ORDERS, least_jerk
 from planner.slew.normalised import normalised
+from planner.slew.ocp import Begin, Echoes, SpanProgramme, solve
 from planner.slew.problem import AxisSlew
 from planner.slew.smoothest import smoothest
 from planner.slew.solution import AxisProfile
@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 
 START, END = deg_state(170.9, 2.2, 0.2), deg_state(90.0, 0.6, 0.0)
 LEAST_SHARE = 1.03  # of the least time
-# Where in its span each bounded coefficient stands: values at the begin, jerks, Greville places.
-PLACES = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
 COUNTED = 1e-5  # of the cost, for a push over a limit's range: less isn't seen in the picture
 GREY, BLUE, RED = "0.45", "#1f5fa8", "#c0392b"
 
@@ -37,25 +35,22 @@ GREY, BLUE, RED = "0.45", "#1f5fa8", "#c0392b"
 def contacts(slew: AxisSlew, profile: AxisProfile) -> Array:
     """Time, order (0 angle, 1 rate, 2 acceleration) and push of each, (m, 3), normalised."""
     problem, knots = normalised(slew), profile.breakpoints_s / profile.duration_s
-    jerk = 6.0 * profile.coefficients[:, 3], 24.0 * profile.coefficients[:, 4]
-    width_s = np.diff(profile.breakpoints_s)
-    jerks = np.column_stack([jerk[0], jerk[0] + jerk[1] * width_s])
-    jerks *= profile.duration_s**3 / problem.scale_rad
-    widths = np.diff(knots)
-    _, pushes, _, _, _ = least_jerk(
-        widths,
-        np.zeros(len(widths), dtype=bool),
-        problem.ends,
-        problem.limits,
-        np.zeros((0, len(widths), 2)),
-        np.zeros(0),
-        0.9 * jerks,
-    )
+    units = profile.duration_s ** np.arange(4)[:, None] / problem.scale_rad
+    states = (np.array(profile.evaluate(profile.breakpoints_s)) * units)[:3].T
+    states[:, 0] -= problem.start_angle_rad / problem.scale_rad
+    early = 6.0 * profile.coefficients[:, 3]
+    late = early + 24.0 * profile.coefficients[:, 4] * np.diff(profile.breakpoints_s)
+    jerks = np.column_stack([early, late]) * units[3]
+    no_modes = Echoes(np.zeros((0, len(jerks), 2)), np.zeros(0))
     cost = profile.jerk_squared_integral / problem.cost_unit_rad2_s5
-    worth = np.abs(pushes) * np.ptp(problem.limits, axis=1)[ORDERS]
-    span, row = np.nonzero((worth > COUNTED * cost) & (ORDERS < 3))
-    places = knots[span] + PLACES[row] * widths[span]
-    return np.column_stack([places, ORDERS[row], pushes[span, row]])
+    given = SpanProgramme(
+        np.diff(knots), problem.ends, problem.limits, None, no_modes, weight=1.0 / cost
+    )
+    solved = solve(given, Begin(states, 0.9 * jerks), "cold")
+    worth = np.abs(solved.pushes) * np.ptp(problem.limits, axis=1)[solved.orders]
+    span, row = np.nonzero(worth > COUNTED * cost)
+    places = knots[span] + solved.places[span, row] * given.widths[span]
+    return np.column_stack([places, solved.orders[row], solved.pushes[span, row]])
 
 
 def costate(pushed: Array, t: Array, jerk: Array, free: NDArray[np.bool_]) -> Array:

@@ -6,7 +6,7 @@ than whether its answer is looked at: who asks judges the answer by what it is.
 """
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -53,6 +53,20 @@ class SolverRun(NamedTuple):
     def is_promising(self) -> bool:
         """Whether the answer is worth a look."""
         return self.status in PROMISING
+
+    def after(self, before: "SolverRun") -> "SolverRun":
+        """This run, with the iterations of what it began at."""
+        iterations = (self.iterations or 0) + (before.iterations or 0)
+        return self._replace(iterations=iterations)
+
+
+def merged(runs: Iterable[SolverRun | None]) -> SolverRun | None:
+    """Several runs of one solver as one: each status once, the iterations of all; None: of none."""
+    made = [run for run in runs if run is not None]
+    if not made:
+        return None
+    statuses = "; ".join(dict.fromkeys(run.status for run in made))
+    return made[0]._replace(status=statuses, iterations=sum(run.iterations or 0 for run in made))
 
 
 class Answer(NamedTuple):

@@ -43,6 +43,7 @@ Start = Literal["quick", "warm", "cold"]
 # with its multipliers.  Quick: by PIQP, to learn where knots belong.
 COLD: Options = {
     "tol": 1e-5,  # of the dual; the cost is right to 1e-8
+    "bound_relax_factor": 1e-9,  # room where an end leaves none; less than limits are drawn in by
     "max_iter": 100,
     "nlp_scaling_method": "none",  # UNITS and the cost's weight are the scaling
     "jac_c_constant": "yes",

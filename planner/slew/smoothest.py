@@ -364,7 +364,9 @@ class _Axis:
         wanted = RESIDUAL_SHARE * wanted_residuals(self.ends, slew.duration_s, slew.avoid_modes)
         weights = np.resize(WEIGHTS, len(wanted)) * JERK_COST
         best, least_share, begun = None, math.inf, motion.profile
-        flat_rows = motion.grid.flat_rows
+        # Modes feel what is flown: exactly the motion, where the jerk is constant on a row.
+        single = knots[:-1][~self.can_cut(knots)]
+        flat_rows = np.union1d(motion.grid.flat_rows, np.rint(single * (rows or 1)).astype(np.intp))
         starts = QUICK if has_piqp() else SURE
         for _ in range(WEIGHINGS):
             found = self.solve_on(knots, flat_rows, begun, starts, weights)

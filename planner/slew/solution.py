@@ -161,7 +161,8 @@ class SlewSolution:
     with the time constant settling_s.
     lower_bounds_rad2_s5: of the integral of squared jerk, per axis: no motion between the same
     states within the limits costs less; none where no optimum was sought.
-    runs: per axis, the solver's run whose motion it is, None where it is no solver's.
+    runs: of the solver, per axis, None where the motion is no solver's; of a detour the one of
+    both axes.
     cut_short: whether the search for a better one was, by the work that may be done.
     """
 
