@@ -81,10 +81,8 @@ def ours(duration_s: float) -> Timing:
         )
         solution = optimal_slew(problem)
         free = [
-            obeys(
-                least_jerk_profile(axis.start, axis.end, duration_s), axis.start, axis.end, LIMITS
-            )
-            for axis in problem.axes
+            obeys(least_jerk_profile(*ends, duration_s), *ends, LIMITS)
+            for ends in zip(start, end, strict=True)
         ]
         if solution.violations or any(free):
             raise SystemExit(f"{duration_s} s is no fair case: {solution.status}")

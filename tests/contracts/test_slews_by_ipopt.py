@@ -59,7 +59,8 @@ def is_of(profile, jerks, scale):
     own = np.column_stack([begins, ends])
     for skipped in range(len(own) - len(jerks) + 1):
         part = own[skipped : skipped + len(jerks)]
-        if np.abs(part - scale * jerks).max() <= 1e-3 * np.abs(own).max()  # what meeting the end exactly changes:
+        # Meeting the end exactly changes them by less.
+        if np.abs(part - scale * jerks).max() <= 1e-3 * np.abs(own).max():
             return True
     return False
 
