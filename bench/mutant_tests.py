@@ -58,7 +58,7 @@ FIRST = {
     "properties/test_slews::test_rows_carry_the_slew_within_limits_and_to_a_tenth_of_an_arcsecond "
     "properties/test_slew_near_rate_limit::test_where_rows_are_too_few_one_more_is_enough "
     "oracles/test_slew_optimum properties/test_slew_bound",
-    "planner/slew/ocp.py": "contracts/test_slews_by_ipopt oracles/test_slew_optimum "
+    "planner/slew/ocp.py": "properties/test_slews_by_ipopt oracles/test_slew_optimum "
     "properties/test_slew_bound oracles/test_vibration",
     "planner/slew/spans.py": "oracles/test_slew_optimum properties/test_slew_bound "
     "properties/test_slews::test_rows_carry_a_short_slew_whose_jerk_changes_much_from_row_to_row",

@@ -15,13 +15,16 @@ import app.work.telemetry
 import app.work.view  # noqa: F401 (for the children to find)
 from app.requests.examples.plan import LAS_VEGAS
 from app.work.plan import plan_and_pack
+from planner.slew.ocp import make_solvers
+from planner.slew.smoothest import SIZES
 
 SERVER_PID = os.getpid()
 _REQUEST = json.dumps(LAS_VEGAS).encode()
 
 
 def warm_up() -> None:
-    """Plan the worked example."""
+    """Plan the worked example, and make the solvers that nine slews in ten ask for."""
+    make_solvers(SIZES[:5])
     plan_and_pack(_REQUEST)
 
 

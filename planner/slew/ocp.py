@@ -19,6 +19,7 @@ All in normalised time: the motion lasts 1.  Knots, limits, states and modes ent
 every slew of as many spans is the same programme, and its solver is made once.
 """
 
+from collections.abc import Iterable
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -27,7 +28,7 @@ import numpy as np
 
 from planner.arrays import Array, Indices, Mask
 from planner.slew.spans import BETWEEN, hulls
-from planner.solvers import Answer, Options, Plugin, Solver, SolverRun, Work
+from planner.solvers import Answer, Options, Plugin, Solver, SolverRun, Work, has_piqp
 
 if TYPE_CHECKING:
     import casadi
@@ -142,6 +143,15 @@ def slew_solver(start: Start, spans: int, *, on_rows: bool, echoes: int) -> Solv
     work = Work(20.0, iteration) if plugin == "ipopt" else Work(20.0 + 3.0 * iteration, 0.0)
     programme = slew_ocp(spans, on_rows=on_rows, echoes=echoes)
     return Solver(programme, options, work, plugin=plugin, hessian=_hessian(programme))
+
+
+def make_solvers(sizes: Iterable[int]) -> None:
+    """Those that slews of so many spans ask for, before there is a slew: 10 ms each."""
+    for spans in sizes:
+        for on_rows in (False, True):
+            if has_piqp():
+                slew_solver("quick", spans, on_rows=on_rows, echoes=0)
+            slew_solver("warm", spans, on_rows=on_rows, echoes=0)
 
 
 def _hessian(programme: "dict[str, casadi.SX]") -> "casadi.Function":
