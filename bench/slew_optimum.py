@@ -22,7 +22,7 @@ sys.path.append(str(Path(__file__).parents[1] / "tests" / "properties"))
 from slew_cases import LIMITS, NAMES, can_brake, deg_state, sampled
 
 from planner.errors import InfeasibleSlew
-from planner.slew import AxisState, SlewProblem, fit_to_rows, next_duration_s
+from planner.slew import AxisState, SlewProblem, SlewSolution, fit_to_rows, next_duration_s
 from planner.slew.optimal import OPTIMAL_GAP, optimal_slew
 
 KINDS = ("rest", "moving", "near a stop", "fast")
@@ -150,7 +150,7 @@ class Tally:
             solution.lower_bounds_rad2_s5,
             solution.status,
         )
-        self.counted["closed form" if status == "closed form" else "by the solver"] += 1
+        self._count_run("as solved", solution)
         self.gaps.append(1.0 - bound / cost if cost else 0.0)
         self.broken.append(broken_share(sampled(solution.profiles[0])))
         if free is None:
@@ -169,6 +169,7 @@ class Tally:
                 self._note(number, problem, f"REFUSED on rows, but there is a motion: {refusal}")
             self.counted[f"refused on rows, {'rightly' if on_rows is None else 'wrongly'}"] += 1
             return
+        self._count_run("as flown", table)
         t_s = np.linspace(0.0, problem.duration_s, round(problem.duration_s / STEP_S) + 1)
         angle, rate, _, _ = table.profiles[0].evaluate(t_s)
         self.broken.append(broken_share(hermite_motion(t_s, angle, rate)))
@@ -177,6 +178,10 @@ class Tally:
             self._compare(self.flown, table.jerk_squared_integral, on_rows, what)
         else:
             self.counted["flown, although no jerk on rows keeps the limits"] += 1
+
+    def _count_run(self, what: str, solution: SlewSolution) -> None:
+        [run] = solution.runs
+        self.counted[f"{what} by {run.name}, {run.status}" if run else f"{what} by no solver"] += 1
 
     def _compare(self, ratios: list[float], cost: float, reference: float, what: str) -> None:
         ratios.append(cost / reference if reference else 1.0)

@@ -14,13 +14,14 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-# Prints the libraries of CasADi that a process maps once Ipopt has solved something.
+# Prints the libraries of CasADi that a process maps once Ipopt and PIQP have solved something.
 _SOLVE = """
 import casadi
 x = casadi.MX.sym("x")
 problem = {"x": x, "f": (x - 1) ** 2, "g": x}
 quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
 casadi.nlpsol("solver", "ipopt", problem, quiet)(x0=3, lbg=0, ubg=2)
+casadi.qpsol("quick", "piqp", problem, {"print_time": False})(x0=3, lbg=0, ubg=2)
 for line in open("/proc/self/maps"):
     if "/casadi/" in line:
         print(line.split()[-1])
@@ -49,8 +50,9 @@ def _unmapped(casadi: Path) -> Iterator[Path]:
         [sys.executable, "-c", _SOLVE], check=True, capture_output=True, text=True
     )
     mapped = {Path(line).name for line in done.stdout.splitlines() if ".so" in line}
-    if not any("ipopt" in name for name in mapped):
-        raise SystemExit("Ipopt was not loaded: nothing can be told from what was")
+    for solver in ("ipopt", "piqp"):
+        if not any(solver in name for name in mapped):
+            raise SystemExit(f"{solver} was not loaded: nothing can be told from what was")
     for path in casadi.iterdir():
         if path.suffix != ".py" and path.name not in mapped and path.name != "__pycache__":
             yield path

@@ -10,7 +10,7 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., object])
 
-_ROOMS = ("spacecraft", "simulation", "campaigns", "slew", "label_search.py")  # which have kernels
+_ROOMS = ("spacecraft", "simulation", "campaigns", "label_search.py")  # which have kernels
 _CONSTANTS = ("commands.py", "platforms/drive.py")  # whose values are compiled into them
 
 

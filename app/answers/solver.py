@@ -12,15 +12,33 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SolverRunOut:
+    """The solver whose motion is flown.
+
+    name: of the solver.
+    version: of the solver.
+    status: in its own words how it ended, each once where there were several motions.
+    iterations: that led to these motions, all together.
+    """
+
+    name: str
+    version: str
+    status: str
+    iterations: Count
+
+
+@dataclass(frozen=True, kw_only=True)
 class SlewRunOut:
     """How one slew was solved.
 
-    Cost, bound and gap aren't told of plans that older versions made.
+    Cost, bound, gap and solver aren't told of plans that older versions made.
 
     session: number of the session it leads to, from 0; null for the slew to the final state.
     backend: the method, as `slew.method` names it.
-    status: how the solver ended.
-    iterations: of the solver.
+    status: how good it is: `optimal` (proven: the gap is at most 0.001), `smooth` and its gap,
+    `modes spared`, `detour` around cones or masks, `feasible, not the smoothest` where the solver
+    found none and the motion that proves the slew possible is flown, or `cubic`.
+    iterations: of Ipopt, also of motions that aren't flown.
     wall_s: time it took to solve.
     duration_s: of the slew.
     minimum_s: the least time the limits allow.
@@ -29,6 +47,7 @@ class SlewRunOut:
     unit; null for the spline.
     gap: share of the cost above the bound: what is called optimal has at most 0.001; null for the
     spline.
+    solver: whose motions are flown; null where they are no solver's.
     """
 
     session: Count | None
@@ -41,6 +60,7 @@ class SlewRunOut:
     cost: NotNegative | None = None
     lower_bound: NotNegative | None = None
     gap: Share | None = None
+    solver: SolverRunOut | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,8 +68,8 @@ class SolverOut:
     """How the slews were solved, all together and one by one.
 
     backend: the methods, as `slew.method` names them.
-    status: how the solver ended.
-    iterations: of the solver.
+    status: how good the slews are, as `slews` tells it.
+    iterations: of Ipopt.
     wall_s: time it took to solve all slews.
     slews: how each one was solved.
     stages_wall_s: time of each stage of the whole plan.
@@ -71,6 +91,7 @@ def _slew_run(run: "SlewRun") -> SlewRunOut:
         run,
         cost=None if cost is None else cost * squared,
         lower_bound=None if bound is None else bound * squared,
+        solver=None if run.solver is None else SolverRunOut(**run.solver._asdict()),
     )
 
 

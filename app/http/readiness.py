@@ -5,8 +5,9 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any, Literal
+from typing import Literal
 
+import numpy as np
 from anyio import to_thread
 
 from app.jobs.child import Bounds
@@ -16,6 +17,7 @@ from app.store.database import Database
 from app.store.unavailable import StoreUnavailable
 from planner.frames.earth_orientation import iers_data_end_utc
 from planner.frames.time_scales import DAY_S, elapsed_s
+from planner.solvers import Solver, Work
 
 State = Literal["ok", "degraded", "failed"]
 # Asked for by everyone without a key: answered anew no more often than this.
@@ -121,9 +123,8 @@ def _least_of_a_parabola() -> float:
     import casadi
 
     x = casadi.SX.sym("x")
-    quiet: dict[str, Any] = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
-    solver = casadi.nlpsol("least", "ipopt", {"x": x, "f": (x - 1.0) ** 2}, quiet)
-    return float(solver(x0=0.0)["x"])
+    programme = {"x": x, "p": casadi.SX(0, 1), "f": (x - 1.0) ** 2, "g": casadi.SX(0, 1)}
+    return float(Solver(programme, {}, Work(0.0, 0.0)).solve(x0=np.zeros(1)).x[0])
 
 
 def earth_orientation_covers_now() -> tuple[State, str]:

@@ -12,6 +12,8 @@ from importlib import import_module
 
 from app.requests.examples.plan import LAS_VEGAS
 from app.work.plan import plan_and_pack
+from planner.slew.ocp import make_solvers
+from planner.slew.smoothest import SIZES
 
 # Beyond what a plan needs.
 _LOADED = (
@@ -48,7 +50,8 @@ _REQUEST = json.dumps(LAS_VEGAS).encode()
 
 
 def warm_up() -> None:
-    """Plan the worked example."""
+    """Plan the worked example, and make the solvers that nine slews in ten ask for."""
+    make_solvers(SIZES[:5])
     plan_and_pack(_REQUEST)
 
 

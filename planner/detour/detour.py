@@ -72,6 +72,7 @@ def avoid_cones(
         solution,
         profiles=found.profiles,
         status=("detour",) * len(found.profiles),
+        runs=(found.run,),
         iterations=solution.iterations + found.iterations,
         wall_s=solution.wall_s + time.perf_counter() - began_s,
         cut_short=found.cut_short,

@@ -7,16 +7,16 @@ so that one solver serves every platform and every cap, another one at every ins
 
 from functools import cached_property, lru_cache
 from itertools import product
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
-from planner import effort
 from planner.arrays import Array, Mask
-from planner.detour.spline_ocp import IPOPT, ITERATION_ENTRY, AxisProgramme, SplineOcp
+from planner.detour.spline_ocp import ITERATION_ENTRY, AxisProgramme, SplineOcp
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
 from planner.slew.solution import AxisProfile
+from planner.solvers import Answer, Options, Solver, SolverRun, Work
 
 if TYPE_CHECKING:
     import casadi
@@ -26,15 +26,10 @@ NOT_COUNTING = 1e3  # beyond any scaled cosine
 # Of `planner.effort`: a solve and each of its caps' instants; a row or variable in an iteration,
 # as caps fill what is factorised.
 SOLVE, SOLVE_INSTANT, ITERATION_ROW = 300, 10, 0.4
-OPTIONS = {
-    name: value
-    for name, value in IPOPT.items()
-    if name not in ("mehrotra_algorithm", "jac_d_constant", "hessian_constant")
-}
 # How a solve begins: from far guesses; from such and led off wide of them, to other optima; or
 # near its end, with the caps kept at many instants.
 Start = Literal["far", "wide", "near"]
-STARTS: dict[Start, dict[str, str | float | int]] = {
+STARTS: dict[Start, Options] = {
     "far": {"tol": 1e-4, "mu_init": 1e-2, "max_iter": 40},
     "wide": {"tol": 1e-4, "mu_init": 1e-1, "max_iter": 40},
     # The margin beside a cap is a thousand times the tolerance.
@@ -132,32 +127,35 @@ class DetourOcp:
         )
 
     @cached_property
-    def _rates_only(self) -> "casadi.Function":
+    def _rates_only(self) -> Solver:
         """Neglects the limits of acceleration and jerk, which few slews meet: a third less work."""
         return self._build_solver(self._spline.rate_rows)
 
     @cached_property
-    def _complete(self) -> "casadi.Function":
+    def _complete(self) -> Solver:
         return self._build_solver(len(self._spline.jacobian))
 
-    def _build_solver(self, hull_rows: int) -> "casadi.Function":
+    def _build_solver(self, hull_rows: int) -> Solver:
         import casadi
 
         parts = self._parts
         jacobian = casadi.sparsify(casadi.DM(self._spline.jacobian[:hull_rows]))
         rows = casadi.mtimes(casadi.diagcat(jacobian, jacobian), parts.y)
-        programme: dict[str, Any] = {
-            "x": parts.y,
-            "p": parts.parameters,
-            "f": parts.cost,
-            "g": casadi.vertcat(rows, parts.cosines),
-        }
         linear = casadi.MX.sym("hull", rows.shape[0])
-        options: dict[str, Any] = {
-            "print_time": False,
-            "ipopt": {**OPTIONS, **STARTS[self.start]},
-            # Given, as CasADi takes up to 40 s to find it by differentiation where modes fill it.
-            "hess_lag": casadi.Function(
+        instants, size = parts.cosines.numel(), parts.y.numel()
+        full = size**2 / 2.0 if self._with_modes else 0.0  # entries of the hessians
+        iteration = ITERATION_ROW * (rows.numel() + instants + size) + ITERATION_ENTRY * full
+        return Solver(
+            {
+                "x": parts.y,
+                "p": parts.parameters,
+                "f": parts.cost,
+                "g": casadi.vertcat(rows, parts.cosines),
+            },
+            STARTS[self.start],
+            Work(SOLVE + SOLVE_INSTANT * instants, iteration),
+            # CasADi takes up to 40 s to find it by differentiation where modes fill it.
+            hessian=casadi.Function(
                 "nlp_hess_l",
                 [
                     parts.y,
@@ -169,8 +167,7 @@ class DetourOcp:
                 ["x", "p", "lam_f", "lam_g"],
                 ["triu_hess_gamma_x_x"],
             ),
-        }
-        return casadi.nlpsol("detour", "ipopt", programme, options)
+        )
 
     def solve(
         self,
@@ -178,8 +175,8 @@ class DetourOcp:
         axes: tuple[AxisProgramme, AxisProgramme],
         caps: Caps,
         guess_coefficients: Array,
-    ) -> tuple[tuple[AxisProfile, AxisProfile], int]:
-        """Both profiles and the iterations; to be judged by what they are.
+    ) -> tuple[tuple[AxisProfile, AxisProfile], SolverRun]:
+        """Both profiles and how they were solved; to be judged by what they are.
 
         axes: posed with one scale.  caps: at the instants tau.
         guess_coefficients: (2, k), y to begin from.
@@ -203,14 +200,17 @@ class DetourOcp:
                 (cosine / steepness[:, None]).ravel(order="F"),
             ]
         )
-        y, iterations, good = _run(
+        answer = _run(
             self._rates_only, self._spline.rate_rows, axes, parameters, most, guess_coefficients
         )
-        if good and not all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True)):
-            y, more, _ = _run(self._complete, len(self._spline.jacobian), axes, parameters, most, y)
-            iterations += more
+        y, run = answer.x.reshape(2, -1), answer.run
+        keeps = all(self._spline.keeps_rows(*one) for one in zip(axes, y, strict=True))
+        if run.is_promising and not keeps:
+            hull_rows = len(self._spline.jacobian)
+            answer = _run(self._complete, hull_rows, axes, parameters, most, y)
+            y, run = answer.x.reshape(2, -1), answer.run.after(run)
         outer, inner = map(self._spline.profile, axes, y)
-        return (outer, inner), iterations
+        return (outer, inner), run
 
 
 def _trigonometry(angle: "casadi.MX") -> "list[list[casadi.MX]]":
@@ -223,16 +223,15 @@ def _trigonometry(angle: "casadi.MX") -> "list[list[casadi.MX]]":
 
 
 def _run(
-    solver: "casadi.Function",
+    solver: Solver,
     hull_rows: int,
     axes: tuple[AxisProgramme, AxisProgramme],
     parameters: Array,
     cosine_limits: Array,
     guess_coefficients: Array,
-) -> tuple[Array, int, bool]:
-    """y of both axes (2, k), iterations, and whether the solver thinks it was good."""
-    effort.spend(SOLVE + SOLVE_INSTANT * len(cosine_limits))
-    found = solver(
+) -> Answer:
+    """x is y of both axes, one after the other."""
+    return solver.solve(
         x0=guess_coefficients.ravel(),
         p=parameters,
         lbx=np.concatenate([axis.least_y for axis in axes]),
@@ -242,12 +241,6 @@ def _run(
         ),
         ubg=np.concatenate([*(axis.greatest_rows[:hull_rows] for axis in axes), cosine_limits]),
     )
-    stats: dict[str, Any] = solver.stats()
-    y, iterations = np.asarray(found["x"]).reshape(2, -1), int(stats["iter_count"])
-    full = sum(axis.cost_hessian.size for axis in axes if axis.cost_hessian is not None)
-    rows = 2 * hull_rows + len(cosine_limits) + y.size
-    effort.count(iterations * (ITERATION_ROW * rows + ITERATION_ENTRY * full))
-    return y, iterations, bool(stats["success"])
 
 
 @lru_cache(maxsize=8)  # each keeps its basis, and on rows takes 20 MB

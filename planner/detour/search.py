@@ -19,6 +19,7 @@ from planner.pointing.keep_out import DeepestEntry, KeepOutView, deepest_entry
 from planner.slew.flown import reproduces
 from planner.slew.on_rows import rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
+from planner.solvers import SolverRun
 
 Profiles = tuple[AxisProfile, AxisProfile]
 TOUCH_RAD = 1e-6  # the flown Hermite may leave the plan by half of it
@@ -46,12 +47,14 @@ class Detour(NamedTuple):
 
     play_share: share by which many instants cost more or less than few; where it is large, so was
     the play between these, and other optima may be near.  sunk_rad: how much deeper than the
-    margin a path goes between few instants.  cut_short: whether the search for a better one was.
+    margin a path goes between few instants.  run: how the motion was solved; iterations: of all
+    that was tried.  cut_short: whether the search for a better one was.
     """
 
     profiles: Profiles
     cost: float
     off_rows: bool
+    run: SolverRun
     iterations: int
     play_share: float = 0.0
     sunk_rad: float = 0.0
@@ -118,7 +121,7 @@ class DetourSearch:
     def _solve_roughly(self, aside_rad: Array, start: Start) -> Detour:
         ocp = self._ocp(start)
         guess = self._guess(self._straight.profiles, aside_rad)
-        profiles, iterations = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
+        profiles, run = self._solve(ocp, guess, ROUGH_MARGIN_RAD)
         t_s = np.linspace(0.0, self._straight.duration_s, SINKING * (len(ocp.tau) + 1) + 1)
         angle = np.stack([profile.evaluate(t_s)[0] for profile in profiles], axis=1)
         depth_rad = float(self._view.depths_rad(t_s, angle).max())
@@ -126,21 +129,22 @@ class DetourSearch:
             profiles=profiles,
             cost=math.inf if depth_rad > HOPELESS_RAD else _cost(profiles),
             off_rows=False,
-            iterations=iterations,
+            run=run,
+            iterations=run.iterations or 0,
             sunk_rad=depth_rad + ROUGH_MARGIN_RAD,
         )
 
     def _refine(self, rough: Detour) -> Detour:
         ocp = self._ocp("near")
-        profiles, iterations = rough.profiles, rough.iterations
+        profiles, run, iterations = rough.profiles, rough.run, rough.iterations
         # Between instants so much nearer a path that curves alike sinks less by the square.
         nearer = (len(self._ocp("far").tau) + 1) / (len(ocp.tau) + 1)
         margin_rad = float(np.clip(nearer**2 * rough.sunk_rad, *MARGINS_RAD))
         depth_rad = SUNK_RAD
         for growth_rad in MARGIN_GROWTHS_RAD:
             guess = self._guess(profiles, np.zeros((2, self.spline.free_count)))
-            profiles, used = self._solve(ocp, guess, margin_rad)
-            iterations += used
+            profiles, run = self._solve(ocp, guess, margin_rad)
+            iterations += run.iterations or 0
             before_rad, depth_rad = depth_rad, slew_entry(profiles, self._view).depth_rad
             if depth_rad <= -TOUCH_RAD or depth_rad > max(STUCK * before_rad, SHALLOW_RAD):
                 break
@@ -155,6 +159,7 @@ class DetourSearch:
             profiles=profiles,
             cost=_cost(profiles) if fits else math.inf,
             off_rows=keeps and not fits,
+            run=run,
             iterations=iterations,
             play_share=abs(_cost(profiles) / rough.cost - 1.0),
         )
@@ -166,19 +171,20 @@ class DetourSearch:
 
     def _solve(
         self, ocp: DetourOcp, guess_coefficients: Array, margin_rad: float
-    ) -> tuple[Profiles, int]:
+    ) -> tuple[Profiles, SolverRun]:
         """Again with the caps of the masks where the last solution passed, while that helps."""
         outer, inner = map(self.spline.profile, self._axes, guess_coefficients)
-        profiles, iterations, cost = (outer, inner), 0, math.inf
+        profiles, cost = (outer, inner), math.inf
+        runs: list[SolverRun] = []
         for _ in range(EXCHANGES[ocp.start] if self._parts else 1):
             caps = self._caps(ocp, margin_rad, profiles)
-            profiles, used = ocp.solve(self._view.platform, self._axes, caps, guess_coefficients)
-            iterations += used
+            profiles, last = ocp.solve(self._view.platform, self._axes, caps, guess_coefficients)
+            runs.append(last.after(runs[-1]) if runs else last)
             guess_coefficients = self._guess(profiles, np.zeros((2, self.spline.free_count)))
             before, cost = cost, _cost(profiles)
             if abs(before - cost) < EXCHANGED[ocp.start] * cost:
                 break
-        return profiles, iterations
+        return profiles, runs[-1]
 
     def _caps(self, ocp: DetourOcp, margin_rad: float, path: Profiles) -> Caps:
         """path: beside which a mask's caps stand."""

@@ -23,19 +23,6 @@ from planner.slew.vibration import JERK_COST, WEIGHTS, span_echoes
 ROUNDING = 1e-9  # of the limits' ranges
 ON_ROWS_KEPT = 2  # both axes ask for the same one; at 200 rows it takes 3 MB
 INSIDE = 1.0 - 1e-8  # of the limits, so that the solver's last digits stay within them
-IPOPT: dict[str, str | float | int] = {
-    "print_level": 0,
-    "sb": "yes",
-    "linear_solver": "mumps",  # others crash or are not packaged everywhere
-    "tol": 1e-8,
-    "bound_relax_factor": 0.0,
-    "acceptable_iter": 0,
-    "max_iter": 50,  # what can be solved took 28 at most in 300 requests; the rest never ends
-    "mehrotra_algorithm": "yes",  # predictor-corrector: made for convex quadratic programs
-    "jac_d_constant": "yes",
-    "hessian_constant": "yes",
-}
-
 SOLVE, ITERATION_ENTRY = 100, 0.03  # of `planner.effort`; an entry of a full hessian
 
 

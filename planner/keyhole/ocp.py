@@ -7,25 +7,23 @@ one solver serves every platform and every pass.
 
 import math
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
-from planner import effort
 from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
 from planner.detour.ocp import ITERATION_ROW
-from planner.detour.ocp import OPTIONS as OPTIONS_AROUND_CONES
 from planner.detour.spline_ocp import INSIDE, SOLVE
 from planner.platforms import AxisLimits, TwoAxisPlatform
 from planner.pointing.angles import cosine_coefficients
+from planner.solvers import Solver, Work
 
 SAMPLES = (1.0 / 6.0, 0.5, 5.0 / 6.0)  # of a span, where the error is measured
 TIME_UNIT_S = 5.0  # makes rates and accelerations of a swing as large as its angles
 JERK_WEIGHT = 1e-8  # of a mean squared jerk at its limit, beside an error at the frame's edge
 BEYOND_WEIGHT = 10.0  # of the largest square beyond the frame's, beside the mean square
 UNBOUNDED = 1e19  # what Ipopt takes for no bound
-OPTIONS = OPTIONS_AROUND_CONES | {"tol": 1e-7, "constr_viol_tol": 1e-10, "mu_init": 1e-2}
+OPTIONS = {"tol": 1e-7, "constr_viol_tol": 1e-10, "mu_init": 1e-2}
 
 
 class NearestOcp:
@@ -85,16 +83,12 @@ class NearestOcp:
             variables.append(beyond)
             cost += BEYOND_WEIGHT * beyond
             constraints += [casadi.vec(square) - beyond for square in squares]
-        self._solver: Any = casadi.nlpsol(
-            "nearest",
-            "ipopt",
-            {
-                "x": casadi.vertcat(*variables),
-                "p": casadi.vertcat(h.T, jerk_max, coast, frame_rad, casadi.vec(cosine)),
-                "f": cost,
-                "g": casadi.vertcat(*constraints),
-            },
-            {"print_time": False, "ipopt": OPTIONS | {"max_iter": 70 if in_frame else 150}},
+        x, g = casadi.vertcat(*variables), casadi.vertcat(*constraints)
+        parameters = casadi.vertcat(h.T, jerk_max, coast, frame_rad, casadi.vec(cosine))
+        self._solver = Solver(
+            {"x": x, "p": parameters, "f": cost, "g": g},
+            OPTIONS | {"max_iter": 70 if in_frame else 150},
+            Work(SOLVE, ITERATION_ROW * (x.numel() + g.numel())),
         )
 
     def solve(
@@ -146,8 +140,7 @@ class NearestOcp:
             ubg.append(np.ones(spans * len(SAMPLES)))
             x_start, x_low = np.append(x_start, 1.0), np.append(x_low, 0.0)
             x_high = np.append(x_high, UNBOUNDED)
-        effort.spend(SOLVE)
-        found = self._solver(
+        answer = self._solver.solve(
             x0=x_start,
             p=np.concatenate(
                 [
@@ -163,9 +156,7 @@ class NearestOcp:
             lbg=np.concatenate(lbg),
             ubg=np.concatenate(ubg),
         )
-        iterations = int(self._solver.stats()["iter_count"])
-        effort.count(iterations * ITERATION_ROW * (len(x_start) + sum(map(len, lbg))))
-        x = np.asarray(found["x"]).ravel()[: x0.size].reshape(x0.shape) / scale
+        x = answer.x[: x0.size].reshape(x0.shape) / scale
         # What the solver leaves unsatisfied can't tear the Hermite through the knots apart.
         since_first = knots - knots[0]
         curve = CubicHermiteSpline(since_first / ROWS_PER_S, x[:, :2], x[:, 2:4])

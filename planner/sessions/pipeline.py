@@ -25,6 +25,7 @@ from planner.sessions.nearest_start import plan_sessions
 from planner.sessions.plan import Plan, SlewRun
 from planner.sessions.uncertainty import pointing_budget
 from planner.slew import compare_with_spline
+from planner.solvers import merged
 from planner.targets import BenchMotionTarget
 from planner.verification import VerificationReport, verify
 
@@ -125,17 +126,19 @@ def _numbered(scenario: Scenario, joins: list[Join]) -> Iterator[tuple[int | Non
 def _slew_run(options: SlewOptions, number: int | None, join: Join) -> SlewRun:
     slew = join.slew
     optimised = options.keeps_limits
+    parts = [part for part in (join.brake, slew) if part]
     return SlewRun(
         session=number,
         backend=options.method,
         status="; ".join(dict.fromkeys(slew.status)),
-        iterations=sum(part.iterations for part in (join.brake, slew) if part),
-        wall_s=sum(part.wall_s for part in (join.brake, slew) if part),
+        iterations=sum(part.iterations for part in parts),
+        wall_s=sum(part.wall_s for part in parts),
         duration_s=slew.duration_s,
         minimum_s=least_slew_s(slew.problem.start, slew.problem.end, slew.problem.limits),
         cost_rad2_s5=slew.jerk_squared_integral if optimised else None,
         lower_bound_rad2_s5=sum(slew.lower_bounds_rad2_s5) if optimised else None,
         comparison=compare_with_spline(slew, options) if optimised else None,
+        solver=merged(run for part in parts for run in part.runs),
     )
 
 

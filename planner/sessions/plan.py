@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from planner.export import FlightPlan
 from planner.sessions.budget import PointingBudget
 from planner.slew import SlewComparison
+from planner.solvers import SolverRun
 from planner.verification import VerificationReport
 
 
@@ -15,7 +16,8 @@ class SlewRun:
     session: onto whose track; None: to the final state.
     minimum_s: the least time the limits allow, stops aside.  cost_rad2_s5: the integral of squared
     jerk of all axes; no motion within the limits has less than lower_bound_rad2_s5.  These and
-    comparison: None where the baseline itself was asked for.
+    comparison: None where the baseline itself was asked for.  solver: whose motions are flown, all
+    axes and the braking before taken together; None where they are no solver's.
     """
 
     session: int | None
@@ -28,6 +30,7 @@ class SlewRun:
     cost_rad2_s5: float | None
     lower_bound_rad2_s5: float | None
     comparison: SlewComparison | None
+    solver: SolverRun | None
 
     @property
     def gap(self) -> float | None:

@@ -4,207 +4,147 @@ Whatever prices are put on meeting the end and on keeping limits at some instant
 (squared jerk - prices) over all jerks within their limit is a lower bound of the cost of every
 motion that meets the end and keeps the limits.  That least is found instant by instant: the
 jerk is the costate, a quadratic of time less the pushes of the contacts, cut off at its limit.
-The pushes may come from any solver; the end's prices are those that make the bound highest.
+The pushes may come from any solver; the end's prices are those that make the bound highest,
+sought from those whose costate is nearest to a known motion's jerk.  (A solver's multipliers of
+the dynamics aren't the costate where coefficients beside a knot are at their limits.)
 All in normalised time: the motion lasts 1.
 Source: weak duality, Luenberger 1969, Optimization by Vector Space Methods, ch. 8.
 """
 
-import math
-
 import numpy as np
 
-from planner.arrays import Array, Indices
-from planner.compiled import compiled
-from planner.slew.jerk_spans import solved
+from planner.arrays import Array
+from planner.slew.spans import solve_scaled
 
-NEWTON_STEPS = 40
-CONVERGED = 1e-12  # of the bound
-_NODE = math.sqrt(0.6)  # of three-point Gauss quadrature, exact for the quartics here
-_NODES, _WEIGHTS = np.array([-_NODE, 0.0, _NODE]), np.array([5.0, 8.0, 5.0]) / 18.0
+NEWTON_STEPS = 20
+CONVERGED = 1e-9  # of the bound
+_MIDDLE = 0.5
+_NODES = np.sqrt(0.6) * np.array([[-1.0], [0.0], [1.0]])  # Gauss, exact for the quartics here
+_WEIGHTS = np.array([[5.0], [8.0], [5.0]]) / 18.0
 
 
-@compiled
 def lower_bound(
     ends: Array, limits: Array, contacts: Array, knots: Array, jerks: Array
 ) -> tuple[float, Array]:
-    """The bound on half the integral of squared jerk, doubled, and where the jerks miss it.
+    """The bound on the integral of squared jerk, and where the jerks miss the costate's.
 
     ends (2, 3): angle, rate, acceleration at start and end.  limits (4, 2) of angle, rate,
     acceleration, jerk.  contacts (m, 3): instant, order (0 angle, 1 rate, 2 acceleration), push,
     positive at the upper limit.  knots (n + 1,), jerks (n, 2): a motion near the optimum; the
     second result (n,) is the squared distance of its jerk from the costate's, span by span.
     """
-    jerk_max = limits[3, 1]
-    grid = np.unique(np.concatenate((knots, contacts[:, 0])))
-    pieces = len(grid) - 1
+    grid = np.unique(np.concatenate([knots, contacts[:, 0], [_MIDDLE]]))
+    half, middle = np.diff(grid) / 2.0, (grid[1:] + grid[:-1]) / 2.0
+    span = np.searchsorted(knots, middle) - 1
+    jerk_max, own_width = limits[3, 1], np.diff(knots)[span]
+
+    def own(t: Array) -> Array:
+        share = (t - knots[span]) / own_width
+        return np.asarray(jerks[span, 0] + share * (jerks[span, 1] - jerks[span, 0]))
+
     costate, owed = _pushes(ends, limits, contacts, grid)
-    span = np.searchsorted(knots, (grid[1:] + grid[:-1]) / 2.0) - 1
-    prices = _first_prices(costate, grid, knots, jerks, span, jerk_max)
-    wanted = _moments(ends)
-    best, step = -np.inf, np.zeros(3)
-    kept = prices.copy()
+    wanted = _drift(ends[1], np.array(_MIDDLE - 1.0)) - _drift(ends[0], np.array(_MIDDLE))
+    t = middle + half * _NODES
+    basis = _effects(t)
+    rest = own(t) - (costate[0] + _NODES * (costate[1] + _NODES * costate[2]))
+    weight = half * _WEIGHTS * np.where(np.abs(own(t)) < 0.99 * jerk_max, 1.0, 1e-6)
+    prices = solve_scaled(
+        np.einsum("ign,gn,jgn->ij", basis, weight, basis),
+        np.einsum("ign,gn->i", basis, weight * rest),
+    )
+    best, missed, kept, step = -np.inf, np.zeros(len(own_width)), prices, np.zeros(3)
     for _ in range(NEWTON_STEPS):
-        if not np.all(np.isfinite(prices)):
-            break
-        value, slope, curvature = _dual(prices, costate, grid, jerk_max, wanted)
-        value += owed
-        if value > best:
-            best, kept = value, prices.copy()
-            for i in range(3):
-                curvature[i, i] *= 1.0 + 1e-12
-                curvature[i, i] += 1e-300
-            step = solved(curvature, slope)
-            if not abs(np.dot(step, slope)) > CONVERGED * abs(best):
-                break
+        away = _MIDDLE - middle
+        p2, p1, p0 = prices[0] / 2.0, prices[1], prices[2]
+        c0, c1, c2 = costate + np.array(
+            [p2 * away**2 + p1 * away + p0, -half * (2.0 * p2 * away + p1), p2 * half**2]
+        )
+        x, share = _nodes_between(_where_cut_off(c0, c1, c2, jerk_max))
+        w, weight, t = c0 + x * (c1 + x * c2), 2.0 * half * share * _WEIGHTS, middle + half * x
+        u = np.clip(w, -jerk_max, jerk_max)
+        value = float(prices @ wanted) + owed + float(np.sum(weight * (0.5 * u * u - u * w)))
+        gain = value - best
+        if gain > 0.0:
+            best, kept = value, prices
+            missed = np.sum(weight * (u - own(t)) ** 2, axis=(0, 1))
+            basis = _effects(t)
+            slope = wanted - np.einsum("isgn,sgn->i", basis, weight * u)
+            free = weight * (np.abs(w) <= jerk_max)
+            step = solve_scaled(np.einsum("isgn,sgn,jsgn->ij", basis, free, basis), slope)
         else:
             step = step / 4.0
-            if not abs(np.dot(step, slope)) > CONVERGED * abs(best):
-                break
+        if not abs(float(step @ slope)) > CONVERGED * abs(best):
+            break
         prices = kept + step
-    missed = np.zeros(len(knots) - 1)
-    for k in range(pieces):
-        begin, width = grid[k], grid[k + 1] - grid[k]
-        s = span[k]
-        for node in range(3):
-            at = (1.0 + _NODES[node]) / 2.0
-            tau = begin + at * width
-            share = (tau - knots[s]) / (knots[s + 1] - knots[s])
-            own = jerks[s, 0] + share * (jerks[s, 1] - jerks[s, 0])
-            x = 2.0 * at - 1.0
-            w = costate[k, 0] + x * (costate[k, 1] + x * costate[k, 2]) + _polynomial(kept, tau)
-            w = min(max(w, -jerk_max), jerk_max)
-            missed[s] += _WEIGHTS[node] * width * (w - own) ** 2
-    return 2.0 * best, missed
+    by_span = np.zeros(len(knots) - 1)
+    np.add.at(by_span, span, missed)
+    return 2.0 * best, by_span
 
 
-@compiled
-def _polynomial(prices: Array, tau: float) -> float:
-    x = 2.0 * tau - 1.0
-    return float(prices[0] + x * prices[1] + (1.5 * x * x - 0.5) * prices[2])
-
-
-@compiled
-def _moments(ends: Array) -> Array:
-    """Integrals of the jerk times Legendre's polynomials that lead from start to end."""
-    start, end = ends[0], ends[1]
-    first = end[2] - start[2]
-    second = end[1] - start[1] - start[2]
-    third = end[0] - start[0] - start[1] - start[2] / 2.0
-    return np.array([first, first - 2.0 * second, first - 6.0 * second + 12.0 * third])
-
-
-@compiled
 def _pushes(ends: Array, limits: Array, contacts: Array, grid: Array) -> tuple[Array, float]:
-    """The pushes' part of the costate, quadratics (pieces, 3) on [-1, 1], and what they owe.
+    """The pushes' part of the costate, quadratics (3, pieces) on [-1, 1], and what they owe.
 
-    A contact is reached from the nearer end, so that a push on a short stretch keeps its digits.
+    A contact is reached from the nearer end, and acts from its instant towards it, so that a push
+    on a short stretch keeps its digits.
     """
-    costate, owed = np.zeros((len(grid) - 1, 3)), 0.0
-    for contact in contacts:
-        at, order, push = contact[0], int(contact[1]), contact[2]
-        early = at <= 0.5
-        end, x = (ends[0], at) if early else (ends[1], at - 1.0)
-        if order == 0:
-            drift = end[0] + x * (end[1] + x * end[2] / 2.0)
-        elif order == 1:
-            drift = end[1] + x * end[2]
-        else:
-            drift = end[2]
-        limit = limits[order, 1] if push > 0.0 else limits[order, 0]
-        owed += push * (drift - limit)
-        sign = -push if early else push
-        if not early and order == 1:
-            sign = -sign
-        for k in range(len(grid) - 1):
-            middle, half = (grid[k] + grid[k + 1]) / 2.0, (grid[k + 1] - grid[k]) / 2.0
-            away = at - middle if early else middle - at
-            if away <= 0.0:
-                continue
-            slope = -half if early else half
-            if order == 2:
-                costate[k, 0] += sign
-            elif order == 1:
-                costate[k, 0] += sign * away
-                costate[k, 1] += sign * slope
-            else:
-                costate[k, 0] += sign * away * away / 2.0
-                costate[k, 1] += sign * away * slope
-                costate[k, 2] += sign * slope * slope / 2.0
-    return costate, owed
+    at, order, push = contacts[:, 0], contacts[:, 1].astype(int), contacts[:, 2]
+    early = at <= _MIDDLE
+    drift = np.where(early, _drift(ends[0], at), _drift(ends[1], at - 1.0))
+    limit = limits[order, (push > 0.0).astype(int)]
+    owed = float(push @ (drift[order, np.arange(len(at))] - limit))
+    # How the costate's value, slope and curvature away from the middle jump at each contact.
+    sign = np.where(early, -1.0, np.where(order == 1, -1.0, 1.0))
+    jumps = np.zeros((3, len(grid)))
+    np.add.at(jumps, (2 - order, np.searchsorted(grid, at)), sign * push)
+    middle = int(np.searchsorted(grid, _MIDDLE))
+    before = _integrated(_MIDDLE - grid[middle::-1], jumps[:, middle::-1], bool(early.any()))
+    jumps[:, middle] = 0.0  # which acts on what is before
+    after = _integrated(grid[middle:] - _MIDDLE, jumps[:, middle:], not bool(early.all()))
+    return np.hstack([before[:, ::-1] * [[1.0], [-1.0], [1.0]], after]), owed
 
 
-@compiled
-def _first_prices(
-    costate: Array, grid: Array, knots: Array, jerks: Array, span: Indices, jerk_max: float
-) -> Array:
-    """Prices whose costate comes nearest to the jerks where these are free."""
-    system, wanted = np.zeros((3, 3)), np.zeros(3)
-    for k in range(len(span)):
-        s, width = span[k], grid[k + 1] - grid[k]
-        tau = grid[k] + width / 2.0
-        share = (tau - knots[s]) / (knots[s + 1] - knots[s])
-        own = jerks[s, 0] + share * (jerks[s, 1] - jerks[s, 0])
-        weight = width if abs(own) < 0.99 * jerk_max else 1e-6 * width
-        x = 2.0 * tau - 1.0
-        basis = np.array([1.0, x, 1.5 * x * x - 0.5])
-        for i in range(3):
-            wanted[i] += weight * basis[i] * (own - costate[k, 0])
-            for j in range(3):
-                system[i, j] += weight * basis[i] * basis[j]
-    return solved(system, wanted)
+def _integrated(x: Array, jumps: Array, acts: bool) -> Array:
+    """Quadratics on [-1, 1] of each piece between x, of jumps (3, n) of value, slope, curvature."""
+    h = np.diff(x)
+    if not acts:
+        return np.zeros((3, len(h)))
+    curvature = np.cumsum(jumps[2])[:-1]
+    slope = np.cumsum(jumps[1, :-1] + np.append(0.0, (h * curvature)[:-1]))
+    change = h * (slope + h * curvature / 2.0)
+    value = np.cumsum(jumps[0, :-1] + np.append(0.0, change[:-1]))
+    half = h / 2.0
+    return np.array(
+        [
+            value + half * (slope + half * curvature / 2.0),
+            half * (slope + half * curvature),
+            half**2 * curvature / 2.0,
+        ]
+    )
 
 
-@compiled
-def _dual(
-    prices: Array, costate: Array, grid: Array, jerk_max: float, wanted: Array
-) -> tuple[float, Array, Array]:
-    """The dual value without what contacts owe, its slope and negative curvature in the prices."""
-    value = float(np.dot(prices, wanted))
-    slope, curvature = wanted.copy(), np.zeros((3, 3))
-    cuts = np.empty(6)
-    basis = np.empty(3)
-    for k in range(len(costate)):
-        begin, width = grid[k], grid[k + 1] - grid[k]
-        x0, dx = 2.0 * begin - 1.0, 2.0 * width  # Legendre's argument runs over [-1, 1]
-        middle, half = x0 + dx / 2.0, dx / 2.0
-        c0 = costate[k, 0] + prices[0] + prices[1] * middle + prices[2] * (1.5 * middle**2 - 0.5)
-        c1 = costate[k, 1] + half * (prices[1] + 3.0 * prices[2] * middle)
-        c2 = costate[k, 2] + 1.5 * prices[2] * half**2
-        count = _where_cut_off(c0, c1, c2, jerk_max, cuts)
-        for cut in range(count - 1):
-            low, high = cuts[cut], cuts[cut + 1]
-            if not high > low:
-                continue
-            for node in range(3):
-                x = (low + high) / 2.0 + (high - low) / 2.0 * _NODES[node]
-                weight = _WEIGHTS[node] * width * (high - low) / 2.0
-                w = c0 + x * (c1 + x * c2)
-                u = min(max(w, -jerk_max), jerk_max)
-                value += weight * (0.5 * u * u - u * w)
-                y = middle + half * x
-                basis[0], basis[1], basis[2] = 1.0, y, 1.5 * y * y - 0.5
-                free = abs(w) <= jerk_max
-                for i in range(3):
-                    slope[i] -= weight * u * basis[i]
-                    if free:
-                        for j in range(3):
-                            curvature[i, j] += weight * basis[i] * basis[j]
-    return value, slope, curvature
+def _drift(state: Array, t: Array) -> Array:
+    """Angle, rate, acceleration, (3, ...), a time after the state, or before it, without jerk."""
+    q, v, a = state
+    return np.array([q + t * (v + t * a / 2.0), v + t * a, a + 0.0 * t])
 
 
-@compiled
-def _where_cut_off(c0: float, c1: float, c2: float, jerk_max: float, cuts: Array) -> int:
-    """Fills cuts with -1, 1 and where c0 + c1 x + c2 x^2 passes the limit between, in order."""
-    cuts[0], cuts[1] = -1.0, 1.0
-    count = 2
-    for level in (jerk_max, -jerk_max):
-        discriminant = c1 * c1 - 4.0 * c2 * (c0 - level)
-        if discriminant <= 0.0:
-            continue
-        q = -0.5 * (c1 + math.copysign(math.sqrt(discriminant), c1))
-        for root in (q / c2 if c2 != 0.0 else 2.0, (c0 - level) / q if q != 0.0 else 2.0):
-            if -1.0 < root < 1.0:
-                cuts[count] = root
-                count += 1
-    cuts[:count].sort()
-    return count
+def _effects(t: Array) -> Array:
+    """What a unit of each of the end's prices adds to the costate, (3, ...)."""
+    away = _MIDDLE - t
+    return np.array([away * away / 2.0, away, np.ones_like(away)])
+
+
+def _where_cut_off(c0: Array, c1: Array, c2: Array, jerk_max: float) -> Array:
+    """In order -1, 1 and where c0 + c1 x + c2 x^2 passes a limit between, (6, pieces)."""
+    cuts = [np.full(len(c0), -1.0), np.full(len(c0), 1.0)]
+    with np.errstate(all="ignore"):  # no root, or one at infinity, isn't between
+        for level in (jerk_max, -jerk_max):
+            q = -0.5 * (c1 + np.copysign(np.sqrt(c1 * c1 - 4.0 * c2 * (c0 - level)), c1))
+            cuts += [q / c2, (c0 - level) / q]
+    return np.asarray(np.sort(np.clip(np.nan_to_num(cuts, nan=1.0), -1.0, 1.0), axis=0))
+
+
+def _nodes_between(cuts: Array) -> tuple[Array, Array]:
+    """Gauss nodes (parts, 3, pieces) between cuts, and half the parts' widths."""
+    half = np.diff(cuts, axis=0)[:, None] / 2.0
+    return (cuts[1:] + cuts[:-1])[:, None] / 2.0 + half * _NODES, half

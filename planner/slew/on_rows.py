@@ -33,20 +33,22 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
     began_s = time.perf_counter()
     problem = solution.problem
     rows = rows_in(solution.duration_s)
-    profiles, status, iterations = [], [], solution.iterations
-    for name, slew, profile, found, bound in zip(
+    profiles, status, runs, iterations = [], [], [], solution.iterations
+    for name, slew, profile, found, run, bound in zip(
         problem.axis_names,
         problem.axes,
         solution.profiles,
         solution.status,
+        solution.runs,
         solution.lower_bounds_rad2_s5 or (0.0,) * len(solution.profiles),
         strict=True,
     ):
         if not slew.avoid_modes and reproduces(profile, rows, slew.limits):
             profiles.append(profile)
             status.append(found)
+            runs.append(run)
             continue
-        on_rows = _smoothest_on_rows(profile, slew, rows)
+        on_rows = _smoothest_on_rows(profile, slew, rows, bound)
         if on_rows is None:
             raise InfeasibleSlew(
                 f"{name} makes the slew in {solution.duration_s:.1f} s only when its jerk may "
@@ -56,19 +58,24 @@ def fit_to_rows(solution: SlewSolution) -> SlewSolution:
             )
         profiles.append(on_rows.profile)
         status.append(f"{how_good(on_rows, bound)}, jerk on rows")
+        runs.append(on_rows.run)
         iterations += on_rows.iterations
     return replace(
         solution,
         profiles=tuple(profiles),
         status=tuple(status),
+        runs=tuple(runs),
         iterations=iterations,
         wall_s=solution.wall_s + time.perf_counter() - began_s,
     )
 
 
-def _smoothest_on_rows(profile: AxisProfile, slew: AxisSlew, rows: int) -> Smoothest | None:
+def _smoothest_on_rows(
+    profile: AxisProfile, slew: AxisSlew, rows: int, bound_rad2_s5: float
+) -> Smoothest | None:
     """The smoothest of the motions that rows can carry."""
-    found = smoothest(replace(slew, duration_s=profile.duration_s), profile, rows)
+    slew = replace(slew, duration_s=profile.duration_s)
+    found = smoothest(slew, profile, rows, lower_bound_rad2_s5=bound_rad2_s5)
     if found is None or not reproduces(found.profile, rows, slew.limits):
         return None
     return found

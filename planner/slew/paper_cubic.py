@@ -40,6 +40,7 @@ def paper_slew(problem: SlewProblem, options: SlewOptions) -> SlewSolution:
         problem=problem,
         profiles=profiles,
         status=("cubic",) * len(profiles),
+        runs=(None,) * len(profiles),
         iterations=0,
         wall_s=time.perf_counter() - began_s,
         violations=tuple(broken),

@@ -1,99 +1,208 @@
 """The smoothest motion of one axis within its limits, and a proof of how near it is to the best.
 
-The optimum's jerk is a quadratic of time less pushes of the contacts with limits, cut off at
-its limit.  A jerk that is linear on spans, angle, rate and acceleration held within their
-limits by their Bernstein coefficients, comes as near to it as the spans allow.  The pushes that
-the solver finds give a lower bound for every motion; the gap to it is the sum of what each span
-loses, so the spans that lose most are cut, until the gap is closed.  Within, all is in
-normalised time: the motion lasts 1.
+`planner.slew.ocp` states and solves the slew on given knots.  What its limits are worth there
+gives a lower bound for every motion, and says what each span adds to the gap: the spans that
+add most are cut, up to the next size of `SIZES`, and it is solved again until the gap is closed.
+For the command table knots lie on its rows.  While knots are sought PIQP may solve; the motion
+that is handed back is Ipopt's.  Within, all is in normalised time: the motion lasts 1.
 """
 
+import heapq
 import math
-from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from planner import effort
-from planner.arrays import Array, Mask
+from planner.arrays import Array, Indices, Mask
 from planner.slew.braking import braked_ends
 from planner.slew.closed_forms import least_jerk_profile
 from planner.slew.feasibility import verdict
 from planner.slew.flown import cells_that_break, cells_that_leave
-from planner.slew.interior_point import ORDERS, bounded_values, least_jerk
-from planner.slew.jerk_spans import jerk_cost, meet_end, trajectory
 from planner.slew.lower_bound import lower_bound
-from planner.slew.normalised import NormalisedSlew, normalised
+from planner.slew.normalised import normalised
+from planner.slew.ocp import Begin, Echoes, Rows, Solved, SpanProgramme, Start, solve
 from planner.slew.problem import AxisSlew
 from planner.slew.solution import AxisProfile, obeys
+from planner.slew.spans import (
+    BETWEEN,
+    hull_between,
+    jerk_cost,
+    least_cost,
+    meet_end,
+    trajectory,
+    values_at,
+)
 from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_residuals
+from planner.solvers import SolverRun, has_piqp
 
+SIZES = (16, 40, 56, 80, 112, 160, 224, 320, 448)  # of spans: each has solvers, made once
 GAP_WANTED = 3e-4  # of the cost: what is called optimal may be off three times as much
-FIRST_SPANS = 32
+NOTHING = 1e-6  # of a cost in normalised time, 720 for an ordinary move: of what needn't move
+FIRST_SPANS = 24
 UNEVEN = 0.7  # of the first spans' widths follows a cosine, which is dense at the ends
-ROUNDS = 20
-HOLDING_ROUNDS = 6
-ROWS_AROUND = 6
+HOLDING_ROUNDS, ROUNDS = 6, 12
 NARROWEST = 3e-8
-HELD = 1e-7  # of half a range: what a known motion may pass a limit by
+HELD = 5e-8  # of a range: what a known motion may pass a limit by
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
 PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
-DEEP = 100.0  # times what a span may lose: it is cut in four
-LOSS_SHARE = 0.02  # of the greatest loss: spans that lose less are left as they are
+DEAREST = 30.0  # times the quintic's cost: what scales the cost of a rough motion
+HALVED = 1.0 / 16.0  # of a span's loss is left in each of its halves
 MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
 WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
 WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
 HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
-SPANS_MAX = 2000  # which no more are cut, whatever the gap: a round takes half a second then
-# Of `planner.effort`: a solve, an iteration on a span, and more of it for each echo of a mode, and
-# for each pair of them; a span in the proof, and each contact's part of it.
-SOLVE, ITERATION_SPAN, ECHO, ECHO_PAIR = 40, 0.08, 0.006, 0.0007
-PROOF_SPAN, PROOF_CONTACT = 2.0, 0.0015
-# Where each of `least_jerk`'s bounds holds, as a share of the span: a Bernstein coefficient's own
-# place (Greville abscissa).
-_AT = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1 / 4, 1 / 2, 3 / 4, 1 / 3, 2 / 3, 1 / 2])
-_NO_ECHOES = np.zeros(0)
+JUDGED, JUDGED_SPAN = 100, 1.0  # of `planner.effort`: extremes and the proof, beside solving
+QUICK: tuple[Start, ...] = ("quick", "cold")
+SURE: tuple[Start, ...] = ("warm", "cold")
+NO_MODES = np.zeros(0)
 
 
 class Smoothest(NamedTuple):
     """lower_bound_rad2_s5: no motion between these states within these limits costs less.
 
+    negligible_rad2_s5: a cost that is rounding.  run: of the solver, how this motion was solved.
+    iterations: of Ipopt, in all.
     spares_modes: whether the slew's modes were spared, as far as its limits allow.
     """
 
     profile: AxisProfile
     lower_bound_rad2_s5: float
+    negligible_rad2_s5: float
+    run: SolverRun
     iterations: int
     spares_modes: bool = False
 
 
-class _Motion(NamedTuple):
-    """A solved motion on its knots, in normalised time; pushes (n, 11) at places (n, 11)."""
+class _Grid(NamedTuple):
+    """knots (n + 1,) of spans; flat_rows: those of constant jerk."""
 
     knots: Array
-    flat: Mask
-    places: Array
+    flat_rows: Indices
+
+
+class _Motion(NamedTuple):
+    """A solved motion on n spans, accepted on its own extremes.
+
+    given: the programme.  states (n + 1, 3), jerks (n, 2).  iterations: of Ipopt, in all tries.
+    """
+
+    grid: _Grid
+    given: SpanProgramme
     states: Array
     jerks: Array
-    pushes: Array
+    profile: AxisProfile
+    solved: Solved
+    iterations: int
+
+    @property
+    def cost(self) -> float:
+        """The integral of squared jerk."""
+        return jerk_cost(self.given.widths, self.jerks)
+
+    @property
+    def left_of_modes(self) -> Array:
+        """Of each detuned mode, real parts and then imaginary ones."""
+        return np.asarray(np.einsum("mnu,nu->m", self.given.echoes.maps, self.jerks))
+
+    @property
+    def is_ipopts(self) -> bool:
+        """Whether it may be handed back."""
+        return self.solved.run.name == "ipopt"
+
+
+class _Losses(NamedTuple):
+    """bound: on the cost of any motion.  by_span (n,): what each adds to the gap.  cuts (n,): where
+    in it to cut, shares."""
+
+    bound: float
+    by_span: Array
+    cuts: Array
+
+
+class _Placed(NamedTuple):
+    """The best motion, None where none was found; bound: on the cost of any; iterations: in all."""
+
+    best: _Motion | None
+    bound: float
     iterations: int
 
 
-def smoothest(slew: AxisSlew, known: AxisProfile | None, rows: int | None) -> Smoothest | None:
+def smoothest(
+    slew: AxisSlew,
+    known: AxisProfile | None,
+    rows: int | None,
+    *,
+    may_fly: bool = True,
+    lower_bound_rad2_s5: float = 0.0,
+) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
     known: a motion with these ends within the limits, to begin at.  rows: in how many equal
-    steps the jerk may change only between them, on spans of one step not at all within; a cubic
-    Hermite through the rows then flies the motion.  avoid_modes of the slew are left as calm as
-    the limits allow, see `planner.slew.vibration`.
+    steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: the
+    motion may be flown, and must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
+    avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
-    problem, begun = normalised(slew), known or _without_limits(slew)
-    found = _from_knots(problem, slew, begun, _first_knots(problem, begun, rows), rows)
-    if found is None and rows is not None:
-        found = _from_knots(problem, slew, begun, _knots_around(problem, begun, rows), rows)
-    return found or _with_braked_ends(slew, rows)
+    axis = _Axis(slew, rows, known)
+    unit = axis.normal.cost_unit_rad2_s5
+    placed = _place_knots(axis, lower_bound_rad2_s5 / unit)
+    best, iterations = placed.best, placed.iterations
+    calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
+    found = calm or best
+    if found is not None and may_fly and not found.is_ipopts:
+        found = axis.solve_to_fly(found)
+        iterations += found.iterations if found is not None else 0
+    if found is None:
+        return _with_braked_ends(slew, rows)
+    return Smoothest(
+        found.profile,
+        placed.bound * unit,
+        NOTHING * unit,
+        found.solved.run,
+        iterations,
+        spares_modes=calm is not None,
+    )
+
+
+def _place_knots(axis: "_Axis", bound: float) -> _Placed:
+    """The best motion on knots that are added to until the gap is closed, and its bound.
+
+    Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
+    come as near to it as is wanted.
+    """
+    best, iterations, bound = None, 0, max(bound, least_cost(axis.ends))
+    begun = axis.known
+    starts = SURE if axis.is_unbound or not has_piqp() else QUICK
+    flat_rows = axis.rows_astray(begun)
+    knots = axis.first_knots(begun, flat_rows)
+    for _ in range(ROUNDS):
+        motion = axis.solve_on(knots, flat_rows, begun, starts)
+        if motion is None:
+            break
+        begun, iterations = motion.profile, iterations + motion.iterations
+        allowed = GAP_WANTED * max(motion.cost, NOTHING)
+        astray = np.setdiff1d(axis.rows_astray(begun), flat_rows)
+        if not astray.size and motion.cost - bound <= allowed:
+            best = motion
+            break
+        losses = axis.losses(motion)
+        bound = max(bound, losses.bound)
+        is_closed = min(motion.cost - bound, float(losses.by_span.sum())) <= allowed
+        if not astray.size:
+            is_stuck = (
+                best is not None
+                and len(best.grid.knots) == len(knots)
+                and best.cost - motion.cost <= allowed
+            )
+            best = motion if best is None or motion.cost < best.cost else best
+            if is_closed or is_stuck:
+                break
+        flat_rows = np.union1d(flat_rows, astray)
+        is_fine = is_closed or float(losses.by_span[axis.can_cut(knots)].sum()) <= allowed
+        spans = len(motion.jerks) + (not is_fine)
+        knots = axis.refined(motion, losses, astray, at_least=spans)
+    return _Placed(best, bound, iterations)
 
 
 def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
@@ -106,7 +215,9 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
     if ends is None or ends.rows >= (rows or math.inf) or ends.free.duration_s <= 0.0:
         return None
     possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
-    between = None if possible.limit else smoothest(ends.free, possible.profile, None)
+    if possible.limit is not None:
+        return None
+    between = smoothest(ends.free, possible.profile, None, may_fly=rows is None)
     if between is not None and rows is not None:
         between = smoothest(ends.free, between.profile, rows - ends.rows)
     if between is None:
@@ -114,293 +225,273 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
     profile = ends.around(between.profile)
     if not obeys(profile, slew.start, slew.end, slew.limits):
         return None
-    return Smoothest(profile, bound_without_contacts(slew), between.iterations)
-
-
-def _from_knots(
-    problem: NormalisedSlew,
-    slew: AxisSlew,
-    known: AxisProfile,
-    knots: Array,
-    rows: int | None,
-) -> Smoothest | None:
-    found = _solve(problem, known, knots, rows)
-    if found is None:
-        return None
-    motion, bound = found
-    solve, calm = _on_knots, None
-    if slew.avoid_modes:
-        spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
-        knots = _spaced(np.union1d(motion.knots, np.linspace(0.0, 1.0, spans + 1)), rows)
-        calm = _calmest(problem, knots, rows, _guess(problem, motion, knots), slew)
-        if calm is not None:
-            motion, solve = calm, partial(_calmest, slew=slew)
-    if rows is not None:
-        carried = _carried(problem, slew, motion, rows, solve)
-        if carried is None:
-            return None
-        motion = carried
-    profile = _profile(problem, motion)
-    if not obeys(profile, slew.start, slew.end, slew.limits):
-        return None
-    bound_rad2_s5 = bound * problem.cost_unit_rad2_s5
-    return Smoothest(profile, bound_rad2_s5, motion.iterations, spares_modes=calm is not None)
+    return between._replace(profile=profile, lower_bound_rad2_s5=bound_without_contacts(slew))
 
 
 def bound_without_contacts(slew: AxisSlew) -> float:
     """A lower bound of the cost, rad^2/s^5, that knows of the jerk's limit alone."""
-    problem = normalised(slew)
+    axis = _Axis(slew, None, None)
     knots = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    jerks, _ = _known(problem, _without_limits(slew), knots)
-    bound, _ = lower_bound(problem.ends, problem.limits, np.zeros((0, 3)), knots, jerks)
-    return bound * problem.cost_unit_rad2_s5
+    _, jerks = axis.seen(axis.known, knots)
+    bound, _ = lower_bound(axis.ends, axis.limits, np.zeros((0, 3)), knots, jerks)
+    return bound * axis.normal.cost_unit_rad2_s5
 
 
-def _without_limits(slew: AxisSlew) -> AxisProfile:
-    return least_jerk_profile(slew.start, slew.end, slew.duration_s)
+class _Axis:
+    """One axis's slew on spans, in normalised time; on rows where these are given.
 
-
-def _profile(problem: NormalisedSlew, motion: _Motion) -> AxisProfile:
-    return problem.profile(motion.knots, motion.flat, motion.states, motion.jerks)
-
-
-def _solve(
-    problem: NormalisedSlew, known: AxisProfile, knots: Array, rows: int | None
-) -> tuple[_Motion, float] | None:
-    """The motion and its lower bound, on knots that are added to until the gap is closed."""
-    best: _Motion | None = None
-    bound, iterations = 0.0, 0
-    guess, _ = _known(problem, known, knots)
-    for _ in range(ROUNDS):
-        motion = _on_knots(problem, knots, rows, guess)
-        if motion is None:
-            break
-        iterations += motion.iterations
-        best, cost = motion, _cost(motion)
-        proven, losses = _losses(problem, motion)
-        bound = max(bound, proven)
-        if min(cost - bound, losses[~motion.flat].sum()) <= GAP_WANTED * cost:
-            break
-        cut = losses > np.maximum(GAP_WANTED * cost / len(losses), LOSS_SHARE * losses.max()) / 3.0
-        cuts = _cuts(knots, motion.states, np.abs(motion.pushes), rows)
-        deep = losses > DEEP * GAP_WANTED * cost / len(losses)
-        quarters = np.column_stack([(knots[:-1] + cuts) / 2.0, (knots[1:] + cuts) / 2.0])[deep]
-        finer = _spaced(np.union1d(knots, np.append(cuts[cut], quarters)), rows)
-        if len(finer) == len(knots) or len(finer) > max(SPANS_MAX, rows or 0):
-            break
-        guess = _guess(problem, motion, finer)
-        knots = finer
-    return None if best is None else (best._replace(iterations=iterations), bound)
-
-
-def _first_knots(problem: NormalisedSlew, known: AxisProfile, rows: int | None) -> Array:
-    """Knots on which a known motion keeps what bounds it on each span."""
-    x = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
-    even = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
-    knots = _spaced(np.union1d(even, known.breakpoints_s / known.duration_s), rows)
-    for _ in range(HOLDING_ROUNDS):
-        jerks, states = _known(problem, known, knots)
-        values = bounded_values(np.diff(knots), states, problem.limits, jerks)
-        excess = np.maximum(np.abs(values) - 1.0 - HELD, 0.0)
-        cuts = _cuts(knots, states, excess, rows)[excess.any(axis=1)]
-        finer = _spaced(np.union1d(knots, cuts), rows)
-        if len(finer) == len(knots):
-            break
-        knots = finer
-    return knots
-
-
-def _knots_around(problem: NormalisedSlew, known: AxisProfile, rows: int) -> Array:
-    """Knots on the rows near those where the jerk would change at any time.
-
-    Within a row or so of the least time it must change on the right ones.
+    known: to begin at, else the quintic, the motion of least squared jerk without limits.
+    is_unbound: the quintic itself is known to keep the limits.
     """
-    around = np.arange(-ROWS_AROUND, ROWS_AROUND + 1) / rows
-    changes = known.breakpoints_s[:, None] / known.duration_s + around
-    knots = _first_knots(problem, known, rows)
-    return _spaced(np.union1d(knots, np.clip(changes, 0.0, 1.0)), rows)
 
-
-def _spaced(knots: Array, rows: int | None) -> Array:
-    """Sorted knots, on rows or at least NARROWEST apart."""
-    if rows is not None:
-        return np.asarray(np.unique(np.round(knots * rows)) / rows)
-    knots = knots[np.append(np.diff(knots) > NARROWEST, True)]
-    knots[0] = 0.0
-    return np.asarray(knots)
-
-
-def _known(problem: NormalisedSlew, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
-    """Jerks (n, 2) of a known motion just within each span, states (n + 1, 3) at the knots.
-
-    What it does on stretches too short for a knot is in the mean of the jerks.
-    """
-    widths = np.diff(knots)
-    inside = np.column_stack([knots[:-1] + 1e-6 * widths, knots[1:] - 1e-6 * widths])
-    units = problem.duration_s ** np.arange(4)[:, None] / problem.scale_rad
-    T = problem.duration_s
-    states = (np.array(known.evaluate(knots * T)) * units)[:3].T
-    states[:, 0] -= problem.start_angle_rad / problem.scale_rad
-    jerks = (np.array(known.evaluate(inside.ravel() * T)) * units)[3].reshape(inside.shape)
-    missed = np.diff(states[:, 2]) / widths - jerks.mean(axis=1)
-    jerk_max = problem.limits[3, 1]
-    return np.clip(jerks + missed[:, None], -jerk_max, jerk_max), states
-
-
-def _guess(problem: NormalisedSlew, motion: _Motion, knots: Array) -> Array:
-    """The motion's jerks on finer knots, a little within their limit."""
-    owner = np.searchsorted(motion.knots, (knots[:-1] + knots[1:]) / 2.0) - 1
-    begin, width = motion.knots[owner], np.diff(motion.knots)[owner]
-    early, late = motion.jerks[owner].T
-    jerks = [early + (at - begin) / width * (late - early) for at in (knots[:-1], knots[1:])]
-    return np.column_stack(jerks)
-
-
-def _on_knots(
-    problem: NormalisedSlew,
-    knots: Array,
-    rows: int | None,
-    guess: Array,
-    echoes: Array | None = None,
-    weights: Array = _NO_ECHOES,
-) -> _Motion | None:
-    widths = np.diff(knots)
-    flat = _flat(knots, rows)
-    inner = problem.limits + INSIDE * np.ptp(problem.limits, axis=1)[:, None] * np.array(
-        [1.0, -1.0]
-    )
-    if echoes is None:
-        echoes = np.zeros((0, len(widths), 2))
-    jerks, pushes, turns, iterations, converged = least_jerk(
-        widths, flat, problem.ends, inner, echoes, weights, guess
-    )
-    effort.spend(SOLVE)
-    a_span = ITERATION_SPAN + len(echoes) * (ECHO + ECHO_PAIR * len(echoes))
-    effort.count(iterations * len(widths) * a_span)
-    if not converged:
-        return None
-    jerk_max = problem.limits[3, 1]
-    jerks = meet_end(widths, flat, problem.ends, jerk_max, np.clip(jerks, -jerk_max, jerk_max))
-    if rows is not None:
-        jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
-    states = trajectory(widths, flat, problem.ends[0], jerks)
-    places = np.tile(_AT, (len(widths), 1))
-    places[flat, 6], places[flat, 8] = turns[flat].T
-    return _Motion(knots, flat, places, states, jerks, pushes, iterations)
-
-
-def _flat(knots: Array, rows: int | None) -> Mask:
-    """Which spans are single rows, on which the jerk is constant."""
-    return np.asarray(np.diff(knots) * (rows or 0) < 1.5) & (rows is not None)
-
-
-def _cost(motion: _Motion) -> float:
-    return jerk_cost(np.diff(motion.knots), motion.jerks)
-
-
-def _losses(problem: NormalisedSlew, motion: _Motion) -> tuple[float, Array]:
-    """The lower bound, and what each span adds to the gap, (n,).
-
-    A span loses the squared distance of its jerk from the costate's, and what a bound on a
-    Bernstein coefficient holds back where the motion itself is still away from the limit.
-    """
-    widths, pushes, limits = np.diff(motion.knots), motion.pushes, problem.limits
-    after = motion.places * widths[:, None]
-    early, slope = motion.jerks[:, :1], np.diff(motion.jerks, axis=1) / widths[:, None]
-    angle, rate, acceleration = (motion.states[:-1, order, None] for order in range(3))
-    values = np.where(
-        ORDERS == 0,
-        angle
-        + after * (rate + after * (acceleration / 2 + after * (early / 6 + after * slope / 24))),
-        np.where(
-            ORDERS == 1,
-            rate + after * (acceleration + after * (early / 2 + after * slope / 6)),
-            acceleration + after * (early + after * slope / 2),
-        ),
-    )
-    reached = np.where(pushes > 0.0, limits[ORDERS, 1], limits[ORDERS, 0])
-    counted = np.abs(pushes) * np.ptp(limits, axis=1)[ORDERS] / 2.0 > PUSH_SHARE * _cost(motion)
-    counted[:, 3:5] = False
-    span, row = np.nonzero(counted)
-    contacts = np.column_stack(
-        [motion.knots[span] + after[span, row], ORDERS[row], pushes[span, row]]
-    )
-    effort.count(len(widths) * (PROOF_SPAN + PROOF_CONTACT * len(contacts)))
-    bound, missed = lower_bound(problem.ends, limits, contacts, motion.knots, motion.jerks)
-    held_back = 2.0 * np.where(counted, pushes * (reached - values), 0.0).sum(axis=1)
-    return bound, missed + held_back
-
-
-def _cuts(knots: Array, states: Array, pushed: Array, rows: int | None) -> Array:
-    """Where to cut each span, (n,): where what is pushed (n, 11) turns, or in the middle.
-
-    On rows at least one row from either end, where the span has more than one.
-    """
-    at = np.full(len(pushed), 0.5)
-    for order, bounds in ((0, slice(5, 8)), (1, slice(8, 10))):
-        before, after = states[:-1, order + 1], states[1:, order + 1]
-        turns = (before * after < 0.0) & (pushed[:, bounds].sum(axis=1) > 0.0)
-        share = before / np.where(turns, before - after, 1.0)
-        at = np.where(turns & (share > 0.1) & (share < 0.9), share, at)
-    begin, end = knots[:-1], knots[1:]
-    cuts = begin + at * (end - begin)
-    return cuts if rows is None else np.clip(cuts, begin + 1.0 / rows, end - 1.0 / rows)
-
-
-def _carried(
-    problem: NormalisedSlew,
-    slew: AxisSlew,
-    motion: _Motion,
-    rows: int,
-    solve: Callable[[NormalisedSlew, Array, int | None, Array], _Motion | None],
-) -> _Motion | None:
-    """With spans of single rows where the Hermite through the rows of longer ones goes astray."""
-    for _ in range(ROUNDS):
-        profile = _profile(problem, motion)
-        astray = np.union1d(
-            cells_that_break(profile, rows, slew.limits), cells_that_leave(profile, rows)
+    def __init__(self, slew: AxisSlew, rows: int | None, known: AxisProfile | None) -> None:
+        self.slew, self.rows = slew, rows
+        self.normal = normalised(slew)
+        self.ends, self.limits = self.normal.ends, self.normal.limits
+        quintic = least_jerk_profile(slew.start, slew.end, slew.duration_s)
+        self.known = known or quintic
+        self.is_unbound = known is not None and np.array_equal(
+            known.coefficients, quintic.coefficients
         )
-        if not astray.size:
-            return motion
-        span = np.searchsorted(motion.knots, (astray + 0.5) / rows) - 1
-        begin, end = (np.rint(motion.knots[span + late] * rows).astype(int) for late in (0, 1))
-        every = [np.arange(first, last) / rows for first, last in zip(begin, end, strict=True)]
-        knots = _spaced(np.concatenate([motion.knots, *every]), rows)
-        if len(knots) == len(motion.knots):
-            return None
-        finer = solve(problem, knots, rows, _guess(problem, motion, knots))
-        if finer is None:
-            return None
-        motion = finer._replace(iterations=motion.iterations + finer.iterations)
-    return None
+
+    def solve_on(
+        self,
+        knots: Array,
+        flat_rows: Indices,
+        begun: AxisProfile,
+        starts: tuple[Start, ...],
+        calm: Array = NO_MODES,
+    ) -> _Motion | None:
+        """The motion on these knots, by the first solver whose answer obeys its limits.
+
+        calm: weights of what is left of the detuned modes.
+        """
+        widths = np.diff(knots)
+        states, jerks = self.seen(begun, knots)
+        rows = None
+        if self.rows is not None:
+            middle = ((knots[1:] + knots[:-1]) / 2.0 * self.rows).astype(int)
+            flat = ~self.can_cut(knots) & np.isin(middle, flat_rows)
+            rows = Rows(flat, _turning(states))
+            jerks = np.where(flat[:, None], jerks.mean(axis=1, keepdims=True), jerks)
+        inset = INSIDE * np.ptp(self.limits, axis=1)[:, None] * np.array([1.0, -1.0])
+        maps = np.zeros((0, len(widths), 2))
+        if calm.size:
+            left = modal_echoes(knots, self.slew.duration_s, self.slew.avoid_modes)
+            maps = np.concatenate([left.real, left.imag])
+        echoes = Echoes(maps, np.tile(calm, 2))
+        rough = min(jerk_cost(widths, jerks), DEAREST * least_cost(self.ends))
+        weight = 1.0 / max(rough, NOTHING)
+        given = SpanProgramme(widths, self.ends, self.limits + inset, rows, echoes, weight)
+        grid, begin = _Grid(knots, flat_rows), Begin(states, jerks)
+        found = self._by_first(grid, given, begin, starts)
+        if found is None and rows is not None:
+            halfway = given._replace(rows=rows._replace(turns=np.full_like(rows.turns, 0.5)))
+            found = self._by_first(grid, halfway, begin, starts)
+        return found
+
+    def solve_to_fly(self, motion: _Motion) -> _Motion | None:
+        """The same by Ipopt, begun there.
+
+        Solvers differ in the last digits: a row that only now goes astray gets a constant jerk.
+        """
+        given, begin = motion.given, Begin(motion.states, motion.jerks, motion.solved.answer)
+        found = self._by_first(motion.grid, given, begin, SURE)
+        while found is not None:
+            knots, flat_rows = found.grid
+            astray = np.setdiff1d(self.rows_astray(found.profile), flat_rows)
+            if not astray.size:
+                break
+            knots = self._filled(np.union1d(knots, self._edges(astray)))
+            calm = np.split(given.echoes.weights, 2)[0]
+            flat_rows = np.union1d(flat_rows, astray)
+            found = self.solve_on(knots, flat_rows, found.profile, SURE[1:], calm)
+        return found
+
+    def _by_first(
+        self, grid: _Grid, given: SpanProgramme, begin: Begin, starts: tuple[Start, ...]
+    ) -> _Motion | None:
+        jerk_max, flat = self.limits[3, 1], np.zeros(len(given.widths), dtype=bool)
+        if given.rows is not None:
+            flat = given.rows.flat
+        iterations = 0
+        for start in starts:
+            solved = solve(given, begin, start)
+            effort.count(JUDGED + JUDGED_SPAN * len(flat))
+            iterations += solved.run.iterations or 0
+            if not solved.run.is_promising:
+                continue
+            jerks = np.clip(solved.jerks, -jerk_max, jerk_max)
+            jerks = meet_end(given.widths, flat, self.ends, jerk_max, jerks)
+            states = trajectory(given.widths, self.ends[0], jerks)
+            profile = self.normal.profile(grid.knots, flat, states, jerks)
+            if obeys(profile, self.slew.start, self.slew.end, self.slew.limits):
+                return _Motion(grid, given, states, jerks, profile, solved, iterations)
+        return None
+
+    def losses(self, motion: _Motion) -> _Losses:
+        """What each span adds to the gap.
+
+        The squared distance of its jerk from the costate's, unless it can't be cut, and what a
+        bound on a coefficient holds back where the motion itself is still away from the limit.
+        """
+        widths, pushes, orders = motion.given.widths, motion.solved.pushes, motion.solved.orders
+        places, limits = motion.solved.places, self.limits[motion.solved.orders]
+        counted = np.abs(pushes) * np.ptp(limits, axis=1) / 2.0 > PUSH_SHARE * motion.cost
+        at = motion.grid.knots[:-1, None] + places * widths[:, None]
+        of_order = np.broadcast_to(orders, at.shape)
+        contacts = np.column_stack([at[counted], of_order[counted], pushes[counted]])
+        bound, missed = lower_bound(
+            self.ends, self.limits, contacts, motion.grid.knots, motion.jerks
+        )
+        values = values_at(widths, motion.states, motion.jerks, places, orders)
+        reached = np.where(pushes > 0.0, limits[:, 1], limits[:, 0])
+        held_back = 2.0 * np.where(counted, pushes * (reached - values), 0.0).sum(axis=1)
+        by_span = np.where(self.can_cut(motion.grid.knots), missed, 0.0) + held_back
+        pushed = np.abs(pushes) * (places > 0.0)
+        by_order = np.column_stack([pushed[:, orders == order].sum(axis=1) for order in (0, 1)])
+        return _Losses(bound, by_span, _cuts(motion.states, by_order > 0.0))
+
+    def calmest(self, motion: _Motion) -> _Motion | None:
+        """What leaves the modes calmest, with weights shifted towards those that ring too much.
+
+        None where no motion is found.
+        Source: Lawson 1961, the least greatest residual by least squares weighed anew.
+        """
+        slew, rows = self.slew, self.rows
+        spans = rows if rows is not None and rows <= MODE_ROWS_MAX else MODE_SPANS
+        knots = self._filled(np.union1d(motion.grid.knots, np.linspace(0.0, 1.0, spans + 1)))
+        wanted = RESIDUAL_SHARE * wanted_residuals(self.ends, slew.duration_s, slew.avoid_modes)
+        weights = np.resize(WEIGHTS, len(wanted)) * JERK_COST
+        best, least_share, begun = None, math.inf, motion.profile
+        # Modes feel what is flown: exactly the motion, where the jerk is constant on a row.
+        single = knots[:-1][~self.can_cut(knots)]
+        flat_rows = np.union1d(motion.grid.flat_rows, np.rint(single * (rows or 1)).astype(np.intp))
+        starts = QUICK if has_piqp() else SURE
+        for _ in range(WEIGHINGS):
+            found = self.solve_on(knots, flat_rows, begun, starts, weights)
+            if found is None:
+                break
+            begun = found.profile
+            astray = np.setdiff1d(self.rows_astray(begun), flat_rows)
+            if astray.size:
+                flat_rows = np.union1d(flat_rows, astray)
+                knots = self._filled(np.union1d(knots, self._edges(astray)))
+                continue
+            shares = np.hypot(*np.split(found.left_of_modes, 2)) / wanted
+            if shares.max() < least_share:
+                best, least_share = found, float(shares.max())
+            if not 1.0 < shares.max() < HOPELESS:
+                break
+            weights = weights * np.clip(shares, *WEIGHT_CHANGES)
+        return best
+
+    def seen(self, known: AxisProfile, knots: Array) -> tuple[Array, Array]:
+        """States (n + 1, 3) of a known motion at the knots, jerks (n, 2) just within each span.
+
+        What it does on stretches too short for a knot is in the mean of the jerks.
+        """
+        T, widths = self.slew.duration_s, np.diff(knots)
+        inside = np.column_stack([knots[:-1] + 1e-6 * widths, knots[1:] - 1e-6 * widths])
+        units = T ** np.arange(4)[:, None] / self.normal.scale_rad
+        states = (np.array(known.evaluate(knots * T)) * units)[:3].T
+        states[:, 0] -= self.normal.start_angle_rad / self.normal.scale_rad
+        jerks = (np.array(known.evaluate(inside.ravel() * T)) * units)[3].reshape(inside.shape)
+        missed = np.diff(states[:, 2]) / widths - jerks.mean(axis=1)
+        jerk_max = self.limits[3, 1]
+        return states, np.clip(jerks + missed[:, None], -jerk_max, jerk_max)
+
+    def rows_astray(self, profile: AxisProfile) -> Indices:
+        """Rows after which the Hermite breaks a limit or leaves the motion."""
+        if self.rows is None:
+            return np.zeros(0, dtype=np.intp)
+        breaking = cells_that_break(profile, self.rows, self.slew.limits)
+        return np.union1d(breaking, cells_that_leave(profile, self.rows))
+
+    def first_knots(self, known: AxisProfile, flat_rows: Indices) -> Array:
+        """Where a known motion changes its jerk, and such that its hulls keep its limits."""
+        knots = known.breakpoints_s / known.duration_s
+        if self.rows is not None:
+            return self._filled(np.union1d(knots, self._edges(flat_rows)))
+        if not self.is_unbound:
+            x = np.linspace(0.0, 1.0, FIRST_SPANS + 1)
+            uneven = (1.0 - UNEVEN) * x + UNEVEN * (1.0 - np.cos(np.pi * x)) / 2.0
+            knots = self._spaced(np.union1d(knots, uneven))
+        knots = self._filled(knots)
+        for _ in range(HOLDING_ROUNDS):
+            states, jerks = self.seen(known, knots)
+            low, high = self.limits[BETWEEN[0]].T
+            hull = hull_between(np.diff(knots), states, jerks)
+            over = np.maximum(hull - high, low - hull) > HELD * (high - low)
+            is_cut = over.any(axis=1) & (np.diff(knots) > 4.0 * NARROWEST)
+            if not is_cut.any():
+                break
+            by_order = np.column_stack(
+                [over[:, BETWEEN[0] == order].any(axis=1) for order in (0, 1)]
+            )
+            cuts = knots[:-1] + _cuts(states, by_order) * np.diff(knots)
+            knots = np.union1d(knots, cuts[is_cut])
+        return self._filled(knots)
+
+    def refined(self, motion: _Motion, losses: _Losses, astray: Indices, *, at_least: int) -> Array:
+        """The motion's knots and those of rows astray, and more where most is lost."""
+        knots = np.union1d(motion.grid.knots, self._edges(astray))
+        owner = np.searchsorted(motion.grid.knots, (knots[1:] + knots[:-1]) / 2.0) - 1
+        share = np.diff(knots) / motion.given.widths[owner]
+        cuts = np.where(share > 0.99, losses.cuts[owner], 0.5)
+        least = max(at_least, len(knots) - 1)
+        return self._halved(knots, least, losses.by_span[owner] * share**4, cuts)
+
+    def can_cut(self, knots: Array) -> Mask:
+        """Which spans are longer than a row."""
+        return np.asarray(np.diff(knots) * (self.rows or math.inf) > 1.5)
+
+    def _filled(self, knots: Array) -> Array:
+        """The same and more, up to the next size: the widest spans are cut."""
+        knots = self._spaced(knots)
+        n = len(knots) - 1
+        return self._halved(knots, n, np.diff(knots), np.full(n, 0.5))
+
+    def _halved(self, knots: Array, at_least: int, scores: Array, cuts: Array) -> Array:
+        """Knots of the next size: spans of the greatest score are cut, again and again."""
+        size = next((size for size in SIZES if size >= at_least), at_least)
+        heap = list(zip(-scores, knots[:-1], knots[1:], cuts, strict=True))
+        heapq.heapify(heap)
+        more: list[float] = []
+        while len(knots) - 1 + len(more) < size and heap:
+            score, begin, end, share = heapq.heappop(heap)
+            cut = begin + share * (end - begin)
+            if self.rows is not None:
+                first, last = round(begin * self.rows), round(end * self.rows)
+                cut = min(max(round(cut * self.rows), first + 1), last - 1) / self.rows
+            if cut - begin < NARROWEST or end - cut < NARROWEST:
+                continue
+            for part in ((begin, cut), (cut, end)):
+                heapq.heappush(heap, (score * HALVED, *part, 0.5))
+            more.append(cut)
+        return np.union1d(knots, more)
+
+    def _spaced(self, knots: Array) -> Array:
+        """Sorted knots, on rows or at least NARROWEST apart."""
+        if self.rows is not None:
+            return np.asarray(np.unique(np.round(knots * self.rows)) / self.rows)
+        return np.append(0.0, knots[1:][np.diff(knots) > NARROWEST])
+
+    def _edges(self, rows: Indices) -> Array:
+        """Where rows begin and end."""
+        return np.asarray(np.union1d(rows, rows + 1) / (self.rows or 1))
 
 
-def _calmest(
-    problem: NormalisedSlew, knots: Array, rows: int | None, guess: Array, slew: AxisSlew
-) -> _Motion | None:
-    """What leaves the modes calmest, with weights shifted towards those that ring too much.
+def _turning(states: Array) -> Array:
+    """Where angle and rate turn within each span, shares (n, 2); a half where they don't."""
+    before, after = states[:-1, 1:], states[1:, 1:]
+    turns = before * after < 0.0
+    return np.asarray(np.where(turns, before / np.where(turns, before - after, 1.0), 0.5))
 
-    None where no motion is found.
-    Source: Lawson 1961, the least greatest residual by least squares weighed anew.
-    """
-    echoes = modal_echoes(knots, slew.duration_s, slew.avoid_modes)
-    flat = _flat(knots, rows)
-    echoes[:, flat] = echoes[:, flat].mean(axis=2, keepdims=True)
-    real = np.concatenate([echoes.real, echoes.imag])
-    wanted = wanted_residuals(problem.ends, slew.duration_s, slew.avoid_modes)
-    weights = np.resize(WEIGHTS, len(echoes)) * JERK_COST
-    best, least_share = None, np.inf
-    for _ in range(WEIGHINGS):
-        motion = _on_knots(problem, knots, rows, guess, real, np.tile(weights, 2))
-        if motion is None or not obeys(
-            _profile(problem, motion), slew.start, slew.end, slew.limits
-        ):
-            break
-        left = np.abs(np.einsum("enu,nu->e", echoes, motion.jerks))
-        shares = left / (RESIDUAL_SHARE * wanted)
-        if shares.max() < least_share:
-            best, least_share = motion, float(shares.max())
-        if not 1.0 < shares.max() < HOPELESS:
-            break
-        weights = weights * np.clip(shares, *WEIGHT_CHANGES)
-    return best
+
+def _cuts(states: Array, pushed: Mask) -> Array:
+    """Where to cut each span, shares (n,): where what is pushed, angle or rate, turns, or in the
+    middle."""
+    at = _turning(states)
+    at = np.where(pushed & (at > 0.1) & (at < 0.9), at, 0.5)
+    return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])

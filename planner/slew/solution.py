@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from planner.arrays import Array
 from planner.platforms import AxisLimits
 from planner.slew.problem import LIMIT_TOLERANCE, AxisState, SlewProblem
+from planner.solvers import SolverRun
 
 ORDERS = ("angle", "rate", "acceleration", "jerk")
 SAMPLES = 9
@@ -160,6 +161,8 @@ class SlewSolution:
     with the time constant settling_s.
     lower_bounds_rad2_s5: of the integral of squared jerk, per axis: no motion between the same
     states within the limits costs less; none where no optimum was sought.
+    runs: of the solver, per axis, None where the motion is no solver's; of a detour the one of
+    both axes.
     cut_short: whether the search for a better one was, by the work that may be done.
     """
 
@@ -171,6 +174,7 @@ class SlewSolution:
     violations: tuple[LimitViolation, ...]
     end_error_rad: tuple[float, ...]
     lower_bounds_rad2_s5: tuple[float, ...] = ()
+    runs: tuple[SolverRun | None, ...] = ()
     settling_s: float = 0.0
     cut_short: bool = False
 

@@ -221,7 +221,8 @@ HARD = {
 
 @pytest.mark.parametrize("name", HARD)
 def test_what_touches_limits_within_a_row_costs_no_more_than_the_reference(name):
-    """The jerk of the reference changes on 400 rows at most: hence what ours may cost less."""
+    """The jerk of the reference changes on 400 rows at most, and only between rows; ours may slope
+    within a row where the Hermite flies that: hence what it may cost less."""
     states, duration_s, references = HARD[name]
     problem = SlewProblem(
         axis_names=("alpha",),
@@ -233,7 +234,7 @@ def test_what_touches_limits_within_a_row_costs_no_more_than_the_reference(name)
     solved = optimal_slew(problem)
     for slew, reference in zip((solved, fit_to_rows(solved)), references, strict=True):
         cost = slew.jerk_squared_integral * math.degrees(1.0) ** 2
-        assert 0.995 * reference <= cost <= 1.001 * reference
+        assert 0.98 * reference <= cost <= 1.001 * reference
     assert solved.status == ("optimal",)
 
 
@@ -248,7 +249,7 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         ],
     )
     t_s = np.linspace(0.0, duration_s, 500)
-    by_solver = smoothest(axis_slew(start, end, duration_s), None, None).profile
+    found = smoothest(axis_slew(start, end, duration_s), None, None)
     problem = SlewProblem(
         axis_names=("alpha",),
         limits=(LIMITS,),
@@ -256,10 +257,14 @@ def test_far_from_limits_the_solver_finds_the_quintic_itself():
         end=(end,),
         duration_s=duration_s,
     )
-    planned = optimal_slew(problem).profiles[0]
+    planned = optimal_slew(problem)
     # The cost is flat at its minimum: a gap of 3e-4 leaves 1e-4 of the 1 rad move.
-    np.testing.assert_allclose(by_solver.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-4)
-    np.testing.assert_allclose(planned.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.profile.evaluate(t_s)[0], quintic(t_s), rtol=0, atol=1e-4)
+    # Begun at the quintic, 16 even spans: a jerk linear on spans misses one whose second derivative
+    # is 720 D/T^5 by h^2/12 of that at most, which over the span makes less than 1e-6 of angle.
+    np.testing.assert_allclose(planned.motion(t_s)[0][:, 0], quintic(t_s), rtol=0, atol=2e-6)
+    assert planned.runs[0].name == "ipopt"
+    assert planned.runs[0].iterations <= 5
 
 
 def test_cubic_is_the_unlimited_least_squared_acceleration():

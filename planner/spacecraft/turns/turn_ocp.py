@@ -10,14 +10,14 @@ enter as parameters.
 
 import time
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import casadi
 import numpy as np
 from scipy.interpolate import BSpline
 
-from planner import effort
 from planner.arrays import Array
+from planner.solvers import Answer, Options, Solver, Work
 from planner.spacecraft.mrp import MrpMotion, body_motion
 from planner.spacecraft.turns.turn_problem import LIMIT_TOLERANCE, Turn, TurnProblem, loads
 from planner.spacecraft.vehicle.definition import TurnObjective
@@ -39,6 +39,7 @@ PASSES = 3
 HOPELESS = 1.05  # no pass mends a failure that far out
 OVERCORRECTED = 1.5  # tightened by just the bulge, the next pass bulges again
 SOLVE, ITERATION = 500.0, 350.0  # of `planner.effort`
+OPTIONS: Options = {"tol": 1e-6, "max_iter": 150, "mu_strategy": "adaptive"}
 END_TOLERANCE = 1e-8  # of sigma: 0.01 arcsec
 LIMIT_FACTOR = 0.997  # at the collocation points; between them the loads bulge by up to 0.3 %
 # Lower bounds at a collocation point: of |omega|^2, omega (3), |tau|^2, |tau'|^2, |H|^2 by limits.
@@ -50,7 +51,7 @@ class Transcription(NamedTuple):
     """A kept solver and what its spline is made of."""
 
     shape: Shape
-    solver: casadi.Function
+    solver: Solver
 
 
 def _knots(shape: Shape) -> Array:
@@ -127,20 +128,7 @@ def _transcription(objective: TurnObjective) -> Transcription:
         "f": cost,
         "g": casadi.vertcat(*g),
     }
-    options: dict[str, Any] = {
-        "ipopt": {
-            "linear_solver": "mumps",
-            "print_level": 0,
-            "sb": "yes",
-            "tol": 1e-6,
-            "acceptable_iter": 0,
-            "max_iter": 150,
-            "mu_strategy": "adaptive",
-            "bound_relax_factor": 0.0,
-        },
-        "print_time": False,
-    }
-    return Transcription(shape, casadi.nlpsol("turn", "ipopt", nlp, options))
+    return Transcription(shape, Solver(nlp, OPTIONS, Work(SOLVE, ITERATION)))
 
 
 def solve_turn(
@@ -161,8 +149,9 @@ def solve_turn(
     x = np.append(coefficients, np.clip(guess.duration_s, low_s, high_s))
     limit_factor = LIMIT_FACTOR
     for _ in range(PASSES):
-        x = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
-        turn = _turn(kept, problem, x, time.perf_counter() - begun)
+        answer = _solve(kept, problem, guess, x, (low_s, high_s), limit_factor)
+        x = answer.x
+        turn = _turn(kept, problem, answer, time.perf_counter() - begun)
         over = turn.loads.share_of(problem.limits)
         if over <= 1.0 + LIMIT_TOLERANCE and _miss(problem, turn) < END_TOLERANCE:
             return turn
@@ -179,8 +168,8 @@ def _solve(
     x0: Array,
     span_s: tuple[float, float],
     limit_factor: float,
-) -> Array:
-    """Ipopt's answer: coefficients, column by column, then T."""
+) -> Answer:
+    """Ipopt's: x are the coefficients, column by column, then T."""
     limits = problem.limits
     u = _points(kept.shape)
     q_body_from_eci, _ = guess.attitude_at(u * guess.duration_s)
@@ -194,9 +183,8 @@ def _solve(
     ]
     lower = np.tile(LOWER_LIMITS, len(u))
     ends = np.zeros(END_CONDITIONS)
-    effort.spend(SOLVE)
     free = np.full(len(x0) - 1, 2.0)  # |sigma| < 1 up to half a turn to each side
-    found = kept.solver(
+    return kept.solver.solve(
         x0=x0,
         p=np.concatenate(
             [
@@ -211,11 +199,10 @@ def _solve(
         lbg=np.concatenate([lower, ends]),
         ubg=np.concatenate([np.ones_like(lower), ends]),
     )
-    effort.count(ITERATION * kept.solver.stats()["iter_count"])
-    return np.array(found["x"]).ravel()
 
 
-def _turn(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float) -> Turn:
+def _turn(kept: Transcription, problem: TurnProblem, answer: Answer, solve_s: float) -> Turn:
+    x = answer.x
     span_s = float(x[-1])
     spline = BSpline(_knots(kept.shape), x[:-1].reshape(3, -1).T, kept.shape.degree)
 
@@ -230,7 +217,7 @@ def _turn(kept: Transcription, problem: TurnProblem, x: Array, solve_s: float) -
         mrp_at=mrp_at,
         duration_s=span_s,
         method="ocp",
-        status=str(kept.solver.stats()["return_status"]),
+        status=answer.run.status,
         solve_s=solve_s,
         loads=loads(problem, mrp_at, span_s),
     )

@@ -1,0 +1,189 @@
+"""Is every motion that `method: ocp` returns Ipopt's, and what happens where Ipopt fails?"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from slew_cases import LIMITS, deg_state, sampled
+
+from planner.errors import InfeasibleSlew
+from planner.platforms import StructuralMode
+from planner.slew import SlewProblem, fit_to_rows, ocp, optimal_slew
+from planner.slew import smoothest as rounds
+from planner.slew.optimal import FEASIBLE
+
+
+def posed(start, end, duration_s, **more):
+    return SlewProblem(
+        axis_names=("alpha",),
+        limits=(LIMITS,),
+        start=(start,),
+        end=(end,),
+        duration_s=duration_s,
+        **more,
+    )
+
+
+MODE = StructuralMode(frequency_hz=0.3, damping=0.005)
+SLEWS = {
+    "no limit near": posed(deg_state(5, 0.3), deg_state(60, -0.2), 120.0),
+    "needn't move": posed(deg_state(5), deg_state(5), 60.0),
+    "along the rate limit": posed(deg_state(-60, 0.8, 0.1), deg_state(75, 0.7), 54.0),
+    "near a stop": posed(deg_state(-173.2, -1.3, -0.07), deg_state(138.8, 0.65, 0.15), 600.0),
+    "braked at once": posed(deg_state(-20, 2.5, 1.0), deg_state(35), 60.0),
+    "modes": posed(deg_state(5, 0.3), deg_state(60, -0.2), 60.0, avoid_modes=(MODE,)),
+    "short": posed(deg_state(5), deg_state(5.1), 1.6),
+}
+
+
+@pytest.fixture
+def answers(monkeypatch):
+    """What the solvers answered: name, status and jerks, in order."""
+    seen = []
+    solve = ocp.solve
+
+    def recorded(given, begin, start):
+        found = solve(given, begin, start)
+        seen.append((found.run, given, found.jerks))
+        return found
+
+    monkeypatch.setattr(rounds, "solve", recorded)
+    return seen
+
+
+def is_of(profile, jerks, scale):
+    """Whether the profile's jerks at both ends of its spans, in its middle part, are these."""
+    begins = 6.0 * profile.coefficients[:, 3]
+    ends = begins + 24.0 * profile.coefficients[:, 4] * np.diff(profile.breakpoints_s)
+    own = np.column_stack([begins, ends])
+    for skipped in range(len(own) - len(jerks) + 1):
+        part = own[skipped : skipped + len(jerks)]
+        # Meeting the end exactly changes them by less.
+        if np.abs(part - scale * jerks).max() <= 1e-3 * np.abs(own).max():
+            return True
+    return False
+
+
+@pytest.mark.parametrize("name", SLEWS)
+@pytest.mark.parametrize("fit", [False, True])
+def test_each_motion_is_what_ipopt_answered(name, fit, answers):
+    slew = optimal_slew(SLEWS[name])
+    if fit:
+        slew = fit_to_rows(slew)
+    [profile], [run] = slew.profiles, slew.runs
+    assert run.name == "ipopt"
+    assert run.status == "Solve_Succeeded"
+    of_ipopt = [(given, jerks) for one, given, jerks in answers if one == run]
+    assert of_ipopt
+    size = np.abs(profile.extremes[3]).max()
+    assert any(
+        size < 1e-12 or is_of(profile, jerks, least_squares_scale(profile, jerks))
+        for _, jerks in of_ipopt
+    )
+
+
+def least_squares_scale(profile, jerks):
+    """From normalised jerks to SI: by the largest of both."""
+    begins = 6.0 * profile.coefficients[:, 3]
+    ends = begins + 24.0 * profile.coefficients[:, 4] * np.diff(profile.breakpoints_s)
+    largest = np.abs(jerks).max()
+    return max(np.abs(begins).max(), np.abs(ends).max()) / largest if largest else 0.0
+
+
+@pytest.mark.parametrize("name", ["no limit near", "along the rate limit", "modes"])
+def test_what_ipopt_changes_changes_the_motion(name, monkeypatch):
+    plain = optimal_slew(SLEWS[name]).profiles[0]
+    solve = ocp.solve
+
+    def shifted(given, begin, start):
+        found = solve(given, begin, start)
+        if found.run.name != "ipopt":
+            return found
+        wave = np.sin(np.arange(found.jerks.size)).reshape(found.jerks.shape)
+        return found._replace(jerks=found.jerks * (1.0 + 1e-4 * wave))
+
+    monkeypatch.setattr(rounds, "solve", shifted)
+    monkeypatch.setattr(rounds, "obeys", lambda *_: True)
+    other = optimal_slew(SLEWS[name]).profiles[0]
+    t_s = np.linspace(0.0, plain.duration_s, 301)
+    change = np.abs(other.evaluate(t_s)[3] - plain.evaluate(t_s)[3]).max()
+    assert change > 1e-6 * np.abs(plain.evaluate(t_s)[3]).max()
+
+
+STATUSES = (
+    "Solved_To_Acceptable_Level",
+    "Search_Direction_Becomes_Too_Small",
+    "Infeasible_Problem_Detected",
+    "Maximum_Iterations_Exceeded",
+    "Restoration_Failed",
+    "Diverging_Iterates",
+    "Invalid_Number_Detected",
+    "Error_In_Step_Computation",
+    "Internal_Error",
+    "not finite",
+)
+
+
+def told(monkeypatch, status, starts):
+    """Ipopt says so of these starts."""
+    solve, asked = ocp.solve, []
+
+    def answered(given, begin, start):
+        asked.append(start)
+        found = solve(given, begin, start)
+        if start not in starts:
+            return found
+        run = found.run._replace(status=status)
+        return found._replace(answer=found.answer._replace(run=run))
+
+    monkeypatch.setattr(rounds, "solve", answered)
+    return asked
+
+
+@pytest.mark.parametrize("status", STATUSES)
+@pytest.mark.parametrize("name", ["no limit near", "along the rate limit"])
+def test_what_ipopt_does_not_solve_is_solved_once_more_cold(name, status, monkeypatch):
+    asked = told(monkeypatch, status, ("warm",))
+    slew = optimal_slew(SLEWS[name])
+    is_taken = status in ("Solved_To_Acceptable_Level", "Search_Direction_Becomes_Too_Small")
+    assert asked[-1] == ("warm" if is_taken else "cold")
+    assert slew.runs[0].status == (status if is_taken else "Solve_Succeeded")
+    assert slew.status == ("optimal",)
+
+
+@pytest.mark.parametrize("status", STATUSES[2:])
+@pytest.mark.parametrize("name", ["no limit near", "along the rate limit"])
+def test_what_then_fails_is_flown_by_a_motion_that_is_named(name, status, monkeypatch):
+    told(monkeypatch, status, ("warm", "cold"))
+    slew = optimal_slew(SLEWS[name])
+    assert slew.status == (FEASIBLE,)
+    assert slew.runs == (None,)
+    for values, (low, high) in zip(sampled(slew.profiles[0]), LIMITS.bounds, strict=True):
+        assert low - 2e-9 * (high - low) <= values.min()
+        assert values.max() <= high + 2e-9 * (high - low)
+
+
+def test_what_rows_cannot_carry_then_is_refused(monkeypatch):
+    slew = optimal_slew(SLEWS["along the rate limit"])
+    told(monkeypatch, "Restoration_Failed", ("warm", "cold"))
+    monkeypatch.setattr("planner.slew.on_rows.reproduces", lambda *_: False)
+    with pytest.raises(InfeasibleSlew, match="one row more"):
+        fit_to_rows(slew)
+
+
+def test_without_piqp_ipopt_places_the_knots_too(monkeypatch):
+    with_piqp = optimal_slew(SLEWS["along the rate limit"])
+    monkeypatch.setattr(rounds, "has_piqp", lambda: False)
+    alone = optimal_slew(SLEWS["along the rate limit"])
+    assert alone.status == ("optimal",)
+    assert alone.iterations > with_piqp.iterations
+    assert alone.jerk_squared_integral == pytest.approx(with_piqp.jerk_squared_integral, rel=1e-3)
+
+
+def test_what_need_not_move_costs_nothing_and_is_optimal():
+    still = optimal_slew(SLEWS["needn't move"])
+    assert still.status == ("optimal",)
+    assert math.isclose(still.profiles[0].extremes[0].greatest, math.radians(5.0), abs_tol=1e-12)
+    moved = replace(SLEWS["needn't move"], end=(deg_state(5.0 + 1e-9),))
+    assert optimal_slew(moved).status == ("optimal",)
