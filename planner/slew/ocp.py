@@ -38,13 +38,13 @@ UNITS = np.array(
 )  # of angle, rate, acceleration, jerk: what a unit move needs
 FAR = 1e3  # in UNITS: as good as no bound
 SOLVERS_KEPT = 64  # some MB and 10 to 100 ms to make each; a size of spans has two or three
-Start = Literal["quick", "warm", "cold"]
+Start = Literal["quick", "warm", "cold", "roomy"]
 
 # How the programme is solved.  Cold: from a rough motion.  Warm: from one that all but solves it,
-# with its multipliers.  Quick: by PIQP, to learn where knots belong.
+# with its multipliers.  Roomy: the same, where an end leaves no room between bounds.  Quick: by
+# PIQP, to learn where knots belong.
 COLD: Options = {
     "tol": 1e-5,  # of the dual; the cost is right to 1e-8
-    "bound_relax_factor": 1e-9,  # room where an end leaves none; less than limits are drawn in by
     "max_iter": 100,
     "nlp_scaling_method": "none",  # UNITS and the cost's weight are the scaling
     "jac_c_constant": "yes",
@@ -70,11 +70,13 @@ WARM: Options = {
     "warm_start_slack_bound_frac": 1e-6,
     "warm_start_mult_bound_push": 1e-6,
 }
+ROOMY: Options = {**WARM, "bound_relax_factor": 1e-9}
 QUICK: Options = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 60}
 STARTS: dict[Start, tuple[Plugin, Options]] = {
     "quick": ("piqp", QUICK),
     "warm": ("ipopt", WARM),
     "cold": ("ipopt", COLD),
+    "roomy": ("ipopt", ROOMY),
 }
 
 
@@ -256,7 +258,7 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
         "lbg": np.concatenate([dynamics, least.ravel(), np.zeros(m)]),
         "ubg": np.concatenate([dynamics, most.ravel(), np.zeros(m)]),
     }
-    if start == "warm" and begin.answer is not None:
+    if start in ("warm", "roomy") and begin.answer is not None:
         before = begin.answer
         numbers |= {"x0": before.x, "lam_x0": before.lam_x, "lam_g0": before.lam_g}
     solver = slew_solver(start, n, on_rows=given.rows is not None, echoes=m)

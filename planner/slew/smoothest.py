@@ -55,7 +55,7 @@ WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes a
 HOPELESS = 20.0  # times the residual wanted: no weights have been seen to gain a tenfold
 JUDGED, JUDGED_SPAN = 100, 1.0  # of `planner.effort`: extremes and the proof, beside solving
 QUICK: tuple[Start, ...] = ("quick", "cold")
-SURE: tuple[Start, ...] = ("warm", "cold")
+SURE: tuple[Start, ...] = ("warm", "cold", "roomy")
 NO_MODES = np.zeros(0)
 
 
