@@ -1,12 +1,12 @@
 """Starts the service on its port."""
 
-import asyncio
 import socket
 import sys
 from ipaddress import ip_address
 from typing import ClassVar
 
 import uvicorn
+from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
 from app.http.app import create_app
@@ -90,7 +90,7 @@ def server(host: str, port: int, settings: Settings) -> "_Server":
             h11_max_incomplete_event_size=HEAD_BYTES_MAX,
             timeout_graceful_shutdown=_GRACE_S,
         ),
-        app.state.stopping,
+        app,
     )
     app.state.end_outdated = service.end_outdated
     return service
@@ -99,9 +99,9 @@ def server(host: str, port: int, settings: Settings) -> "_Server":
 class _Server(uvicorn.Server):
     """Says where it listens, and tells the application of the stop before it waits for work."""
 
-    def __init__(self, config: uvicorn.Config, stopping: asyncio.Event) -> None:
+    def __init__(self, config: uvicorn.Config, application: FastAPI) -> None:
         super().__init__(config)
-        self._stopping = stopping
+        self.application = application
         self.is_outdated = False
 
     def end_outdated(self) -> None:
@@ -115,7 +115,7 @@ class _Server(uvicorn.Server):
             print(f"serving {address}; its pages: {address}/docs; Ctrl+C ends it", flush=True)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        self._stopping.set()
+        self.application.state.stopping.set()
         await super().shutdown(sockets)
 
 

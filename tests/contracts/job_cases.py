@@ -17,6 +17,7 @@ from child_work import (
     spin,
     tell,
 )
+from distributed import get_worker
 from sqlalchemy import Connection
 
 from app.jobs.child import Bounds
@@ -28,12 +29,15 @@ from app.store.packed import NewPlan
 
 @dataclass(frozen=True)
 class BoundsWithABug:
-    """Whoever looks at them fails, and says what it was at."""
+    """The worker that hands them on to its child fails, and says what it was at."""
 
     told: str
 
-    @property
-    def deadline_s(self) -> float:
+    def __getstate__(self) -> dict[str, object]:
+        try:
+            get_worker()
+        except ValueError:  # not on a worker yet
+            return vars(self)
         raise RuntimeError(self.told)
 
 

@@ -111,7 +111,7 @@ def test_the_child_of_a_client_that_goes_away_is_killed(tmp_path, monkeypatch, n
     hanging = partial(hang, os.fsencode(notes.file))
     monkeypatch.setitem(vars(OPPORTUNITIES), "find", hanging)
     service = server("127.0.0.1", 0, own_settings(tmp_path))
-    children = service.config.app.state.children
+    children = service.application.state.children
     listening = socket.create_server(("127.0.0.1", 0))
     serving = threading.Thread(target=service.run, args=([listening],))
     serving.start()

@@ -58,11 +58,9 @@ MADE_FROM = {
 def whole(kind: type[Refusal]) -> Refusal:
     """One of a class with every member set: a new member must be named above."""
     names = set(inspect.signature(kind).parameters)
-    if kind in MADE_FROM:
-        refusal = kind(*MADE_FROM[kind])
-        vars(refusal).update({name: TOLD[name] for name in set(TOLD) & set(vars(refusal))})
-    else:
-        refusal = kind(**{name: TOLD[name] for name in names})
+    made_from = MADE_FROM.get(kind, ())
+    refusal = kind(*made_from) if made_from else kind(**{name: TOLD[name] for name in names})
+    vars(refusal).update({name: TOLD[name] for name in set(TOLD) & set(vars(refusal))})
     for base in kind.__mro__:
         for name, of in inspect.get_annotations(base).items():
             if get_origin(of) is not ClassVar and name not in vars(refusal):
