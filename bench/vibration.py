@@ -25,7 +25,7 @@ from vibration_cases import LIMITS, left_rad, problem
 
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
-from planner.slew import AxisState, fit_to_rows, next_duration_s, optimal_slew, paper_slew
+from planner.slew import AxisState, next_duration_s, optimal_slew, paper_slew
 
 FREQUENCIES_HZ = (0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
 SHARES = (1.3, 2.0)  # of the least time
@@ -72,9 +72,9 @@ def main() -> None:
             for start, end, least_s in slews:
                 duration_s = math.ceil(share * least_s * 5.0) / 5.0
                 cubic = paper_slew(problem(start, end, duration_s), CUBIC)
-                usual = fit_to_rows(optimal_slew(problem(start, end, duration_s)))
+                usual = optimal_slew(problem(start, end, duration_s), on_rows=True)
                 began_s = time.process_time()
-                calm = fit_to_rows(optimal_slew(problem(start, end, duration_s, mode)))
+                calm = optimal_slew(problem(start, end, duration_s, mode), on_rows=True)
                 wall_s.append(time.process_time() - began_s)
                 plain.append(left_rad(usual, mode) / left_rad(cubic, mode))
                 spared.append(left_rad(calm, mode) / left_rad(cubic, mode))

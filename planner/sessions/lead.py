@@ -17,7 +17,6 @@ from planner.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
-    fit_to_rows,
     next_duration_s,
     optimal_slew,
     verdict,
@@ -160,7 +159,7 @@ def _after_wait(
     if bounded.brake_rows:
         brake_s = bounded.brake_rows / ROWS_PER_S
         to_rest = replace(problem, end=bounded.rest, duration_s=brake_s, keep_out=None)
-        brake = fit_to_rows(optimal_slew(to_rest))
+        brake = optimal_slew(to_rest, on_rows=True)
     duration_s = bounded.slew_rows / ROWS_PER_S
     begins_s = problem.duration_s - duration_s
     view = problem.keep_out if options.keeps_limits else None

@@ -9,6 +9,7 @@ that is handed back is Ipopt's.  Within, all is in normalised time: the motion l
 
 import heapq
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -134,27 +135,30 @@ def smoothest(
     known: AxisProfile | None,
     rows: int | None,
     *,
-    may_fly: bool = True,
+    may_fly: Callable[[AxisProfile], bool] = lambda _: True,
     lower_bound_rad2_s5: float = 0.0,
 ) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
     known: a motion with these ends within the limits, to begin at.  rows: in how many equal
-    steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: the
-    motion may be flown, and must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
+    steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: which
+    motions would be flown, and so must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
     avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
-    placed = _place_knots(axis, lower_bound_rad2_s5 / unit)
+    is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly(axis.known)
+    placed = _place_knots(
+        axis, lower_bound_rad2_s5 / unit, SURE if is_first_flown or not has_piqp() else QUICK
+    )
     best, iterations = placed.best, placed.iterations
     calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
     found = calm or best
-    if found is not None and may_fly and not found.is_ipopts:
+    if found is not None and not found.is_ipopts and may_fly(found.profile):
         found = axis.solve_to_fly(found)
         iterations += found.iterations if found is not None else 0
     if found is None:
-        return _with_braked_ends(slew, rows)
+        return _with_braked_ends(slew, rows, may_fly)
     return Smoothest(
         found.profile,
         placed.bound * unit,
@@ -165,7 +169,7 @@ def smoothest(
     )
 
 
-def _place_knots(axis: "_Axis", bound: float) -> _Placed:
+def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Placed:
     """The best motion on knots that are added to until the gap is closed, and its bound.
 
     Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
@@ -173,7 +177,6 @@ def _place_knots(axis: "_Axis", bound: float) -> _Placed:
     """
     best, iterations, bound = None, 0, max(bound, least_cost(axis.ends))
     begun = axis.known
-    starts = SURE if axis.is_unbound or not has_piqp() else QUICK
     flat_rows = axis.rows_astray(begun)
     knots = axis.first_knots(begun, flat_rows)
     for _ in range(ROUNDS):
@@ -205,7 +208,9 @@ def _place_knots(axis: "_Axis", bound: float) -> _Placed:
     return _Placed(best, bound, iterations)
 
 
-def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
+def _with_braked_ends(
+    slew: AxisSlew, rows: int | None, may_fly: Callable[[AxisProfile], bool]
+) -> Smoothest | None:
     """Braked at the ends, and the smoothest between.
 
     Where an end all but determines how the axis leaves or reaches it, no motion near it is left
@@ -217,7 +222,12 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
     possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
     if possible.limit is not None:
         return None
-    between = smoothest(ends.free, possible.profile, None, may_fly=rows is None)
+    between = smoothest(
+        ends.free,
+        possible.profile,
+        None,
+        may_fly=lambda profile: rows is None and may_fly(ends.around(profile)),
+    )
     if between is not None and rows is not None:
         between = smoothest(ends.free, between.profile, rows - ends.rows)
     if between is None:
