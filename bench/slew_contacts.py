@@ -1,6 +1,6 @@
 """One slew against a stop and the rate limit: its contacts, its knots, its jerk and the costate.
 
-    python bench/slew_contacts.py PATH      # docs/images/slew_contacts.png is made so
+    python bench/slew_contacts.py [PATH]    # docs/images/slew_contacts.png is made so
 
 The costate is put together from the solver's pushes alone, the three prices of the end chosen so
 that it comes nearest to the jerk where this is within its limit; elsewhere it shows where the
@@ -65,7 +65,7 @@ def costate(pushed: Array, t: Array, jerk: Array, free: NDArray[np.bool_]) -> Ar
     return of_pushes + quadratic @ prices
 
 
-def draw(path: str) -> None:
+def draw(path: str = "") -> None:
     duration_s = LEAST_SHARE * next_duration_s(START, END, LIMITS, 0.0)
     slew = AxisSlew(start=START, end=END, limits=LIMITS, duration_s=duration_s)
     found = smoothest(slew, verdict(START, END, LIMITS, duration_s).profile, None)
@@ -108,8 +108,9 @@ def draw(path: str) -> None:
     jerk.set_ylim(floor - 0.4, 1.6 * jerk_max)
     jerk.legend(*(part[-2:] for part in jerk.get_legend_handles_labels()), ncols=2, frameon=False)
     jerk.set_xlabel("time, s")
-    figure.savefig(path, dpi=110)
+    if path:
+        figure.savefig(path, dpi=110)
 
 
 if __name__ == "__main__":
-    draw(sys.argv[1])
+    draw(*sys.argv[1:])

@@ -33,9 +33,7 @@ from planner.solvers import Answer, Options, Plugin, Solver, SolverRun, Work, ha
 if TYPE_CHECKING:
     import casadi
 
-UNITS = np.array(
-    [1.0, 2.0, 6.0, 60.0]
-)  # of angle, rate, acceleration, jerk: what a unit move needs
+UNITS = np.array([1.0, 2.0, 6.0, 60.0])  # of angle to jerk: what a unit move needs
 FAR = 1e3  # in UNITS: as good as no bound
 SOLVERS_KEPT = 64  # some MB and 10 to 100 ms to make each; a size of spans has two or three
 Start = Literal["quick", "warm", "cold", "roomy"]
