@@ -126,8 +126,8 @@ def _on_rows(name: str, slew: AxisSlew, anywhere: AxisSolution, rows: int) -> Ax
 
 def _how_good(found: Smoothest, lower_bound_rad2_s5: float) -> str:
     """What a motion that was sought as the smoothest may be called."""
-    if found.spares_modes:
-        return "modes spared"
+    if found.suppresses_modes:
+        return "modes suppressed"
     cost = found.profile.jerk_squared_integral
     gap = (cost - lower_bound_rad2_s5) / max(cost, found.negligible_rad2_s5)
     return "optimal" if gap <= OPTIMAL_GAP else f"smooth, gap {gap:.1%}"

@@ -290,7 +290,7 @@ def test_a_cone_that_passes_over_waiting_axes_is_slewn_away_from_or_refused():
     assert waited.segments[0].kind == "wait"
 
 
-def test_modes_are_spared_after_a_wait_too():
+def test_modes_are_suppressed_after_a_wait_too():
     """A mode of 20 s asks for 80 s at least, more than ten times a short slew's least time."""
     mode = StructuralMode(frequency_hz=0.05)
     motion = BenchMotionTarget(axes={"alpha": standing(2.0), "beta": standing(-1.0)})

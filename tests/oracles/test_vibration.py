@@ -109,7 +109,7 @@ PERIODS = 3.0  # a slew of fewer can't always stop what it has set going within 
 
 
 @pytest.mark.parametrize("frequency_hz", [0.1, 0.3, 0.8, 2.0])
-def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz):
+def test_suppressed_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz):
     mode = StructuralMode(frequency_hz=frequency_hz)
     cubic_options = SlewOptions(method="spline", filter_cutoff_hz=None)
     tried = 0
@@ -120,7 +120,7 @@ def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz
         posed = problem(start, end, duration_s, mode)
         calm = optimal_slew(posed, on_rows=True)
         cubic = paper_slew(posed, cubic_options)
-        assert calm.status[0].startswith("modes spared")
+        assert calm.status[0].startswith("modes suppressed")
         assert violations("alpha", calm.profiles[0], LIMITS) == ()
         assert_calm(calm, cubic, mode)
     assert tried >= 8
@@ -155,7 +155,7 @@ def test_in_little_time_modes_are_weighed_until_each_is_left_as_little_as_wanted
     assert_calm(calm, paper_slew(posed, cubic_options), mode)
 
 
-def test_several_modes_are_spared_at_once_and_the_comparison_tells():
+def test_several_modes_are_suppressed_at_once_and_the_comparison_tells():
     modes = tuple(StructuralMode(frequency_hz=f) for f in (0.2, 0.55, 1.7))
     start, end = AxisState(angle_rad=-0.8), AxisState(angle_rad=0.9, rate_rad_s=0.01)
     posed = problem(start, end, 60.0, *modes)
@@ -167,7 +167,7 @@ def test_several_modes_are_spared_at_once_and_the_comparison_tells():
         assert residual.ocp_rad[0] <= 0.01 * residual.spline_rad[0]
 
 
-def test_a_mode_no_slew_can_spare_does_not_keep_it_from_being_flown():
+def test_a_mode_no_slew_can_suppress_does_not_keep_it_from_being_flown():
     start, end = AxisState(angle_rad=0.0), AxisState(angle_rad=0.05)
     duration_s = math.ceil(next_duration_s(start, end, LIMITS, 0.0) * 5.5) / 5.0
     posed = problem(start, end, duration_s, StructuralMode(frequency_hz=0.02))
