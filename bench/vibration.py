@@ -1,4 +1,4 @@
-"""How much does a structure still ring after a slew that spares it, beside the cubic's slew?
+"""How much does a structure still ring after a slew that suppresses it, beside the cubic's slew?
 
 Random slews of one axis onto tracks, from rest and from motion, at 1.3 and 2 times the least
 time, one mode of 0.1 to 2 Hz each.  What is left is the response of a damped oscillator, exact
@@ -25,7 +25,7 @@ from vibration_cases import LIMITS, left_rad, problem
 
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
-from planner.slew import AxisState, fit_to_rows, next_duration_s, optimal_slew, paper_slew
+from planner.slew import AxisState, next_duration_s, optimal_slew, paper_slew
 
 FREQUENCIES_HZ = (0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
 SHARES = (1.3, 2.0)  # of the least time
@@ -61,33 +61,33 @@ def main() -> None:
     missed_periods, possible = [0.0], 0
     print("what is left of the mode, as a share of what the cubic leaves")
     print(
-        "  f Hz   T/Tmin  plain median   spared: median   95 %      max   <= 1/100"
+        "  f Hz   T/Tmin  plain median   calmed: median   95 %      max   <= 1/100"
         "   detuned 4 %: 95 %     max   <= 1/10"
     )
     for frequency_hz in FREQUENCIES_HZ:
         mode = StructuralMode(frequency_hz=frequency_hz)
         beside = [StructuralMode(frequency_hz=frequency_hz * share) for share in DETUNED]
         for share in SHARES:
-            plain, spared, detuned = [], [], []
+            plain, calmed, detuned = [], [], []
             for start, end, least_s in slews:
                 duration_s = math.ceil(share * least_s * 5.0) / 5.0
                 cubic = paper_slew(problem(start, end, duration_s), CUBIC)
-                usual = fit_to_rows(optimal_slew(problem(start, end, duration_s)))
+                usual = optimal_slew(problem(start, end, duration_s), on_rows=True)
                 began_s = time.process_time()
-                calm = fit_to_rows(optimal_slew(problem(start, end, duration_s, mode)))
+                calm = optimal_slew(problem(start, end, duration_s, mode), on_rows=True)
                 wall_s.append(time.process_time() - began_s)
                 plain.append(left_rad(usual, mode) / left_rad(cubic, mode))
-                spared.append(left_rad(calm, mode) / left_rad(cubic, mode))
+                calmed.append(left_rad(calm, mode) / left_rad(cubic, mode))
                 detuned.append(max(left_rad(calm, one) / left_rad(cubic, one) for one in beside))
-                if spared[-1] > 0.01 or detuned[-1] > 0.1:
+                if calmed[-1] > 0.01 or detuned[-1] > 0.1:
                     missed_periods.append(duration_s * frequency_hz)
                     wanted = [Wanted(mode, 0.01 * left_rad(cubic, mode))]
                     wanted += [Wanted(one, 0.1 * left_rad(cubic, one)) for one in beside]
                     least = least_share(start, end, LIMITS, duration_s, tuple(wanted))
-                    reached = max(spared[-1] / 0.01, detuned[-1] / 0.1)
+                    reached = max(calmed[-1] / 0.01, detuned[-1] / 0.1)
                     assert least <= 1.01 * reached, "no motion does better than the bound"
                     possible += least <= 1.0
-            a, b = np.array(spared), np.array(detuned)
+            a, b = np.array(calmed), np.array(detuned)
             print(
                 f"{frequency_hz:6.1f} {share:8.1f} {np.median(plain):13.3f} {np.median(a):16.5f}"
                 f" {np.quantile(a, 0.95):8.5f} {a.max():8.4f} {np.mean(a <= 0.01):9.0%}"

@@ -59,7 +59,7 @@ class SlewComparisonOut:
     paper_s: the time the paper's estimate asks for (Sumarokov 2016, eq. 12-13).
     ocp: the optimal slew, by axis.
     spline: the paper's spline, by axis.
-    residual_vibration: one entry for each mode to spare.
+    residual_vibration: one entry for each mode to suppress.
     """
 
     session: Count | None

@@ -36,8 +36,8 @@ class SlewRunOut:
     session: number of the session it leads to, from 0; null for the slew to the final state.
     backend: the method, as `slew.method` names it.
     status: how good it is: `optimal` (proven: the gap is at most 0.001), `smooth` and its gap,
-    `modes spared`, `detour` around cones or masks, `feasible, not the smoothest` where the solver
-    found none and the motion that proves the slew possible is flown, or `cubic`.
+    `modes suppressed`, `detour` around cones or masks, `feasible, not the smoothest` where the
+    solver found none and the motion that proves the slew possible is flown, or `cubic`.
     iterations: of Ipopt, also of motions that aren't flown.
     wall_s: time it took to solve.
     duration_s: of the slew.

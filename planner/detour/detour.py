@@ -16,7 +16,7 @@ from planner.effort import EffortSpent
 from planner.errors import InfeasibleSlew
 from planner.platforms import FieldMask
 from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.slew.on_rows import rows_in
+from planner.slew.flown import rows_in
 from planner.slew.problem import SlewProblem
 from planner.slew.solution import SlewSolution
 

@@ -16,8 +16,7 @@ from planner.detour.ocp import Caps, DetourOcp, Start, detour_ocp
 from planner.detour.spline_ocp import SplineOcp
 from planner.platforms import AxisLimits
 from planner.pointing.keep_out import DeepestEntry, KeepOutView, deepest_entry
-from planner.slew.flown import reproduces
-from planner.slew.on_rows import rows_in
+from planner.slew.flown import reproduces, rows_in
 from planner.slew.solution import AxisProfile, SlewSolution, obeys
 from planner.solvers import SolverRun
 

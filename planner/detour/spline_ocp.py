@@ -18,7 +18,7 @@ from planner.detour.spline_basis import SplineBasis, derivative_matrices, jerk_c
 from planner.platforms import StructuralMode
 from planner.slew.problem import AxisSlew
 from planner.slew.solution import AxisProfile
-from planner.slew.vibration import JERK_COST, WEIGHTS, span_echoes
+from planner.slew.vibration import JERK_COST, WEIGHTS, span_residuals
 
 ROUNDING = 1e-9  # of the limits' ranges
 ON_ROWS_KEPT = 2  # both axes ask for the same one; at 200 rows it takes 3 MB
@@ -210,10 +210,10 @@ def _modal_cost(basis: SplineBasis, duration_s: float, modes: tuple[StructuralMo
     """
     powers = np.arange(3, basis.power_matrix.shape[1])
     third = basis.power_matrix[:, 3:] * (powers * (powers - 1) * (powers - 2))[:, None]
-    echoes = span_echoes(basis.breakpoints_tau, duration_s, modes, len(powers))
-    rows = np.zeros((int(basis.support.max()) + 1, len(echoes)), dtype=complex)
-    np.add.at(rows, basis.support, np.einsum("ekj,kjn->kne", echoes, third))
-    weights = np.resize(WEIGHTS, len(echoes))
+    residuals = span_residuals(basis.breakpoints_tau, duration_s, modes, len(powers))
+    rows = np.zeros((int(basis.support.max()) + 1, len(residuals)), dtype=complex)
+    np.add.at(rows, basis.support, np.einsum("ekj,kjn->kne", residuals, third))
+    weights = np.resize(WEIGHTS, len(residuals))
     return np.asarray(sum((part * weights) @ part.T for part in (rows.real, rows.imag)))
 
 

@@ -19,7 +19,6 @@ from planner.pointing.track import AxisTrack
 from planner.scenario import SlewOptions
 from planner.sessions.lead import LedSlew, slew_within_lead
 from planner.slew.feasibility import fits_without_jerk, next_duration_s, verdict
-from planner.slew.on_rows import fit_to_rows
 from planner.slew.optimal import optimal_slew
 from planner.slew.problem import AxisState, SlewProblem, axis_states, within
 
@@ -139,7 +138,7 @@ class Approach:
                 problem,
                 options,
                 lambda part: avoid_cones(
-                    fit_to_rows(optimal_slew(part)), thorough=False, prove=False
+                    optimal_slew(part, on_rows=True), thorough=False, prove=False
                 ),
             )
         except InfeasibleSlew:

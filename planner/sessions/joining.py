@@ -18,7 +18,6 @@ from planner.slew import (
     SlewProblem,
     SlewSolution,
     broken_limit,
-    fit_to_rows,
     in_paper_time,
     optimal_slew,
     paper_slew,
@@ -172,7 +171,7 @@ def _slew(
 
     def solve(part: SlewProblem) -> SlewSolution:
         if scenario.slew.keeps_limits:
-            return avoid_cones(fit_to_rows(optimal_slew(part)), thorough=thorough, prove=prove)
+            return avoid_cones(optimal_slew(part, on_rows=True), thorough=thorough, prove=prove)
         if scenario.slew.objective == "minimum_time":
             part = in_paper_time(part)
         return paper_slew(part, scenario.slew)

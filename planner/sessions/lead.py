@@ -17,7 +17,6 @@ from planner.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
-    fit_to_rows,
     next_duration_s,
     optimal_slew,
     verdict,
@@ -29,7 +28,7 @@ from planner.slew.stops import stop_margin_rad
 # (0.012 deg/s2 at most on real passes), so that more time makes the flight no smoother.
 ENOUGH = 10.0
 FEWEST_ROWS = 4  # jerk from row to row meets an angle, a rate and an acceleration in three
-MODE_PERIODS = 4.0  # of a mode to spare: twice what sparing it takes
+MODE_PERIODS = 4.0  # of a mode to suppress: twice what that takes
 CONE_ROW = 0.3  # of `planner.effort`: to look whether a cone meets a row of a wait
 
 States = tuple[AxisState, ...]
@@ -97,7 +96,7 @@ def enough_s(
     avoid_modes: tuple[StructuralMode, ...],
 ) -> float:
     """The time after which more makes a slew no smoother than the track it leads to."""
-    return max(ENOUGH * least_slew_s(start, end, limits), _spared_s(avoid_modes))
+    return max(ENOUGH * least_slew_s(start, end, limits), _suppressed_s(avoid_modes))
 
 
 def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> float:
@@ -109,7 +108,7 @@ def least_slew_s(start: States, end: States, limits: tuple[AxisLimits, ...]) -> 
 def brake_enough_s(state: States, limits: tuple[AxisLimits, ...], options: SlewOptions) -> float:
     """The time in which the axes come to rest smoothly, wherever; 0 where they are at rest."""
     least_s = max(_stopping_s(*axis) for axis in zip(state, limits, strict=True))
-    return max(ENOUGH * least_s, _spared_s(options.avoid_modes)) if least_s else 0.0
+    return max(ENOUGH * least_s, _suppressed_s(options.avoid_modes)) if least_s else 0.0
 
 
 def at_rest_after(state: States, limits: tuple[AxisLimits, ...], brake_s: float) -> States:
@@ -160,7 +159,7 @@ def _after_wait(
     if bounded.brake_rows:
         brake_s = bounded.brake_rows / ROWS_PER_S
         to_rest = replace(problem, end=bounded.rest, duration_s=brake_s, keep_out=None)
-        brake = fit_to_rows(optimal_slew(to_rest))
+        brake = optimal_slew(to_rest, on_rows=True)
     duration_s = bounded.slew_rows / ROWS_PER_S
     begins_s = problem.duration_s - duration_s
     view = problem.keep_out if options.keeps_limits else None
@@ -209,7 +208,7 @@ def _too_bounded(refusal: InfeasibleSlew, most_s: float) -> InfeasibleSlew:
     )
 
 
-def _spared_s(avoid_modes: tuple[StructuralMode, ...]) -> float:
+def _suppressed_s(avoid_modes: tuple[StructuralMode, ...]) -> float:
     return max((MODE_PERIODS / mode.frequency_hz for mode in avoid_modes), default=0.0)
 
 

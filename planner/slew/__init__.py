@@ -2,7 +2,6 @@
 
 from planner.slew.compare import ModeResidual, SlewComparison, compare_with_spline
 from planner.slew.feasibility import next_duration_s, require_brakable, verdict
-from planner.slew.on_rows import fit_to_rows
 from planner.slew.optimal import optimal_slew
 from planner.slew.paper_cubic import in_paper_time, paper_profiles, paper_slew
 from planner.slew.problem import AxisState, SlewProblem, broken_limit
@@ -16,7 +15,6 @@ __all__ = [
     "SlewSolution",
     "broken_limit",
     "compare_with_spline",
-    "fit_to_rows",
     "in_paper_time",
     "next_duration_s",
     "optimal_slew",

@@ -49,7 +49,7 @@ class SlewComparison:
     """The optimal slew beside the paper's spline over the same time between the same states.
 
     least_duration_s: what the limits allow, stops aside; paper_duration_s: what the paper's
-    estimate asks for (Sumarokov 2016, eq. 12-13).  residuals: of the modes to spare.
+    estimate asks for (Sumarokov 2016, eq. 12-13).  residuals: of the modes to suppress.
     """
 
     axis_names: tuple[str, ...]

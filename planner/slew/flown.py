@@ -3,6 +3,7 @@
 import numpy as np
 
 from planner.arrays import Indices
+from planner.commands import COMMAND_STEP_S
 from planner.platforms import AxisLimits
 from planner.pointing.hermite import cubic_range
 from planner.slew.problem import LIMIT_TOLERANCE
@@ -10,6 +11,16 @@ from planner.slew.solution import AxisProfile
 
 REPRODUCTION_RAD = np.deg2rad(0.1 / 3600.0)  # how far the flown Hermite may leave the plan
 SAMPLES_PER_ROW = 8  # the deviation is a quartic bump in a cell: its peak is met within 4 %
+
+
+def rows_in(duration_s: float) -> int:
+    """How many command steps a slew of duration_s takes; ValueError if it isn't a whole number."""
+    rows = round(duration_s / COMMAND_STEP_S)
+    if rows < 1 or abs(rows * COMMAND_STEP_S - duration_s) > 1e-6 * COMMAND_STEP_S:
+        raise ValueError(
+            f"duration_s must be a multiple of the command step, 0.2 s, not {duration_s}"
+        )
+    return rows
 
 
 def reproduces(profile: AxisProfile, rows: int, limits: AxisLimits) -> bool:

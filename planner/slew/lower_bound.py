@@ -1,10 +1,10 @@
-"""A proof of how little squared jerk any motion can do with, from prices of its contacts.
+"""A proof of how little squared jerk any motion can do with, from multipliers of its contacts.
 
-Whatever prices are put on meeting the end and on keeping limits at some instants, the least of
-(squared jerk - prices) over all jerks within their limit is a lower bound of the cost of every
+Whatever multipliers are put on meeting the end and on keeping limits at some instants, the least
+of the Lagrangian over all jerks within their limit is a lower bound of the cost of every
 motion that meets the end and keeps the limits.  That least is found instant by instant: the
-jerk is the costate, a quadratic of time less the pushes of the contacts, cut off at its limit.
-The pushes may come from any solver; the end's prices are those that make the bound highest,
+jerk is the costate, a quadratic of time bent by the contacts' multipliers, cut off at its limit.
+These may come from any solver; the end's multipliers are those that make the bound highest,
 sought from those whose costate is nearest to a known motion's jerk.  (A solver's multipliers of
 the dynamics aren't the costate where coefficients beside a knot are at their limits.)
 All in normalised time: the motion lasts 1.
@@ -29,9 +29,10 @@ def lower_bound(
     """The bound on the integral of squared jerk, and where the jerks miss the costate's.
 
     ends (2, 3): angle, rate, acceleration at start and end.  limits (4, 2) of angle, rate,
-    acceleration, jerk.  contacts (m, 3): instant, order (0 angle, 1 rate, 2 acceleration), push,
-    positive at the upper limit.  knots (n + 1,), jerks (n, 2): a motion near the optimum; the
-    second result (n,) is the squared distance of its jerk from the costate's, span by span.
+    acceleration, jerk.  contacts (m, 3): instant, order (0 angle, 1 rate, 2 acceleration),
+    multiplier, positive at the upper limit.  knots (n + 1,), jerks (n, 2): a motion near the
+    optimum; the second result (n,) is the squared distance of its jerk from the costate's, span
+    by span.
     """
     grid = np.unique(np.concatenate([knots, contacts[:, 0], [_MIDDLE]]))
     half, middle = np.diff(grid) / 2.0, (grid[1:] + grid[:-1]) / 2.0
@@ -42,30 +43,30 @@ def lower_bound(
         share = (t - knots[span]) / own_width
         return np.asarray(jerks[span, 0] + share * (jerks[span, 1] - jerks[span, 0]))
 
-    costate, owed = _pushes(ends, limits, contacts, grid)
+    costate, owed = _contacts_part(ends, limits, contacts, grid)
     wanted = _drift(ends[1], np.array(_MIDDLE - 1.0)) - _drift(ends[0], np.array(_MIDDLE))
     t = middle + half * _NODES
     basis = _effects(t)
     rest = own(t) - (costate[0] + _NODES * (costate[1] + _NODES * costate[2]))
     weight = half * _WEIGHTS * np.where(np.abs(own(t)) < 0.99 * jerk_max, 1.0, 1e-6)
-    prices = solve_scaled(
+    of_end = solve_scaled(
         np.einsum("ign,gn,jgn->ij", basis, weight, basis),
         np.einsum("ign,gn->i", basis, weight * rest),
     )
-    best, missed, kept, step = -np.inf, np.zeros(len(own_width)), prices, np.zeros(3)
+    best, missed, kept, step = -np.inf, np.zeros(len(own_width)), of_end, np.zeros(3)
     for _ in range(NEWTON_STEPS):
         away = _MIDDLE - middle
-        p2, p1, p0 = prices[0] / 2.0, prices[1], prices[2]
+        p2, p1, p0 = of_end[0] / 2.0, of_end[1], of_end[2]
         c0, c1, c2 = costate + np.array(
             [p2 * away**2 + p1 * away + p0, -half * (2.0 * p2 * away + p1), p2 * half**2]
         )
         x, share = _nodes_between(_where_cut_off(c0, c1, c2, jerk_max))
         w, weight, t = c0 + x * (c1 + x * c2), 2.0 * half * share * _WEIGHTS, middle + half * x
         u = np.clip(w, -jerk_max, jerk_max)
-        value = float(prices @ wanted) + owed + float(np.sum(weight * (0.5 * u * u - u * w)))
+        value = float(of_end @ wanted) + owed + float(np.sum(weight * (0.5 * u * u - u * w)))
         gain = value - best
         if gain > 0.0:
-            best, kept = value, prices
+            best, kept = value, of_end
             missed = np.sum(weight * (u - own(t)) ** 2, axis=(0, 1))
             basis = _effects(t)
             slope = wanted - np.einsum("isgn,sgn->i", basis, weight * u)
@@ -75,27 +76,27 @@ def lower_bound(
             step = step / 4.0
         if not abs(float(step @ slope)) > CONVERGED * abs(best):
             break
-        prices = kept + step
+        of_end = kept + step
     by_span = np.zeros(len(knots) - 1)
     np.add.at(by_span, span, missed)
     return 2.0 * best, by_span
 
 
-def _pushes(ends: Array, limits: Array, contacts: Array, grid: Array) -> tuple[Array, float]:
-    """The pushes' part of the costate, quadratics (3, pieces) on [-1, 1], and what they owe.
+def _contacts_part(ends: Array, limits: Array, contacts: Array, grid: Array) -> tuple[Array, float]:
+    """The contacts' part of the costate, quadratics (3, pieces) on [-1, 1], and of the bound.
 
-    A contact is reached from the nearer end, and acts from its instant towards it, so that a push
+    A contact is reached from the nearer end, and acts from its instant towards it, so that one
     on a short stretch keeps its digits.
     """
-    at, order, push = contacts[:, 0], contacts[:, 1].astype(int), contacts[:, 2]
+    at, order, multiplier = contacts[:, 0], contacts[:, 1].astype(int), contacts[:, 2]
     early = at <= _MIDDLE
     drift = np.where(early, _drift(ends[0], at), _drift(ends[1], at - 1.0))
-    limit = limits[order, (push > 0.0).astype(int)]
-    owed = float(push @ (drift[order, np.arange(len(at))] - limit))
+    limit = limits[order, (multiplier > 0.0).astype(int)]
+    owed = float(multiplier @ (drift[order, np.arange(len(at))] - limit))
     # How the costate's value, slope and curvature away from the middle jump at each contact.
     sign = np.where(early, -1.0, np.where(order == 1, -1.0, 1.0))
     jumps = np.zeros((3, len(grid)))
-    np.add.at(jumps, (2 - order, np.searchsorted(grid, at)), sign * push)
+    np.add.at(jumps, (2 - order, np.searchsorted(grid, at)), sign * multiplier)
     middle = int(np.searchsorted(grid, _MIDDLE))
     before = _integrated(_MIDDLE - grid[middle::-1], jumps[:, middle::-1], bool(early.any()))
     jumps[:, middle] = 0.0  # which acts on what is before
@@ -129,7 +130,7 @@ def _drift(state: Array, t: Array) -> Array:
 
 
 def _effects(t: Array) -> Array:
-    """What a unit of each of the end's prices adds to the costate, (3, ...)."""
+    """What a unit of each of the end's multipliers adds to the costate, (3, ...)."""
     away = _MIDDLE - t
     return np.array([away * away / 2.0, away, np.ones_like(away)])
 

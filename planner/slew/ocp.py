@@ -33,9 +33,7 @@ from planner.solvers import Answer, Options, Plugin, Solver, SolverRun, Work, ha
 if TYPE_CHECKING:
     import casadi
 
-UNITS = np.array(
-    [1.0, 2.0, 6.0, 60.0]
-)  # of angle, rate, acceleration, jerk: what a unit move needs
+UNITS = np.array([1.0, 2.0, 6.0, 60.0])  # of angle to jerk: what a unit move needs
 FAR = 1e3  # in UNITS: as good as no bound
 SOLVERS_KEPT = 64  # some MB and 10 to 100 ms to make each; a size of spans has two or three
 Start = Literal["quick", "warm", "cold", "roomy"]
@@ -80,20 +78,20 @@ STARTS: dict[Start, tuple[Plugin, Options]] = {
 }
 
 
-def slew_ocp(spans: int, *, on_rows: bool, echoes: int) -> "dict[str, casadi.SX]":
+def slew_ocp(spans: int, *, on_rows: bool, residuals: int) -> "dict[str, casadi.SX]":
     """The programme: x, p, f and g in CasADi's symbols.
 
-    on_rows: with splits and with spans of constant jerk.  echoes: how many numbers tell what
+    on_rows: with splits and with spans of constant jerk.  residuals: how many numbers tell what
     is left of modes.
     """
     import casadi as ca
 
     states = ca.SX.sym("states", 3, spans + 1)  # at the knots, in UNITS
     jerks = ca.SX.sym("jerks", 2, spans)  # at begin and end of each span, in UNITS
-    left = ca.SX.sym("left", echoes)  # of modes
+    left = ca.SX.sym("left", residuals)  # of modes
     h, weight = ca.SX.sym("h", 1, spans), ca.SX.sym("weight")  # widths; scale of the cost
     flat, turns = ca.SX.sym("flat", 1, spans * on_rows), ca.SX.sym("turns", 2, spans * on_rows)
-    echo, calm = ca.SX.sym("echo", echoes, 2 * spans), ca.SX.sym("calm", echoes)
+    maps, calm = ca.SX.sym("maps", residuals, 2 * spans), ca.SX.sym("calm", residuals)
 
     q, v, a = (UNITS[order] * states[order, :] for order in range(3))
     begin, end = ([x[:-1] for x in (q, v, a)], [x[1:] for x in (q, v, a)])
@@ -114,11 +112,11 @@ def slew_ocp(spans: int, *, on_rows: bool, echoes: int) -> "dict[str, casadi.SX]
         for order, hull in enumerate((angle, rate, acceleration))
         for coefficient in hull[1:-1]  # the first and the last are states
     ]
-    modes = echo @ ca.vec(ca.vertcat(j0, j1)) - left
+    modes = maps @ ca.vec(ca.vertcat(j0, j1)) - left
     cost = ca.dot(h, j0**2 + j0 * j1 + j1**2) / 3 + ca.dot(calm, left**2)
     return {
         "x": ca.veccat(states, jerks, left),
-        "p": ca.veccat(h, weight, flat, turns, echo, calm),
+        "p": ca.veccat(h, weight, flat, turns, maps, calm),
         "f": weight * cost,
         "g": ca.veccat(dynamics, ca.vertcat(*limited), modes),
     }
@@ -136,14 +134,14 @@ def _split(hull: "list[Any]", at: "casadi.SX") -> "list[Any]":
 
 
 @lru_cache(maxsize=SOLVERS_KEPT)
-def slew_solver(start: Start, spans: int, *, on_rows: bool, echoes: int) -> Solver:
+def slew_solver(start: Start, spans: int, *, on_rows: bool, residuals: int) -> Solver:
     """Made once per process and size."""
     plugin, options = STARTS[start]
     # Of `planner.effort`: an iteration takes 0.17 ms and 0.01 to 0.02 ms a span; PIQP, which
     # counts none, as long for the whole as Ipopt for three.
-    iteration = 17.0 + (2.0 if on_rows else 1.0) * spans * (1.0 + echoes / 6.0)
+    iteration = 17.0 + (2.0 if on_rows else 1.0) * spans * (1.0 + residuals / 6.0)
     work = Work(20.0, iteration) if plugin == "ipopt" else Work(20.0 + 3.0 * iteration, 0.0)
-    programme = slew_ocp(spans, on_rows=on_rows, echoes=echoes)
+    programme = slew_ocp(spans, on_rows=on_rows, residuals=residuals)
     return Solver(programme, options, work, plugin=plugin, hessian=_hessian(programme))
 
 
@@ -152,8 +150,8 @@ def make_solvers(sizes: Iterable[int]) -> None:
     for spans in sizes:
         for on_rows in (False, True):
             if has_piqp():
-                slew_solver("quick", spans, on_rows=on_rows, echoes=0)
-            slew_solver("warm", spans, on_rows=on_rows, echoes=0)
+                slew_solver("quick", spans, on_rows=on_rows, residuals=0)
+            slew_solver("warm", spans, on_rows=on_rows, residuals=0)
 
 
 def _hessian(programme: "dict[str, casadi.SX]") -> "casadi.Function":
@@ -179,7 +177,7 @@ class Rows(NamedTuple):
     turns: Array
 
 
-class Echoes(NamedTuple):
+class Vibration(NamedTuple):
     """What the jerks (n, 2) leave of modes, maps (m, n, 2); the squares, times weights (m,), add
     to the cost."""
 
@@ -197,7 +195,7 @@ class SpanProgramme(NamedTuple):
     ends: Array
     limits: Array
     rows: Rows | None
-    echoes: Echoes
+    vibration: Vibration
     weight: float
 
 
@@ -215,12 +213,12 @@ class Begin(NamedTuple):
 class Solved(NamedTuple):
     """jerks (n, 2) at both ends of each span.
 
-    pushes (n, m): what a unit of each limited quantity is worth, positive at its upper limit;
+    multipliers (n, m): what a unit of each limited quantity is worth, positive at its upper limit;
     of orders (m,), 0 angle to 2 acceleration, at places (n, m), shares of the span.
     """
 
     jerks: Array
-    pushes: Array
+    multipliers: Array
     orders: Indices
     places: Array
     answer: Answer
@@ -243,7 +241,7 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
     for side in (0, -1):
         state_least[side] = state_most[side] = given.ends[side] / UNITS[:3]
     rows = [] if given.rows is None else [given.rows.flat, given.rows.turns.ravel()]
-    maps, calm = given.echoes
+    maps, calm = given.vibration
     m, dynamics = len(calm), np.zeros(3 * n)
     no_bound = np.full(m, np.inf)
     left = np.einsum("mnu,nu->m", maps, begin.jerks)
@@ -260,18 +258,24 @@ def solve(given: SpanProgramme, begin: Begin, start: Start) -> Solved:
     }
     if start in ("warm", "roomy") and begin.answer is not None:
         before = begin.answer
-        numbers |= {"x0": before.x, "lam_x0": before.lam_x, "lam_g0": before.lam_g}
-    solver = slew_solver(start, n, on_rows=given.rows is not None, echoes=m)
+        numbers |= {
+            "x0": before.x_numbers,
+            "lam_x0": before.lam_x_numbers,
+            "lam_g0": before.lam_g_numbers,
+        }
+    solver = slew_solver(start, n, on_rows=given.rows is not None, residuals=m)
     answer = solver.solve(**numbers)
-    jerks = answer.x[3 * n + 3 : 5 * n + 3].reshape(n, 2) * UNITS[3]
+    jerks = answer.x_numbers[3 * n + 3 : 5 * n + 3].reshape(n, 2) * UNITS[3]
     if given.rows is not None:
         jerks[given.rows.flat, 1] = jerks[given.rows.flat, 0]
-    at_knots = answer.lam_x[: 3 * n].reshape(n, 3) / UNITS[:3]
+    at_knots = answer.lam_x_numbers[: 3 * n].reshape(n, 3) / UNITS[:3]
     at_knots[0] = 0.0  # the first state is given
-    between = answer.lam_g[3 * n : 3 * n + places.size].reshape(places.shape) / UNITS[orders]
+    between = (
+        answer.lam_g_numbers[3 * n : 3 * n + places.size].reshape(places.shape) / UNITS[orders]
+    )
     return Solved(
         jerks=jerks,
-        pushes=np.hstack([at_knots, between]) / (2.0 * given.weight),
+        multipliers=np.hstack([at_knots, between]) / (2.0 * given.weight),
         orders=np.append(np.arange(3), orders),
         places=np.hstack([np.zeros((n, 3)), places]),
         answer=answer,

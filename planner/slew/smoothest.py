@@ -9,6 +9,7 @@ that is handed back is Ipopt's.  Within, all is in normalised time: the motion l
 
 import heapq
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from planner.slew.feasibility import verdict
 from planner.slew.flown import cells_that_break, cells_that_leave
 from planner.slew.lower_bound import lower_bound
 from planner.slew.normalised import normalised
-from planner.slew.ocp import Begin, Echoes, Rows, Solved, SpanProgramme, Start, solve
+from planner.slew.ocp import Begin, Rows, Solved, SpanProgramme, Start, Vibration, solve
 from planner.slew.problem import AxisSlew
 from planner.slew.solution import AxisProfile, obeys
 from planner.slew.spans import (
@@ -33,7 +34,7 @@ from planner.slew.spans import (
     trajectory,
     values_at,
 )
-from planner.slew.vibration import JERK_COST, WEIGHTS, modal_echoes, wanted_residuals
+from planner.slew.vibration import JERK_COST, WEIGHTS, residual_vibration_rows, wanted_residuals
 from planner.solvers import SolverRun, has_piqp
 
 SIZES = (16, 40, 56, 80, 112, 160, 224, 320, 448)  # of spans: each has solvers, made once
@@ -45,10 +46,10 @@ HOLDING_ROUNDS, ROUNDS = 6, 12
 NARROWEST = 3e-8
 HELD = 5e-8  # of a range: what a known motion may pass a limit by
 INSIDE = 3e-9  # of a limit's range, so that rounding doesn't break it
-PUSH_SHARE = 1e-8  # of the cost for passing half a limit's range: less is the solver's rounding
+MULTIPLIER_SHARE = 1e-8  # of the cost for half a limit's range: less is the solver's rounding
 DEAREST = 30.0  # times the quintic's cost: what scales the cost of a rough motion
 HALVED = 1.0 / 16.0  # of a span's loss is left in each of its halves
-MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to spare modes
+MODE_SPANS, MODE_ROWS_MAX = 48, 250  # of so few rows all are needed to suppress modes
 WEIGHINGS = 12  # of modes, one against another; all but a few slews need one
 RESIDUAL_SHARE = 0.95  # of the residual that is wanted, so that rows don't exceed it
 WEIGHT_CHANGES = (0.3, 3.0)  # least and most by which a mode's weight changes at once
@@ -64,7 +65,7 @@ class Smoothest(NamedTuple):
 
     negligible_rad2_s5: a cost that is rounding.  run: of the solver, how this motion was solved.
     iterations: of Ipopt, in all.
-    spares_modes: whether the slew's modes were spared, as far as its limits allow.
+    suppresses_modes: whether the slew's modes were suppressed, as far as its limits allow.
     """
 
     profile: AxisProfile
@@ -72,7 +73,7 @@ class Smoothest(NamedTuple):
     negligible_rad2_s5: float
     run: SolverRun
     iterations: int
-    spares_modes: bool = False
+    suppresses_modes: bool = False
 
 
 class _Grid(NamedTuple):
@@ -104,7 +105,7 @@ class _Motion(NamedTuple):
     @property
     def left_of_modes(self) -> Array:
         """Of each detuned mode, real parts and then imaginary ones."""
-        return np.asarray(np.einsum("mnu,nu->m", self.given.echoes.maps, self.jerks))
+        return np.asarray(np.einsum("mnu,nu->m", self.given.vibration.maps, self.jerks))
 
     @property
     def is_ipopts(self) -> bool:
@@ -134,38 +135,41 @@ def smoothest(
     known: AxisProfile | None,
     rows: int | None,
     *,
-    may_fly: bool = True,
+    may_fly: Callable[[AxisProfile], bool] = lambda _: True,
     lower_bound_rad2_s5: float = 0.0,
 ) -> Smoothest | None:
     """The smoothest motion in exactly the slew's time; None where none is found.
 
     known: a motion with these ends within the limits, to begin at.  rows: in how many equal
-    steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: the
-    motion may be flown, and must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
+    steps a cubic Hermite must fly the motion; None: the jerk may change anywhere.  may_fly: which
+    motions would be flown, and so must be Ipopt's.  lower_bound_rad2_s5: one that is known already.
     avoid_modes of the slew are left as calm as the limits allow, see `planner.slew.vibration`.
     """
     axis = _Axis(slew, rows, known)
     unit = axis.normal.cost_unit_rad2_s5
-    placed = _place_knots(axis, lower_bound_rad2_s5 / unit)
+    is_first_flown = axis.is_unbound and not slew.avoid_modes and may_fly(axis.known)
+    placed = _place_knots(
+        axis, lower_bound_rad2_s5 / unit, SURE if is_first_flown or not has_piqp() else QUICK
+    )
     best, iterations = placed.best, placed.iterations
     calm = axis.calmest(best) if best is not None and slew.avoid_modes else None
     found = calm or best
-    if found is not None and may_fly and not found.is_ipopts:
+    if found is not None and not found.is_ipopts and may_fly(found.profile):
         found = axis.solve_to_fly(found)
         iterations += found.iterations if found is not None else 0
     if found is None:
-        return _with_braked_ends(slew, rows)
+        return _with_braked_ends(slew, rows, may_fly)
     return Smoothest(
         found.profile,
         placed.bound * unit,
         NOTHING * unit,
         found.solved.run,
         iterations,
-        spares_modes=calm is not None,
+        suppresses_modes=calm is not None,
     )
 
 
-def _place_knots(axis: "_Axis", bound: float) -> _Placed:
+def _place_knots(axis: "_Axis", bound: float, starts: tuple[Start, ...]) -> _Placed:
     """The best motion on knots that are added to until the gap is closed, and its bound.
 
     Where the quintic keeps the limits it is where to begin, and its cost the bound: a few spans
@@ -173,7 +177,6 @@ def _place_knots(axis: "_Axis", bound: float) -> _Placed:
     """
     best, iterations, bound = None, 0, max(bound, least_cost(axis.ends))
     begun = axis.known
-    starts = SURE if axis.is_unbound or not has_piqp() else QUICK
     flat_rows = axis.rows_astray(begun)
     knots = axis.first_knots(begun, flat_rows)
     for _ in range(ROUNDS):
@@ -205,7 +208,9 @@ def _place_knots(axis: "_Axis", bound: float) -> _Placed:
     return _Placed(best, bound, iterations)
 
 
-def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
+def _with_braked_ends(
+    slew: AxisSlew, rows: int | None, may_fly: Callable[[AxisProfile], bool]
+) -> Smoothest | None:
     """Braked at the ends, and the smoothest between.
 
     Where an end all but determines how the axis leaves or reaches it, no motion near it is left
@@ -217,7 +222,12 @@ def _with_braked_ends(slew: AxisSlew, rows: int | None) -> Smoothest | None:
     possible = verdict(ends.free.start, ends.free.end, slew.limits, ends.free.duration_s)
     if possible.limit is not None:
         return None
-    between = smoothest(ends.free, possible.profile, None, may_fly=rows is None)
+    between = smoothest(
+        ends.free,
+        possible.profile,
+        None,
+        may_fly=lambda profile: rows is None and may_fly(ends.around(profile)),
+    )
     if between is not None and rows is not None:
         between = smoothest(ends.free, between.profile, rows - ends.rows)
     if between is None:
@@ -277,12 +287,12 @@ class _Axis:
         inset = INSIDE * np.ptp(self.limits, axis=1)[:, None] * np.array([1.0, -1.0])
         maps = np.zeros((0, len(widths), 2))
         if calm.size:
-            left = modal_echoes(knots, self.slew.duration_s, self.slew.avoid_modes)
+            left = residual_vibration_rows(knots, self.slew.duration_s, self.slew.avoid_modes)
             maps = np.concatenate([left.real, left.imag])
-        echoes = Echoes(maps, np.tile(calm, 2))
+        vibration = Vibration(maps, np.tile(calm, 2))
         rough = min(jerk_cost(widths, jerks), DEAREST * least_cost(self.ends))
         weight = 1.0 / max(rough, NOTHING)
-        given = SpanProgramme(widths, self.ends, self.limits + inset, rows, echoes, weight)
+        given = SpanProgramme(widths, self.ends, self.limits + inset, rows, vibration, weight)
         grid, begin = _Grid(knots, flat_rows), Begin(states, jerks)
         found = self._by_first(grid, given, begin, starts)
         if found is None and rows is not None:
@@ -303,7 +313,7 @@ class _Axis:
             if not astray.size:
                 break
             knots = self._filled(np.union1d(knots, self._edges(astray)))
-            calm = np.split(given.echoes.weights, 2)[0]
+            calm = np.split(given.vibration.weights, 2)[0]
             flat_rows = np.union1d(flat_rows, astray)
             found = self.solve_on(knots, flat_rows, found.profile, SURE[1:], calm)
         return found
@@ -335,21 +345,22 @@ class _Axis:
         The squared distance of its jerk from the costate's, unless it can't be cut, and what a
         bound on a coefficient holds back where the motion itself is still away from the limit.
         """
-        widths, pushes, orders = motion.given.widths, motion.solved.pushes, motion.solved.orders
-        places, limits = motion.solved.places, self.limits[motion.solved.orders]
-        counted = np.abs(pushes) * np.ptp(limits, axis=1) / 2.0 > PUSH_SHARE * motion.cost
+        _, multipliers, orders, places, _ = motion.solved
+        widths, limits = motion.given.widths, self.limits[orders]
+        worth = np.abs(multipliers) * np.ptp(limits, axis=1) / 2.0
+        counted = worth > MULTIPLIER_SHARE * motion.cost
         at = motion.grid.knots[:-1, None] + places * widths[:, None]
         of_order = np.broadcast_to(orders, at.shape)
-        contacts = np.column_stack([at[counted], of_order[counted], pushes[counted]])
+        contacts = np.column_stack([at[counted], of_order[counted], multipliers[counted]])
         bound, missed = lower_bound(
             self.ends, self.limits, contacts, motion.grid.knots, motion.jerks
         )
         values = values_at(widths, motion.states, motion.jerks, places, orders)
-        reached = np.where(pushes > 0.0, limits[:, 1], limits[:, 0])
-        held_back = 2.0 * np.where(counted, pushes * (reached - values), 0.0).sum(axis=1)
+        reached = np.where(multipliers > 0.0, limits[:, 1], limits[:, 0])
+        held_back = 2.0 * np.where(counted, multipliers * (reached - values), 0.0).sum(axis=1)
         by_span = np.where(self.can_cut(motion.grid.knots), missed, 0.0) + held_back
-        pushed = np.abs(pushes) * (places > 0.0)
-        by_order = np.column_stack([pushed[:, orders == order].sum(axis=1) for order in (0, 1)])
+        active = np.abs(multipliers) * (places > 0.0)
+        by_order = np.column_stack([active[:, orders == order].sum(axis=1) for order in (0, 1)])
         return _Losses(bound, by_span, _cuts(motion.states, by_order > 0.0))
 
     def calmest(self, motion: _Motion) -> _Motion | None:
@@ -489,9 +500,9 @@ def _turning(states: Array) -> Array:
     return np.asarray(np.where(turns, before / np.where(turns, before - after, 1.0), 0.5))
 
 
-def _cuts(states: Array, pushed: Mask) -> Array:
-    """Where to cut each span, shares (n,): where what is pushed, angle or rate, turns, or in the
-    middle."""
+def _cuts(states: Array, active: Mask) -> Array:
+    """Where to cut each span, shares (n,): where angle or rate, the one at its limit, turns, or in
+    the middle."""
     at = _turning(states)
-    at = np.where(pushed & (at > 0.1) & (at < 0.9), at, 0.5)
+    at = np.where(active & (at > 0.1) & (at < 0.9), at, 0.5)
     return np.where(at[:, 1] != 0.5, at[:, 1], at[:, 0])

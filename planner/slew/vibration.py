@@ -24,20 +24,20 @@ JERK_COST = 720.0  # least integral of squared jerk of a unit rest-to-rest move 
 _NODES, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-def modal_echoes(
+def residual_vibration_rows(
     knots_tau: Array, duration_s: float, modes: tuple[StructuralMode, ...]
 ) -> NDArray[np.complex128]:
     """What a unit of the jerk at both ends of n spans leaves of the detuned modes, (3 modes, n, 2).
 
     The jerk is linear on each span.  In units of what the paper's cubic leaves of a unit move.
     """
-    echoes = span_echoes(knots_tau, duration_s, modes, 2)
+    residuals = span_residuals(knots_tau, duration_s, modes, 2)
     width = np.diff(knots_tau)
-    late = echoes[:, :, 1] / width
-    return np.stack([echoes[:, :, 0] - late, late], axis=2)
+    late = residuals[:, :, 1] / width
+    return np.stack([residuals[:, :, 0] - late, late], axis=2)
 
 
-def span_echoes(
+def span_residuals(
     knots_tau: Array, duration_s: float, modes: tuple[StructuralMode, ...], count: int
 ) -> NDArray[np.complex128]:
     """What each power of time since a span's begin leaves as jerk there, (3 modes, n, count)."""
@@ -51,7 +51,7 @@ def span_echoes(
 def wanted_residuals(
     ends_over_scale: Array, duration_s: float, modes: tuple[StructuralMode, ...]
 ) -> Array:
-    """What may be left, in units of `modal_echoes`: shares of what the cubic's move leaves.
+    """What may be left, in the same units: shares of what the cubic's move leaves.
 
     ends_over_scale (2, 3): angle, rate, acceleration at start and end, in normalised time.
     """

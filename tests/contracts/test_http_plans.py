@@ -190,7 +190,7 @@ def test_a_cone_whose_body_the_earth_hides_never_counts(client):
     assert hidden["at"] is None
 
 
-def test_spared_modes_swing_a_hundredth_of_the_splines(client):
+def test_suppressed_modes_swing_a_hundredth_of_the_splines(client):
     """The issue's promise at more than 1.3 of the least time; here there is ten times that."""
     [comparison] = example(client, "avoid_modes")["comparison"]
     left = comparison["residual_vibration"]

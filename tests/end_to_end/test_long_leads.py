@@ -16,7 +16,7 @@ from planner.platforms import ISS_HRC, AxisLimits, StructuralMode
 from planner.scenario import BoundedLead, FinalAngles, SlewOptions
 from planner.sessions.lead import at_rest_after, least_slew_s, slew_within_lead
 from planner.sessions.pipeline import make_plan
-from planner.slew import AxisState, SlewProblem, fit_to_rows, optimal_slew
+from planner.slew import AxisState, SlewProblem, optimal_slew
 from planner.targets import BenchMotionTarget, KeepOut
 from planner.targets.axis_signals import ConstantRate
 from planner.verification import verify
@@ -157,7 +157,7 @@ def test_an_axis_that_moves_towards_its_stop_rests_before_it(gap_deg):
         axis_names=("alpha",), limits=LIMITS[:1], start=(start,),
         end=(AxisState(angle_rad=0.0),), duration_s=2000.0,
     )  # fmt: skip
-    led = slew_within_lead(problem, options, lambda part: fit_to_rows(optimal_slew(part)))
+    led = slew_within_lead(problem, options, lambda part: optimal_slew(part, on_rows=True))
     angle, rate, _, _ = led.brake.motion(np.linspace(0.0, led.brake.duration_s, 2001))
     assert angle.max() <= stop
     assert abs(rate[-1, 0]) < 1e-12
@@ -290,7 +290,7 @@ def test_a_cone_that_passes_over_waiting_axes_is_slewn_away_from_or_refused():
     assert waited.segments[0].kind == "wait"
 
 
-def test_modes_are_spared_after_a_wait_too():
+def test_modes_are_suppressed_after_a_wait_too():
     """A mode of 20 s asks for 80 s at least, more than ten times a short slew's least time."""
     mode = StructuralMode(frequency_hz=0.05)
     motion = BenchMotionTarget(axes={"alpha": standing(2.0), "beta": standing(-1.0)})

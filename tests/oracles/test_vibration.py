@@ -12,7 +12,7 @@ from vibration_cases import LIMITS, left_rad, problem
 from planner.platforms import StructuralMode
 from planner.scenario import SlewOptions
 from planner.simulation.structure import residual_vibration_rad
-from planner.slew import AxisState, fit_to_rows, next_duration_s, optimal_slew, paper_slew
+from planner.slew import AxisState, next_duration_s, optimal_slew, paper_slew
 from planner.slew.compare import compare_with_spline
 from planner.slew.solution import violations
 
@@ -109,7 +109,7 @@ PERIODS = 3.0  # a slew of fewer can't always stop what it has set going within 
 
 
 @pytest.mark.parametrize("frequency_hz", [0.1, 0.3, 0.8, 2.0])
-def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz):
+def test_suppressed_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz):
     mode = StructuralMode(frequency_hz=frequency_hz)
     cubic_options = SlewOptions(method="spline", filter_cutoff_hz=None)
     tried = 0
@@ -118,9 +118,9 @@ def test_spared_modes_are_left_a_hundredth_of_what_the_cubic_leaves(frequency_hz
             continue
         tried += 1
         posed = problem(start, end, duration_s, mode)
-        calm = fit_to_rows(optimal_slew(posed))
+        calm = optimal_slew(posed, on_rows=True)
         cubic = paper_slew(posed, cubic_options)
-        assert calm.status[0].startswith("modes spared")
+        assert calm.status[0].startswith("modes suppressed")
         assert violations("alpha", calm.profiles[0], LIMITS) == ()
         assert_calm(calm, cubic, mode)
     assert tried >= 8
@@ -149,29 +149,29 @@ def test_in_little_time_modes_are_weighed_until_each_is_left_as_little_as_wanted
         for state in (start, end)
     ]
     posed = problem(*states, duration_s, mode)
-    calm = fit_to_rows(optimal_slew(posed))
+    calm = optimal_slew(posed, on_rows=True)
     assert violations("alpha", calm.profiles[0], LIMITS) == ()
     cubic_options = SlewOptions(method="spline", filter_cutoff_hz=None)
     assert_calm(calm, paper_slew(posed, cubic_options), mode)
 
 
-def test_several_modes_are_spared_at_once_and_the_comparison_tells():
+def test_several_modes_are_suppressed_at_once_and_the_comparison_tells():
     modes = tuple(StructuralMode(frequency_hz=f) for f in (0.2, 0.55, 1.7))
     start, end = AxisState(angle_rad=-0.8), AxisState(angle_rad=0.9, rate_rad_s=0.01)
     posed = problem(start, end, 60.0, *modes)
     comparison = compare_with_spline(
-        fit_to_rows(optimal_slew(posed)), SlewOptions(filter_cutoff_hz=None)
+        optimal_slew(posed, on_rows=True), SlewOptions(filter_cutoff_hz=None)
     )
     assert [residual.mode for residual in comparison.residuals] == list(modes)
     for residual in comparison.residuals:
         assert residual.ocp_rad[0] <= 0.01 * residual.spline_rad[0]
 
 
-def test_a_mode_no_slew_can_spare_does_not_keep_it_from_being_flown():
+def test_a_mode_no_slew_can_suppress_does_not_keep_it_from_being_flown():
     start, end = AxisState(angle_rad=0.0), AxisState(angle_rad=0.05)
     duration_s = math.ceil(next_duration_s(start, end, LIMITS, 0.0) * 5.5) / 5.0
     posed = problem(start, end, duration_s, StructuralMode(frequency_hz=0.02))
-    calm = fit_to_rows(optimal_slew(posed))
+    calm = optimal_slew(posed, on_rows=True)
     assert violations("alpha", calm.profiles[0], LIMITS) == ()
 
 
@@ -183,7 +183,7 @@ def test_too_short_for_a_mode_it_leaves_hardly_more_than_any_motion_must(distanc
     mode = StructuralMode(frequency_hz=0.1)
     assert duration_s * mode.frequency_hz < 1.0
     posed = problem(start, end, duration_s, mode)
-    slew = fit_to_rows(optimal_slew(posed))
+    slew = optimal_slew(posed, on_rows=True)
     bound = least_share(start, end, LIMITS, duration_s, (Wanted(mode, left_rad(slew, mode)),))
     # The polygon of 24 phases gives the bound 0.9 % away; the slew weighs smoothness too.
     assert 0.95 <= bound <= 1.0 + 1e-6

@@ -14,7 +14,6 @@ from planner.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
-    fit_to_rows,
     next_duration_s,
     optimal_slew,
 )
@@ -100,7 +99,7 @@ def _drawn(rng, starting):
         duration_s=duration_s,
     )
     try:
-        straight = fit_to_rows(optimal_slew(problem))
+        straight = optimal_slew(problem, on_rows=True)
     except InfeasibleSlew:
         return None
     angle_rad = straight.motion(np.array([duration_s * rng.uniform(0.25, 0.75)]))[0]

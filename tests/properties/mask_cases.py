@@ -15,7 +15,6 @@ from planner.slew import (
     AxisState,
     SlewProblem,
     SlewSolution,
-    fit_to_rows,
     next_duration_s,
     optimal_slew,
 )
@@ -68,7 +67,7 @@ def _drawn(rng, draw_corners, masks):
         duration_s=duration_s,
     )
     try:
-        straight = fit_to_rows(optimal_slew(problem))
+        straight = optimal_slew(problem, on_rows=True)
     except InfeasibleSlew:
         return None
     drawn = []

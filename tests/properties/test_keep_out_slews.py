@@ -12,7 +12,7 @@ from planner.detour.detour import avoid_cones
 from planner.errors import InfeasibleSlew
 from planner.platforms import ISS_HRC
 from planner.pointing.keep_out import KeepOutView, MovingCone
-from planner.slew import AxisState, SlewProblem, fit_to_rows, optimal_slew
+from planner.slew import AxisState, SlewProblem, optimal_slew
 from planner.slew.solution import obeys
 
 CASES = list(draw_cases(21, 12))
@@ -88,7 +88,7 @@ def rest_to_rest(beta_from_deg, beta_to_deg, half_angle_deg, duration_s=120.0):
         duration_s=duration_s,
         keep_out=KeepOutView(platform=ISS_HRC, cones=(cone,)),
     )
-    return fit_to_rows(optimal_slew(problem))
+    return optimal_slew(problem, on_rows=True)
 
 
 def test_a_cone_about_the_outer_axis_cuts_the_angles_in_two():

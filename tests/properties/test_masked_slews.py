@@ -15,7 +15,7 @@ from planner.detour.detour import avoid_cones
 from planner.errors import InfeasibleSlew
 from planner.platforms import ISS_HRC, FieldMask
 from planner.pointing.keep_out import KeepOutView
-from planner.slew import AxisState, SlewProblem, fit_to_rows, optimal_slew
+from planner.slew import AxisState, SlewProblem, optimal_slew
 from planner.slew.solution import obeys
 
 MILLISECOND = 1e-3
@@ -102,7 +102,7 @@ def test_masks_that_cut_the_angles_in_two_are_proven_to():
         keep_out=KeepOutView(platform=ISS_HRC, masks=wall()),
     )
     with pytest.raises(InfeasibleSlew, match=r"no motion within the limits leads around the mask"):
-        avoid_cones(fit_to_rows(optimal_slew(problem)))
+        avoid_cones(optimal_slew(problem, on_rows=True))
 
 
 @pytest.mark.parametrize("cell_rad", [*CELLS_RAD, *FINE_CELLS_RAD])

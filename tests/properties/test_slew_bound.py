@@ -1,4 +1,4 @@
-"""Is the lower bound of a slew's cost one, whatever the pushes it is made from?"""
+"""Is the lower bound of a slew's cost one, whatever the multipliers it is made from?"""
 
 import numpy as np
 import pytest
@@ -28,9 +28,9 @@ def dual_by_quadrature(prices, ends, limits, contacts):
     def costate(tau):
         left = 1.0 - tau
         w = prices[0] + prices[1] * left + prices[2] * left**2 / 2.0
-        for at, order, push in contacts:
+        for at, order, multiplier in contacts:
             if tau < at:
-                w -= push * ((at - tau) ** 2 / 2.0, at - tau, 1.0)[int(order)]
+                w -= multiplier * ((at - tau) ** 2 / 2.0, at - tau, 1.0)[int(order)]
         return w
 
     def cheapest(tau):
@@ -39,8 +39,8 @@ def dual_by_quadrature(prices, ends, limits, contacts):
         return u * u / 2.0 - u * w
 
     owed = sum(
-        push * (drift[int(order)](at) - limits[int(order), 1 if push > 0.0 else 0])
-        for at, order, push in contacts
+        multiplier * (drift[int(order)](at) - limits[int(order), 1 if multiplier > 0.0 else 0])
+        for at, order, multiplier in contacts
     )
     moved = [end[2] - drift[2](1.0), end[1] - drift[1](1.0), end[0] - drift[0](1.0)]
     integral = quad(cheapest, 0.0, 1.0, points=contacts[:, 0], limit=400, epsabs=1e-9)[0]

@@ -10,7 +10,6 @@ from slew_cases import LIMITS, deg_state, sampled
 from planner.errors import InfeasibleSlew
 from planner.slew import (
     SlewProblem,
-    fit_to_rows,
     next_duration_s,
     optimal_slew,
     require_brakable,
@@ -44,7 +43,7 @@ def test_found_at_either_end(spare_deg_s, jerk_deg_s3, acceleration_deg_s2, dura
     problem = SlewProblem(
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=duration_s
     )
-    solution = fit_to_rows(optimal_slew(problem))
+    solution = optimal_slew(problem, on_rows=True)
     [profile], [status] = solution.profiles, solution.status
     assert len(set(status.split(", "))) == len(status.split(", "))  # no method twice
     for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
@@ -108,16 +107,16 @@ def test_found_where_a_stop_is_all_but_met(spare_deg, jerk_deg_s3, rate_deg_s, l
     problem = SlewProblem(
         axis_names=("alpha",), limits=(limits,), start=(start,), end=(end,), duration_s=140.0
     )
-    [profile] = fit_to_rows(optimal_slew(problem)).profiles
+    [profile] = optimal_slew(problem, on_rows=True).profiles
     for values, (low, high) in zip(sampled(profile), limits.bounds, strict=True):
         assert values.min() >= low - ROUNDING * (high - low)
         assert values.max() <= high + ROUNDING * (high - low)
 
 
-def refusal_of(slew):
+def refusal_of(problem):
     """None where its rows carry it within the limits."""
     try:
-        violations = fit_to_rows(slew).violations
+        violations = optimal_slew(problem, on_rows=True).violations
     except InfeasibleSlew as refused:
         return refused
     assert violations == ()
@@ -146,13 +145,13 @@ def test_where_rows_are_too_few_one_more_is_enough():
             end=(end,),
             duration_s=rows / 5.0,
         )
-        short = refusal_of(optimal_slew(problem))
+        short = refusal_of(problem)
         if short is None:
             continue
         refused += 1
         assert "one row more is enough" in str(short)
         longer = replace(problem, duration_s=(rows + 1) / 5.0)
-        assert fit_to_rows(optimal_slew(longer)).violations == ()
+        assert optimal_slew(longer, on_rows=True).violations == ()
     assert 0 < refused < tried
 
 

@@ -9,7 +9,7 @@ from slew_cases import LIMITS, deg_state, sampled
 
 from planner.errors import InfeasibleSlew
 from planner.platforms import StructuralMode
-from planner.slew import SlewProblem, fit_to_rows, ocp, optimal_slew
+from planner.slew import SlewProblem, ocp, optimal_slew
 from planner.slew import smoothest as rounds
 from planner.slew.optimal import FEASIBLE
 
@@ -65,11 +65,9 @@ def is_of(profile, jerks):
 
 
 @pytest.mark.parametrize("name", SLEWS)
-@pytest.mark.parametrize("fit", [False, True])
-def test_each_motion_is_what_ipopt_answered(name, fit, answers):
-    slew = optimal_slew(SLEWS[name])
-    if fit:
-        slew = fit_to_rows(slew)
+@pytest.mark.parametrize("on_rows", [False, True])
+def test_each_motion_is_what_ipopt_answered(name, on_rows, answers):
+    slew = optimal_slew(SLEWS[name], on_rows=on_rows)
     [profile], [run] = slew.profiles, slew.runs
     assert run.name == "ipopt"
     assert run.status == "Solve_Succeeded"
@@ -77,6 +75,17 @@ def test_each_motion_is_what_ipopt_answered(name, fit, answers):
     assert of_ipopt
     size = np.abs(profile.extremes[3]).max()
     assert size < 1e-12 or any(is_of(profile, jerks) for jerks in of_ipopt)
+
+
+@pytest.mark.parametrize("name", ["no limit near", "along the rate limit", "modes", "short"])
+@pytest.mark.parametrize("on_rows", [False, True])
+def test_ipopt_solves_only_what_is_handed_back(name, on_rows, answers):
+    """Where PIQP solves what only places knots, anywhere and on rows."""
+    slew = optimal_slew(SLEWS[name], on_rows=on_rows)
+    by = [run.name for run, _ in answers]
+    assert by == sorted(by, reverse=True)  # piqp, then ipopt
+    assert by.count("ipopt") == 1
+    assert slew.iterations == slew.runs[0].iterations
 
 
 @pytest.mark.parametrize("name", ["no limit near", "along the rate limit", "modes"])
@@ -153,11 +162,10 @@ def test_what_then_fails_is_flown_by_a_motion_that_is_named(name, status, monkey
 
 
 def test_what_rows_cannot_carry_then_is_refused(monkeypatch):
-    slew = optimal_slew(SLEWS["along the rate limit"])
     told(monkeypatch, "Restoration_Failed", ("warm", "cold", "roomy"))
-    monkeypatch.setattr("planner.slew.on_rows.reproduces", lambda *_: False)
+    monkeypatch.setattr("planner.slew.optimal.reproduces", lambda *_: False)
     with pytest.raises(InfeasibleSlew, match="one row more"):
-        fit_to_rows(slew)
+        optimal_slew(SLEWS["along the rate limit"], on_rows=True)
 
 
 def test_without_piqp_ipopt_places_the_knots_too(monkeypatch):

@@ -312,7 +312,7 @@ PLAN_EXAMPLES: dict[str, tuple[str, dict[str, Any]]] = {
     "avoid_modes": (
         "A slew that leaves two modes of the structure at rest",
         _request(
-            "modes spared",
+            "modes suppressed",
             slew={
                 "method": "ocp",
                 "avoid_modes": [{"frequency_hz": 0.1}, {"frequency_hz": 0.35, "damping": 0.01}],
