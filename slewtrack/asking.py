@@ -65,6 +65,9 @@ class Reply:
 Call = Generator[Ask, Reply, T]
 
 
+TOO_LONG = "the answer took longer than it may"
+
+
 class Intake:
     """The body of one answer as it comes; raises NoAnswer when its time is up, BadAnswer."""
 
@@ -77,7 +80,7 @@ class Intake:
     def take(self, part: bytes) -> None:
         """One after the other; whatever `on_line` raises comes through."""
         if time.monotonic() > self._until_s:
-            raise NoAnswer("the answer took longer than it may")
+            raise NoAnswer(TOO_LONG)
         self._held += part
         if self._on_line is not None:
             *lines, rest = self._held.split(b"\n")

@@ -12,7 +12,7 @@ import httpx
 
 from slewtrack import calls
 from slewtrack.answers import Campaign, Columns, Flights, Job, Members, Opportunities, Plan, Window
-from slewtrack.asking import Ask, Call, Intake, Json, Reply
+from slewtrack.asking import TOO_LONG, Ask, Call, Intake, Json, Reply
 from slewtrack.calls import (
     CAMPAIGNS,
     FLIGHTS,
@@ -21,9 +21,10 @@ from slewtrack.calls import (
     SPACECRAFT_PLANS,
     SPACECRAFT_SEARCHES,
 )
-from slewtrack.connection import PATIENCE_S, Service, reply_of, request_of
+from slewtrack.connection import PATIENCE_S, Service, left_s, reply_of, request_of
 from slewtrack.events import OnProgress
 from slewtrack.filters import Filters
+from slewtrack.problems import NoAnswer
 
 T = TypeVar("T")
 
@@ -154,11 +155,13 @@ class AsyncCarrier:
 
     async def _answer(self, ask: Ask) -> Reply:
         await anyio.sleep(ask.after_s)
-        async with self._http.stream(**request_of(ask)) as answer:
-            intake = Intake(ask, answer.status_code)
-            async for part in answer.aiter_bytes():
-                intake.take(part)
-            return reply_of(answer, intake.body)
+        with anyio.move_on_after(left_s(ask)):  # the head that comes byte by byte, too
+            async with self._http.stream(**request_of(ask)) as answer:
+                intake = Intake(ask, answer.status_code)
+                async for part in answer.aiter_bytes():
+                    intake.take(part)
+                return reply_of(answer, intake.body)
+        raise NoAnswer(TOO_LONG)
 
 
 class AsyncClient(AsyncCarrier):

@@ -52,10 +52,15 @@ class Service:
         return error
 
 
+def left_s(ask: Ask) -> float:
+    """For the whole answer."""
+    return ANSWER_S if ask.until_s is None else max(ask.until_s - time.monotonic(), LEAST_S)
+
+
 def request_of(ask: Ask) -> dict[str, Any]:
     """The arguments of httpx's `stream`."""
-    left_s = ANSWER_S if ask.until_s is None else max(ask.until_s - time.monotonic(), LEAST_S)
-    timeout = httpx.Timeout(min(ask.silence_s, left_s), connect=min(_CONNECT_S, left_s))
+    whole_s = left_s(ask)
+    timeout = httpx.Timeout(min(ask.silence_s, whole_s), connect=min(_CONNECT_S, whole_s))
     parts = [(name, (file, body, kind)) for name, file, body, kind in ask.parts]
     return {
         "method": ask.method,

@@ -1,6 +1,7 @@
 """Which database do tests store in?  SQLite; PostgreSQL where SLEWTRACK_TEST_DATABASE_URL says."""
 
 import os
+import sqlite3
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -51,3 +52,16 @@ def fresh_database(folder: Path) -> Iterator[Database]:
     with empty_database(folder) as database:
         upgrade(database)
         yield database
+
+
+def damage(file: Path) -> None:
+    """Overwrites what SQLite asks for the next job, and the probe; nobody may have it open."""
+    with sqlite3.connect(file) as other:
+        other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        page_bytes = other.execute("PRAGMA page_size").fetchone()[0]
+        roots = dict(other.execute("SELECT name, rootpage FROM sqlite_master").fetchall())
+    other.close()
+    with file.open("r+b") as opened:
+        for name in ("ix_jobs_state_rank_id", "probes"):
+            opened.seek((roots[name] - 1) * page_bytes)
+            opened.write(b"\xa5" * page_bytes)

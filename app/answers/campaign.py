@@ -27,8 +27,6 @@ if TYPE_CHECKING:  # children answer without a database
 class UnseenTarget:
     """A target that can't be looked at for as long as it must, and why.
 
-    Where a campaign was chosen by a version that told no more than `target`, the rest is null.
-
     target: id of the target, as the request gives it. E.g. `"Reykjavik"`.
     closed_by: the condition that leaves nothing of its windows; `reach`: no angles within the
     stops, `duration`: no window lasts long enough, `rest`: none does beside the time to and from
@@ -40,17 +38,15 @@ class UnseenTarget:
     """
 
     target: str
-    closed_by: Closing | None = None
-    because: str | None = None
-    best_elevation_deg: ElevationOrLimbDeg | None = None
-    best_time: str | None = None
+    closed_by: Closing
+    because: str
+    best_elevation_deg: ElevationOrLimbDeg
+    best_time: str
 
 
 @dataclass(frozen=True, kw_only=True)
 class TargetLeftOut:
     """A target that could be looked at, and what stood in its way.
-
-    Where a campaign was chosen by a version that told no more than `target`, the rest is null.
 
     target: id of the target, as the request gives it.
     because: what its look would be worth, and what that would displace. E.g.
@@ -63,12 +59,12 @@ class TargetLeftOut:
     """
 
     target: str
-    because: str | None = None
-    start: str | None = None
-    stop: str | None = None
-    value: NotNegative | None = None
-    displaced_by: list[str] | None = None
-    displaced_value: NotNegative | None = None
+    because: str
+    start: str
+    stop: str
+    value: NotNegative
+    displaced_by: list[str]
+    displaced_value: NotNegative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,8 +81,7 @@ class CampaignChoiceOut:
     passes: how many there are looks in.
     unseen: targets that can't be looked at for as long as they must, and why.
     left_out: targets that can, but others are worth more.
-    assumed: where the targets are that the request gives by name only; not told of campaigns that
-    older versions chose.
+    assumed: where the targets are that the request gives by name only.
     warnings: what one should know before relying on it. E.g.
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
@@ -100,7 +95,7 @@ class CampaignChoiceOut:
     passes: Count
     unseen: list[UnseenTarget]
     left_out: list[TargetLeftOut]
-    assumed: list[Assumed] | None = None
+    assumed: list[Assumed]
     warnings: list[str]
 
 
@@ -126,12 +121,12 @@ class CampaignLookOut:
     start: str
     stop: str
     value: NotNegative
-    quality: Share | None = None
-    elevation_deg: ElevationOrLimbDeg | None = None
-    off_nadir_deg: HalfTurnDeg | None = None
-    ground_sample_m: NotNegative | None = None
-    sun_elevation_deg: ElevationDeg | None = None
-    probability_in_frame: Share | None = None
+    quality: Share
+    elevation_deg: ElevationOrLimbDeg
+    off_nadir_deg: HalfTurnDeg | None
+    ground_sample_m: NotNegative | None
+    sun_elevation_deg: ElevationDeg | None
+    probability_in_frame: Share
 
 
 @dataclass(frozen=True, kw_only=True)

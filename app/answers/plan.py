@@ -165,11 +165,9 @@ class PlanDocument:
     segments: what the table does, in order of time.
     margins: how near each axis comes to its limits: by axis, then by limit.
     keep_out: how near the boresight comes to each cone of the request.
-    masks: how near the boresight comes to each mask of the platform. Not told of plans that older
-    versions made.
+    masks: how near the boresight comes to each mask of the platform.
     pointing: how well each session's target is held.
-    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`. Not
-    told of plans that older versions made.
+    slow_stretches: outside of the sessions, so on slews; those of a session are in `pointing`.
     uncertainty: of every session that looks at a target.
     verification: whether it may be flown, by a judge of its own.
     comparison: each slew beside the paper's spline.
@@ -177,7 +175,7 @@ class PlanDocument:
     solver: how the slews were solved.
     warnings: what one should know before flying it.
     assumed: what the request left to be looked up or filled in, such as the place of a name or the
-    initial state, and what was taken; not told of plans that older versions made.
+    initial state, and what was taken.
     """
 
     name: str
@@ -186,16 +184,16 @@ class PlanDocument:
     segments: list[SegmentOut]
     margins: dict[str, dict[str, MarginOut]]
     keep_out: list[KeepOutMarginOut]
-    masks: list[MaskMarginOut] | None = None
+    masks: list[MaskMarginOut]
     pointing: list[PointingOut]
-    slow_stretches: list[SlowStretchOut] | None = None
+    slow_stretches: list[SlowStretchOut]
     uncertainty: list[UncertaintyOut]
     verification: VerificationOut
     comparison: list[SlewComparisonOut]
     horizon_checks: list[HorizonCheckOut]
     solver: SolverOut
     warnings: list[str]
-    assumed: list[Assumed] | None = None
+    assumed: list[Assumed]
     provenance: ProvenanceOut
 
 

@@ -31,8 +31,6 @@ class SolverRunOut:
 class SlewRunOut:
     """How one slew was solved.
 
-    Cost, bound, gap and solver aren't told of plans that older versions made.
-
     session: number of the session it leads to, from 0; null for the slew to the final state.
     backend: the method, as `slew.method` names it.
     status: how good it is: `optimal` (proven: the gap is at most 0.001), `smooth` and its gap,
@@ -57,10 +55,10 @@ class SlewRunOut:
     wall_s: NotNegative
     duration_s: NotNegative
     minimum_s: NotNegative
-    cost: NotNegative | None = None
-    lower_bound: NotNegative | None = None
-    gap: Share | None = None
-    solver: SolverRunOut | None = None
+    cost: NotNegative | None
+    lower_bound: NotNegative | None
+    gap: Share | None
+    solver: SolverRunOut | None
 
 
 @dataclass(frozen=True, kw_only=True)

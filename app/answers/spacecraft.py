@@ -106,8 +106,7 @@ class TurnOut:
     eigenaxis_torque_rate_peak_n_m_s: largest torque rate of the turn about the Euler axis.
     method: how it was solved.
     time_from: what found the least time a `minimum_time` turn was given: `ocp`, or `eigenaxis`
-        where no shorter turn was found; null for turns that take the time there is, not told of
-        sessions that older versions planned.
+        where no shorter turn was found; null for turns that take the time there is.
     status: how the solver ended.
     solve_s: time it took to solve.
     """
@@ -122,7 +121,7 @@ class TurnOut:
     torque_rate_peak_n_m_s: NotNegative
     eigenaxis_torque_rate_peak_n_m_s: NotNegative
     method: str
-    time_from: Literal["ocp", "eigenaxis"] | None = None
+    time_from: Literal["ocp", "eigenaxis"] | None
     status: str
     solve_s: NotNegative
 

@@ -29,13 +29,12 @@ class SessionSummaryOut:
     start: its first row; UTC.
     stop: its last row; UTC.
     best_elevation_deg: the carrier's highest in the target's sky during the session; null unless
-    the target is on the Earth, and of plans that older versions made. E.g. `72.3`.
+    the target is on the Earth. E.g. `72.3`.
     best_at: when that is; UTC. E.g. `"2015-02-27T17:36:58.000Z"`.
     probability_in_frame: that the target stays inside the camera's frame over the whole session;
     null for a test motion. E.g. `0.97`.
     ground_sample_m: the longer side of a pixel of 0.678 arcsec on the ground where the carrier is
-    nearest; null unless the target is on the Earth, and not told of plans that older versions
-    made. E.g. `1.33`.
+    nearest; null unless the target is on the Earth. E.g. `1.33`.
     """
 
     session: Count
@@ -48,7 +47,7 @@ class SessionSummaryOut:
     best_elevation_deg: ElevationDeg | None
     best_at: str | None
     probability_in_frame: Share | None
-    ground_sample_m: NotNegative | None = None
+    ground_sample_m: NotNegative | None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -221,11 +221,14 @@ def test_a_damaged_store_is_not_asked_again():
     assert len(asked) == 1
 
 
+HEAD = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n"
+
+
 class Endless:
     """Answers each request with a head, then this part over and over until nobody listens."""
 
-    def __init__(self, part: bytes, pause_s: float) -> None:
-        self._part, self._pause_s = part, pause_s
+    def __init__(self, part: bytes, pause_s: float, head: bytes = HEAD + b"\r\n") -> None:
+        self._part, self._pause_s, self._head = part, pause_s, head
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         threading.Thread(target=self._accept, daemon=True).start()
@@ -238,7 +241,7 @@ class Endless:
     def _answer(self, here: socket.socket) -> None:
         with contextlib.suppress(OSError), here:
             here.recv(65536)
-            here.sendall(b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n")
+            here.sendall(self._head)
             while True:
                 here.sendall(self._part)
                 time.sleep(self._pause_s)
@@ -252,6 +255,13 @@ WAITS = ("plan", "plan with progress", "wait", "campaign", "wait_for_campaign", 
 def test_waiting_ends_though_an_answer_does_not(kind, name):
     """Else it would be held by this for ever."""
     client = kind(Endless(b" ", 0.01).url)
+    with pytest.raises((slewtrack.NoAnswer, slewtrack.NotFinished)):
+        carried_out(CALLS[name], client)
+
+
+@pytest.mark.parametrize("name", WAITS)
+def test_waiting_ends_though_a_head_does_not(name):
+    client = slewtrack.AsyncClient(Endless(b"a", 0.01, HEAD + b"X-Endless: ").url)
     with pytest.raises((slewtrack.NoAnswer, slewtrack.NotFinished)):
         carried_out(CALLS[name], client)
 

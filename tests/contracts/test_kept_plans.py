@@ -13,9 +13,12 @@ from app.http.app import create_app
 from app.http.view_cache import ViewCache
 from app.requests.examples.plan import PLAN_EXAMPLES
 from app.requests.examples.spacecraft import FOUR_MODES
+from app.requests.spacecraft import read_kept_spacecraft_request, read_spacecraft_request
 from app.store.models import JobRow
 from app.work.view import DRAWN_SESSION
+from planner.errors import InvalidMessage, InvalidRequest
 from planner.export import EXPORTERS
+from planner.spacecraft import geojson
 from planner.spacecraft.export import IMAGING_EXPORTERS
 from planner.view import VIEW_EXPORTERS
 
@@ -111,6 +114,21 @@ def test_a_session_of_the_spacecraft(client):
     answers += [client.get(f"{where}/view?format={name}") for name in ("json", *DRAWN_SESSION)]
     assert [answer.status_code for answer in answers] == [200] * len(answers)
     assert client.get(where).json() == made
+
+
+def test_features_beyond_todays_bounds(monkeypatch):
+    """Of characters, of positions, of the map."""
+    line = {"type": "LineString", "coordinates": [[500.0, 10.0]] * 70}
+    feature = {"type": "Feature", "properties": {"mode": "strip", "name": "a"}, "geometry": line}
+    features = {"type": "FeatureCollection", "features": [feature]}
+    body = json.dumps(FOUR_MODES | {"requests": features}).encode()
+    with pytest.raises(InvalidRequest, match="64 positions"):
+        read_spacecraft_request(body)
+    monkeypatch.setattr(geojson, "CHARACTERS_MAX", 100)
+    with pytest.raises(InvalidMessage, match="characters"):
+        read_spacecraft_request(body)
+    [one] = read_kept_spacecraft_request(body).requests
+    assert one.geometry.coordinates == ((500.0, 10.0),) * 70
 
 
 @pytest.mark.parametrize(

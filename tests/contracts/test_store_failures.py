@@ -15,7 +15,7 @@ from pathlib import Path
 import httpx2 as httpx
 import psycopg
 import pytest
-from databases import SERVER, fresh_database, own_settings
+from databases import SERVER, damage, fresh_database, own_settings
 from fastapi.testclient import TestClient
 from job_cases import new_job
 from live_service import ROOT, children_of, live_service
@@ -334,16 +334,7 @@ def test_a_database_damaged_in_the_middle_is_told_as_damaged(tmp_path):
     """It starts and lists; what meets the damage says so, and doesn't ask to be asked again."""
     with live_service(tmp_path) as service:
         httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=SOON_S)
-    file = tmp_path / FILE
-    with sqlite3.connect(file) as other:
-        other.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-        page_bytes = other.execute("PRAGMA page_size").fetchone()[0]
-        roots = dict(other.execute("SELECT name, rootpage FROM sqlite_master").fetchall())
-    other.close()
-    with file.open("r+b") as opened:
-        for name in ("ix_jobs_state_rank_id", "probes"):
-            opened.seek((roots[name] - 1) * page_bytes)
-            opened.write(b"\xa5" * page_bytes)
+    damage(tmp_path / FILE)
     with live_service(tmp_path) as service:
         assert httpx.get(f"{service.address}/v1/platforms").status_code == 200
         answer = httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=SOON_S)

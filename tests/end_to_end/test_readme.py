@@ -1,20 +1,21 @@
 """Does what the README and the pages of docs/ show really work?"""
 
+import argparse
 import dataclasses
-import itertools
 import json
 import re
 import shlex
 import subprocess
 import sys
-import urllib.request
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
+import httpx2 as httpx
 import pytest
 from fastapi.testclient import TestClient
 from live_service import live_service
 from refusal_kinds import refusal_kinds
+from waiting import PATIENCE_S
 
 from app.http.app import create_app
 from app.requests.opportunities import read_opportunity_request
@@ -35,22 +36,38 @@ SLEWTRACK = Path(sys.executable).with_name("slewtrack")
 README = (ROOT / "README.md").read_text()
 
 
+CURL = argparse.ArgumentParser()  # what the pages give it, so that no curl is needed here
+CURL.add_argument("url")
+for flag in ("-s", "-N"):
+    CURL.add_argument(flag, action="store_true")
+for flag in ("-X", "-o"):
+    CURL.add_argument(flag)
+CURL.add_argument("-d", "--data-binary", dest="body")
+for flag in ("-H", "-F"):
+    CURL.add_argument(flag, action="append", default=[])
+
+
+def sent(value: str) -> bytes:
+    """A body as it is written, or the file that it names."""
+    return (ROOT / value[1:]).read_bytes() if value.startswith("@") else value.encode()
+
+
 def curl(command: str, address: str, **variables: str) -> tuple[int, str, bytes]:
-    """Status, address in Location and body of what the curl command gets; needs no curl."""
+    """Status, address in Location and body of what the curl command gets."""
     for name, value in variables.items():
         command = command.replace(f"${name}", value)
-    words = shlex.split(command.replace("\\\n", " "))
-    [url] = [word for word in words if word.startswith("http")]
-    options = list(itertools.pairwise(words))
-    values = {name: value for name, value in options if name in ("-X", "--data-binary")}
-    file = values.get("--data-binary")
-    body = (ROOT / file.removeprefix("@")).read_bytes() if file else None
-    headers = dict(value.split(": ") for name, value in options if name == "-H")
-    request = urllib.request.Request(
-        url.replace("http://127.0.0.1:8000", address), body, headers, method=values.get("-X")
+    asked = CURL.parse_args(shlex.split(command.replace("\\\n", " "), comments=True)[1:])
+    parts = [(name, sent(value)) for name, value in (part.split("=", 1) for part in asked.F)]
+    answer = httpx.request(
+        asked.X or ("POST" if asked.body or parts else "GET"),
+        re.sub(r"^(http://)?(127\.0\.0\.1|localhost):8000", address, asked.url),
+        content=sent(asked.body) if asked.body else None,
+        files=parts or None,
+        headers=dict(header.split(": ") for header in asked.H),
+        timeout=PATIENCE_S,
     )
-    with urllib.request.urlopen(request) as answer:
-        return answer.status, answer.headers.get("Location", ""), answer.read()
+    assert answer.is_success, (command, answer.text)
+    return answer.status_code, answer.headers.get("Location", ""), answer.content
 
 
 def curl_commands(text: str) -> list[str]:
@@ -63,13 +80,19 @@ def address(tmp_path_factory):
         yield service.address
 
 
+@pytest.fixture(scope="module")
+def las_vegas(address):
+    """What the README's curl example is answered."""
+    [in_readme] = curl_commands(README)
+    return curl(in_readme, address)
+
+
 def commands_of_http_page() -> list[str]:
     return curl_commands((ROOT / "docs" / "http.md").read_text())
 
 
-def test_the_readmes_curl_example(address):
-    [in_readme] = curl_commands(README)
-    status, _, body = curl(in_readme, address)
+def test_the_readmes_curl_example(las_vegas):
+    status, _, body = las_vegas
     plan = json.loads(body)
     assert status == 201
     assert plan["state"] == "done"
@@ -112,6 +135,31 @@ def test_curl_examples_of_a_plan_that_is_kept(address):
     assert answer.startswith(b"\x89PNG")
     status, _, answer = curl(delete, address, ID=plan_id)
     assert (status, answer) == (204, b"")
+
+
+WITH_CURL = {
+    path.stem: commands
+    for path in sorted((ROOT / "docs").rglob("*.md"))
+    if path.stem != "http" and (commands := curl_commands(path.read_text()))
+}
+
+
+@pytest.mark.parametrize("page", WITH_CURL)
+def test_every_curl_line_is_answered(page, address, las_vegas):
+    """In the page's order, each with the last id of its kind."""
+    ids = {"plan": json.loads(las_vegas[2])["id"]}
+    for command in WITH_CURL[page]:
+        command = re.sub(
+            r"(plan|campaign|flight)(s?\W+)(?:ID|PLAN)\b",
+            lambda found: found[1] + found[2] + ids[found[1]],
+            command.replace('"runs": 1000', '"runs": 2'),
+        )
+        _, location, answer = curl(command, address)
+        if location:
+            [(kind, made)] = re.findall(r"/(\w+)s/([0-9a-f-]+)$", location)
+            ids[kind] = made
+        elif "plans?campaign" in command:
+            ids["plan"] = json.loads(answer)["plans"][0]["id"]
 
 
 FRAGMENTS = [

@@ -1,5 +1,9 @@
 """What befalls a service for real: is it told in plain words, is nothing lost, does it go on?"""
 
+import json
+import re
+import sqlite3
+import zlib
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -8,11 +12,13 @@ from pathlib import Path
 import httpx2 as httpx
 import pytest
 from browsing import PHONE, violations
+from databases import damage
 from hardships import dying_workers, full_disk, idle_workers, small_disk, spend_all
 from live_service import Service, live_service
 from playwright.sync_api import expect
 
 from app.requests.examples.plan import LAS_VEGAS
+from app.store.database import FILE
 
 PLACE = "36.17, -115.14, 620"
 
@@ -247,4 +253,62 @@ def test_a_plan_whose_time_is_over_is_told_with_the_ways_on(form, tmp_path):
         expect(page.get_by_role("link", name="Plans kept")).to_be_visible()
         page.get_by_role("link", name="Plan anew").click()
         expect(page.get_by_role("slider", name="Session", exact=True)).to_be_visible()
+        page.close()
+
+
+def test_a_damaged_database_is_told_as_damaged(form, tmp_path):
+    """By which nobody is made to try again."""
+    own = {"SLEWTRACK_DATABASE_URL": ""}
+    with live_service(tmp_path, **own) as service:
+        page = form(service)
+    damage(tmp_path / FILE)
+    with live_service(tmp_path, "--port", str(service.port), **own):
+        plan(page)
+        alert = page.get_by_role("alert")
+        expect(alert).to_contain_text("The service's database is damaged")
+        expect(alert).to_contain_text("must restore a backup")
+        expect(alert.get_by_role("button", name="Try again")).to_have_count(0)
+        told_in_russian_too(page, "База данных службы повреждена", "восстановить резервную копию")
+        keeps_what_was_typed(page)
+        page.close()
+
+
+def test_a_plan_asked_for_in_other_words_is_told(open_page, tmp_path):
+    request = zlib.compress(json.dumps(LAS_VEGAS | {"colour": "blue"}).encode())
+    with live_service(tmp_path, SLEWTRACK_DATABASE_URL="") as service:
+        made = httpx.post(f"{service.address}/v1/plans", json=LAS_VEGAS, timeout=None)
+        with sqlite3.connect(tmp_path / FILE) as store:
+            store.execute("UPDATE jobs SET request = ?", (request,))
+        store.close()
+        page = open_page(f"/plans/{made.json()['id']}", at=service)
+        alert = page.get_by_role("alert")
+        expect(alert).to_contain_text("Its request is of another version")
+        expect(alert).to_contain_text("Its table is still there as JSON")
+        expect(alert.get_by_role("button", name="Try again")).to_have_count(0)
+        told_in_russian_too(page, "Запрос составлен для другой версии", "Таблица остаётся")
+        page.close()
+
+
+def test_work_is_followed_where_no_stream_has_a_place(form, tmp_path):
+    """The page asks how the work stands until one has."""
+    with live_service(tmp_path, SLEWTRACK_CONCURRENCY_PER_KEY="8") as service:
+        page = form(service)
+        with (
+            ExitStack() as held,
+            httpx.Client(base_url=service.address, timeout=None) as client,
+            idle_workers(service),
+        ):
+            before = client.post(
+                "/v1/plans", json=LAS_VEGAS, headers={"Prefer": "respond-async"}
+            ).headers["location"]
+            for _ in range(4):
+                stream = held.enter_context(client.stream("GET", f"{before}/events"))
+                assert stream.status_code == 200
+            with page.expect_response(
+                lambda answer: answer.status == 200 and re.search(r"/plans/[\w-]+$", answer.url)
+            ):
+                with page.expect_response(lambda answer: answer.status == 429):
+                    plan(page)
+                expect(page.get_by_role("progressbar")).to_be_visible()
+        is_planned(page)
         page.close()

@@ -29,6 +29,8 @@ export interface Given {
   query?: Record<string, string | number | boolean | undefined>;
   headers?: Record<string, string>;
   signal?: AbortSignal;
+  /** How often a busy service is asked, at most. */
+  tries?: number;
 }
 
 export interface Waiting {
@@ -43,7 +45,7 @@ export const waiting = signal<Waiting | null>(null);
 const TRIES = 4;
 const STORE_TRIES = 2; // a lock may end by itself, a full disk doesn't
 const LONGEST_WAIT_S = 30;
-const BUSY = new Set([429, 503]);
+export const BUSY = new Set([429, 503]);
 
 export async function get<P extends PathsWith<"get">>(path: P, given: Given = {}): Promise<Answered<P, "get">> {
   return (await send("GET", path, given)).json() as Promise<Answered<P, "get">>;
@@ -99,7 +101,7 @@ export async function send(
       continue;
     }
     const problem = answer && (await Problem.of(answer));
-    const tries = problem?.kind === "store-unavailable" ? STORE_TRIES : TRIES;
+    const tries = given.tries ?? (problem?.kind === "store-unavailable" ? STORE_TRIES : TRIES);
     if (problem && (!BUSY.has(problem.status) || problem.retryAfter_s === null || attempt >= tries)) {
       throw problem;
     }

@@ -1,5 +1,5 @@
 /** A job's server-sent events, resumed after a broken connection as EventSource would. */
-import { send } from "./client";
+import { BUSY, send } from "./client";
 import { NoAnswer, Problem } from "./problem";
 
 export interface JobEvent {
@@ -11,14 +11,17 @@ export interface JobEvent {
 const ENDS = new Set(["done", "refused", "failed", "cancelled"]);
 const TRIES = 3;
 
-/** path: ".../events". EventSource itself can't send an API key. */
+/**
+ * path: ".../events". EventSource itself can't send an API key. While the service has no place for
+ * one stream more, the job itself is asked how it stands.
+ */
 export async function* follow(path: string, until?: AbortSignal): AsyncGenerator<JobEvent> {
   let last: string | null = null;
   for (let failures = 0; ; ) {
     const headers: Record<string, string> = { Accept: "text/event-stream" };
     if (last !== null) headers["Last-Event-ID"] = last;
     try {
-      const answer = await send("GET", path, { headers, signal: until });
+      const answer = await send("GET", path, { headers, signal: until, tries: 1 });
       for await (const event of read(answer)) {
         failures = 0;
         last = event.id ?? last;
@@ -26,7 +29,15 @@ export async function* follow(path: string, until?: AbortSignal): AsyncGenerator
         if (event.kind === "state" && ENDS.has(String(event.data.state))) return;
       }
     } catch (error) {
-      if (until?.aborted || error instanceof Problem) throw error; // else the connection broke
+      if (until?.aborted) throw error;
+      if (error instanceof Problem) {
+        if (!BUSY.has(error.status)) throw error;
+        const job = await send("GET", path.replace(/\/events$/, ""), { signal: until });
+        const data = (await job.json()) as Record<string, unknown>;
+        yield { id: last, kind: "state", data };
+        if (ENDS.has(String(data.state))) return;
+        failures = 0;
+      } // else the connection broke
     }
     if (++failures >= TRIES) throw new NoAnswer(path);
     await new Promise((resolve) => setTimeout(resolve, 2000));

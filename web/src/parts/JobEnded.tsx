@@ -5,7 +5,7 @@ import { Cancelled, sendOff } from "../api/job";
 import { offerOf } from "../api/offer";
 import { brokeOff, Problem } from "../api/problem";
 import { go } from "../router";
-import { mayHelpAgain, ProblemNotice } from "./ProblemNotice";
+import { ProblemNotice } from "./ProblemNotice";
 import { TakeOffer } from "./TakeOffer";
 
 interface Props {
@@ -40,7 +40,7 @@ export function JobEnded({ work, room, id, error, again, text }: Props) {
     );
   }
   const offer = offerOf(error);
-  const once = brokeOff(error) ? () => void askFor({}) : mayHelpAgain(error) ? again : undefined;
+  const once = brokeOff(error) ? () => void askFor({}) : again;
   return (
     <>
       <ProblemNotice error={error} again={once}>

@@ -5,7 +5,7 @@ import { words } from "../i18n";
 
 interface Props {
   error: unknown;
-  /** Offered where asking again may help. */
+  /** Asks again; offered where that may help. */
   again?: () => void;
   /** The ways out, below. */
   children?: ComponentChildren;
@@ -26,7 +26,7 @@ export function ProblemNotice({ error, again, children }: Props) {
         </p>
       )}
       {children}
-      {again && (
+      {again && mayHelpAgain(error) && (
         <button type="button" onClick={again}>
           {text.again}
         </button>
@@ -41,8 +41,9 @@ export function ProblemNotice({ error, again, children }: Props) {
 }
 
 /** Whether the same request may be answered otherwise: it was ours or nobody's fault. */
-export function mayHelpAgain(error: unknown): boolean {
-  return !(error instanceof Problem) || error.status >= 500 || error.status === 429;
+function mayHelpAgain(error: unknown): boolean {
+  if (!(error instanceof Problem)) return true;
+  return (error.status >= 500 && error.kind !== "store-damaged") || error.status === 429;
 }
 
 function told(error: unknown) {

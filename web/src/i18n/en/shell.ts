@@ -40,6 +40,8 @@ export const shell = {
     gone: "It isn't there any more",
     kinds: {
       "store-unavailable": "The service can't use its database now",
+      "store-damaged": "The service's database is damaged",
+      "kept-unreadable": "Its request is of another version and can't be read any more",
       "queue-full": "Too much is waiting to be worked on",
       interrupted: "The work broke off",
       "too-demanding": "It takes more than the service allows",
@@ -65,6 +67,9 @@ export const shell = {
       gone: "It was deleted, or the time for which the service keeps it is over.",
       "store-unavailable":
         "Its disk may be full, or its database out of reach: whoever runs it can see to that. Nothing you entered is lost.",
+      "store-damaged":
+        "Asking again doesn't help: whoever runs the service must restore a backup. Nothing you entered is lost.",
+      "kept-unreadable": "Its table is still there as JSON; for anything else ask for it anew.",
       "queue-full": "Others are before you. Nothing you entered is lost: wait a little, then try again.",
       interrupted: "The process that worked on it was ended from outside. Try again; if it ends so again, ask for less.",
       "too-demanding": "Ask for less at a time: fewer or shorter sessions, fewer targets or days.",

@@ -6,7 +6,7 @@ import { words } from "../../i18n";
 import { percent } from "../../i18n/forms";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Contributors } from "./Contributors";
 import { OverTime } from "./OverTime";
 import { Session } from "./Session";
@@ -22,7 +22,7 @@ export function Flown({ id }: { id: string }) {
   const { answer: flights, progress, error, again, cancel } = useMade("/v1/flights/{id}", id, fetchFlights);
   const isCancelled = error instanceof Cancelled;
   const problem = error !== null && !isCancelled && (
-    <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined}>
+    <ProblemNotice error={error} again={again}>
       {flights && (
         <p>
           <Link to={`/flights?plan=${flights.plan}`} class="button">

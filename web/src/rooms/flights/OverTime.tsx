@@ -8,7 +8,7 @@ import { Strip } from "../../charts/Strip";
 import { type Line, type Shade, TimeChart } from "../../charts/TimeChart";
 import { words } from "../../i18n";
 import { digits } from "../../i18n/forms";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { cursor_s } from "../../time/cursor";
 import { moveTo } from "../../time/playback";
 import { type Stretch, TimeBar } from "../../time/TimeBar";
@@ -67,7 +67,7 @@ export function OverTime({ flights, epoch }: { flights: Flights; epoch: string }
         <RangeButtons range={range} stop_s={stop_s} onWhole={() => setChosen(null)} />
       </div>
       {error !== null && (
-        <ProblemNotice error={error} again={mayHelpAgain(error) ? again : undefined} />
+        <ProblemNotice error={error} again={again} />
       )}
       <Strip name={text.error} unit="″" keys={errors.map((one) => one.label)} fact={text.atMost(worst_arcsec)}>
         <TimeChart {...common} label={text.seriesOf(text.error, worst_arcsec)} lines={errors} isLogarithmic height={HEIGHT} />

@@ -7,7 +7,7 @@ import { Cancelled, type Progress, type Sent, sendOff, untilDone } from "../../a
 import { isAbort, NoAnswer, Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { go, place } from "../../router";
 import type { RoomProps } from "../../rooms";
 import * as draft from "./draft";
@@ -109,7 +109,7 @@ export default function AskRoom(_: RoomProps) {
       <h1 class="hidden">{text.shell.rooms.plan}</h1>
       <div class="ask-form">
         {loadError !== null && (
-          <ProblemNotice error={loadError} again={mayHelpAgain(loadError) ? () => setTries(tries + 1) : undefined} />
+          <ProblemNotice error={loadError} again={() => setTries(tries + 1)} />
         )}
         <OrbitPanel />
         <TargetPanel />

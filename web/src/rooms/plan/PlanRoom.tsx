@@ -10,7 +10,7 @@ import { brokeOff, NoAnswer, Problem } from "../../api/problem";
 import { words } from "../../i18n";
 import { Bar } from "../../parts/Bar";
 import { Link } from "../../parts/Link";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { TakeOffer } from "../../parts/TakeOffer";
 import type { RoomProps } from "../../rooms";
 import { go } from "../../router";
@@ -123,7 +123,7 @@ function Why({ id, error, again }: { id: string; error: unknown; again: () => vo
           {text.cancelled}
         </p>
       ) : (
-        <ProblemNotice error={error} again={brokeOff(error) ? anew : mayHelpAgain(error) ? again : undefined}>
+        <ProblemNotice error={error} again={brokeOff(error) ? anew : again}>
           {offer && <TakeOffer offer={offer} take={anew} />}
         </ProblemNotice>
       )}

@@ -1,7 +1,7 @@
 /** Why not: in words, with the button that takes what is offered instead. */
 import { words } from "../../i18n";
 import { clock } from "../../i18n/forms";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { TakeOffer } from "../../parts/TakeOffer";
 import { failure, refused } from "./refusal";
 import { takeOffered } from "./SequencePanel";
@@ -12,7 +12,7 @@ export function RefusalNotice({ plan }: { plan: () => void }) {
   if (error === null) return null;
   const now = refused.value;
   return (
-    <ProblemNotice error={error} again={mayHelpAgain(error) ? plan : undefined}>
+    <ProblemNotice error={error} again={plan}>
       {now && (
         <p class="small">
           {text.session(now.session + 1)}

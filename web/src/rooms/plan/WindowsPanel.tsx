@@ -1,7 +1,7 @@
 /** The windows of the next days: all at once as bars over time, and one by one. */
 import { Problem } from "../../api/problem";
 import { words } from "../../i18n";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
 import * as draft from "./draft";
@@ -35,7 +35,7 @@ export function WindowsPanel() {
       </div>
       <SpanFields />
       {error !== null && !isTargets && (
-        <ProblemNotice error={error} again={mayHelpAgain(error) ? searchAgain : undefined} />
+        <ProblemNotice error={error} again={searchAgain} />
       )}
       {now && now.windows.length === 0 && <p>{text.none}</p>}
       {now && now.windows.length > 0 && (

@@ -20,12 +20,12 @@ export function leastMargin(plan: Plan): LeastMargin | null {
       }
     }
   }
-  for (const cone of plan.keep_out ?? []) {
+  for (const cone of plan.keep_out) {
     if (cone.margin_deg !== null && cone.at !== null) {
       all.push({ kind: "keepOut", axis: "", limit: cone.about, share: cone.margin_deg / cone.half_angle_deg, at: cone.at });
     }
   }
-  for (const mask of plan.masks ?? []) {
+  for (const mask of plan.masks) {
     const share = mask.margin_deg / Math.max(mask.away_min_deg, 1e-9);
     all.push({ kind: "mask", axis: "", limit: mask.name, share, at: mask.at });
   }

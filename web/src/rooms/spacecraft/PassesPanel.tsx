@@ -5,7 +5,7 @@ import { isAbort } from "../../api/problem";
 import { words } from "../../i18n";
 import { number } from "../../i18n/forms";
 import { Field } from "../../parts/Field";
-import { mayHelpAgain, ProblemNotice } from "../../parts/ProblemNotice";
+import { ProblemNotice } from "../../parts/ProblemNotice";
 import { UtcField } from "../../parts/UtcField";
 import { Overview } from "../../windows/Overview";
 import { PassFigures } from "../../windows/PassFigures";
@@ -86,7 +86,7 @@ export function PassesPanel({ request, count, onTimes }: Props) {
           {text.find}
         </button>
       </div>
-      {error !== null && <ProblemNotice error={error} again={mayHelpAgain(error) ? () => void ask() : undefined} />}
+      {error !== null && <ProblemNotice error={error} again={() => void ask()} />}
       {found && found.unseen.length > 0 && <p class="notice notice-warn">{text.unseen(found.unseen.join(", "))}</p>}
       {found && found.passes.length > 0 && (
         <>
