@@ -1,10 +1,11 @@
-"""What of the installed packages does the image not need?
+"""Removes from the installed packages what the image does not need.
 
     python prune.py SITE_PACKAGES
 
-Removes CasADi's other solvers and the copies of its libraries under their other names (a
-wheel knows no links), the packages' own tests, headers and static libraries, what nothing
-reads, and the symbols that only debuggers read.  Prints what each step saved.  The Dockerfile
+That is CasADi's other solvers and the copies of its libraries under their other names (a wheel
+knows no links), the libraries of Pillow's other formats, the packages' own tests, sources and
+static libraries, what nothing reads, and the symbols that only debuggers read; OpenCV takes
+CasADi's OpenBLAS.  Prints what each step saved, and solves with what remains.  The Dockerfile
 runs try_out.sh afterwards.
 """
 
@@ -14,48 +15,97 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-# Prints the libraries of CasADi that a process maps once Ipopt and PIQP have solved something.
+# Prints the libraries that a process maps once OpenCV's LAPACK (with matrices this large), Ipopt
+# and PIQP have solved something, and Pillow has written a picture as Matplotlib lets it.
 _SOLVE = """
+import cv2
+import numpy as np
+i = np.arange(128.0)
+a = np.exp(-np.abs(i[:, None] - i)) + np.eye(128)
+for method in (cv2.DECOMP_LU, cv2.DECOMP_CHOLESKY, cv2.DECOMP_QR, cv2.DECOMP_SVD):
+    x = cv2.solve(a, a @ i[:, None], flags=method)[1]
+    assert np.allclose(cv2.gemm(a, x, 1, None, 0), a @ i[:, None]), method
+
 import casadi
 x = casadi.MX.sym("x")
 problem = {"x": x, "f": (x - 1) ** 2, "g": x}
 quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
-casadi.nlpsol("solver", "ipopt", problem, quiet)(x0=3, lbg=0, ubg=2)
-casadi.qpsol("quick", "piqp", problem, {"print_time": False})(x0=3, lbg=0, ubg=2)
+for solver in (
+    casadi.nlpsol("solver", "ipopt", problem, quiet),
+    casadi.qpsol("quick", "piqp", problem, {"print_time": False}),
+):
+    assert abs(solver(x0=3, lbg=0, ubg=2)["x"] - 1) < 1e-6, solver
+
+import io
+from PIL import Image
+Image.new("RGBA", (2, 2)).save(io.BytesIO(), format="png")
 for line in open("/proc/self/maps"):
-    if "/casadi/" in line:
+    if ".so" in line:
         print(line.split()[-1])
 """
 _TESTS = ("tests", "tornado/test", "sqlalchemy/testing", "alembic/testing")
-_DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.px?", "*.pyx", "*.lib")
-# The IERS's other series, and what zstandard takes where its own extension is not to be had.
-_UNREAD = ("astropy_iers_data/data/eopc04*", "zstandard/_cffi*")
+_DEVELOPMENT = ("*.a", "*.pyi", "*.h", "*.hpp", "*.cmake", "*.pc", "*.px?", "*.pyx", "*.lib", "*.c")
+# The IERS's other series; what zstandard takes where its own extension is not to be had; of Dask's
+# collections, XML, fonts, NumPy's tests and SciPy's formats what nothing here uses.
+_UNREAD = (
+    "astropy_iers_data/data/eopc04*",
+    "zstandard/_cffi*",
+    "dask/array",
+    "dask/bag",
+    "dask/dataframe",
+    "lxml/objectify*",
+    "matplotlib/mpl-data/sample_data",
+    "matplotlib/mpl-data/fonts/afm",
+    "matplotlib/mpl-data/fonts/pdfcorefonts",
+    "numpy/_core/_simd*",
+    "scipy/io/_fast_matrix_market/*.so",
+)
 
 
 def main(site: Path) -> None:
     """Prune in place."""
     steps = {
-        "CasADi's other solvers": _unmapped(site / "casadi"),
+        "CasADi's other solvers, Pillow's other formats": _unmapped(site, "casadi", "pillow.libs"),
         "tests": _found(site, _TESTS),
         "headers, sources, stubs and static libraries": _found(site, _DEVELOPMENT),
         "data and code that nothing reads": _found(site, _UNREAD),
     }
     for name, victims in steps.items():
         print(f"{name}: {_removed(victims) / 1e6:.0f} MB")
+    print(f"OpenCV's OpenBLAS: {_shared(site) / 1e6:.0f} MB")
     print(f"symbols: {_stripped(site) / 1e6:.0f} MB")
+    _mapped()
 
 
-def _unmapped(casadi: Path) -> Iterator[Path]:
+def _mapped() -> set[str]:
     done = subprocess.run(  # noqa: S603 (our own words, by our own interpreter)
-        [sys.executable, "-c", _SOLVE], check=True, capture_output=True, text=True
+        [sys.executable, "-c", _SOLVE], check=True, stdout=subprocess.PIPE, text=True
     )
-    mapped = {Path(line).name for line in done.stdout.splitlines() if ".so" in line}
-    for solver in ("ipopt", "piqp"):
-        if not any(solver in name for name in mapped):
-            raise SystemExit(f"{solver} was not loaded: nothing can be told from what was")
-    for path in casadi.iterdir():
-        if path.suffix != ".py" and path.name not in mapped and path.name != "__pycache__":
-            yield path
+    return {Path(line).name for line in done.stdout.splitlines()}
+
+
+def _unmapped(site: Path, *folders: str) -> Iterator[Path]:
+    mapped = _mapped()
+    for folder in folders:
+        for path in (site / folder).iterdir():
+            if path.suffix != ".py" and path.name not in mapped and path.name != "__pycache__":
+                yield path
+
+
+def _shared(site: Path) -> int:
+    """OpenCV's OpenBLAS (with Fortran's libraries, which only that needs) is CasADi's.
+
+    The loader looks for what a library needs beside the link by which it was found.
+    """
+    brought = site / "opencv_python_headless.libs"
+    (openblas,) = brought.glob("libopenblas*")
+    saved = _removed(iter([openblas, *brought.glob("libgfortran*"), *brought.glob("libquadmath*")]))
+    casadi = Path("../casadi")
+    openblas.symlink_to(casadi / "libcasadi-tp-openblas.so.0")
+    for pattern in ("libgfortran*", "libquadmath*"):
+        (library,) = (site / "casadi").glob(pattern)
+        (brought / library.name).symlink_to(casadi / library.name)
+    return saved
 
 
 def _found(site: Path, patterns: tuple[str, ...]) -> Iterator[Path]:

@@ -3,7 +3,7 @@
 set -eu
 PATH=/opt/slewtrack/bin:$PATH
 slewtrack plan examples/las_vegas_2015.json --export netcdf=/tmp/plan.nc
-slewtrack plan examples/three_sessions.json
+slewtrack plan examples/three_sessions.json --plot /tmp/plan.pdf
 slewtrack fly examples/las_vegas_2015.json --runs 8 --plot /tmp/flights.png
 slewtrack compare examples/las_vegas_2015.json examples/las_vegas_telemetry.csv --plot /tmp/telemetry.svg
 slewtrack windows examples/opportunities_sky.json
@@ -14,12 +14,14 @@ slewtrack spacecraft examples/spacecraft_four_modes.json
 # The service, a scheduler and a worker: one plan by HTTP, and the page.
 scheduler=tcp://127.0.0.1:18786
 dask scheduler --no-dashboard --dashboard-address 127.0.0.1:0 --host 127.0.0.1 --port 18786 &
-background=$!
+processes=$!
 slewtrack worker --scheduler $scheduler --solves 1 &
-background="$background $!"
+processes="$! $processes"
 SLEWTRACK_DATA_DIR=/tmp/served SLEWTRACK_DASK_SCHEDULER=$scheduler slewtrack serve --port 18000 &
-background="$background $!"
-trap 'kill $background; wait' EXIT
+processes="$! $processes"
+# The service ends first, and what it asks afterwards.
+trap 'for process in $processes; do kill $process && wait $process || true; done' EXIT
+python3 -c 'import psycopg; assert psycopg.pq.__impl__ == "binary"'
 python3 - examples/las_vegas_2015.json <<'ASK'
 import sys
 from pathlib import Path
@@ -27,7 +29,8 @@ from urllib.request import urlopen
 
 import slewtrack
 
-with slewtrack.Client("http://127.0.0.1:18000") as client:  # it asks again until there is one
+# It asks again until there is one, however slow the machine that builds.
+with slewtrack.Client("http://127.0.0.1:18000", patience_s=300) as client:
     plan = client.plan(Path(sys.argv[1]).read_bytes())
 print(plan.state, len(plan.table.t_s), "rows over HTTP, solved by a worker")
 assert b"<script" in urlopen("http://127.0.0.1:18000/").read(), "the page isn't in the image"
