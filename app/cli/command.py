@@ -32,7 +32,6 @@ from app.cli.plan import plan
 from app.cli.progress_bar import progress_bar, reported_work
 from app.cli.report_parts import report_console
 
-
 _USUAL = gc.get_threshold()
 
 
