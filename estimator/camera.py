@@ -10,9 +10,9 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.rotation import Rotation
 from planner.spec import UnitPart, Within, spec
 
 _Bend = Annotated[float, Within(-1e3, 1e3)]

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
 from estimator.errors import Reason
@@ -14,6 +13,7 @@ from estimator.nadir.prior import prior_of
 from estimator.search.plausibility import MIN_ARC_OF_ALL_RAD
 from estimator.surroundings import Surroundings
 from planner.arrays import Array
+from planner.rotation import Rotation
 
 _COLUMNS = 48
 

@@ -4,7 +4,6 @@ from datetime import datetime
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from estimator.camera import HorizonCamera
 from estimator.errors import Reason
@@ -15,6 +14,7 @@ from planner.arrays import Array
 from planner.frames.earth_orientation import C_GCRF_FROM_EME2000, c_itrf_from_eci
 from planner.frames.solar_system import r_sun_eci_m
 from planner.frames.time_scales import Instants
+from planner.rotation import Rotation
 
 _NIGHT_LIMB_KM = 60.0
 _SUN_LOW_RAD = np.deg2rad(5.0)

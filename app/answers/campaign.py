@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from app.answers.job import JobResponse, job_out, page
-from app.answers.members import fill, from_store, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, fill, from_store, to_json
 from app.answers.problem import Problem
 from app.answers.ranges import (
     Count,
@@ -210,6 +210,8 @@ class CampaignList:
     next: `cursor` of what comes after, null at the end. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     campaigns: list[JobResponse]
     next: str | None

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from app.answers.job import JobResponse, job_out, page
-from app.answers.members import degrees, degrees_of, fill, from_store, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, degrees, degrees_of, fill, from_store, to_json
 from app.answers.ranges import Count, HalfTurnDeg, NotNegative, Share, Signed
 from app.store.packed import unzip
 from planner.arrays import Array
@@ -195,6 +195,8 @@ class FlightsList:
     next: `cursor` of what comes after, null at the end. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     flights: list[JobResponse]
     next: str | None

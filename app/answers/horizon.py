@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.answers.horizon_view import ViewOut
-from app.answers.members import DECIMALS, ProvenanceOut, degrees, fill
+from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, ProvenanceOut, degrees, fill
 from app.answers.ranges import DirectionPart, HalfTurnDeg, NotNegative, Share, Signed, TurnDeg
 from estimator.check import Verdict
 from estimator.errors import Reason
@@ -106,6 +106,8 @@ class EstimateResponse:
     warnings: what one should know before relying on it. E.g.
     `["cameras left out: right"]`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     verdict: Verdict
     reason: str | None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.answers.members import ProvenanceOut
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut
 from app.answers.opportunities import (
     FoundWindows,
     OpportunitiesHead,
@@ -88,6 +88,8 @@ class ImagingWindowsPage:
     windows: those of this page.
     next: `cursor` of what comes after; null at the end. E.g. `100`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     windows: list[ImagingOpportunityOut]
     next: Count | None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field, TypeAdapter
 
-from app.answers.members import fill, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, fill, to_json
 from app.answers.problem import Problem
 from app.answers.ranges import Count, Share
 from app.store.ids import JobState
@@ -40,6 +40,8 @@ class JobResponse:
     problem: why it was refused or failed, `instance` being the job; null otherwise.
     """
 
+    __pydantic_config__ = BUILT_ON_FIRST_USE
+
     id: str
     state: JobState
     name: str
@@ -68,6 +70,8 @@ class PlanList:
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
 
+    __pydantic_config__ = BUILT_ON_FIRST_USE
+
     plans: list[JobResponse]
     next: str | None
 
@@ -80,6 +84,8 @@ class SearchList:
     next: `cursor` of what comes after, null at the end. E.g.
     `"01a203fd-cbae-73f8-8276-319f76b8842c"`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     opportunities: list[JobResponse]
     next: str | None

@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.answers.members import ProvenanceOut, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
 from app.answers.ranges import (
     Count,
     ElevationDeg,
@@ -160,6 +160,8 @@ class OpportunitiesHead:
     `["the elements' epoch 2015-02-27T11:40:53Z is 9.0 days from the plan"]`.
     """
 
+    __pydantic_config__ = BUILT_ON_FIRST_USE
+
     name: str
     start: str
     stop: str
@@ -188,6 +190,8 @@ class WindowsPage:
     windows: those of this page.
     next: `cursor` of what comes after; null at the end. E.g. `100`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     windows: list[WindowOut]
     next: Count | None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.answers.columns import columns_of, numbers
-from app.answers.members import degrees, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, degrees, to_json
 from app.answers.ranges import (
     Count,
     ElevationDeg,
@@ -141,6 +141,8 @@ class SpacecraftViewResponse:
     swaths: what each window images.
     requests: what was asked for, imaged or not.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     id: str
     name: str

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from app.answers.horizon import CorrectionOut
-from app.answers.members import ProvenanceOut, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, ProvenanceOut, to_json
 from app.answers.platform import definition_of
 from app.answers.ranges import Count, NotNegative, Signed
 from app.answers.telemetry_axes import AxisComparisonOut, arcsec, axis_of
@@ -104,6 +104,8 @@ class ComparisonResponse:
     warnings: what one should know before relying on it. E.g.
     `["alpha_deg fits the plan in rad and was read so, not in deg as its name says"]`.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     plan: str
     name: str

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from app.answers.columns import columns_of, numbers
 from app.answers.mask_trace import MaskTraceOut, mask_trace_out
-from app.answers.members import DECIMALS, degrees, to_json
+from app.answers.members import BUILT_ON_FIRST_USE, DECIMALS, degrees, to_json
 from app.answers.opportunities import WindowOut, windows_out
 from app.answers.ranges import (
     Count,
@@ -260,6 +260,8 @@ class PlanViewResponse:
     masks: of each of the platform's.
     baseline: of each slew; empty where the plan is the baseline itself.
     """
+
+    __pydantic_config__ = BUILT_ON_FIRST_USE
 
     id: str
     name: str

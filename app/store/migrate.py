@@ -5,11 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, text
+from sqlalchemy import Connection, inspect, text
 from sqlalchemy.exc import ProgrammingError
 
 from app.log.exceptions import reason
@@ -71,14 +67,35 @@ def _is_locked(error: StoreUnavailable) -> bool:
     return error.__cause__ is None or reason(error.__cause__).startswith("SQLITE_BUSY")
 
 
-def _upgrade(connection: Connection) -> str | None:
+def _upgrade(connection: Connection) -> str:
     """The revision it is of then; raises InvalidInput for one that isn't known here."""
+    present, head = _revision(connection), _head()
+    if present != head:
+        _migrate(connection, present, head)
+    return head
+
+
+def _revision(connection: Connection) -> str | None:
+    """What the database is of; None before it has any tables."""
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    return connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
+
+
+def _head() -> str:
+    """The newest revision, which its file is named by: `m0001_first.py` makes 1."""
+    return str(max(int(file.name[1:5]) for file in (_FOLDER / "versions").glob("m*_*.py")))
+
+
+def _migrate(connection: Connection, present: str | None, head: str) -> None:
+    # A tenth of a second, which only starts that change the tables wait for.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
     config = Config(attributes={"connection": connection})
     config.set_main_option("script_location", str(_FOLDER).replace("%", "%%"))
-    scripts = ScriptDirectory.from_config(config)
-    known = {script.revision for script in scripts.walk_revisions()}
-    head = scripts.get_current_head()
-    present = MigrationContext.configure(connection).get_current_revision()
+    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
     if present is not None and present not in known:
         raise InvalidInput(
             f"the database is of revision {present!r}, which this version of slewtrack doesn't "
@@ -86,6 +103,4 @@ def _upgrade(connection: Connection) -> str | None:
             "first release; install that one, or use another database",
             field="SLEWTRACK_DATABASE_URL",
         )
-    if present != head:
-        command.upgrade(config, "head")
-    return head
+    command.upgrade(config, head)

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PictureOut, estimate_out, numbers_of
 from app.answers.members import ProvenanceOut, to_json
@@ -20,6 +19,7 @@ from estimator.errors import InvalidCamera
 from estimator.request import Body, HorizonRequest
 from estimator.surroundings import Surroundings
 from planner.frames.time_scales import utc_text
+from planner.rotation import Rotation
 
 if TYPE_CHECKING:
     from estimator.images import Pixels

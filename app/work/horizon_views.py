@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from app.answers.horizon import PredictionResponse, view_out
 from app.answers.horizon_view import HorizonCheckOut, ViewOut
@@ -18,6 +17,7 @@ from planner.attitude import AttitudeLaw
 from planner.errors import InvalidInput
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, tai_us, utc_text
 from planner.orbits import Orbit
+from planner.rotation import Rotation
 from planner.scenario import Scenario
 
 SEEN_AT = (0.0, 0.5, 1.0)  # shares of a session

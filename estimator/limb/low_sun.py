@@ -11,7 +11,6 @@ Source: Chapman 1931 for the path; Smith and Smith 1972, eq. 3, for its closed f
 from functools import cache
 
 import numpy as np
-from scipy.special import erfcx
 
 from planner.arrays import Array
 
@@ -43,6 +42,8 @@ def _rises() -> tuple[Array, Array]:
 
 def chapman_path(elevation_rad: Array) -> Array:
     """Air along a ray at an elevation against that straight up (Chapman's function)."""
+    from scipy.special import erfcx
+
     x = _EARTH_RADII
     sine = np.sin(np.abs(elevation_rad))
     upward = np.sqrt(0.5 * np.pi * x) * erfcx(np.sqrt(0.5 * x) * sine)

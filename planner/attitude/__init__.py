@@ -3,7 +3,6 @@
 from typing import Annotated, Protocol, get_args
 
 from pydantic import Field
-from scipy.spatial.transform import Rotation
 
 from planner.attitude.aem import AemAttitude
 from planner.attitude.corrections import AttitudeCorrection
@@ -13,6 +12,7 @@ from planner.attitude.inertial import InertialAttitude
 from planner.attitude.lvlh import LvlhAttitude
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.rotation import Rotation
 from planner.spec import About
 
 

@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.correctable import CorrectableAttitude
@@ -20,6 +19,7 @@ from planner.frames.time_scales import Instants, shifted_utc, utc_text
 from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import OrbitStates
 from planner.orbits.ephemeris import EDGE_S
+from planner.rotation import Rotation
 from planner.spec import spec
 
 GAP_WARNED = 20.0  # times the usual step between rows
@@ -31,7 +31,7 @@ CURVE_ROWS = 4  # farther rows hardly bend the curve
 LOCAL_ORBITAL = ("LVLH", "RTN")
 
 # Radial is -Z of LVLH, along-track +X, and the orbit's normal -Y.
-_Q_RTN_FROM_LVLH = Rotation.from_matrix([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+_C_RTN_FROM_LVLH = ((0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def q_frame_from_eci(frame: str, instants: Instants, states: OrbitStates) -> Rot
 
 def q_frame_from_lvlh(frame: str) -> Rotation:
     """The constant rotation from LVLH to one of LOCAL_ORBITAL."""
-    return _Q_RTN_FROM_LVLH if frame == "RTN" else Rotation.identity()
+    return Rotation.from_matrix(_C_RTN_FROM_LVLH) if frame == "RTN" else Rotation.identity()
 
 
 def _arc(segment: AemSegment) -> AttitudeArc:

@@ -8,7 +8,6 @@ the next minutes need not be for the next orbit, and descriptions that do alike 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.attitude.extrapolation import (
@@ -19,6 +18,7 @@ from planner.attitude.extrapolation import (
     fit_extrapolation,
 )
 from planner.attitude.manoeuvre import RANDOM_RMS_RAD, last_change, turn_rms_rad
+from planner.rotation import Rotation
 
 LEADS_S = 150.0 * 2.0 ** np.arange(8)  # to beyond three orbits
 LEAST_S = 4.0 * TAIL_S  # of history

@@ -5,13 +5,13 @@ from functools import cached_property
 from typing import Annotated
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.corrections import Correction, Corrections
 from planner.attitude.errors import AttitudeErrors, AttitudeUncertainty
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.rotation import Rotation
 from planner.spec import Within, spec
 
 PERIOD_RANGE_S = (5000.0, 90000.0)  # from the lowest orbit to beyond the geostationary

@@ -7,10 +7,10 @@ harmonics; one that has just manoeuvred holds its attitude or its rate for a whi
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.manoeuvre import STEP_S
+from planner.rotation import Rotation
 
 TAIL_S = 60.0  # the present attitude and rate are those of this much of the history
 OFFSET_TAIL_S = 120.0

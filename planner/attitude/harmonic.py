@@ -5,7 +5,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.attitude.aem import LOCAL_ORBITAL, q_frame_from_eci, q_frame_from_lvlh
@@ -18,6 +17,7 @@ from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants, elapsed_s, shifted_utc, utc_text
 from planner.messages.aem import AemSegment, read_aem
 from planner.orbits import Orbit, OrbitStates
+from planner.rotation import Rotation
 from planner.spec import spec
 
 HISTORY_ORBITS = 5.0

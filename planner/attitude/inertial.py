@@ -5,7 +5,6 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.correctable import CorrectableAttitude
@@ -13,6 +12,7 @@ from planner.attitude.errors import KNOWLEDGE_RAD, AttitudeErrors, soon_forgotte
 from planner.errors import OutsideCoverage
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.orbits import OrbitStates
+from planner.rotation import Rotation
 from planner.spec import UnitPart, Within, spec
 
 QUATERNION_NORM_TOLERANCE = 1e-4  # four printed decimals

@@ -3,7 +3,6 @@
 from typing import Annotated, Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.attitude.correctable import CorrectableAttitude
 from planner.attitude.errors import (
@@ -15,6 +14,7 @@ from planner.attitude.errors import (
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.rotation import Rotation
 from planner.spec import Within, spec
 
 # Rms of the sinusoid at the orbital rate in which the ISS swings about its mean in torque

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.rotation import Rotation
 
 STEP_S = 300.0
 PRESENT_S = 900.0

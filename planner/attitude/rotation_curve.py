@@ -11,10 +11,10 @@ from itertools import permutations
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
 from planner.arrays import Array
 from planner.frames.iers import RAD_PER_ARCSEC
+from planner.rotation import Rotation
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline, PPoly
@@ -124,6 +124,8 @@ def _fit(t_s: Array, q: Array, q_dot_s: Array | None, spacing_s: float) -> Curve
     if q_dot_s is not None and len(t_s) >= 4:
         return _through_rates(t_s, q, q_dot_s)
     if len(t_s) == 2:
+        from scipy.spatial.transform import Slerp
+
         turn = Slerp(t_s, Rotation.from_quat(q))
         t_s = np.linspace(t_s[0], t_s[1], 2 * _DEGREE)
         q = turn(t_s).as_quat()

@@ -11,13 +11,13 @@ from datetime import datetime
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.export.map_features import thinned
 from planner.export.table_states import continuous
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.time_scales import Instants, utc_text
+from planner.rotation import Rotation
 
 Json = dict[str, Any]
 

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.export.table_states import TableStates
@@ -12,6 +11,7 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import WGS84_A_M, WGS84_F
 from planner.frames.time_scales import Instants
 from planner.platforms import TwoAxisPlatform
+from planner.rotation import Rotation
 from planner.targets.apparent import aberrate
 
 BORESIGHT_PAYLOAD = np.array([[0.0, 0.0, 1.0]])

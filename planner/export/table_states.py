@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.commands import ROWS_PER_S
@@ -12,6 +11,7 @@ from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants, elapsed_s
 from planner.orbits import Ephemeris, OrbitStates
 from planner.platforms import TwoAxisPlatform
+from planner.rotation import Rotation
 
 _DEGREE = 5
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.commands import ROWS_PER_S, CommandTable
@@ -16,6 +15,7 @@ from planner.flights.errors import SessionErrors, session_errors
 from planner.flights.frames import exposures_s
 from planner.frames.time_scales import Instants, shifted_utc
 from planner.orbits import Ephemeris, OrbitStates
+from planner.rotation import Rotation
 from planner.scenario import Scenario
 from planner.sessions.holding import Rows, session_rows
 from planner.sessions.uncertainty import CLOCK_S

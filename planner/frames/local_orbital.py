@@ -1,9 +1,9 @@
 """The axes of the local orbital frame (LVLH)."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, cross
+from planner.rotation import Rotation
 
 
 def q_lvlh_from_eci(r_sat_eci_m: Array, v_sat_eci_m_s: Array) -> Rotation:

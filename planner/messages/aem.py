@@ -9,7 +9,6 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.errors import InvalidMessage
@@ -25,6 +24,7 @@ from planner.messages.segments import (
     time_axis,
 )
 from planner.messages.xml import message_element
+from planner.rotation import Rotation
 
 FRAMES = ("EME2000", "GCRF", "ITRF", "LVLH", "RTN")
 NORM_TOLERANCE = 1e-3  # three printed decimals

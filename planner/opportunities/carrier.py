@@ -10,7 +10,6 @@ from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude import AttitudeLaw
@@ -21,6 +20,7 @@ from planner.frames.time_scales import Instants, elapsed_s
 from planner.opportunities.interpolation import NODES, UniformTable
 from planner.orbits import Ephemeris, OrbitStates
 from planner.platforms import TwoAxisPlatform
+from planner.rotation import Rotation
 from planner.targets import BodyTarget
 from planner.targets.apparent import aberrate
 

@@ -10,7 +10,6 @@ import math
 from typing import Annotated
 
 import numpy as np
-from scipy.linalg import expm
 
 from planner.arrays import Array
 from planner.spec import Within, spec
@@ -148,15 +147,12 @@ def _is_stable(drive: AxisDrive) -> bool:
 
 def _sampled_plant(lag_s: float) -> tuple[Array, Array]:
     """Over one step: of angle, rate and torque, from themselves (3, 3) and the command (3,)."""
-    continuous = np.zeros((4, 4))
-    continuous[0, 1] = 1.0
-    continuous[1, 2 if lag_s else 3] = 1.0
-    if lag_s:
-        continuous[2, 2:] = (-1.0 / lag_s, 1.0 / lag_s)
-    sampled = expm(continuous * CONTROL_STEP_S)
-    if not lag_s:
-        sampled[2] = (0.0, 0.0, 0.0, 1.0)
-    return sampled[:3, :3], sampled[:3, 3]
+    step = CONTROL_STEP_S
+    kept = math.exp(-step / lag_s) if lag_s else 0.0
+    rate = lag_s * (1.0 - kept)
+    angle = lag_s * (step - rate)
+    plant = np.array([[1.0, step, angle], [0.0, 1.0, rate], [0.0, 0.0, kept]])
+    return plant, np.array([step**2 / 2.0 - angle, step - rate, 1.0 - kept])
 
 
 # An axis that follows its table: no friction, cable, lag or play, and sensors that tell the truth.

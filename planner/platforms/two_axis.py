@@ -5,13 +5,13 @@ from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.platforms.camera import HRC_CAMERA, Camera
 from planner.platforms.carrier_mode import UNIT_TOLERANCE, CarrierMode
 from planner.platforms.drive import AxisDrive
 from planner.platforms.field_mask import FieldMask
+from planner.rotation import Rotation
 from planner.spec import UnitPart, Within, spec
 
 UnitVector = tuple[UnitPart, UnitPart, UnitPart]

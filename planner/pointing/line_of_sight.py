@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude import AttitudeLaw
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris, OrbitStates
+from planner.rotation import Rotation
 from planner.targets import VisibleTarget
 
 STENCIL = 7

@@ -5,13 +5,13 @@ from typing import Annotated
 
 import erfa
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.solar_system import BODIES
 from planner.frames.time_scales import Instants
 from planner.orbits import OrbitStates
+from planner.rotation import Rotation
 from planner.spec import LENGTH_MIN, VectorPart, Within, spec
 from planner.targets.body import BodyTarget
 

@@ -13,7 +13,6 @@ from datetime import datetime
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.attitude.corrections import AttitudeCorrection
@@ -22,6 +21,7 @@ from planner.export.exporter import FlightPlan
 from planner.frames.time_scales import Instants, elapsed_s, utc_text
 from planner.platforms import TwoAxisPlatform
 from planner.pointing.angles import boresight_platform, carried_axes
+from planner.rotation import Rotation
 from planner.telemetry.following import Followed
 from planner.telemetry.motion import PlannedMotion
 from planner.telemetry.request import ImageOffset

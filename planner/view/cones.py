@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices, Mask, cross
 from planner.opportunities.conditions import angle_rad, within_stops
 from planner.pointing.angles import axis_angles, boresight_platform
+from planner.rotation import Rotation
 from planner.targets import KeepOut
 from planner.view.scene import PlanScene
 

@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.export import FlightPlan
@@ -18,6 +17,7 @@ from planner.opportunities.carrier import apparent_geocentric_m
 from planner.opportunities.conditions import angle_rad
 from planner.opportunities.interpolation import NODES, UniformTable
 from planner.orbits import OrbitStates
+from planner.rotation import Rotation
 from planner.targets.apparent import aberrate
 
 Body = Literal["sun", "moon"]

@@ -53,6 +53,7 @@ def test_migrations_lead_to_the_models(tmp_path):
         with database.reading() as connection:
             context = MigrationContext.configure(connection, opts={"compare_type": True})
             assert compare_metadata(context, models.Base.metadata) == []
+            assert context.get_current_revision() == database.revision  # by its file's name
 
 
 NEXT = """

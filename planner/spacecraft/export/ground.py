@@ -4,7 +4,6 @@ import math
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array, Indices
 from planner.export.ground import Sights, ends_on_ground, turned_rays
@@ -12,6 +11,7 @@ from planner.frames.earth_orientation import c_itrf_from_eci
 from planner.frames.geodesy import geodetic_from_itrf
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
+from planner.rotation import Rotation
 from planner.spacecraft.export.session_table import SessionTable
 from planner.spacecraft.table import ImagingWindow
 

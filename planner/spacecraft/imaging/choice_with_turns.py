@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner import effort
 from planner.effort import at_most
 from planner.errors import InfeasibleSlew, Refusal, Unreachable
 from planner.label_search import COMPLETES, OPENS
+from planner.rotation import Rotation
 from planner.spacecraft.imaging.candidates import Candidate, candidates
 from planner.spacecraft.imaging.choose import Choice, choose
 from planner.spacecraft.imaging.ground_arc import ChebyshevProfile

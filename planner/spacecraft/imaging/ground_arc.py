@@ -12,7 +12,6 @@ from datetime import datetime
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
 from planner.frames.earth_orientation import c_itrf_from_eci
@@ -20,6 +19,7 @@ from planner.frames.geodesy import WGS84_A_M, WGS84_F, up_itrf
 from planner.frames.local_orbital import q_lvlh_from_eci
 from planner.frames.time_scales import Instants
 from planner.orbits import Ephemeris
+from planner.rotation import Rotation
 from planner.spacecraft.mrp import BodyMotion, MrpMotion, body_motion
 from planner.spacecraft.table import TICK_S
 

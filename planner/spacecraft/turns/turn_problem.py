@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from planner.arrays import Array
+from planner.rotation import Rotation
 from planner.spacecraft.mrp import BodyMotion, MrpCurve, MrpMotion, MrpState, body_motion, mrp_state
 from planner.spacecraft.vehicle.definition import SlewLimits
 
