@@ -127,6 +127,23 @@ def test_a_draw_at_the_edge_of_the_frame_is_judged_in_full_precision(size):
             assert found == np.mean(draws <= draw * (1.0 + side))
 
 
+@pytest.mark.parametrize("rough", [0.0, 1e-3, 0.3, 10.0])
+@pytest.mark.parametrize("count", [1, 2, 5, 23])
+def test_the_instants_looked_at_later_count_as_the_few_looked_at_first(rough, count):
+    """The probability is that of every draw at every instant, however its way bends between."""
+    rng = np.random.default_rng(count)
+    along = np.linspace(-1.0, 1.0, count)[:, None]
+    parts = rng.normal(size=(6, 1, 2)) + along * rng.normal(size=(6, 1, 2))
+    parts = 0.3 * HALF_RAD * (parts + rough * rng.normal(size=(6, count, 2)))
+    *constant, sine, cosine, known = parts
+    draws = lattice_points(2, 1, 1)
+    places = known[..., None] + np.stack([*constant, sine, cosine], axis=-1) @ draws
+    farthest = np.abs(places / HALF_RAD[:, None]).max(axis=(0, 1))
+    swing = np.stack([sine, cosine])
+    found = probability_inside(np.stack(constant), HALF_RAD, known, [swing], laplace=1)
+    assert found == np.mean(farthest <= 1.0)
+
+
 @pytest.mark.parametrize("turned", [0.0, 2.0])
 def test_a_swing_of_unknown_phase_is_distributed_as_a_sinusoid(turned):
     """A short session sees one value of it: P(|A sin| < h) = 2/pi arcsin(h/A), not a Gaussian's."""
